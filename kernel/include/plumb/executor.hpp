@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+namespace plumb {
+
+/// Runs a task on several threads. An engine passes its own job system by deriving from this class.
+///
+/// Contract: `run(n, task, context)` calls task(context, i) exactly once for every i in [0, n), in any order, on
+/// any threads, and returns when all calls have returned. The calls may run one after the other: plumb's tasks
+/// never wait for a task that has not started, so an executor with one thread cannot deadlock them. `run` is
+/// never called from inside a task. Results do not depend on the executor.
+class Executor {
+ public:
+  using Task = void (*)(void* context, unsigned index);
+
+  virtual ~Executor() = default;
+  /// Number of tasks that can be expected to run at once; at least 1.
+  virtual unsigned concurrency() const = 0;
+  virtual void run(unsigned n, Task task, void* context) = 0;
+};
+
+/// The built-in executor on oneTBB, with `threads` workers including the caller (0: all hardware threads).
+std::unique_ptr<Executor> make_tbb_executor(unsigned threads = 0);
+
+}  // namespace plumb

@@ -1,0 +1,21 @@
+/// plumb: articulated things made of particles and rods.
+///
+///   plumb::Scene scene;                                   // describe: metres, kilograms, seconds
+///   scene.particles = {{.position = {0, 0, 0}, .fixed = true}, {.position = {1, 0, 0}, .mass = 1}};
+///   scene.rods = {{.a = 0, .b = 1}};
+///   plumb::World world(scene, {.substeps = 8});           // compile: islands, colours, layouts
+///   world.step(1.0 / 60);                                 // advance
+///   plumb::Vec3 tip = world.position(1);                  // read, in the scene's own order
+///
+/// scene.hpp     what is simulated           world.hpp     the compiled scene and its step
+/// settings.hpp  how it is simulated         measures.hpp  how wrong it is: stretch, energy, momentum, truth
+/// executor.hpp  whose threads do it         error.hpp     what is refused
+#pragma once
+
+#include "plumb/error.hpp"
+#include "plumb/executor.hpp"
+#include "plumb/measures.hpp"
+#include "plumb/scene.hpp"
+#include "plumb/settings.hpp"
+#include "plumb/vec3.hpp"
+#include "plumb/world.hpp"

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "plumb/vec3.hpp"
+
+namespace plumb {
+
+/// A point with mass. A fixed particle never moves by itself (inverse mass 0) and its mass is ignored.
+struct Particle {
+  Vec3 position;      ///< m
+  Vec3 velocity;      ///< m/s
+  double mass = 0;    ///< kg; a movable particle needs mass of its own or from its rods
+  bool fixed = false;
+};
+
+/// Keeps particles `a` and `b` at `length`. Its own mass is spread evenly along it.
+struct Rod {
+  std::uint32_t a = 0;  ///< index into Scene::particles
+  std::uint32_t b = 0;  ///< index into Scene::particles
+  double length = 0;    ///< m; 0 means the distance between the two particles
+  double mass = 0;      ///< kg; 0 is a massless link
+};
+
+/// What a user describes, in double precision and in the user's own order.
+struct Scene {
+  std::vector<Particle> particles;
+  std::vector<Rod> rods;
+  Vec3 gravity{0, -9.81, 0};  ///< m/s²
+  double drag = 0;            ///< 1/s; velocities decay as exp(-drag·t)
+};
+
+/// Refuses a scene that cannot be simulated; throws InputError naming the particle or rod and the reason:
+/// non-finite numbers, negative mass or drag, a movable particle without mass, an unknown particle,
+/// a rod from a particle to itself, zero or negative length, a duplicate rod, a rod with both ends fixed.
+void validate(const Scene& scene);
+
+/// The length of rod `i` in metres, with the default (distance between its particles) filled in.
+double rod_length(const Scene& scene, std::size_t i);
+
+/// Mass of every particle in kg with half of each rod's mass added to its two ends. Fixed particles get
+/// infinity.
+std::vector<double> lumped_masses(const Scene& scene);
+
+/// Diagonal of the axis-aligned box around all particles, in metres: the length errors are relative to.
+double bounding_diagonal(const Scene& scene);
+
+}  // namespace plumb

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace plumb {
+
+class Executor;
+
+/// How rods are kept at their length. Only `relax` is built; `automatic` means `relax` until another is.
+enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
+
+/// Where on the way from the old to the new configuration a correction's direction is taken:
+/// the new position (the thesis's projection: first order, damps), the old one (SHAKE: second order,
+/// breaks when h > 2/omega_max), or the middle (energy-momentum: second order, keeps energy once converged).
+enum class Gradient : std::uint8_t { new_, old, mid };
+
+/// Which share of a correction each end takes: by inverse mass (thesis eq. 4.7) or half each (eq. 4.6).
+enum class Weights : std::uint8_t { mass, equal };
+
+/// Gauss–Seidel visits colour after colour; Jacobi corrects all rods from the same positions, each particle's
+/// mass split over its rods so that it converges and keeps momentum.
+enum class SweepOrder : std::uint8_t { gauss_seidel, jacobi };
+
+enum class Precision : std::uint8_t { single, double_ };
+
+/// How particles lie in memory; `automatic` picks by shape.
+enum class LayoutChoice : std::uint8_t { automatic, aos, soa, aosoa };
+
+/// Instruction sets with a compiled body. Every one gives the same bits.
+enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512 };
+
+/// The best instruction set that this processor runs and this build holds.
+Isa best_isa();
+bool is_supported(Isa isa);
+
+/// When to stop sweeping in a substep. Sweeps are never more than `sweeps`; a tolerance or a budget can stop
+/// earlier. The first rule met is reported per step (StepReport::stopped_by).
+struct StopRule {
+  std::uint32_t sweeps = 10;
+  std::optional<double> tolerance;   ///< largest |stretch| allowed, relative to the rod's length
+  std::optional<double> budget_us;   ///< microseconds of sweeping per step(); makes results depend on the clock
+};
+
+struct Settings {
+  Method method = Method::automatic;
+  Precision precision = Precision::double_;
+  Gradient gradient = Gradient::new_;
+  Weights weights = Weights::mass;
+  SweepOrder order = SweepOrder::gauss_seidel;
+  double omega = 1;             ///< over-relaxation factor, in (0, 2)
+  std::uint32_t substeps = 1;   ///< h = dt / substeps
+  StopRule stop;
+  LayoutChoice layout = LayoutChoice::automatic;
+  std::optional<Isa> isa;       ///< none: best_isa()
+  unsigned threads = 0;         ///< 0: as many as the executor offers
+  Executor* executor = nullptr; ///< none: the built-in one on oneTBB. Must outlive the World.
+};
+
+/// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) and
+/// NotBuiltError on a method that is planned but not built.
+void validate(const Settings& settings);
+
+std::string_view to_string(Method);
+std::string_view to_string(Precision);
+std::string_view to_string(Gradient);
+std::string_view to_string(Weights);
+std::string_view to_string(SweepOrder);
+std::string_view to_string(LayoutChoice);
+std::string_view to_string(Isa);
+
+}  // namespace plumb

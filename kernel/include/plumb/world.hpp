@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plumb/measures.hpp"
+#include "plumb/scene.hpp"
+#include "plumb/settings.hpp"
+
+namespace plumb {
+
+/// What ended the sweeps. When islands differ, the latest in this list is reported.
+enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
+std::string_view to_string(StoppedBy);
+
+/// What one step did and what it skipped. Counts add up over substeps and blocks (sets of rods solved together).
+struct StepReport {
+  std::uint64_t substeps = 0;
+  std::uint64_t block_sweeps = 0;      ///< sweeps over a block, summed over blocks and substeps
+  std::uint64_t rod_projections = 0;   ///< rods projected, without padding
+  StoppedBy stopped_by = StoppedBy::nothing;
+  /// Blocks that were within tolerance after prediction and were not swept (times substeps).
+  std::uint64_t skipped_within_tolerance = 0;
+  /// Substeps of a block in which gradient mid did not converge and velocity was taken from the step itself.
+  std::uint64_t mid_guarded = 0;
+  /// Islands that went non-finite in this step. Each was put back to its last finite state and stands still.
+  std::uint32_t frozen_islands = 0;
+
+  StepReport& operator+=(const StepReport& other);
+};
+
+/// How a scene was laid out, for `plumb info` and reports.
+struct BlockInfo {
+  std::string shape;   ///< chain, grid, lanes (equal islands side by side) or graph
+  std::string layout;  ///< aos, soa or aosoa
+  std::uint32_t islands = 0;
+  std::uint32_t particles = 0;
+  std::uint32_t rods = 0;
+  std::uint32_t colors = 0;
+  std::size_t bytes = 0;             ///< state and rods, with padding
+  std::size_t bytes_per_projection = 0;  ///< read and written by one rod's projection, before caching
+  double uniform_fraction = 0;       ///< share of rods that need no per-rod length and weights
+};
+struct WorldInfo {
+  std::uint32_t particles = 0;
+  std::uint32_t rods = 0;
+  std::uint32_t islands = 0;
+  Isa isa = Isa::scalar;
+  unsigned threads = 1;
+  bool parallel = false;          ///< false: the scene is below the size where threads win
+  std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
+  bool skipped_drag = true;       ///< no drag: no factor on displacements
+  double projected_velocity = 0;  ///< m/s; largest change made to initial velocities so that none pulls on a rod
+  std::vector<BlockInfo> blocks;  ///< equal blocks are listed once, with their sums
+};
+
+/// A scene compiled for stepping.
+///
+/// State per particle is the position and the displacement of the last substep, never two positions: a float
+/// position minus a float position loses g·h² below one unit in the last place.
+///
+/// Not thread-safe: one thread at a time. The world keeps no reference to the scene.
+class World {
+ public:
+  /// Throws InputError or NotBuiltError (see validate()) and leaves nothing behind.
+  explicit World(const Scene& scene, const Settings& settings = {});
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  /// Advances by dt seconds in Settings::substeps equal substeps. Throws InputError if dt is not positive and
+  /// finite. Allocates nothing after the first call.
+  StepReport step(double dt);
+
+  /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay.
+  void set_stop_rule(const StopRule& rule);
+  void set_weights(Weights weights);
+
+  /// A constant force in N on a movable particle, kept until changed. Throws InputError on a bad id.
+  void set_force(std::uint32_t particle, Vec3 force);
+  /// Moves a fixed particle to `target` (m) during the next step, along a straight line, a substep at a time.
+  void move_anchor(std::uint32_t particle, Vec3 target);
+
+  std::uint32_t particle_count() const;
+  std::uint32_t rod_count() const;
+  double time() const;  ///< s
+
+  /// State in the scene's particle order. `out` must hold particle_count() elements.
+  void copy_positions(std::span<Vec3> out) const;
+  void copy_velocities(std::span<Vec3> out) const;
+  Vec3 position(std::uint32_t particle) const;
+  Vec3 velocity(std::uint32_t particle) const;
+
+  /// Positions and displacements of all particles, in the scene's order, as a 64-bit FNV-1a hash: equal for every
+  /// instruction set and number of threads.
+  std::uint64_t state_hash() const;
+
+  const WorldInfo& info() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plumb
