@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "kernels.hpp"
+#include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/packing.hpp"
+#include "plumb/settings.hpp"
+#include "plumb/vec3.hpp"
+
+namespace plumb::detail {
+
+/// What rods and particles weigh, in the scene's order; kept so that weights can change between steps.
+struct Constants {
+  std::vector<double> length2;         ///< m^2, per rod
+  std::vector<double> inverse_mass;    ///< 1/kg, per particle; 0 if fixed
+  std::vector<std::uint32_t> valence;  ///< rods at each particle
+};
+
+/// A set of rods solved together, with its numbers in the places its packing gives them.
+///
+/// Between substeps `x` holds positions and displacement(0) the displacement of the last substep (gradient mid: its
+/// velocity times h); displacement(1) the one before. A substep predicts into displacement(1), relaxes it, and the
+/// two change places.
+template <class T>
+class Block {
+ public:
+  Block(layouts::Packing packing, bool jacobi);
+
+  const layouts::Packing& packing() const { return packing_; }
+
+  /// Shares of a correction and squared lengths for every rod, and which ranges need none of them.
+  void set_weights(const Constants& constants, Weights weights, SweepOrder order, double omega);
+
+  /// Vectors of stage `stage` of position `q`.
+  simd::Range range(std::uint32_t q, std::size_t stage) const {
+    const std::uint32_t begin = q * packing_.position_vectors + packing_.stages[stage].begin;
+    return {begin, begin + packing_.stages[stage].count, uniform_[q * packing_.stages.size() + stage] != 0};
+  }
+  simd::BlockView<T> view();
+
+  T* x() { return x_.data(); }
+  const T* x() const { return x_.data(); }
+  T* displacement(unsigned ago) { return displacements_[(newest_ + ago) & 1].data(); }
+  const T* displacement(unsigned ago) const { return displacements_[(newest_ + ago) & 1].data(); }
+  T* kick() { return kick_.data(); }
+  T* accumulator() { return accumulator_.data(); }
+  void swap_displacements() { newest_ ^= 1; }
+
+  void write(T* field, std::uint32_t slot, Vec3 value) const;
+  Vec3 read(const T* field, std::uint32_t slot) const;
+
+  std::uint32_t rods() const { return rods_; }
+  /// Rods of positions [q0, q1), duplicates not counted.
+  std::uint32_t rods(std::uint32_t q0, std::uint32_t q1) const { return rods_before_[q1] - rods_before_[q0]; }
+  std::uint32_t uniform_rods() const { return uniform_rods_; }
+  std::size_t bytes() const;
+
+  /// A fixed slot moves by `move` (m) every substep until anchors are released.
+  void move_anchor(std::uint32_t slot, Vec3 move);
+  void release_anchors();
+  /// Moving anchors have no momentum: forgets the displacements in `field` of those in positions [q0, q1).
+  void rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const;
+
+  /// Puts islands with a non-finite displacement back to the start of the substep, at rest and without forces from
+  /// now on; returns how many there were. Looks only at slots with numbers in positions [q0, q1).
+  std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1);
+  bool is_frozen(std::uint32_t slot) const { return frozen_slots_ && (*frozen_slots_)[slot] != 0; }
+
+ private:
+  bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
+  void find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t>& candidates);
+
+  layouts::Packing packing_;
+  layouts::AlignedBuffer<T> x_, displacements_[2], kick_, accumulator_, rod_, weight_;
+  unsigned newest_ = 0;
+  std::vector<std::uint8_t> uniform_;  ///< per position and stage
+  T uniform_length2_ = 1, uniform_share_ = 0;
+  std::uint32_t rods_ = 0, uniform_rods_ = 0;
+  std::vector<std::uint32_t> rods_before_;  ///< positions + 1 entries
+  std::vector<std::uint32_t> moving_anchors_;  ///< slots
+  std::optional<std::vector<std::uint8_t>> frozen_slots_;
+};
+
+extern template class Block<float>;
+extern template class Block<double>;
+
+}  // namespace plumb::detail

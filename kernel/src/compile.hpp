@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "plumb/layouts/packing.hpp"
+#include "plumb/settings.hpp"
+
+namespace plumb::detail {
+
+struct Plan {
+  std::uint32_t islands = 0;
+  std::vector<layouts::Packing> packings;
+};
+
+/// Cuts a graph of particles and rods into blocks and picks each block's layout by its shape:
+///   equal small islands   lanes, array of structures of arrays
+///   chain                 even and odd streams, structure of arrays
+///   grid                  strips of rows in lanes, array of structures of arrays
+///   anything else         records, array of structures
+/// A `layout` other than automatic asks every shape for that layout. `common[rod]` marks rods that weigh the same.
+/// Fixed particles without rods come as a block without rods.
+Plan plan_blocks(const layouts::Graph& graph, LayoutChoice layout, std::span<const std::uint8_t> common,
+                 std::uint32_t lanes, std::uint32_t element_bytes);
+
+}  // namespace plumb::detail

@@ -1,0 +1,144 @@
+#include "plumb/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <compare>
+#include <limits>
+#include <locale>
+#include <ostream>
+#include <sstream>
+
+#include "plumb/error.hpp"
+
+namespace plumb {
+namespace {
+
+struct Printed {
+  Vec3 v;
+
+  friend std::ostream& operator<<(std::ostream& out, const Printed& p) {
+    return out << '(' << p.v.x << ", " << p.v.y << ", " << p.v.z << ')';
+  }
+};
+
+template <class... Parts>
+[[noreturn]] void refuse(const Parts&... parts) {
+  std::ostringstream message;
+  message.imbue(std::locale::classic());  // a program's locale must not change the numbers in messages
+  (message << ... << parts);
+  throw InputError(message.str());
+}
+
+void validate_surroundings(const Scene& scene) {
+  if (!is_finite(scene.gravity)) refuse("gravity is not finite: ", Printed{scene.gravity});
+  if (!std::isfinite(scene.drag)) refuse("drag is not finite: ", scene.drag);
+  if (scene.drag < 0) refuse("drag is negative (", scene.drag, " per second)");
+}
+
+void validate_particle(const Particle& particle, std::size_t i) {
+  if (!is_finite(particle.position)) {
+    refuse("particle ", i, ": position is not finite: ", Printed{particle.position});
+  }
+  if (!is_finite(particle.velocity)) {
+    refuse("particle ", i, ": velocity is not finite: ", Printed{particle.velocity});
+  }
+  if (particle.fixed) return;  // its mass is ignored, and infinity is a fair way to write it
+  if (!std::isfinite(particle.mass)) refuse("particle ", i, ": mass is not finite: ", particle.mass);
+  if (particle.mass < 0) refuse("particle ", i, ": mass is negative (", particle.mass, " kg)");
+}
+
+void validate_rod(const Scene& scene, std::size_t i) {
+  const Rod& rod = scene.rods[i];
+  for (const std::uint32_t end : {rod.a, rod.b}) {
+    if (end < scene.particles.size()) continue;
+    refuse("rod ", i, ": particle ", end, " does not exist (the scene has ", scene.particles.size(),
+           " particles)");
+  }
+  if (rod.a == rod.b) refuse("rod ", i, ": both ends are particle ", rod.a);
+  if (scene.particles[rod.a].fixed && scene.particles[rod.b].fixed) {
+    refuse("rod ", i, ": both ends (particles ", rod.a, " and ", rod.b, ") are fixed");
+  }
+  if (!std::isfinite(rod.mass)) refuse("rod ", i, ": mass is not finite: ", rod.mass);
+  if (rod.mass < 0) refuse("rod ", i, ": mass is negative (", rod.mass, " kg)");
+  if (rod.length < 0) refuse("rod ", i, ": length is negative (", rod.length, " m)");
+  const double length = rod_length(scene, i);
+  if (!std::isfinite(length)) refuse("rod ", i, ": length is not finite: ", length);
+  if (length == 0) {
+    refuse("rod ", i, ": length is zero, no length is given and its ends (particles ", rod.a, " and ", rod.b,
+           ") are at the same place");
+  }
+}
+
+void refuse_duplicate_rods(const std::vector<Rod>& rods) {
+  struct Ends {
+    std::uint64_t pair;
+    std::size_t rod;
+    auto operator<=>(const Ends&) const = default;
+  };
+  std::vector<Ends> sorted;
+  sorted.reserve(rods.size());
+  for (std::size_t i = 0; i < rods.size(); ++i) {
+    const auto [low, high] = std::minmax(rods[i].a, rods[i].b);
+    sorted.push_back({std::uint64_t{low} << 32 | high, i});
+  }
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end(),
+                                        [](const Ends& a, const Ends& b) { return a.pair == b.pair; });
+  if (twice == sorted.end()) return;
+  const Rod& rod = rods[twice[1].rod];
+  refuse("rod ", twice[1].rod, ": joins the same particles (", rod.a, " and ", rod.b, ") as rod ",
+         twice->rod);
+}
+
+void validate_lumped_masses(const Scene& scene) {
+  const std::vector<double> masses = lumped_masses(scene);
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    if (scene.particles[i].fixed) continue;
+    if (masses[i] == 0)
+      refuse("particle ", i, ": has no mass, neither its own nor from a rod, and is not fixed");
+    if (!std::isfinite(masses[i])) refuse("particle ", i, ": mass with its share of its rods is not finite");
+  }
+}
+
+}  // namespace
+
+void validate(const Scene& scene) {
+  validate_surroundings(scene);
+  for (std::size_t i = 0; i < scene.particles.size(); ++i) validate_particle(scene.particles[i], i);
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) validate_rod(scene, i);
+  refuse_duplicate_rods(scene.rods);
+  validate_lumped_masses(scene);
+}
+
+double rod_length(const Scene& scene, std::size_t i) {
+  const Rod& rod = scene.rods[i];
+  if (rod.length != 0) return rod.length;
+  return norm(scene.particles[rod.b].position - scene.particles[rod.a].position);
+}
+
+std::vector<double> lumped_masses(const Scene& scene) {
+  std::vector<double> masses;
+  masses.reserve(scene.particles.size());
+  for (const Particle& particle : scene.particles) {
+    masses.push_back(particle.fixed ? std::numeric_limits<double>::infinity() : particle.mass);
+  }
+  for (const Rod& rod : scene.rods) {
+    masses[rod.a] += rod.mass / 2;
+    masses[rod.b] += rod.mass / 2;
+  }
+  return masses;
+}
+
+double bounding_diagonal(const Scene& scene) {
+  if (scene.particles.empty()) return 0;
+  Vec3 low = scene.particles.front().position;
+  Vec3 high = low;
+  for (const Particle& particle : scene.particles) {
+    const Vec3 p = particle.position;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  return norm(high - low);
+}
+
+}  // namespace plumb

@@ -1,0 +1,138 @@
+#include "plumb/settings.hpp"
+
+#include <cmath>
+#include <locale>
+#include <sstream>
+#include <string>
+
+#include "plumb/error.hpp"
+
+namespace plumb {
+namespace {
+
+template <class... Parts>
+[[noreturn]] void refuse(const Parts&... parts) {
+  std::ostringstream message;
+  message.imbue(std::locale::classic());  // a program's locale must not change the numbers in messages
+  (message << ... << parts);
+  throw InputError(message.str());
+}
+
+constexpr std::uint32_t kMaxSubsteps = 1'000'000;
+
+void validate_stop(const StopRule& stop) {
+  if (stop.sweeps == 0) refuse("sweeps must be at least 1, got 0");
+  // Negated comparisons, so that NaN is refused too.
+  if (stop.tolerance && !(*stop.tolerance > 0 && std::isfinite(*stop.tolerance))) {
+    refuse("tolerance must be positive and finite, got ", *stop.tolerance);
+  }
+  if (stop.budget_us && !(*stop.budget_us > 0 && std::isfinite(*stop.budget_us))) {
+    refuse("budget must be positive and finite, got ", *stop.budget_us, " us");
+  }
+}
+
+}  // namespace
+
+void validate(const Settings& settings) {
+  if (!(settings.omega > 0 && settings.omega < 2)) refuse("omega must be in (0, 2), got ", settings.omega);
+  if (settings.substeps == 0 || settings.substeps > kMaxSubsteps) {
+    refuse("substeps must be from 1 to ", kMaxSubsteps, ", got ", settings.substeps);
+  }
+  validate_stop(settings.stop);
+  if (settings.method != Method::automatic && settings.method != Method::relax) {
+    throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
+  }
+}
+
+// The names are those of the command line. No switch has a default, so that the compiler names a missing
+// case.
+
+std::string_view to_string(Method method) {
+  switch (method) {
+    case Method::automatic:
+      return "auto";
+    case Method::relax:
+      return "relax";
+    case Method::direct:
+      return "direct";
+    case Method::springs:
+      return "springs";
+    case Method::multipliers:
+      return "multipliers";
+    case Method::featherstone:
+      return "featherstone";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Precision precision) {
+  switch (precision) {
+    case Precision::single:
+      return "float";
+    case Precision::double_:
+      return "double";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Gradient gradient) {
+  switch (gradient) {
+    case Gradient::new_:
+      return "new";
+    case Gradient::old:
+      return "old";
+    case Gradient::mid:
+      return "mid";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Weights weights) {
+  switch (weights) {
+    case Weights::mass:
+      return "mass";
+    case Weights::equal:
+      return "equal";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(SweepOrder order) {
+  switch (order) {
+    case SweepOrder::gauss_seidel:
+      return "gauss-seidel";
+    case SweepOrder::jacobi:
+      return "jacobi";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(LayoutChoice layout) {
+  switch (layout) {
+    case LayoutChoice::automatic:
+      return "auto";
+    case LayoutChoice::aos:
+      return "aos";
+    case LayoutChoice::soa:
+      return "soa";
+    case LayoutChoice::aosoa:
+      return "aosoa";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Isa isa) {
+  switch (isa) {
+    case Isa::scalar:
+      return "scalar";
+    case Isa::sse2:
+      return "sse2";
+    case Isa::avx2:
+      return "avx2";
+    case Isa::avx512:
+      return "avx512";
+  }
+  return "unknown";
+}
+
+}  // namespace plumb

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace plumb::layouts {
+
+/// Cache line and widest vector register, in bytes. Every store starts on such a boundary.
+inline constexpr std::size_t alignment = 64;
+
+/// Lanes of the logical vector: 16 floats or 8 doubles whatever the registers of the machine, so that padding,
+/// grouping and therefore results do not depend on the instruction set.
+template <class T>
+inline constexpr std::uint32_t lane_width = alignment / sizeof(T);
+
+constexpr std::uint32_t round_up(std::uint32_t n, std::uint32_t multiple) {
+  return (n + multiple - 1) / multiple * multiple;
+}
+
+/// A zeroed array of numbers on a 64-byte boundary. Moves, does not copy.
+template <class T>
+class AlignedBuffer {
+  static_assert(std::is_trivial_v<T>);
+
+ public:
+  AlignedBuffer() = default;
+  explicit AlignedBuffer(std::size_t size)
+      : data_(size ? static_cast<T*>(::operator new(size * sizeof(T), std::align_val_t{alignment})) : nullptr),
+        size_(size) {
+    for (std::size_t i = 0; i < size_; ++i) data_[i] = T{};
+  }
+  AlignedBuffer(AlignedBuffer&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+  AlignedBuffer& operator=(AlignedBuffer&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
+  ~AlignedBuffer() { ::operator delete(data_, std::align_val_t{alignment}); }
+
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  operator std::span<T>() { return {data_, size_}; }
+  operator std::span<const T>() const { return {data_, size_}; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace plumb::layouts

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+
+#include "plumb/layouts/aligned_buffer.hpp"
+
+namespace plumb::layouts {
+
+/// Where the three components of a particle lie in a flat array of numbers. A store is only this arithmetic:
+/// positions, displacements and kicks of one block are arrays that share it.
+///   offset(i)           element of particle i's x
+///   component_stride()  elements from x to y and from y to z
+///   elements()          length of the array: particles and padding, a whole number of cache lines
+/// All are 32-bit: a block holds at most 2^32 numbers.
+template <class S>
+concept ParticleStore = requires(const S& store, std::uint32_t i) {
+  { store.offset(i) } -> std::same_as<std::uint32_t>;
+  { store.component_stride() } -> std::same_as<std::uint32_t>;
+  { store.elements() } -> std::same_as<std::uint32_t>;
+  { store.particles() } -> std::same_as<std::uint32_t>;
+};
+
+/// Array of structures: x y z 0 | x y z 0 | ... One particle is one quarter (float) or half (double) cache line.
+class AosStore {
+ public:
+  AosStore(std::uint32_t particles, std::uint32_t lanes) : particles_(particles), lanes_(lanes) {}
+  std::uint32_t offset(std::uint32_t i) const { return 4 * i; }
+  std::uint32_t component_stride() const { return 1; }
+  std::uint32_t elements() const { return round_up(4 * particles_, lanes_); }
+  std::uint32_t particles() const { return particles_; }
+
+ private:
+  std::uint32_t particles_;
+  std::uint32_t lanes_;
+};
+
+/// Structure of arrays: x x x ... | y y y ... | z z z ... in `parts` interleaved halves (parts = 2: particles of
+/// even and odd rank in streams of their own, so that neighbours along a line sit in the same lane).
+class SoaStore {
+ public:
+  SoaStore(std::uint32_t particles, std::uint32_t lanes, std::uint32_t element_bytes, std::uint32_t parts = 1)
+      : particles_(particles), parts_(parts) {
+    // One spare vector so that a load shifted by one lane stays inside its stream.
+    pitch_ = round_up((particles + parts - 1) / parts, lanes) + lanes;
+    // Streams a multiple of 4 KiB apart fight for the same cache sets and make loads wait for unrelated
+    // stores; 704 bytes is far from every small multiple of the line size modulo 4 KiB.
+    constexpr std::uint32_t page = 4096, skew = 704;
+    if (pitch_ * element_bytes >= page) {
+      while ((std::uint64_t{pitch_} * element_bytes) % page != skew) pitch_ += lanes;
+    }
+  }
+  std::uint32_t offset(std::uint32_t i) const { return (i % parts_) * 3 * pitch_ + i / parts_; }
+  std::uint32_t component_stride() const { return pitch_; }
+  std::uint32_t elements() const { return 3 * parts_ * pitch_; }
+  std::uint32_t particles() const { return particles_; }
+  std::uint32_t streams() const { return 3 * parts_; }
+
+ private:
+  std::uint32_t particles_;
+  std::uint32_t parts_;
+  std::uint32_t pitch_;
+};
+
+/// Array of structures of arrays: x*lanes y*lanes z*lanes | ... Particle i is lane i % lanes of row i / lanes.
+class AosoaStore {
+ public:
+  AosoaStore(std::uint32_t particles, std::uint32_t lanes) : particles_(particles), lanes_(lanes) {}
+  std::uint32_t offset(std::uint32_t i) const { return row_offset(i / lanes_) + i % lanes_; }
+  std::uint32_t row_offset(std::uint32_t row) const { return row * 3 * lanes_; }
+  std::uint32_t component_stride() const { return lanes_; }
+  /// One spare row so that a load shifted by one lane from the last row stays inside the array.
+  std::uint32_t elements() const { return (round_up(particles_, lanes_) / lanes_ + 1) * 3 * lanes_; }
+  std::uint32_t particles() const { return particles_; }
+
+ private:
+  std::uint32_t particles_;
+  std::uint32_t lanes_;
+};
+
+static_assert(ParticleStore<AosStore> && ParticleStore<SoaStore> && ParticleStore<AosoaStore>);
+
+/// A particle array as kernels see it.
+template <class T>
+struct StoreView {
+  T* data;
+  std::uint32_t component_stride;
+  T& x(std::uint32_t offset) const { return data[offset]; }
+  T& y(std::uint32_t offset) const { return data[offset + component_stride]; }
+  T& z(std::uint32_t offset) const { return data[offset + 2 * component_stride]; }
+};
+
+}  // namespace plumb::layouts

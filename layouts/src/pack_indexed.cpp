@@ -1,0 +1,83 @@
+#include <algorithm>
+#include <tuple>
+
+#include "packing_builder.hpp"
+#include "plumb/layouts/stores.hpp"
+
+namespace plumb::layouts {
+namespace {
+
+struct IndexedEdge {
+  std::uint32_t color;
+  bool uncommon;
+  std::uint32_t a, b;  // addresses
+  std::uint32_t edge;
+
+  auto key() const { return std::make_tuple(color, uncommon, std::min(a, b), std::max(a, b), edge); }
+};
+
+template <ParticleStore Store>
+Packing pack_with(const Store& store, std::span<const IndexedPiece> pieces, Layout layout,
+                  std::span<const std::uint8_t> common, std::uint32_t lanes, std::string_view shape) {
+  const Access access = layout == Layout::aos ? Access::records : Access::gather;
+  detail::PackingBuilder builder(shape, layout, access, Coupling::whole, lanes);
+
+  std::vector<IndexedEdge> edges;
+  std::uint32_t slot = 0, colors = 0;
+  std::vector<std::uint32_t> address;
+  for (const IndexedPiece& indexed : pieces) {
+    address.assign(indexed.local.vertices, 0);
+    for (std::uint32_t rank = 0; rank < indexed.local.vertices; ++rank) {
+      const std::uint32_t vertex = indexed.vertex_order.empty() ? rank : indexed.vertex_order[rank];
+      address[vertex] = store.offset(slot++);
+      builder.add_slot(address[vertex], indexed.piece.vertices[vertex], indexed.piece.island);
+    }
+    for (std::uint32_t i = 0; i < indexed.local.edges.size(); ++i) {
+      const std::uint32_t edge = indexed.piece.edges[i];
+      edges.push_back({indexed.coloring.color_of_edge[i], common[edge] == 0,
+                       address[indexed.local.edges[i].a], address[indexed.local.edges[i].b], edge});
+    }
+    colors = std::max(colors, indexed.coloring.colors);
+  }
+  std::sort(edges.begin(), edges.end(),
+            [](const IndexedEdge& left, const IndexedEdge& right) { return left.key() < right.key(); });
+
+  const std::uint32_t dummy = store.offset(slot);  // both ends of padding
+  for (std::size_t i = 0; i < edges.size();) {
+    const std::size_t first = i;
+    builder.begin_stage();
+    for (; i < edges.size() && edges[i].color == edges[first].color &&
+           edges[i].uncommon == edges[first].uncommon;
+         ++i)
+      builder.add_indexed(edges[i].a, edges[i].b, edges[i].edge);
+    while (builder.packing().lane_edge.size() % lanes != 0) builder.add_indexed(dummy, dummy, none);
+    builder.end_stage();
+  }
+  builder.end_position();
+  Packing& packing = builder.packing();
+  packing.elements = store.elements();
+  packing.component_stride = store.component_stride();
+  packing.stream_pitch = packing.position_elements = store.elements();
+  const std::uint32_t stages = builder.stage_count();
+  return builder.finish(colors, stages);
+}
+
+}  // namespace
+
+Packing pack_indexed(std::span<const IndexedPiece> pieces, Layout layout,
+                     std::span<const std::uint8_t> common, std::uint32_t lanes, std::uint32_t element_bytes,
+                     std::string_view shape) {
+  std::uint32_t particles = 1;  // the dummy
+  for (const IndexedPiece& indexed : pieces) particles += indexed.local.vertices;
+  switch (layout) {
+    case Layout::aos:
+      return pack_with(AosStore(particles, lanes), pieces, layout, common, lanes, shape);
+    case Layout::soa:
+      return pack_with(SoaStore(particles, lanes, element_bytes), pieces, layout, common, lanes, shape);
+    case Layout::aosoa:
+      break;
+  }
+  return pack_with(AosoaStore(particles, lanes), pieces, layout, common, lanes, shape);
+}
+
+}  // namespace plumb::layouts

@@ -1,0 +1,130 @@
+#include "plumb/measures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "plumb/error.hpp"
+
+namespace plumb {
+namespace {
+
+// Expected values below are worked out by hand from small whole numbers; EXPECT_DOUBLE_EQ (4 ulp) is what
+// rounding of a few operations leaves.
+
+Particle movable_at(Vec3 position, double mass) {
+  return {.position = position, .velocity = {}, .mass = mass, .fixed = false};
+}
+Particle fixed_at(Vec3 position) {
+  return {.position = position, .velocity = {}, .mass = 0, .fixed = true};
+}
+
+/// Fixed at the origin, 2 kg at (1, 0, 0), 3 kg at (1, -1, 0); two massless rods of 1 m; gravity 10 m/s²
+/// down.
+Scene elbow() {
+  Scene scene;
+  scene.particles = {fixed_at({0, 0, 0}), movable_at({1, 0, 0}, 2), movable_at({1, -1, 0}, 3)};
+  scene.rods = {{.a = 0, .b = 1}, {.a = 2, .b = 1, .length = 1}};
+  scene.gravity = {0, -10, 0};
+  return scene;
+}
+
+TEST(Stretch, IsZeroAtRest) {
+  const Scene scene = elbow();
+  const Stretch stretch = measure_stretch(scene, std::vector<Vec3>{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+  EXPECT_EQ(stretch.rms, 0);
+  EXPECT_EQ(stretch.max, 0);
+  EXPECT_EQ(measure_stretch(Scene{}, {}).rms, 0);
+}
+
+TEST(Stretch, IsRelativeAndNamesTheRod) {
+  // Rod 0 is 1.5 m instead of 1 m, rod 1 is 1 m instead of 4 m.
+  Scene scene = elbow();
+  scene.rods[1].length = 4;
+  const Stretch stretch = measure_stretch(scene, std::vector<Vec3>{{0, 0, 0}, {0, 1.5, 0}, {0, 2.5, 0}});
+  EXPECT_DOUBLE_EQ(stretch.max, 0.75);
+  EXPECT_EQ(stretch.max_rod, 1u);
+  EXPECT_DOUBLE_EQ(stretch.rms, std::sqrt((0.5 * 0.5 + 0.75 * 0.75) / 2));
+}
+
+TEST(Stretch, DoesNotHideARodGoneBad) {
+  Scene scene = elbow();
+  scene.particles.push_back(movable_at({2, 0, 0}, 1));
+  scene.rods.push_back({.a = 1, .b = 3});
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const Stretch stretch =
+      measure_stretch(scene, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, kNan, 0}, {9, 0, 0}});
+  EXPECT_TRUE(std::isnan(stretch.max));
+  EXPECT_TRUE(std::isnan(stretch.rms));
+  EXPECT_EQ(stretch.max_rod, 1u);
+}
+
+TEST(EnergyOfAScene, CountsMovableMass) {
+  const Scene scene = elbow();
+  const std::vector<Vec3> positions{{0, 100, 0}, {1, 2, 0}, {1, -1, 5}};
+  const std::vector<Vec3> velocities{{7, 7, 7}, {1, 2, 2}, {0, 0, -4}};
+  const Energy energy = measure_energy(scene, positions, velocities);
+  EXPECT_DOUBLE_EQ(energy.kinetic, 0.5 * 2 * 9 + 0.5 * 3 * 16);
+  EXPECT_DOUBLE_EQ(energy.potential, 10 * (2 * 2 + 3 * -1));
+  EXPECT_DOUBLE_EQ(energy.total(), 33 + 10);
+}
+
+TEST(EnergyOfAScene, CountsHalfOfEachRodAtAMovableEnd) {
+  Scene scene = elbow();
+  scene.rods[0].mass = 4;  // half of it at the fixed end
+  const Energy energy =
+      measure_energy(scene, std::vector<Vec3>{{}, {0, 1, 0}, {}}, std::vector<Vec3>{{}, {3, 0, 0}, {}});
+  EXPECT_DOUBLE_EQ(energy.kinetic, 0.5 * (2 + 2) * 9);
+  EXPECT_DOUBLE_EQ(energy.potential, 10 * (2 + 2) * 1);
+}
+
+TEST(EnergyRange, IsWeightTimesDiagonal) {
+  Scene scene = elbow();
+  scene.particles[0].mass = 1000;  // of a fixed particle: ignored
+  EXPECT_DOUBLE_EQ(energy_range(scene), 5 * 10 * std::sqrt(2));
+  scene.rods[0].mass = 1;
+  EXPECT_DOUBLE_EQ(energy_range(scene), 6 * 10 * std::sqrt(2));
+}
+
+TEST(MomentumOfAScene, IsThatOfTheMovableParticles) {
+  const Scene scene = elbow();
+  const std::vector<Vec3> positions{{9, 9, 9}, {1, 0, 0}, {0, 2, 0}};
+  const std::vector<Vec3> velocities{{9, 9, 9}, {0, 1, 0}, {0, 0, 2}};
+  const Momentum momentum = measure_momentum(scene, positions, velocities);
+  EXPECT_EQ(momentum.linear, (Vec3{0, 2, 6}));
+  EXPECT_EQ(momentum.angular, (Vec3{12, 0, 2}));  // (0,2,0) × (0,0,6) + (1,0,0) × (0,2,0)
+  EXPECT_DOUBLE_EQ(momentum.center_of_mass.x, 2.0 / 5);
+  EXPECT_DOUBLE_EQ(momentum.center_of_mass.y, 6.0 / 5);
+}
+
+TEST(MomentumOfAScene, IsZeroWithoutMovableParticles) {
+  Scene scene;
+  scene.particles = {fixed_at({1, 1, 1})};
+  const Momentum momentum =
+      measure_momentum(scene, std::vector<Vec3>{{1, 1, 1}}, std::vector<Vec3>{{1, 0, 0}});
+  EXPECT_EQ(momentum.linear, Vec3{});
+  EXPECT_EQ(momentum.center_of_mass, Vec3{});
+}
+
+TEST(RmsDistance, IsInMetres) {
+  const std::vector<Vec3> truth{{0, 0, 0}, {1, 1, 1}};
+  EXPECT_DOUBLE_EQ(rms_distance(std::vector<Vec3>{{3, 0, 4}, {1, 1, 1}}, truth), std::sqrt(25.0 / 2));
+  EXPECT_EQ(rms_distance(truth, truth), 0);
+  EXPECT_EQ(rms_distance({}, {}), 0);
+}
+
+TEST(Measures, RefuseStateOfAnotherSize) {
+  const Scene scene = elbow();
+  const std::vector<Vec3> three(3);
+  const std::vector<Vec3> two(2);
+  EXPECT_THROW(measure_stretch(scene, two), InputError);
+  EXPECT_THROW(measure_energy(scene, two, three), InputError);
+  EXPECT_THROW(measure_energy(scene, three, two), InputError);
+  EXPECT_THROW(measure_momentum(scene, three, two), InputError);
+  EXPECT_THROW(rms_distance(two, three), InputError);
+}
+
+}  // namespace
+}  // namespace plumb

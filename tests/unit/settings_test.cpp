@@ -1,0 +1,119 @@
+#include "plumb/settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "plumb/error.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The message of the InputError that validate() throws, or empty if it throws none.
+std::string refusal(const std::function<void(Settings&)>& change) {
+  Settings settings;
+  change(settings);
+  try {
+    validate(settings);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Settings, DefaultsAreValid) {
+  EXPECT_NO_THROW(validate(Settings{}));
+}
+
+TEST(Settings, OmegaIsBetweenZeroAndTwo) {
+  EXPECT_EQ(refusal([](Settings& s) { s.omega = 2.5; }), "omega must be in (0, 2), got 2.5");
+  EXPECT_EQ(refusal([](Settings& s) { s.omega = 2; }), "omega must be in (0, 2), got 2");
+  EXPECT_EQ(refusal([](Settings& s) { s.omega = 0; }), "omega must be in (0, 2), got 0");
+  EXPECT_EQ(refusal([](Settings& s) { s.omega = kNan; }), "omega must be in (0, 2), got nan");
+  EXPECT_EQ(refusal([](Settings& s) { s.omega = 1.997; }), "");
+}
+
+TEST(Settings, SubstepsAreOneToAMillion) {
+  EXPECT_EQ(refusal([](Settings& s) { s.substeps = 0; }), "substeps must be from 1 to 1000000, got 0");
+  EXPECT_EQ(refusal([](Settings& s) { s.substeps = 1'000'001; }),
+            "substeps must be from 1 to 1000000, got 1000001");
+  EXPECT_EQ(refusal([](Settings& s) { s.substeps = 1'000'000; }), "");
+}
+
+TEST(Settings, StopRulesArePositive) {
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.sweeps = 0; }), "sweeps must be at least 1, got 0");
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = 0; }),
+            "tolerance must be positive and finite, got 0");
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = -1e-3; }),
+            "tolerance must be positive and finite, got -0.001");
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = kInfinity; }),
+            "tolerance must be positive and finite, got inf");
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = kNan; }),
+            "tolerance must be positive and finite, got nan");
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.budget_us = 0; }),
+            "budget must be positive and finite, got 0 us");
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.budget_us = kNan; }),
+            "budget must be positive and finite, got nan us");
+  EXPECT_EQ(refusal([](Settings& s) { s.stop = {.sweeps = 1, .tolerance = 1e-9, .budget_us = 50.0}; }), "");
+}
+
+class PlannedMethod : public testing::TestWithParam<Method> {};
+
+TEST_P(PlannedMethod, IsRefusedByName) {
+  Settings settings;
+  settings.method = GetParam();
+  try {
+    validate(settings);
+    FAIL() << "accepted";
+  } catch (const NotBuiltError& error) {
+    EXPECT_EQ(error.what(), "method " + std::string(to_string(GetParam())) + " is not built yet");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, PlannedMethod,
+                         testing::Values(Method::direct, Method::springs, Method::multipliers,
+                                         Method::featherstone),
+                         [](const auto& test) { return std::string(to_string(test.param)); });
+
+TEST(Settings, BuiltMethodsAreAccepted) {
+  for (const Method method : {Method::relax, Method::automatic}) {
+    Settings settings;
+    settings.method = method;
+    EXPECT_NO_THROW(validate(settings));
+  }
+}
+
+TEST(ToString, SpeaksTheCommandLine) {
+  EXPECT_EQ(to_string(Method::automatic), "auto");
+  EXPECT_EQ(to_string(Method::relax), "relax");
+  EXPECT_EQ(to_string(Method::direct), "direct");
+  EXPECT_EQ(to_string(Method::springs), "springs");
+  EXPECT_EQ(to_string(Method::multipliers), "multipliers");
+  EXPECT_EQ(to_string(Method::featherstone), "featherstone");
+  EXPECT_EQ(to_string(Precision::single), "float");
+  EXPECT_EQ(to_string(Precision::double_), "double");
+  EXPECT_EQ(to_string(Gradient::new_), "new");
+  EXPECT_EQ(to_string(Gradient::old), "old");
+  EXPECT_EQ(to_string(Gradient::mid), "mid");
+  EXPECT_EQ(to_string(Weights::mass), "mass");
+  EXPECT_EQ(to_string(Weights::equal), "equal");
+  EXPECT_EQ(to_string(SweepOrder::gauss_seidel), "gauss-seidel");
+  EXPECT_EQ(to_string(SweepOrder::jacobi), "jacobi");
+  EXPECT_EQ(to_string(LayoutChoice::automatic), "auto");
+  EXPECT_EQ(to_string(LayoutChoice::aos), "aos");
+  EXPECT_EQ(to_string(LayoutChoice::soa), "soa");
+  EXPECT_EQ(to_string(LayoutChoice::aosoa), "aosoa");
+  EXPECT_EQ(to_string(Isa::scalar), "scalar");
+  EXPECT_EQ(to_string(Isa::sse2), "sse2");
+  EXPECT_EQ(to_string(Isa::avx2), "avx2");
+  EXPECT_EQ(to_string(Isa::avx512), "avx512");
+}
+
+}  // namespace
+}  // namespace plumb

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace plumb::tools {
+
+struct Series {
+  std::string name;
+  std::vector<std::pair<double, double>> points;  ///< x, y; both positive, the axes are logarithmic
+  std::string color = "#1f5fa8";
+  bool dashed = false;
+};
+
+/// A picture with two logarithmic axes.
+struct Chart {
+  std::string title;
+  std::string x;
+  std::string y;
+  std::vector<Series> series;
+};
+
+/// Throws InputError if gnuplot, which draws the charts, does not run here.
+void require_gnuplot();
+
+/// The chart as SVG text. Throws InputError with gnuplot's own words if it fails.
+std::string draw_svg(const Chart& chart);
+
+}  // namespace plumb::tools

@@ -1,0 +1,158 @@
+#include "options.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plumb/error.hpp"
+#include "scenes/lists.hpp"
+#include "scenes/numbers.hpp"
+#include "scenes/spec.hpp"
+
+namespace plumb::tools {
+namespace {
+
+using scenes::append_item;
+
+/// The cap on sweeps when a tolerance or a budget is to stop them.
+constexpr std::uint32_t sweeps_when_stopped_otherwise = 10000;
+
+CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& unit,
+                        std::function<void(double)> take, const std::string& help) {
+  CLI::Option* option = app.add_option_function<std::string>(
+      name,
+      [name, take = std::move(take)](const std::string& text) {
+        const auto value = scenes::parse_fraction(text);
+        if (!value) throw CLI::ValidationError(name, "'" + text + "' is not a finite number");
+        take(*value);
+      },
+      help);
+  return option->type_name(unit);
+}
+
+void require_isa(Isa isa) {
+  if (is_supported(isa)) return;
+  std::string list;
+  for (const Isa each : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512}) {
+    if (is_supported(each)) append_item(list, to_string(each));
+  }
+  throw InputError("this machine or build does not run " + std::string(to_string(isa)) + "; it runs " + list);
+}
+
+}  // namespace
+
+CLI::Option* add_words(CLI::App& app, const std::string& name, const std::vector<std::string>& words,
+                       std::function<void(const std::string&)> take, const std::string& help) {
+  std::string list;
+  for (const std::string& word : words) append_item(list, word, "|");
+  CLI::Option* option = app.add_option_function<std::string>(
+      name,
+      [name, words, list, take = std::move(take)](const std::string& word) {
+        if (std::find(words.begin(), words.end(), word) == words.end()) {
+          throw CLI::ValidationError(name, "'" + word + "' is not one of " + list);
+        }
+        take(word);
+      },
+      help);
+  return option->type_name(list);
+}
+
+CLI::Option* add_count(CLI::App& app, const std::string& name, unsigned& target, const std::string& help) {
+  CLI::Option* option = app.add_option_function<std::string>(
+      name,
+      [name, &target](const std::string& text) {
+        const auto value = scenes::parse_number<unsigned>(text);
+        if (!value) throw CLI::ValidationError(name, "'" + text + "' is not a whole number");
+        target = *value;
+      },
+      help);
+  return option->type_name("N");
+}
+
+CLI::Option* add_seconds(CLI::App& app, const std::string& name, double& target, const std::string& help) {
+  return add_number(
+      app, name, "S",
+      [name, &target](double value) {
+        if (!(value > 0)) throw CLI::ValidationError(name, "must be positive");
+        target = value;
+      },
+      help);
+}
+
+void add_layout_options(CLI::App& app, Settings& settings) {
+  add_choice(app, "--layout", settings.layout,
+             {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa},
+             "How particles lie in memory");
+  add_choice(app, "--precision", settings.precision, {Precision::single, Precision::double_}, "Arithmetic");
+  add_count(app, "--threads", settings.threads, "Threads; 0: all there are [0]");
+  add_words(
+      app, "--isa", {"auto", "scalar", "sse2", "avx2", "avx512"},
+      [&settings](const std::string& word) {
+        settings.isa.reset();
+        for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512}) {
+          if (word == to_string(isa)) settings.isa = isa;
+        }
+        if (settings.isa) require_isa(*settings.isa);
+      },
+      "Instruction set; the bits are the same with all [auto]");
+}
+
+void add_solver_options(CLI::App& app, Settings& settings) {
+  add_choice(app, "--method", settings.method,
+             {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
+              Method::featherstone},
+             "How rods are kept at their length");
+  add_count(app, "--substeps", settings.substeps, "Integrations per frame [1]");
+  CLI::Option* sweeps =
+      add_count(app, "--sweeps", settings.stop.sweeps,
+                "Most passes over all rods in a substep [10; 10000 with --tolerance or --budget-us]");
+  // Callbacks run in the order of the options here, so `sweeps` is known by the time these are.
+  const auto lift_cap = [sweeps, &settings] {
+    if (sweeps->count() == 0) settings.stop.sweeps = sweeps_when_stopped_otherwise;
+  };
+  add_number(
+      app, "--tolerance", "T",
+      [&settings, lift_cap](double value) {
+        settings.stop.tolerance = value;
+        lift_cap();
+      },
+      "Stop sweeping when no rod is stretched by more, relative to its length");
+  add_number(
+      app, "--budget-us", "U",
+      [&settings, lift_cap](double value) {
+        settings.stop.budget_us = value;
+        lift_cap();
+      },
+      "Stop sweeping after this many microseconds a frame; results then depend on the clock");
+  add_choice(app, "--order", settings.order, {SweepOrder::gauss_seidel, SweepOrder::jacobi},
+             "Order of a sweep");
+  add_number(
+      app, "--omega", "W", [&settings](double value) { settings.omega = value; },
+      "Over-relaxation, between 0 and 2 [1]");
+  add_choice(app, "--weights", settings.weights, {Weights::mass, Weights::equal},
+             "Share of a correction each end takes: by inverse mass or half each");
+  add_choice(app, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
+             "Where a correction's direction is taken");
+  add_words(
+      app, "--mass", {"lumped", "consistent"},
+      [](const std::string& word) {
+        if (word == "consistent") throw NotBuiltError("mass consistent is not built yet");
+      },
+      "How a rod's own mass is spread: half to each end, or exactly [lumped]");
+}
+
+CLI::Option* add_scene(CLI::App& app, std::string& spec) {
+  return app.add_option("SCENE", spec, "A scene file (.json) or a generator; see below")
+      ->required()
+      ->type_name("");
+}
+
+std::string generators_help() {
+  std::string out = "Scenes: a JSON file, or a generator with the parameters that differ from these:\n";
+  for (const scenes::GeneratorHelp& help : scenes::list_generators()) {
+    out += "  " + help.name + (help.parameters.empty() ? "" : ":" + help.parameters) + "\n      " +
+           help.summary + "\n";
+  }
+  return out;
+}
+
+}  // namespace plumb::tools

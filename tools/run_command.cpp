@@ -1,0 +1,165 @@
+// plumb run: simulate a scene, say how fast and how wrong.
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "commands.hpp"
+#include "plumb/error.hpp"
+#include "progress.hpp"
+#include "scenes/files.hpp"
+#include "scenes/numbers.hpp"
+#include "scenes/report.hpp"
+#include "scenes/spec.hpp"
+#include "scenes/trajectory.hpp"
+
+namespace plumb::tools {
+namespace {
+
+using scenes::short_number;
+
+struct RunOptions {
+  std::string scene;
+  scenes::RunPlan plan;
+  std::vector<double> save_at;
+  std::string trajectory;
+  std::string truth;
+  std::string report;
+  bool quiet = false;
+};
+
+std::string percent(double share) {
+  return short_number(100 * share, 4) + " %";
+}
+
+std::string plural(std::uint64_t n, const char* noun) {
+  return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+}
+
+void print_line(const char* name, const std::string& text) {
+  std::printf("%-9s %s\n", name, text.c_str());
+}
+
+void print_summary(const RunOptions& options, const scenes::RunResult& result,
+                   const scenes::Machine& machine) {
+  const Settings& s = options.plan.settings;
+  const WorldInfo& info = result.info;
+  print_line("scene", options.scene + ": " + plural(info.particles, "particle") + ", " +
+                          plural(info.rods, "rod") + ", " + plural(info.islands, "island"));
+  std::string stop = "at most " + plural(s.stop.sweeps, "sweep");
+  if (s.stop.tolerance) stop += ", tolerance " + short_number(*s.stop.tolerance);
+  if (s.stop.budget_us) stop += ", " + short_number(*s.stop.budget_us) + " µs a frame";
+  print_line("settings", std::string(to_string(s.order)) + ", gradient " +
+                             std::string(to_string(s.gradient)) + ", weights " +
+                             std::string(to_string(s.weights)) + ", omega " + short_number(s.omega) + ", " +
+                             std::string(to_string(s.precision)));
+  print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
+                          plural(s.substeps, "substep") + " each, " + stop + " (stopped by " +
+                          std::string(to_string(result.total.stopped_by)) + ")");
+  print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
+                            " (rod " + std::to_string(result.stretch.max_rod) + ")");
+  const scenes::EnergyDrift& energy = result.energy;
+  print_line("energy", short_number(energy.initial) + " J at first, " + short_number(energy.final) +
+                           " J at last, drift at most " +
+                           (energy.range > 0 ? percent(energy.drift_max / energy.range) + " of the range"
+                                             : short_number(energy.drift_max) + " J"));
+  for (const scenes::PositionError& error : result.position_error) {
+    print_line("error", short_number(error.rms_m) + " m at " + short_number(error.t) + " s, " +
+                            percent(error.relative) + " of the scene's diagonal");
+  }
+  if (info.projected_velocity > 0) {
+    print_line("velocity", "initial velocities pulled on rods; changed by at most " +
+                               short_number(info.projected_velocity) + " m/s");
+  }
+  std::string time = short_number(1e3 * result.wall_s, 4) + " ms, " +
+                     short_number(1e6 * result.wall_s / static_cast<double>(result.frames), 4) +
+                     " µs a frame";
+  if (info.rods > 0) time += ", " + short_number(result.ns_per_rod_frame(), 4) + " ns per rod and frame";
+  print_line("time", time);
+  print_line("machine", machine.cpu + ", " + machine.isa + ", " + plural(machine.threads, "thread"));
+  print_line("state", scenes::hash_text(result.state_hash));
+}
+
+int run(const RunOptions& options) {
+  const Scene scene = scenes::load_scene(options.scene);
+  std::vector<Frame> truth;
+  if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
+  // Opened before the work: a folder that cannot be written is better known now.
+  std::optional<scenes::OutputFile> trajectory;
+  std::optional<scenes::OutputFile> report;
+  if (!options.trajectory.empty()) trajectory.emplace(options.trajectory);
+  if (!options.report.empty()) report.emplace(options.report);
+
+  scenes::RunObserver observer;
+  observer.save_at = options.save_at;
+  if (trajectory) {
+    trajectory->write(scenes::trajectory_header);
+    observer.save = [&](const Frame& frame) {
+      std::string rows;
+      scenes::append_frame(rows, frame);
+      trajectory->write(rows);
+    };
+  }
+  scenes::RunResult result;
+  {
+    Progress progress("running", options.quiet);
+    observer.progress = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
+    result = scenes::run_scene(scene, options.plan, truth, observer);
+  }
+  const scenes::Machine machine = scenes::describe_machine(result.info);
+  if (report)
+    report->write(scenes::format_json(scenes::report_json(options.scene, options.plan, result, machine)));
+  if (trajectory) trajectory->commit();
+  if (report) report->commit();
+  if (!options.quiet) print_summary(options, result, machine);
+  if (!result.finite) throw CheckFailed("the state is not finite");
+  if (result.total.frozen_islands > 0) {
+    throw CheckFailed(plural(result.total.frozen_islands, "island") +
+                      " went non-finite, put back to the last finite state and left standing");
+  }
+  return fine;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("run", "Simulate a scene; say how fast and how wrong");
+  auto options = std::make_shared<RunOptions>();
+  RunOptions& o = *options;
+  add_scene(*command, o.scene);
+  add_seconds(*command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
+  add_seconds(*command, "--dt", o.plan.dt, "Length of a frame [1/60]");
+  add_solver_options(*command, o.plan.settings);
+  add_layout_options(*command, o.plan.settings);
+  command
+      ->add_option_function<std::string>(
+          "--save-at",
+          [&o](const std::string& text) {
+            for (const std::string& item : CLI::detail::split(text, ',')) {
+              const auto t = scenes::parse_fraction(item);
+              if (!t) throw CLI::ValidationError("--save-at", "'" + item + "' is not a finite number");
+              o.save_at.push_back(*t);
+            }
+          },
+          "Times for the trajectory, each the end of a frame or 0; without it every frame")
+      ->type_name("T1,T2,...");
+  command->add_option("--trajectory", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file")
+      ->type_name("OUT.csv");
+  command->add_option("--truth", o.truth, "Compare positions with this trajectory")->type_name("TRUTH.csv");
+  command->add_option("--report", o.report, "Write settings, machine, time and errors to this file")
+      ->type_name("OUT.json");
+  command
+      ->add_option_function<std::string>(
+          "--vtk", [](const std::string&) { throw NotBuiltError("--vtk is not built yet"); },
+          "Write frames for ParaView (not built yet)")
+      ->type_name("DIR");
+  command->add_flag("--quiet", o.quiet, "Print nothing but errors");
+  command->footer(
+      "Examples:\n"
+      "  plumb run thesis5 --sweeps 1000\n"
+      "  plumb run chain:end_mass=10 --substeps 8 --gradient mid --tolerance 1e-6 --report r.json\n"
+      "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
+      generators_help());
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace plumb::tools

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+
+#include "plumb/scene.hpp"
+
+/// Scenes that tests, benchmarks and the command share, so that each is built in one place.
+namespace plumb::scenes {
+
+/// A chain of `links` massless rods, straight along +x from a fixed particle at the origin.
+struct ChainShape {
+  std::uint32_t links = 20;
+  double length = 0.1;  ///< m, of one rod
+  double mass = 1;      ///< kg, of every movable particle but the last
+  double end_mass = 1;  ///< kg, of the last
+};
+
+/// A square net in the x-y plane that hangs from its two fixed upper corners. Particles row-major from the
+/// top left one at the origin, rods first along x then along y within each particle.
+struct NetShape {
+  std::uint32_t width = 32;   ///< particles along x
+  std::uint32_t height = 32;  ///< particles along y
+  double spacing = 0.1;       ///< m
+  double mass = 1;            ///< kg, of every movable particle
+};
+
+/// Separate chains side by side in z, each with a fixed root: particles and rods chain after chain.
+struct EnsembleShape {
+  std::uint32_t chains = 1000;
+  std::uint32_t links = 32;
+  double length = 0.1;     ///< m, of one rod
+  double mass = 1;         ///< kg, of every movable particle but the last of each chain
+  double end_mass = 10;    ///< kg, of the last
+  double spacing = 0.1;    ///< m, between neighbouring chains
+  double vary = 0;         ///< in [0, 1): each chain's end mass is multiplied by 1 ± at most this
+  std::uint64_t seed = 1;  ///< of that variation; without it every chain is the same
+};
+
+/// A random graph in a cube: particles at random places, the nearest ones tied together.
+struct GraphShape {
+  std::uint32_t particles = 1000;
+  double degree = 4;     ///< mean number of rods at a particle
+  double spacing = 0.1;  ///< m; the cube holds one particle per spacing³
+  std::uint64_t seed = 1;
+};
+
+/// Each throws InputError naming the value that makes no sense.
+Scene make_chain(const ChainShape& shape);
+Scene make_chain(std::uint32_t links, double length = 0.1, double end_mass = 1, double mass = 1);
+Scene make_net(const NetShape& shape);
+Scene make_net(std::uint32_t width, std::uint32_t height, double spacing = 0.1);
+Scene make_ensemble(const EnsembleShape& shape);
+
+/// Connected but for rare stragglers, masses from 0.5 to 2 kg, about one particle in fifty fixed (the
+/// uppermost that no rod ties to another fixed one). Every rod is as long as its ends are apart. The same
+/// seed gives the same scene with every compiler: nothing here depends on the standard library's
+/// distributions.
+Scene make_graph(const GraphShape& shape);
+
+/// The thesis's experiment (section 4.4): five links, the last particle of double mass.
+Scene make_thesis5();
+
+}  // namespace plumb::scenes

@@ -1,0 +1,171 @@
+#include "scenes/spec.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <type_traits>
+#include <variant>
+
+#include "plumb/error.hpp"
+#include "scenes/generators.hpp"
+#include "scenes/lists.hpp"
+#include "scenes/numbers.hpp"
+#include "scenes/scene_file.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+/// One `key=value` of a spec.
+struct Assignment {
+  std::string_view key;
+  std::string_view value;
+};
+
+/// A parameter's name and the field of the shape that it sets; the field's initial value is the default.
+template <class Shape>
+struct Parameter {
+  const char* name;
+  std::variant<std::uint32_t Shape::*, std::uint64_t Shape::*, double Shape::*> field;
+};
+
+template <class Shape>
+using Parameters = std::vector<Parameter<Shape>>;
+
+template <class Shape>
+Shape assigned(const Parameters<Shape>& parameters, const Assignment& assignment, Shape shape) {
+  std::string known;
+  for (const Parameter<Shape>& parameter : parameters) {
+    append_item(known, parameter.name);
+    if (assignment.key != parameter.name) continue;
+    std::visit(
+        [&](auto field) {
+          using Number = std::remove_reference_t<decltype(shape.*field)>;
+          const auto parsed = parse_number<Number>(assignment.value);
+          if (!parsed) {
+            throw InputError(std::string(parameter.name) + " must be a " +
+                             (std::is_floating_point_v<Number> ? "number" : "whole number") + ", not '" +
+                             std::string(assignment.value) + "'");
+          }
+          shape.*field = *parsed;
+        },
+        parameter.field);
+    return shape;
+  }
+  throw InputError("no parameter '" + std::string(assignment.key) + "'; " +
+                   (known.empty() ? "it takes none" : "known are " + known));
+}
+
+struct Generator {
+  const char* name;
+  const char* summary;
+  std::string defaults;  ///< as text that load_scene reads
+  std::function<Scene(const std::vector<Assignment>&)> build;
+};
+
+template <class Shape>
+Generator describe(const char* name, const char* summary, Scene (*make)(const Shape&),
+                   Parameters<Shape> parameters) {
+  static const Shape initial{};
+  std::string defaults;
+  for (const Parameter<Shape>& p : parameters) {
+    append_item(defaults, p.name, ",");
+    defaults += '=';
+    std::visit([&](auto field) { defaults += short_number(static_cast<double>(initial.*field)); }, p.field);
+  }
+  return {name, summary, defaults, [=](const std::vector<Assignment>& assignments) {
+            Shape shape;
+            for (const Assignment& a : assignments) shape = assigned(parameters, a, shape);
+            return make(shape);
+          }};
+}
+
+/// A new generator is one more entry here.
+const std::vector<Generator>& generators() {
+  using C = ChainShape;
+  using N = NetShape;
+  using E = EnsembleShape;
+  using G = GraphShape;
+  static const std::vector<Generator> list = {
+      describe<C>(
+          "chain", "massless rods straight along +x from a fixed particle; the last particle may be heavy",
+          make_chain,
+          {{"links", &C::links}, {"length", &C::length}, {"mass", &C::mass}, {"end_mass", &C::end_mass}}),
+      describe<C>("thesis5", "the thesis's chain: five links, the last particle of double mass",
+                  [](const C&) { return make_thesis5(); }, {}),
+      describe<N>(
+          "net", "a square net hanging in the x-y plane from two fixed upper corners", make_net,
+          {{"width", &N::width}, {"height", &N::height}, {"spacing", &N::spacing}, {"mass", &N::mass}}),
+      describe<E>("ensemble", "separate chains side by side, each from a fixed particle", make_ensemble,
+                  {{"chains", &E::chains},
+                   {"links", &E::links},
+                   {"length", &E::length},
+                   {"mass", &E::mass},
+                   {"end_mass", &E::end_mass},
+                   {"spacing", &E::spacing},
+                   {"vary", &E::vary},
+                   {"seed", &E::seed}}),
+      describe<G>("graph", "particles strewn over a cube, the nearest tied together, masses 0.5 to 2 kg",
+                  make_graph,
+                  {{"particles", &G::particles},
+                   {"degree", &G::degree},
+                   {"spacing", &G::spacing},
+                   {"seed", &G::seed}}),
+  };
+  return list;
+}
+
+std::vector<Assignment> split(std::string_view text) {
+  std::vector<Assignment> out;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    const std::string_view item = text.substr(0, comma);
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos || equals == 0) {
+      throw InputError("expected key=value, found '" + std::string(item) + "'");
+    }
+    const Assignment added{item.substr(0, equals), item.substr(equals + 1)};
+    for (const Assignment& earlier : out) {
+      if (earlier.key == added.key) throw InputError(std::string(added.key) + " is given twice");
+    }
+    out.push_back(added);
+    if (comma == std::string_view::npos) return out;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+bool names_a_file(std::string_view spec) {
+  std::error_code ignored;
+  return spec.ends_with(".json") || std::filesystem::is_regular_file(spec, ignored);
+}
+
+}  // namespace
+
+Scene load_scene(std::string_view spec) {
+  if (names_a_file(spec)) return read_scene(spec);
+  const std::size_t colon = spec.find(':');
+  const std::string_view name = spec.substr(0, colon);
+  std::string known;
+  for (const Generator& generator : generators()) {
+    append_item(known, generator.name);
+    if (name != generator.name) continue;
+    try {
+      Scene scene = generator.build(colon == std::string_view::npos ? std::vector<Assignment>{}
+                                                                    : split(spec.substr(colon + 1)));
+      validate(scene);
+      return scene;
+    } catch (const InputError& error) {
+      throw InputError("scene '" + std::string(spec) + "': " + error.what());
+    }
+  }
+  throw InputError("no scene '" + std::string(spec) + "': there is no such file, and the generators are " +
+                   known);
+}
+
+std::vector<GeneratorHelp> list_generators() {
+  std::vector<GeneratorHelp> out;
+  for (const Generator& generator : generators()) {
+    out.push_back({generator.name, generator.summary, generator.defaults});
+  }
+  return out;
+}
+
+}  // namespace plumb::scenes

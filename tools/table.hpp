@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace plumb::tools {
+
+/// A table of texts, for a terminal or a page. The first column is set left, the others right.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
+  void add_row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+
+  /// Columns two blanks apart, one line per row.
+  std::string to_text() const;
+  std::string to_html() const;
+
+ private:
+  std::vector<std::string> header_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// The characters that mean something in HTML, spelled out.
+std::string escape_html(const std::string& text);
+
+}  // namespace plumb::tools
