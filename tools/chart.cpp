@@ -65,8 +65,7 @@ std::string script_for(const Chart& chart, const std::filesystem::path& svg) {
       quoted(svg.string()) + "\nset title " + quoted(chart.title) + "\nset xlabel " + quoted(chart.x) +
       "\nset ylabel " + quoted(chart.y) +
       "\nset logscale xy\nset format '%g'\nset grid lc rgb '#dddddd'\nset border 3 lc rgb '#555555'\n"
-      "set tics nomirror\nset key outside right top\nset offsets graph 0.03, graph 0.03, graph 0.05, graph "
-      "0.05\n";
+      "set tics nomirror\nset key outside right top Left reverse samplen 2.5\n";
   std::string plot;
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const Series& series = chart.series[i];
@@ -82,7 +81,7 @@ std::string script_for(const Chart& chart, const std::filesystem::path& svg) {
     s += "EOD\n";
     plot += (plot.empty() ? "plot " : ", ");
     plot += name + " using 1:2 with linespoints title " + quoted(series.name) + " lc rgb " +
-            quoted(series.color) + (series.dashed ? " dt 2 pt 6" : " dt 1 pt 7") + " lw 2 ps 0.5";
+            quoted(series.color) + (series.dashed ? " dt 2 pt 7" : " dt 1 pt 7") + " lw 2 ps 0.5";
   }
   return s + (plot.empty() ? "set label 'no data' at graph 0.5,0.5\nplot [1:10] [1:10] NaN notitle" : plot) +
          "\n";

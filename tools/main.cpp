@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "plumb/error.hpp"
+#include "scenes/lists.hpp"
 #include "scenes/machine.hpp"
 
 namespace {
@@ -42,6 +43,15 @@ int main(int argc, char** argv) {
   tools::add_scale_command(app, action);
   try {
     if (argc < 2) return complain("no command given; `plumb --help` lists them");
+    const std::string first = argv[1];
+    // CLI11 would only say that a command is missing.
+    std::string known;
+    bool found = first.starts_with('-');
+    for (const CLI::App* command : app.get_subcommands({})) {
+      scenes::append_item(known, command->get_name());
+      found = found || command->get_name() == first;
+    }
+    if (!found) return complain("no command '" + first + "'; known are " + known);
     app.parse(argc, argv);
     return action();
   } catch (const CLI::ParseError& error) {

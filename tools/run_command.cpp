@@ -1,5 +1,6 @@
 // plumb run: simulate a scene, say how fast and how wrong.
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -79,10 +80,19 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
   print_line("state", scenes::hash_text(result.state_hash));
 }
 
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  using std::filesystem::absolute;
+  using std::filesystem::weakly_canonical;
+  return !b.empty() && weakly_canonical(absolute(a)) == weakly_canonical(absolute(b));
+}
+
 int run(const RunOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
   std::vector<Frame> truth;
   if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
+  if (!options.trajectory.empty() && same_file(options.trajectory, options.report)) {
+    throw InputError("--trajectory and --report name the same file, " + options.report);
+  }
   // Opened before the work: a folder that cannot be written is better known now.
   std::optional<scenes::OutputFile> trajectory;
   std::optional<scenes::OutputFile> report;
@@ -112,9 +122,10 @@ int run(const RunOptions& options) {
   if (report) report->commit();
   if (!options.quiet) print_summary(options, result, machine);
   if (!result.finite) throw CheckFailed("the state is not finite");
-  if (result.total.frozen_islands > 0) {
-    throw CheckFailed(plural(result.total.frozen_islands, "island") +
-                      " went non-finite, put back to the last finite state and left standing");
+  if (result.frozen_frames > 0) {
+    throw CheckFailed(plural(result.frozen_islands, "island") + " went non-finite, in " +
+                      plural(result.frozen_frames, "frame") +
+                      "; put back to the last finite state each time");
   }
   return fine;
 }

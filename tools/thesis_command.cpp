@@ -20,6 +20,7 @@
 namespace plumb::tools {
 namespace {
 
+using scenes::plain_number;
 using scenes::short_number;
 
 constexpr std::uint32_t substeps = 8;
@@ -61,7 +62,7 @@ Settings settings_of(const Variant& variant, std::uint32_t substep_count, StopRu
 }
 
 std::string percent(double share) {
-  return short_number(100 * share, 3);
+  return plain_number(100 * share);
 }
 
 std::string error_text(const Measured& m) {
@@ -106,7 +107,7 @@ MassResults measure_mass(double end_mass) {
                   .distance_true = distance_of_motions(light, heavy, fine_steps),
                   .distance_mass = distance_of_motions(light, heavy, mass),
                   .distance_equal = distance_of_motions(light, heavy, equal)};
-  heavy.drag = 0.1;
+  heavy.drag = 0.5;
   out.rest_mass = time_to_rest(heavy, mass, 120);
   out.rest_equal = time_to_rest(heavy, equal, 120);
   return out;
@@ -127,7 +128,7 @@ Table error_table(const char* first, const std::vector<std::uint32_t>& counts,
   for (std::size_t i = 0; i < counts.size(); ++i) {
     std::vector<std::string> row{std::to_string(counts[i])};
     for (std::size_t v = 0; v < variants; ++v) row.push_back(error_text(results[i * variants + v]));
-    row.push_back(short_number(results[i * variants].us_per_frame, 3));  // of the first variant, mass and new
+    row.push_back(plain_number(results[i * variants].us_per_frame));  // of the first variant, mass and new
     table.add_row(std::move(row));
   }
   return table;
@@ -135,7 +136,7 @@ Table error_table(const char* first, const std::vector<std::uint32_t>& counts,
 
 Table mass_table(const std::vector<MassResults>& results) {
   Table table({"end mass, kg", "true change", "change, mass", "change, equal", "rest, mass", "rest, equal"});
-  const auto rest = [](double t) { return t < 0 ? std::string("over 120 s") : short_number(t, 3) + " s"; };
+  const auto rest = [](double t) { return t < 0 ? std::string("over 120 s") : plain_number(t) + " s"; };
   for (const MassResults& m : results) {
     table.add_row({short_number(m.end_mass), percent(m.distance_true) + " %", percent(m.distance_mass) + " %",
                    percent(m.distance_equal) + " %", rest(m.rest_mass), rest(m.rest_equal)});
@@ -163,22 +164,28 @@ std::vector<Series> series_of(const std::vector<Measured>& results, X x) {
   return out;
 }
 
-double least_error(const std::vector<Measured>& results, Weights weights) {
+/// The least and the largest error of a kind of weights where steps are smallest and rods swept to their
+/// length.
+std::pair<double, double> errors_at_last(const ChainResults& chain, Weights weights) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Measured& m : results) {
-    if (m.stable && m.settings.weights == weights) least = std::min(least, m.error);
+  double most = 0;
+  for (const Measured& m : chain.by_substeps) {
+    if (m.settings.substeps != substep_counts.back() || m.settings.weights != weights || !m.stable) continue;
+    least = std::min(least, m.error);
+    most = std::max(most, m.error);
   }
-  return least;
+  return {least, most};
 }
 
 /// What the numbers say, from the numbers.
 std::string conclusion_of(const ChainResults& chain) {
-  return chain.name + ": weighted by mass, the error falls to " +
-         percent(least_error(chain.by_substeps, Weights::mass)) +
-         " % of the chain's length as steps shrink; with equal weights it is never below " +
-         percent(std::min(least_error(chain.by_sweeps, Weights::equal),
-                          least_error(chain.by_substeps, Weights::equal))) +
-         " %, whatever the sweeps and steps.";
+  const auto mass = errors_at_last(chain, Weights::mass);
+  const auto equal = errors_at_last(chain, Weights::equal);
+  return chain.name + ", " + std::to_string(substep_counts.back()) +
+         " substeps, swept until rods keep their length: weighted by mass the error is " +
+         percent(mass.first) + " to " + percent(mass.second) +
+         " %, by gradient, and falls with the step; with equal weights it stays at " + percent(equal.first) +
+         " to " + percent(equal.second) + " %, since that is another motion.";
 }
 
 std::string truth_text(const ChainResults& chain) {
@@ -190,7 +197,7 @@ const char* const mass_text =
     "of the "
     "chain's length, in truth and with each kind of weights (8 substeps of 100 sweeps, gradient new). Rest: "
     "time until "
-    "nothing moves faster than 1 cm/s, with a drag of 0.1 per second.";
+    "nothing moves faster than 1 cm/s, with a drag of 0.5 per second.";
 
 void publish(const ThesisOptions& options, const std::vector<ChainResults>& chains,
              const std::vector<MassResults>& masses, const scenes::Machine& machine) {
@@ -294,7 +301,7 @@ int thesis(const ThesisOptions& options) {
     std::printf("%s: error at 1 s in %% of the length, %u substeps a frame. %s\n%s\n", chain.name.c_str(),
                 substeps, truth_text(chain).c_str(),
                 error_table("sweeps", sweep_counts, chain.by_sweeps).to_text().c_str());
-    std::printf("%s: the same, swept to a stretch of 1e-7\n%s\n", chain.name.c_str(),
+    std::printf("%s: the same, swept to a stretch of 1e-7. Times are of mass, new.\n%s\n", chain.name.c_str(),
                 error_table("substeps", substep_counts, chain.by_substeps).to_text().c_str());
   }
   std::printf("%s\n%s\n", mass_text, mass_table(masses).to_text().c_str());

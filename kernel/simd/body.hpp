@@ -46,20 +46,21 @@ PLUMB_INLINE Batch<T> dot(const Triple<T>& a, const Triple<T>& b) {
   return (a.x * b.x + a.y * b.y) + a.z * b.z;
 }
 
-/// Which rods machine vector `i` of a range holds: those from lane `first` of logical vector `v`.
+/// The rods of one machine vector: those from lane `first` of logical vector `v`.
 struct Position {
-  std::uint32_t v;
-  std::uint32_t first;
+  std::size_t v;
+  std::size_t first;
 };
+/// The k-th machine vector from the beginning of logical vector `v`.
 template <class T>
-PLUMB_INLINE Position position(std::uint32_t i) {
-  return {i / parts<T>, i % parts<T> * width<T>};
+PLUMB_INLINE Position position(std::size_t v, std::size_t k) {
+  return {v + k / parts<T>, k % parts<T> * width<T>};
 }
 
 /// Field `field` of a per-rod array with `fields` fields.
-template <std::uint32_t fields, class T>
-PLUMB_INLINE Batch<T> load_field(const T* data, Position at, std::uint32_t field) {
-  return Batch<T>::load_aligned(data + (std::size_t{at.v} * fields + field) * logical_width<T> + at.first);
+template <std::size_t fields, class T>
+PLUMB_INLINE Batch<T> load_field(const T* data, Position at, std::size_t field) {
+  return Batch<T>::load_aligned(data + (at.v * fields + field) * logical_width<T> + at.first);
 }
 template <class T>
 PLUMB_INLINE Triple<T> load_direction(const T* rod, Position at) {
@@ -68,12 +69,12 @@ PLUMB_INLINE Triple<T> load_direction(const T* rod, Position at) {
 
 /// Neighbouring rods have neighbouring ends.
 struct RowAccess {
-  static constexpr std::uint32_t unroll = 4;
+  static constexpr std::size_t unroll = 4;
 
   template <class T>
-  static PLUMB_INLINE Triple<T> load(const T* from, std::uint32_t stride) {
+  static PLUMB_INLINE Triple<T> load(const T* from, std::size_t stride) {
     return {Batch<T>::load_unaligned(from), Batch<T>::load_unaligned(from + stride),
-            Batch<T>::load_unaligned(from + 2 * std::size_t{stride})};
+            Batch<T>::load_unaligned(from + 2 * stride)};
   }
   /// b - a for the ends of the rods.
   template <class T>
@@ -83,10 +84,10 @@ struct RowAccess {
     return b - a;
   }
   template <class T>
-  static PLUMB_INLINE void store(const Triple<T>& value, T* to, std::uint32_t stride) {
+  static PLUMB_INLINE void store(const Triple<T>& value, T* to, std::size_t stride) {
     value.x.store_unaligned(to);
     value.y.store_unaligned(to + stride);
-    value.z.store_unaligned(to + 2 * std::size_t{stride});
+    value.z.store_unaligned(to + 2 * stride);
   }
   /// Adds `move_a` to the a ends and takes `move_b` from the b ends. Reads again what it adds to: a vector shifted
   /// by one lane may end in a padding lane that overlaps numbers written a moment ago.
@@ -102,7 +103,7 @@ struct RowAccess {
 
 /// Ends anywhere, collected through the stack: hardware gathers are slower than this on the machines measured.
 struct GatherAccess {
-  static constexpr std::uint32_t unroll = 1;
+  static constexpr std::size_t unroll = 1;
 
   template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {
@@ -145,7 +146,7 @@ struct GatherAccess {
 
 /// Ends anywhere, each a record x y z 0: subtracted as records, then transposed in registers.
 struct RecordAccess {
-  static constexpr std::uint32_t unroll = 1;
+  static constexpr std::size_t unroll = 1;
 
   template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {
@@ -175,8 +176,8 @@ struct RecordAccess {
 
 template <class Access, class T>
 void prepare(const BlockView<T>& block, Range range) {
-  for (std::uint32_t i = range.begin * parts<T>; i < range.end * parts<T>; ++i) {
-    const Position at = position<T>(i);
+  for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
+    const Position at = position<T>(range.begin, i);
     const Triple<T> d = Access::difference(block, block.x, at);
     const Batch<T> length2 =
         range.uniform ? Batch<T>(block.uniform_length2) : load_field<weight_fields>(block.weight, at, 0);
@@ -222,32 +223,38 @@ PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction
   }
 }
 
-/// Several projections are begun before the first is finished: each is one long chain of dependent operations, and
-/// the processor's window alone holds only about two.
+/// Projects the rods of `count` machine vectors. All are begun before the first is finished: each is one long chain of
+/// dependent operations, and the processor's window alone holds only about two.
+template <class Access, Gradient gradient, bool uniform, std::size_t count, class T>
+PLUMB_INLINE void project(const BlockView<T>& block, std::size_t v, Batch<T> length2, Batch<T> share) {
+  Correction<T> begun[count];
+#pragma GCC unroll 16
+  for (std::size_t k = 0; k < count; ++k)
+    begun[k] = correction<Access, gradient, uniform>(block, position<T>(v, k), length2);
+#pragma GCC unroll 16
+  for (std::size_t k = 0; k < count; ++k) apply<Access, uniform>(block, position<T>(v, k), begun[k], share);
+}
+
 template <class Access, Gradient gradient, bool uniform, class T>
-void sweep_range(const BlockView<T>& block, Range range) {
-  constexpr std::uint32_t unroll = Access::unroll;
-  const Batch<T> length2(block.uniform_length2), share(block.uniform_share);
-  std::uint32_t i = range.begin * parts<T>;
-  const std::uint32_t end = range.end * parts<T>;
-  for (; i + unroll <= end; i += unroll) {
-    Correction<T> begun[unroll];
-#pragma GCC unroll 4
-    for (std::uint32_t k = 0; k < unroll; ++k)
-      begun[k] = correction<Access, gradient, uniform>(block, position<T>(i + k), length2);
-#pragma GCC unroll 4
-    for (std::uint32_t k = 0; k < unroll; ++k)
-      apply<Access, uniform>(block, position<T>(i + k), begun[k], share);
-  }
-  for (; i < end; ++i)
-    apply<Access, uniform>(block, position<T>(i),
-                           correction<Access, gradient, uniform>(block, position<T>(i), length2), share);
+PLUMB_INLINE void sweep_range(const BlockView<T>& block, Range range, Batch<T> length2, Batch<T> share) {
+  constexpr std::size_t vectors = Access::unroll > parts<T> ? Access::unroll / parts<T> : 1;
+  std::size_t v = range.begin;
+  for (; v + vectors <= range.end; v += vectors)
+    project<Access, gradient, uniform, vectors * parts<T>>(block, v, length2, share);
+  for (; v < range.end; ++v) project<Access, gradient, uniform, parts<T>>(block, v, length2, share);
 }
 
 template <class Access, Gradient gradient, class T>
-void sweep(const BlockView<T>& block, Range range) {
-  range.uniform ? sweep_range<Access, gradient, true>(block, range)
-                : sweep_range<Access, gradient, false>(block, range);
+void sweep(const BlockView<T>& shared, const Range* ranges, std::uint32_t count) {
+  const BlockView<T> block = shared;  // a copy that stores through its pointers cannot change
+  const Batch<T> length2(block.uniform_length2), share(block.uniform_share);
+  for (const Range* range = ranges; range != ranges + count; ++range) {
+    if (range->uniform) {
+      sweep_range<Access, gradient, true>(block, *range, length2, share);
+    } else {
+      sweep_range<Access, gradient, false>(block, *range, length2, share);
+    }
+  }
 }
 
 template <class T>
@@ -262,8 +269,8 @@ PLUMB_INLINE T largest_lane(const Batch<T>& batch) {
 template <class Access, class T>
 T violation(const BlockView<T>& block, Range range) {
   Batch<T> largest(T(0));
-  for (std::uint32_t i = range.begin * parts<T>; i < range.end * parts<T>; ++i) {
-    const Position at = position<T>(i);
+  for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
+    const Position at = position<T>(range.begin, i);
     const Triple<T> e = Access::difference(block, static_cast<const T*>(block.p), at);
     const Triple<T> sum = load_direction(block.rod, at) + e;
     const Batch<T> c = load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) + dot(e, sum);

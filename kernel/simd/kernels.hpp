@@ -43,12 +43,12 @@ struct Range {
   bool uniform = false;
 };
 
-/// Loops for one way of addressing rods. `sweep` projects every rod of a range once; rods of one range share no
-/// movable particle. `violation` is the largest |C|/L^2 of a range, not a number ignored.
+/// Loops for one way of addressing rods. `sweep` projects every rod of each range, range after range; rods of one range
+/// share no movable particle. `violation` is the largest |C|/L^2 of a range, not a number ignored.
 template <class T>
 struct AccessKernels {
   void (*prepare)(const BlockView<T>&, Range);
-  void (*sweep[3])(const BlockView<T>&, Range);  ///< by Gradient
+  void (*sweep[3])(const BlockView<T>&, const Range*, std::uint32_t count);  ///< by Gradient
   T (*violation)(const BlockView<T>&, Range);
 };
 

@@ -74,7 +74,7 @@ Violation<T> violation_of(const BlockView<T>& block, std::uint32_t v, std::uint3
 /// stretch), it needs no square root, and it stays bounded from collapsed (C = -L^2) to far overstretched rods.
 /// Exact arithmetic never reaches the lower bound on the divisor; rounding can when particles are thrown far.
 template <AccessKind access, Gradient gradient, class T>
-void sweep(const BlockView<T>& block, Range range) {
+void sweep_range(const BlockView<T>& block, Range range) {
   constexpr std::uint32_t width = logical_width<T>;
   const std::uint32_t stride = block.component_stride;
   for (std::uint32_t v = range.begin; v < range.end; ++v) {
@@ -105,6 +105,11 @@ void sweep(const BlockView<T>& block, Range range) {
       block.out[at_b + 2 * stride] -= move_b * m.z;
     }
   }
+}
+
+template <AccessKind access, Gradient gradient, class T>
+void sweep(const BlockView<T>& block, const Range* ranges, std::uint32_t count) {
+  for (std::uint32_t i = 0; i < count; ++i) sweep_range<access, gradient>(block, ranges[i]);
 }
 
 template <AccessKind access, class T>

@@ -14,9 +14,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using layouts::Coupling;
 
-/// Sweeps in flight in a wavefront: each keeps one more position in cache.
-constexpr std::int64_t sweeps_in_flight = 16;
-
 /// Largest |C|/L^2 at which gradient mid trusts its own velocities. Beyond it, 2p - u turns the unresolved part of a
 /// step into velocity along the rods; the damped p + kick/2 is then the better estimate. See README, "Limits".
 constexpr double mid_guard_violation = 0.05;
@@ -178,22 +175,45 @@ class Substep {
       for (std::uint32_t i = 0; i < n; ++i) sweep_jacobi();
     } else if (packing_.coupling == Coupling::neighbor) {
       sweep_pipelined(n);
+    } else if (crew_.parts() == 1) {
+      Queue queue(*this);
+      for (std::uint32_t i = 0; i < n; ++i)
+        for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage)
+          for (std::uint32_t q = q0_; q < q1_; ++q) queue.add(block_.range(q, stage));
     } else {
       for (std::uint32_t i = 0; i < n; ++i)
         for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) run_stage(stage);
     }
   }
 
-  void project(simd::Range range) {
-    access_.sweep[static_cast<int>(settings_.gradient)](view_, range);
-  }
+  /// Ranges to project in order, handed to the kernel many at a time.
+  class Queue {
+   public:
+    explicit Queue(const Substep& substep) : substep_(substep) {}
+    ~Queue() { flush(); }
+    void add(simd::Range range) {
+      if (count_ == ranges_.size()) flush();
+      ranges_[count_++] = range;
+    }
+
+   private:
+    void flush() {
+      substep_.access_.sweep[static_cast<int>(substep_.settings_.gradient)](substep_.view_, ranges_.data(), count_);
+      count_ = 0;
+    }
+
+    const Substep& substep_;
+    std::array<simd::Range, 64> ranges_;
+    std::uint32_t count_ = 0;
+  };
 
   /// All rods of one stage, at once.
   void run_stage(std::size_t stage) {
     crew_.for_parts([&](unsigned part) {
-      if (packing_.positions == 1) return project(stage_part(stage, part));
+      Queue queue(*this);
+      if (packing_.positions == 1 && crew_.parts() > 1) return queue.add(stage_part(stage, part));
       const Cut q = positions_of(part);
-      for (std::uint32_t position = q.begin; position < q.end; ++position) project(block_.range(position, stage));
+      for (std::uint32_t position = q.begin; position < q.end; ++position) queue.add(block_.range(position, stage));
     });
   }
 
@@ -206,17 +226,16 @@ class Substep {
     });
   }
 
-  void within(std::int64_t q) {
-    for (std::size_t stage = 0; stage < packing_.within_stages; ++stage)
-      project(block_.range(static_cast<std::uint32_t>(q), stage));
-  }
-  void across(std::int64_t q) {
-    for (std::size_t stage = packing_.within_stages; stage < packing_.stages.size(); ++stage)
-      project(block_.range(static_cast<std::uint32_t>(q), stage));
-  }
   template <class Bounds>
   void run_pipeline(std::int64_t sweeps, const Bounds& bounds) {
-    run_wavefront(sweeps, bounds, [this](std::int64_t q) { within(q); }, [this](std::int64_t q) { across(q); });
+    Queue queue(*this);
+    const auto add = [&](std::int64_t q, std::size_t begin, std::size_t end) {
+      for (std::size_t stage = begin; stage < end; ++stage)
+        queue.add(block_.range(static_cast<std::uint32_t>(q), stage));
+    };
+    run_wavefront(
+        sweeps, bounds, [&](std::int64_t q) { add(q, 0, packing_.within_stages); },
+        [&](std::int64_t q) { add(q, packing_.within_stages, packing_.stages.size()); });
   }
 
   void sweep_pipelined(std::uint32_t n) {
@@ -225,7 +244,8 @@ class Substep {
         parts == 1 ? sweeps_in_flight
                    : std::min(sweeps_in_flight, sweeps_between_barriers(packing_.positions, parts));
     if (most < 1) {  // too short to share: the leader does it alone
-      run_pipeline(n, Trapezoid{0, packing_.positions, true, true});
+      for (std::int64_t left = n; left > 0; left -= sweeps_in_flight)
+        run_pipeline(std::min(left, sweeps_in_flight), Trapezoid{0, packing_.positions, true, true});
       return;
     }
     for (std::int64_t left = n; left > 0; left -= most) {

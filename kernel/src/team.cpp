@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "flush_denormals.hpp"
+
 namespace plumb::detail {
 namespace {
 
@@ -30,6 +32,7 @@ Team::Team(unsigned size) : size_(std::clamp(size, 1u, max_size)), lanes_(std::m
 
 void Team::lead_erased(Executor* executor, Program program, void* context) {
   if (executor == nullptr || size_ == 1) {
+    const FlushDenormals flush;
     program(context);
     return;
   }
@@ -44,6 +47,7 @@ void Team::lead_erased(Executor* executor, Program program, void* context) {
 }
 
 void Team::task() {
+  const FlushDenormals flush;
   if (!has_leader_.exchange(true, std::memory_order_acq_rel)) {
     program_(program_context_);
     finished_.store(true, std::memory_order_release);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <limits>
 
 namespace plumb::detail {
 
@@ -10,26 +12,31 @@ struct SweepBounds {
   std::int64_t within_begin, within_end, across_begin, across_end;
 };
 
+/// Sweeps in flight in a wavefront at most: each keeps two more positions in cache.
+inline constexpr std::int64_t sweeps_in_flight = 8;
+
 /// Pipelines sweeps over a line of positions so that each is worked on by many sweeps while it is in cache, with the
 /// result of one sweep after the other. Sweep s + 1 may visit position q once sweep s has joined q to both its
-/// neighbours, so it runs one position behind.
+/// neighbours. It follows two positions behind, not one: a vector shifted by a lane is stored across two of the vectors
+/// loaded next, and a processor loads those only once the store has left for the cache.
 ///
-/// `bounds(s)` gives what sweep s visits; `within(q)` and `across(q)` do the work.
+/// `bounds(s)` gives what sweep s visits, for at most sweeps_in_flight sweeps; `within(q)` and `across(q)` do the work.
 template <class Bounds, class Within, class Across>
 void run_wavefront(std::int64_t sweeps, const Bounds& bounds, const Within& within, const Across& across) {
-  std::int64_t begin = bounds(0).within_begin, end = 0;
+  std::array<SweepBounds, sweeps_in_flight> at{};  // as steps of the wavefront instead of positions
+  std::int64_t begin = std::numeric_limits<std::int64_t>::max(), end = std::numeric_limits<std::int64_t>::min();
   for (std::int64_t s = 0; s < sweeps; ++s) {
     const SweepBounds b = bounds(s);
-    begin = std::min({begin, b.within_begin + s, b.across_begin + s + 1});
-    end = std::max({end, b.within_end + s, b.across_end + s + 1});
+    at[s] = {b.within_begin + 2 * s, b.within_end + 2 * s, b.across_begin + 2 * s + 1, b.across_end + 2 * s + 1};
+    begin = std::min({begin, at[s].within_begin, at[s].across_begin});
+    end = std::max({end, at[s].within_end, at[s].across_end});
   }
-  for (std::int64_t t = begin; t < end; ++t)
-    for (std::int64_t s = 0; s < sweeps; ++s) {
-      const SweepBounds b = bounds(s);
-      const std::int64_t q = t - s;
-      if (q >= b.within_begin && q < b.within_end) within(q);
-      if (q - 1 >= b.across_begin && q - 1 < b.across_end) across(q - 1);
-    }
+  for (std::int64_t t = begin; t < end; ++t) {
+    for (std::int64_t s = 0; s < sweeps; ++s)
+      if (t >= at[s].within_begin && t < at[s].within_end) within(t - 2 * s);
+    for (std::int64_t s = 0; s < sweeps; ++s)
+      if (t >= at[s].across_begin && t < at[s].across_end) across(t - 2 * s - 1);
+  }
 }
 
 /// What one thread may do with positions [cut_begin, cut_end) alone: at each inner cut every sweep visits one position

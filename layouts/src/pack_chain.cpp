@@ -8,7 +8,7 @@ namespace {
 
 // Vectors of each colour in a position: enough independent work to hide the latency of a projection, few
 // enough that a dozen positions (one per sweep in flight) stay in the first two cache levels.
-constexpr std::uint32_t vectors_per_position = 4;
+constexpr std::uint32_t vectors_per_position = 16;
 
 /// True where the path comes back to a fixed vertex that it has listed before.
 bool repeats(const ShapeInfo& chain, std::uint32_t rank) {

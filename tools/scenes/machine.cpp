@@ -31,7 +31,7 @@ Machine machine_with(Isa isa, unsigned threads) {
 }  // namespace
 
 Machine describe_machine(const WorldInfo& info) {
-  return machine_with(info.isa, info.threads);
+  return machine_with(info.isa, info.parallel ? info.threads : 1);
 }
 
 Machine describe_machine() {

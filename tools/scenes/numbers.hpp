@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -44,6 +45,17 @@ inline std::string short_number(double value, int digits = 6) {
   char buffer[40];
   const auto result =
       std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, digits);
+  return {buffer, result.ptr};
+}
+
+/// `value` with at least `digits` significant digits and, unless it is tiny, without an exponent: for columns
+/// that people compare.
+inline std::string plain_number(double value, int digits = 3) {
+  if (value == 0 || !std::isfinite(value) || std::abs(value) < 1e-4) return short_number(value, digits);
+  const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+  char buffer[400];
+  const auto result =
+      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
   return {buffer, result.ptr};
 }
 

@@ -134,6 +134,8 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
     const StepReport step = world.step(plan.dt);
     wall += Clock::now() - start;
     result.total += step;
+    result.frozen_islands = std::max(result.frozen_islands, step.frozen_islands);
+    result.frozen_frames += step.frozen_islands > 0;
     visit(number);
 
     const Stretch stretch = measure_stretch(scene, now.positions);
