@@ -167,6 +167,7 @@ void add_run_command(CLI::App& app, Action& action) {
   command->footer(
       "Examples:\n"
       "  plumb run thesis5 --sweeps 1000\n"
+      "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
       "  plumb run chain:end_mass=10 --substeps 8 --gradient mid --tolerance 1e-6 --report r.json\n"
       "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
       generators_help());

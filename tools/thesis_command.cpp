@@ -288,7 +288,7 @@ int thesis(const ThesisOptions& options) {
     std::uint64_t done = 0;
     const auto tick = [&] { progress.show(++done, all); };
     chains.push_back(
-        measure_chain("thesis5", "five links, end mass 2", converge(scenes::make_thesis5(), 1024), tick));
+        measure_chain("thesis5", "Five links, end mass 2", converge(scenes::make_thesis5(), 1024), tick));
     chains.push_back(
         measure_chain("chain:links=20,end_mass=10", "20 links, end mass 10", chain_truth(), tick));
     for (const double end_mass : end_masses) masses.push_back(measure_mass(end_mass));

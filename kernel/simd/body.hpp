@@ -146,7 +146,7 @@ struct GatherAccess {
 
 /// Ends anywhere, each a record x y z 0: subtracted as records, then transposed in registers.
 struct RecordAccess {
-  static constexpr std::size_t unroll = 1;
+  static constexpr std::size_t unroll = 2;
 
   template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {

@@ -1,5 +1,6 @@
 #include "scenes/machine.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <thread>
 

@@ -1,5 +1,6 @@
 #include "scenes/trajectory.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 

@@ -58,6 +58,24 @@ struct WorldInfo {
   std::vector<BlockInfo> blocks;  ///< equal blocks are listed once, with their sums
 };
 
+class World;
+
+/// Positions (m) or velocities (m/s) of a World in the scene's particle order, read in place: nothing is copied, and what
+/// is read is always the present state. Valid while the world lives and is not moved.
+class StateView {
+ public:
+  std::size_t size() const;
+  Vec3 operator[](std::uint32_t particle) const;
+
+ private:
+  friend class World;
+  enum class Field : std::uint8_t { position, velocity };
+  StateView(const World& world, Field field) : world_(&world), field_(field) {}
+
+  const World* world_;
+  Field field_;
+};
+
 /// A scene compiled for stepping.
 ///
 /// State per particle is the position and the displacement of the last substep, never two positions: a float
@@ -89,7 +107,10 @@ class World {
   std::uint32_t rod_count() const;
   double time() const;  ///< s
 
-  /// State in the scene's particle order. `out` must hold particle_count() elements.
+  /// State in the scene's particle order, one by one, as views, or copied into `out`, which must hold
+  /// particle_count() elements. Velocities are those at the end of the step, second order accurate.
+  StateView positions() const { return {*this, StateView::Field::position}; }
+  StateView velocities() const { return {*this, StateView::Field::velocity}; }
   void copy_positions(std::span<Vec3> out) const;
   void copy_velocities(std::span<Vec3> out) const;
   Vec3 position(std::uint32_t particle) const;
@@ -105,5 +126,10 @@ class World {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+inline std::size_t StateView::size() const { return world_->particle_count(); }
+inline Vec3 StateView::operator[](std::uint32_t particle) const {
+  return field_ == Field::position ? world_->position(particle) : world_->velocity(particle);
+}
 
 }  // namespace plumb
