@@ -1,6 +1,6 @@
-// The vector body of every loop in kernels.hpp, included once per instruction set with PLUMB_ARCH set to its xsimd
-// architecture. Everything has internal linkage: an inline function shared between files compiled for different
-// instruction sets would be merged by the linker into one that not every machine can run.
+// The vector body of every loop in kernels.hpp, included once per instruction set with PLUMB_ARCH set to its
+// xsimd architecture. Everything has internal linkage: an inline function shared between files compiled for
+// different instruction sets would be merged by the linker into one that not every machine can run.
 //
 // scalar.cpp says what is computed and why; the operations and their order here are the same.
 
@@ -64,7 +64,8 @@ PLUMB_INLINE Batch<T> load_field(const T* data, Position at, std::size_t field) 
 }
 template <class T>
 PLUMB_INLINE Triple<T> load_direction(const T* rod, Position at) {
-  return {load_field<rod_fields>(rod, at, 0), load_field<rod_fields>(rod, at, 1), load_field<rod_fields>(rod, at, 2)};
+  return {load_field<rod_fields>(rod, at, 0), load_field<rod_fields>(rod, at, 1),
+          load_field<rod_fields>(rod, at, 2)};
 }
 
 /// Neighbouring rods have neighbouring ends.
@@ -89,8 +90,8 @@ struct RowAccess {
     value.y.store_unaligned(to + stride);
     value.z.store_unaligned(to + 2 * stride);
   }
-  /// Adds `move_a` to the a ends and takes `move_b` from the b ends. Reads again what it adds to: a vector shifted
-  /// by one lane may end in a padding lane that overlaps numbers written a moment ago.
+  /// Adds `move_a` to the a ends and takes `move_b` from the b ends. Reads again what it adds to: a vector
+  /// shifted by one lane may end in a padding lane that overlaps numbers written a moment ago.
   template <class T>
   static PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Triple<T>& move_a,
                                  const Triple<T>& move_b) {
@@ -101,7 +102,8 @@ struct RowAccess {
   }
 };
 
-/// Ends anywhere, collected through the stack: hardware gathers are slower than this on the machines measured.
+/// Ends anywhere, collected through the stack: hardware gathers are slower than this on the machines
+/// measured.
 struct GatherAccess {
   static constexpr std::size_t unroll = 1;
 
@@ -219,12 +221,13 @@ PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction
   } else {
     const Batch<T> share_a = load_field<weight_fields>(block.weight, at, 1);
     const Batch<T> share_b = load_field<weight_fields>(block.weight, at, 2);
-    Access::apply(block, at, (share_a * correction.s) * correction.m, (share_b * correction.s) * correction.m);
+    Access::apply(block, at, (share_a * correction.s) * correction.m,
+                  (share_b * correction.s) * correction.m);
   }
 }
 
-/// Projects the rods of `count` machine vectors. All are begun before the first is finished: each is one long chain of
-/// dependent operations, and the processor's window alone holds only about two.
+/// Projects the rods of `count` machine vectors. All are begun before the first is finished: each is one long
+/// chain of dependent operations, and the processor's window alone holds only about two.
 template <class Access, Gradient gradient, bool uniform, std::size_t count, class T>
 PLUMB_INLINE void project(const BlockView<T>& block, std::size_t v, Batch<T> length2, Batch<T> share) {
   Correction<T> begun[count];
@@ -274,9 +277,10 @@ T violation(const BlockView<T>& block, Range range) {
     const Triple<T> e = Access::difference(block, static_cast<const T*>(block.p), at);
     const Triple<T> sum = load_direction(block.rod, at) + e;
     const Batch<T> c = load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) + dot(e, sum);
-    const Batch<T> inverse =
-        range.uniform ? Batch<T>(block.uniform_inverse_length2) : load_field<weight_fields>(block.weight, at, 3);
-    largest = xsimd::max(xsimd::abs(c) * inverse, largest);  // of two, max takes the second if one is not a number
+    const Batch<T> inverse = range.uniform ? Batch<T>(block.uniform_inverse_length2)
+                                           : load_field<weight_fields>(block.weight, at, 3);
+    largest =
+        xsimd::max(xsimd::abs(c) * inverse, largest);  // of two, max takes the second if one is not a number
   }
   return largest_lane(largest);
 }
@@ -320,7 +324,8 @@ void advance_mid(T* __restrict x, T* __restrict p, const T* __restrict u, T deca
 }
 
 template <class T>
-void advance_mid_guarded(T* __restrict x, T* __restrict p, const T* __restrict kick, T decay, std::uint32_t n) {
+void advance_mid_guarded(T* __restrict x, T* __restrict p, const T* __restrict kick, T decay,
+                         std::uint32_t n) {
   for (std::uint32_t i = 0; i < n; ++i) {
     x[i] += p[i];
     p[i] = decay * (p[i] + kick[i]);

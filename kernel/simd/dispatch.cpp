@@ -7,10 +7,14 @@ namespace plumb {
 bool is_supported(Isa isa) {
   static const auto available = xsimd::available_architectures();
   switch (isa) {
-    case Isa::scalar: return true;
-    case Isa::sse2: return available.sse2;
-    case Isa::avx2: return available.avx2 && available.fma3_avx2;
-    case Isa::avx512: return available.avx512bw && available.avx512dq && available.avx512cd;
+    case Isa::scalar:
+      return true;
+    case Isa::sse2:
+      return available.sse2;
+    case Isa::avx2:
+      return available.avx2 && available.fma3_avx2;
+    case Isa::avx512:
+      return available.avx512bw && available.avx512dq && available.avx512cd;
   }
   return false;
 }

@@ -7,8 +7,8 @@
 /// The innermost loops, one body per instruction set, and the table they are called through.
 ///
 /// All bodies do the same operations (+ - * / max, never fused) in the same order on the same logical vectors
-/// (16 floats or 8 doubles), so all give the same bits. `scalar.cpp` is written for reading and is the oracle of
-/// the others, which share `body.hpp`.
+/// (16 floats or 8 doubles), so all give the same bits. `scalar.cpp` is written for reading and is the oracle
+/// of the others, which share `body.hpp`.
 namespace plumb::simd {
 
 /// Numbers per vector of rods in BlockView::rod and BlockView::weight, in units of the logical vector.
@@ -19,20 +19,20 @@ template <class T>
 inline constexpr std::uint32_t logical_width = 64 / sizeof(T);
 
 /// What a kernel needs of a block. Positions in m, displacements in m per substep, lengths squared in m^2.
-/// The shares are k = omega/4 * w/(w_a + w_b): one half of omega, as the correction of |d|^2 - L^2 = C along d is
-/// C/2, and another because directions are kept as twice themselves.
+/// The shares are k = omega/4 * w/(w_a + w_b): one half of omega, as the correction of |d|^2 - L^2 = C along
+/// d is C/2, and another because directions are kept as twice themselves.
 template <class T>
 struct BlockView {
-  const T* x;             ///< positions at the start of the substep
-  T* p;                   ///< displacements from x, being relaxed
-  T* out;                 ///< where corrections are added: p (Gauss-Seidel) or an accumulator (Jacobi)
+  const T* x;  ///< positions at the start of the substep
+  T* p;        ///< displacements from x, being relaxed
+  T* out;      ///< where corrections are added: p (Gauss-Seidel) or an accumulator (Jacobi)
   std::uint32_t component_stride;
-  T* rod;                 ///< rod_fields vectors per vector of rods; made by prepare
-  const T* weight;        ///< weight_fields vectors per vector of rods; not read for uniform ranges
+  T* rod;           ///< rod_fields vectors per vector of rods; made by prepare
+  const T* weight;  ///< weight_fields vectors per vector of rods; not read for uniform ranges
   const std::uint32_t* address_a;
   const std::uint32_t* address_b;
-  T uniform_length2;      ///< of rods in uniform ranges
-  T uniform_share;        ///< k_a = k_b of rods in uniform ranges
+  T uniform_length2;  ///< of rods in uniform ranges
+  T uniform_share;    ///< k_a = k_b of rods in uniform ranges
   T uniform_inverse_length2;
 };
 
@@ -43,8 +43,8 @@ struct Range {
   bool uniform = false;
 };
 
-/// Loops for one way of addressing rods. `sweep` projects every rod of each range, range after range; rods of one range
-/// share no movable particle. `violation` is the largest |C|/L^2 of a range, not a number ignored.
+/// Loops for one way of addressing rods. `sweep` projects every rod of each range, range after range; rods of
+/// one range share no movable particle. `violation` is the largest |C|/L^2 of a range, not a number ignored.
 template <class T>
 struct AccessKernels {
   void (*prepare)(const BlockView<T>&, Range);

@@ -1,5 +1,6 @@
 // Transposes between records (x y z 0) and columns (x x x ...), for body.hpp. Internal linkage, like it.
-// Compiler vectors rather than xsimd: xsimd 8 has no transpose, and a shuffle with constant indices is all it takes.
+// Compiler vectors rather than xsimd: xsimd 8 has no transpose, and a shuffle with constant indices is all it
+// takes.
 
 #pragma once
 
@@ -47,7 +48,8 @@ inline __attribute__((always_inline)) Vector<T, n> join(const Record<T>* records
     joined = __builtin_shufflevector(records[k], records[4 + k], 0, 1, 2, 3, 4, 5, 6, 7);
   } else {
     const Vector<T, 8> low = __builtin_shufflevector(records[k], records[4 + k], 0, 1, 2, 3, 4, 5, 6, 7);
-    const Vector<T, 8> high = __builtin_shufflevector(records[8 + k], records[12 + k], 0, 1, 2, 3, 4, 5, 6, 7);
+    const Vector<T, 8> high =
+        __builtin_shufflevector(records[8 + k], records[12 + k], 0, 1, 2, 3, 4, 5, 6, 7);
     joined = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   }
   return joined;
@@ -79,7 +81,8 @@ inline __attribute__((always_inline)) V shuffle_fours(V a, V b) {
   };
   return [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
     return __builtin_shufflevector(a, b, index(i)...);
-  }(std::make_integer_sequence<int, n>{});
+  }
+  (std::make_integer_sequence<int, n>{});
 }
 
 template <class T, std::uint32_t n>

@@ -14,11 +14,13 @@ template <class T>
 Block<T>::Block(layouts::Packing packing, bool jacobi)
     : packing_(std::move(packing)),
       x_(packing_.elements),
-      displacements_{layouts::AlignedBuffer<T>(packing_.elements), layouts::AlignedBuffer<T>(packing_.elements)},
+      displacements_{layouts::AlignedBuffer<T>(packing_.elements),
+                     layouts::AlignedBuffer<T>(packing_.elements)},
       kick_(packing_.elements),
       accumulator_(jacobi ? packing_.elements : 0),
       rod_(std::size_t{packing_.vectors()} * simd::rod_fields * packing_.lanes),
-      weight_(std::size_t{packing_.vectors()} * simd::weight_fields * packing_.lanes) {
+      weight_(std::size_t{packing_.vectors()} * simd::weight_fields * packing_.lanes),
+      frozen_slots_(packing_.slot_offset.size(), 0) {
   // A rod may stand in several lanes of the last position, where islands are repeated to fill it.
   rods_before_.push_back(0);
   std::vector<std::uint32_t> seen;
@@ -28,7 +30,8 @@ Block<T>::Block(layouts::Packing packing, bool jacobi)
     std::sort(seen.begin(), seen.end());
     const auto distinct = std::unique(seen.begin(), seen.end());
     const bool padded = distinct != seen.begin() && *(distinct - 1) == none;
-    rods_before_.push_back(rods_before_.back() + static_cast<std::uint32_t>(distinct - seen.begin()) - padded);
+    rods_before_.push_back(rods_before_.back() + static_cast<std::uint32_t>(distinct - seen.begin()) -
+                           padded);
   }
   rods_ = rods_before_.back();
 }
@@ -40,8 +43,9 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
     const double w = constants.inverse_mass[particle];
     return weights == Weights::equal ? (w > 0 ? 1.0 : 0.0) : w;
   };
-  // Jacobi: every rod sees a particle with its mass divided by the number of rods at it, so that all of them can be
-  // corrected at once without moving it too far, and momentum stays (mass splitting, Tonge et al. 2012).
+  // Jacobi: every rod sees a particle with its mass divided by the number of rods at it, so that all of them
+  // can be corrected at once without moving it too far, and momentum stays (mass splitting, Tonge et al.
+  // 2012).
   const auto rods_sharing = [&](std::uint32_t particle) {
     return order == SweepOrder::jacobi ? static_cast<double>(constants.valence[particle]) : 1.0;
   };
@@ -87,8 +91,8 @@ void Block<T>::find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t
   const std::uint32_t lanes = packing_.lanes;
   const auto is_uniform = [&](std::size_t i) {
     const T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
-    return packing_.lane_edge[i] != none && fields[0] == uniform_length2_ && fields[lanes] == uniform_share_ &&
-           fields[2 * lanes] == uniform_share_;
+    return packing_.lane_edge[i] != none && fields[0] == uniform_length2_ &&
+           fields[lanes] == uniform_share_ && fields[2 * lanes] == uniform_share_;
   };
   for (std::uint32_t q = 0; q < packing_.positions; ++q)
     for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) {
@@ -137,8 +141,8 @@ Vec3 Block<T>::read(const T* field, std::uint32_t slot) const {
 
 template <class T>
 std::size_t Block<T>::bytes() const {
-  return sizeof(T) * (x_.size() + 2 * displacements_[0].size() + kick_.size() + accumulator_.size() + rod_.size() +
-                      weight_.size()) +
+  return sizeof(T) * (x_.size() + 2 * displacements_[0].size() + kick_.size() + accumulator_.size() +
+                      rod_.size() + weight_.size()) +
          sizeof(std::uint32_t) * (packing_.address_a.size() + packing_.address_b.size());
 }
 
@@ -173,16 +177,24 @@ template <class T>
 std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) {
   std::vector<std::uint32_t> broken;
   for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
-    if (is_within(slot, q0, q1) && !is_finite(read(current, slot))) broken.push_back(packing_.slot_island[slot]);
+    if (is_within(slot, q0, q1) && !is_finite(read(current, slot)))
+      broken.push_back(packing_.slot_island[slot]);
   std::sort(broken.begin(), broken.end());
   broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
-  if (!frozen_slots_) frozen_slots_.emplace(packing_.slot_offset.size(), std::uint8_t{0});
+
+  // An island whose last finite state is too large to square breaks again every substep; it is counted once.
+  std::vector<std::uint32_t> newly_frozen;
   for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
-    if (!is_within(slot, q0, q1) || !std::binary_search(broken.begin(), broken.end(), packing_.slot_island[slot])) continue;
+    const std::uint32_t island = packing_.slot_island[slot];
+    if (!is_within(slot, q0, q1) || !std::binary_search(broken.begin(), broken.end(), island)) continue;
     for (T* field : {last, current, kick()}) write(field, slot, {});
-    (*frozen_slots_)[slot] = 1;
+    if (!frozen_slots_[slot] && (newly_frozen.empty() || newly_frozen.back() != island))
+      newly_frozen.push_back(island);
+    frozen_slots_[slot] = 1;
   }
-  return static_cast<std::uint32_t>(broken.size());
+  std::sort(newly_frozen.begin(), newly_frozen.end());
+  return static_cast<std::uint32_t>(std::unique(newly_frozen.begin(), newly_frozen.end()) -
+                                    newly_frozen.begin());
 }
 
 template class Block<float>;

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,9 +22,9 @@ struct Constants {
 
 /// A set of rods solved together, with its numbers in the places its packing gives them.
 ///
-/// Between substeps `x` holds positions and displacement(0) the displacement of the last substep (gradient mid: its
-/// velocity times h); displacement(1) the one before. A substep predicts into displacement(1), relaxes it, and the
-/// two change places.
+/// Between substeps `x` holds positions and displacement(0) the displacement of the last substep (gradient
+/// mid: its velocity times h); displacement(1) the one before. A substep predicts into displacement(1),
+/// relaxes it, and the two change places.
 template <class T>
 class Block {
  public:
@@ -66,10 +65,10 @@ class Block {
   /// Moving anchors have no momentum: forgets the displacements in `field` of those in positions [q0, q1).
   void rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const;
 
-  /// Puts islands with a non-finite displacement back to the start of the substep, at rest and without forces from
-  /// now on; returns how many there were. Looks only at slots with numbers in positions [q0, q1).
+  /// Puts islands with a non-finite displacement back to the start of the substep, at rest and without forces
+  /// from now on; returns how many there were. Looks only at slots with numbers in positions [q0, q1).
   std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1);
-  bool is_frozen(std::uint32_t slot) const { return frozen_slots_ && (*frozen_slots_)[slot] != 0; }
+  bool is_frozen(std::uint32_t slot) const { return frozen_slots_[slot] != 0; }
 
  private:
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
@@ -81,9 +80,9 @@ class Block {
   std::vector<std::uint8_t> uniform_;  ///< per position and stage
   T uniform_length2_ = 1, uniform_share_ = 0;
   std::uint32_t rods_ = 0, uniform_rods_ = 0;
-  std::vector<std::uint32_t> rods_before_;  ///< positions + 1 entries
+  std::vector<std::uint32_t> rods_before_;     ///< positions + 1 entries
   std::vector<std::uint32_t> moving_anchors_;  ///< slots
-  std::optional<std::vector<std::uint8_t>> frozen_slots_;
+  std::vector<std::uint8_t> frozen_slots_;
 };
 
 extern template class Block<float>;

@@ -12,8 +12,8 @@ namespace {
 
 using namespace layouts;
 
-// Above this many rods, an island alone in a block can be pipelined through the cache; side by side with others in
-// lanes it could not.
+// Above this many rods, an island alone in a block can be pipelined through the cache; side by side with
+// others in lanes it could not.
 constexpr std::uint32_t longest_lane_island = 1024;
 
 class Planner {
@@ -35,7 +35,9 @@ class Planner {
   }
 
  private:
-  Piece piece(std::uint32_t island) const { return {island, islands_.vertices(island), islands_.edges(island)}; }
+  Piece piece(std::uint32_t island) const {
+    return {island, islands_.vertices(island), islands_.edges(island)};
+  }
 
   void add_group(const std::vector<std::uint32_t>& group) {
     const LocalGraph local = local_graph(graph_, islands_, group.front());
@@ -43,13 +45,12 @@ class Planner {
     const auto count = static_cast<std::uint32_t>(group.size());
     if (wants_lanes(local.edges.size(), shape.shape, count)) return add_lanes(group, local, shape);
     if (shape.shape == Shape::chain && choice_ != LayoutChoice::aos) {
-      if (choice_ == LayoutChoice::aosoa) return add_each(group, [&](const Piece& p) {
-        return pack_segments(p, shape, lanes_);
-      });
+      if (choice_ == LayoutChoice::aosoa)
+        return add_each(group, [&](const Piece& p) { return pack_segments(p, shape, lanes_); });
       // Many short chains as streams of their own would be mostly padding.
-      if (count < lanes_ || local.edges.size() >= longest_lane_island) return add_each(group, [&](const Piece& p) {
-        return pack_streams(p, shape, lanes_, element_bytes_);
-      });
+      if (count < lanes_ || local.edges.size() >= longest_lane_island)
+        return add_each(group,
+                        [&](const Piece& p) { return pack_streams(p, shape, lanes_, element_bytes_); });
     }
     if (shape.shape == Shape::grid && wants_strips(shape))
       return add_each(group, [&](const Piece& p) { return pack_strips(p, shape, lanes_); });
@@ -82,13 +83,15 @@ class Planner {
       pieces.push_back(piece(island));
       for (std::size_t i = 0; i < common.size(); ++i) common[i] &= common_[pieces.back().edges[i]];
     }
-    plan_.packings.push_back(pack_lanes(pieces, local.view(), color_by_shape(local.view(), shape), common, lanes_));
+    plan_.packings.push_back(
+        pack_lanes(pieces, local.view(), color_by_shape(local.view(), shape), common, lanes_));
   }
 
   void add_indexed(const std::vector<std::uint32_t>& group, const LocalGraph& local, const ShapeInfo& shape) {
     // The local graph outlives the packing in pieces_'s neighbour locals_.
     IndexedPiece indexed{{}, {}, color_by_shape(local.view(), shape), {}};
-    indexed.vertex_order = shape.shape == Shape::graph ? bandwidth_reducing_order(local.view()) : shape.vertex_order;
+    indexed.vertex_order =
+        shape.shape == Shape::graph ? bandwidth_reducing_order(local.view()) : shape.vertex_order;
     // A chain between two ends at the same fixed particle lists it twice; in memory it stands once.
     if (indexed.vertex_order.size() > local.movable.size()) indexed.vertex_order.pop_back();
     locals_.push_back(local);
@@ -143,8 +146,8 @@ class Planner {
 
 }  // namespace
 
-Plan plan_blocks(const Graph& graph, LayoutChoice layout, std::span<const std::uint8_t> common, std::uint32_t lanes,
-                 std::uint32_t element_bytes) {
+Plan plan_blocks(const Graph& graph, LayoutChoice layout, std::span<const std::uint8_t> common,
+                 std::uint32_t lanes, std::uint32_t element_bytes) {
   return Planner(graph, layout, common, lanes, element_bytes).make();
 }
 

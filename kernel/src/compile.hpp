@@ -19,8 +19,8 @@ struct Plan {
 ///   chain                 even and odd streams, structure of arrays
 ///   grid                  strips of rows in lanes, array of structures of arrays
 ///   anything else         records, array of structures
-/// A `layout` other than automatic asks every shape for that layout. `common[rod]` marks rods that weigh the same.
-/// Fixed particles without rods come as a block without rods.
+/// A `layout` other than automatic asks every shape for that layout. `common[rod]` marks rods that weigh the
+/// same. Fixed particles without rods come as a block without rods.
 Plan plan_blocks(const layouts::Graph& graph, LayoutChoice layout, std::span<const std::uint8_t> common,
                  std::uint32_t lanes, std::uint32_t element_bytes);
 

@@ -8,8 +8,9 @@ namespace plumb::detail {
 
 /// While it lives, numbers below the normal range (1e-38 in float) count as zero on this thread.
 ///
-/// Corrections halve from rod to rod away from where they start, so long chains are full of such numbers, and a
-/// processor takes a hundred times as long for each. All instruction sets run under it, so bits stay the same.
+/// Corrections halve from rod to rod away from where they start, so long chains are full of such numbers, and
+/// a processor takes a hundred times as long for each. All instruction sets run under it, so bits stay the
+/// same.
 class FlushDenormals {
  public:
   FlushDenormals() {

@@ -6,7 +6,8 @@
 namespace plumb::detail {
 namespace {
 
-/// J: one row per rod, its unit direction on the three columns of b and against those of a. Fixed ends are left out.
+/// J: one row per rod, its unit direction on the three columns of b and against those of a. Fixed ends are
+/// left out.
 Eigen::SparseMatrix<double> stretching_rates(const Scene& scene, std::span<const double> inverse_masses) {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(6 * scene.rods.size());
@@ -29,7 +30,8 @@ Eigen::SparseMatrix<double> stretching_rates(const Scene& scene, std::span<const
 
 }  // namespace
 
-double project_velocities(const Scene& scene, std::span<const double> inverse_masses, std::vector<Vec3>& velocities) {
+double project_velocities(const Scene& scene, std::span<const double> inverse_masses,
+                          std::vector<Vec3>& velocities) {
   if (std::all_of(velocities.begin(), velocities.end(), [](Vec3 v) { return v == Vec3{}; })) return 0;
   const Eigen::SparseMatrix<double> rates = stretching_rates(scene, inverse_masses);
   const auto n = static_cast<Eigen::Index>(velocities.size());

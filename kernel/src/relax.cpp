@@ -14,8 +14,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using layouts::Coupling;
 
-/// Largest |C|/L^2 at which gradient mid trusts its own velocities. Beyond it, 2p - u turns the unresolved part of a
-/// step into velocity along the rods; the damped p + kick/2 is then the better estimate. See README, "Limits".
+/// Largest |C|/L^2 at which gradient mid trusts its own velocities. Beyond it, 2p - u turns the unresolved
+/// part of a step into velocity along the rods; the damped p + kick/2 is then the better estimate. See
+/// README, "Limits".
 constexpr double mid_guard_violation = 0.05;
 
 /// The team of one that works on independent positions.
@@ -131,7 +132,8 @@ class Substep {
       }
       if (done == stop.sweeps) return stopped(StoppedBy::sweeps, done);
       if (stop.budget_us && done > 0 && Clock::now() >= deadline) return stopped(StoppedBy::budget, done);
-      // Looking costs almost half a sweep: look less often as sweeps add up. A budget needs the clock every sweep.
+      // Looking costs almost half a sweep: look less often as sweeps add up. A budget needs the clock every
+      // sweep.
       const std::uint32_t next = stop.budget_us ? 1 : std::min(1 + done / 4, stop.sweeps - done);
       sweep(next);
       done += next;
@@ -146,10 +148,11 @@ class Substep {
       });
     });
     if (broken.load(std::memory_order_relaxed))
-      counters_.frozen_islands.fetch_add(block_.freeze_broken_islands(u_, p_, q0_, q1_), std::memory_order_relaxed);
+      counters_.frozen_islands.fetch_add(block_.freeze_broken_islands(u_, p_, q0_, q1_),
+                                         std::memory_order_relaxed);
 
-    const bool guarded = settings_.gradient == Gradient::mid && !packing_.stages.empty() &&
-                         violation() > mid_guard_violation;
+    const bool guarded =
+        settings_.gradient == Gradient::mid && !packing_.stages.empty() && violation() > mid_guard_violation;
     if (guarded) counters_.mid_guarded.fetch_add(1, std::memory_order_relaxed);
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
@@ -198,7 +201,8 @@ class Substep {
 
    private:
     void flush() {
-      substep_.access_.sweep[static_cast<int>(substep_.settings_.gradient)](substep_.view_, ranges_.data(), count_);
+      substep_.access_.sweep[static_cast<int>(substep_.settings_.gradient)](substep_.view_, ranges_.data(),
+                                                                            count_);
       count_ = 0;
     }
 
@@ -213,7 +217,8 @@ class Substep {
       Queue queue(*this);
       if (packing_.positions == 1 && crew_.parts() > 1) return queue.add(stage_part(stage, part));
       const Cut q = positions_of(part);
-      for (std::uint32_t position = q.begin; position < q.end; ++position) queue.add(block_.range(position, stage));
+      for (std::uint32_t position = q.begin; position < q.end; ++position)
+        queue.add(block_.range(position, stage));
     });
   }
 
@@ -273,10 +278,12 @@ class Substep {
 
   void stopped(StoppedBy reason, std::uint32_t sweeps) {
     counters_.block_sweeps.fetch_add(sweeps, std::memory_order_relaxed);
-    counters_.rod_projections.fetch_add(std::uint64_t{sweeps} * block_.rods(q0_, q1_), std::memory_order_relaxed);
+    counters_.rod_projections.fetch_add(std::uint64_t{sweeps} * block_.rods(q0_, q1_),
+                                        std::memory_order_relaxed);
     const auto value = static_cast<std::uint8_t>(reason);
     std::uint8_t seen = counters_.stopped_by.load(std::memory_order_relaxed);
-    while (seen < value && !counters_.stopped_by.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+    while (seen < value &&
+           !counters_.stopped_by.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
     }
   }
 
@@ -297,27 +304,28 @@ class Substep {
 
 template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
-                       RelaxCounters& counters) {
+                 RelaxCounters& counters) {
   Alone alone;
   for (std::uint32_t substep = 0; substep < settings.substeps; ++substep) {
     const unsigned odd = substep & 1;
-    Substep<T, Alone>(block, block.displacement(odd), block.displacement(1 - odd), q0, q1, settings, counters, alone)
+    Substep<T, Alone>(block, block.displacement(odd), block.displacement(1 - odd), q0, q1, settings, counters,
+                      alone)
         .run();
   }
 }
 
 template <class T>
 void relax_block(Block<T>& block, const RelaxSettings<T>& settings, RelaxCounters& counters, Team& team) {
-  Substep<T, Team>(block, block.displacement(0), block.displacement(1), 0, block.packing().positions, settings,
-                   counters, team)
+  Substep<T, Team>(block, block.displacement(0), block.displacement(1), 0, block.packing().positions,
+                   settings, counters, team)
       .run();
   block.swap_displacements();
 }
 
 template void relax_alone(Block<float>&, std::uint32_t, std::uint32_t, const RelaxSettings<float>&,
-                                RelaxCounters&);
+                          RelaxCounters&);
 template void relax_alone(Block<double>&, std::uint32_t, std::uint32_t, const RelaxSettings<double>&,
-                                RelaxCounters&);
+                          RelaxCounters&);
 template void relax_block(Block<float>&, const RelaxSettings<float>&, RelaxCounters&, Team&);
 template void relax_block(Block<double>&, const RelaxSettings<double>&, RelaxCounters&, Team&);
 

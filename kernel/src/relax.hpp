@@ -30,11 +30,12 @@ struct RelaxCounters {
   std::atomic<std::uint8_t> stopped_by{0};
 };
 
-/// Advances positions [q0, q1) of a block by all substeps on the calling thread; the positions must not depend on others.
-/// Block::swap_displacements() is left to the caller, once if the number of substeps is odd.
+/// Advances positions [q0, q1) of a block by all substeps on the calling thread; the positions must not
+/// depend on others. Block::swap_displacements() is left to the caller, once if the number of substeps is
+/// odd.
 template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
-                       RelaxCounters& counters);
+                 RelaxCounters& counters);
 
 /// Advances a whole block by one substep with all threads of the team, and swaps its displacements.
 template <class T>

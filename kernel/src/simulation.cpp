@@ -23,7 +23,9 @@ constexpr double projections_worth_threads = 20000;
 constexpr std::uint32_t rods_worth_sharing = 4096;
 
 /// (1 - e^-z)/z, the mean of e^-t over [0, z].
-double mean_decay(double z) { return z > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2; }
+double mean_decay(double z) {
+  return z > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
+}
 
 /// One number per kind of rod: rods that weigh the same at both ends and are as long as most are common.
 std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants) {
@@ -69,7 +71,8 @@ class SimulationOf final : public Simulation {
         gravity_(scene.gravity),
         drag_(scene.drag),
         constants_(make_constants(scene)),
-        own_executor_(settings.executor || settings.threads == 1 ? nullptr : make_tbb_executor(settings.threads)),
+        own_executor_(settings.executor || settings.threads == 1 ? nullptr
+                                                                 : make_tbb_executor(settings.threads)),
         executor_(settings.executor ? settings.executor : own_executor_.get()),
         team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
         kernels_(simd::kernels<T>(settings.isa.value_or(best_isa()))),
@@ -134,7 +137,8 @@ class SimulationOf final : public Simulation {
     const Block<T>& block = blocks_[place.block];
     const Vec3 last = block.read(block.displacement(0), place.slot);
     if (settings_.gradient == Gradient::mid) return (1 / h_) * last;
-    // Displacements are mean velocities of substeps; extrapolated by half a substep they are second order accurate.
+    // Displacements are mean velocities of substeps; extrapolated by half a substep they are second order
+    // accurate.
     const Vec3 before = block.read(block.displacement(1), place.slot);
     return (0.5 / h_) * (3 * last - before);
   }
@@ -181,7 +185,8 @@ class SimulationOf final : public Simulation {
     std::vector<std::uint8_t> movable;
     for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
     const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
-    Plan plan = plan_blocks(graph, settings_.layout, common_rods(scene, constants_), layouts::lane_width<T>, sizeof(T));
+    Plan plan = plan_blocks(graph, settings_.layout, common_rods(scene, constants_), layouts::lane_width<T>,
+                            sizeof(T));
     info_.islands = plan.islands;
     for (auto& packing : plan.packings) {
       Block<T>& block = blocks_.emplace_back(std::move(packing), settings_.order == SweepOrder::jacobi);
@@ -252,8 +257,8 @@ class SimulationOf final : public Simulation {
     auto islands = packing.slot_island;
     std::sort(islands.begin(), islands.end());
     info.islands = static_cast<std::uint32_t>(std::unique(islands.begin(), islands.end()) - islands.begin());
-    info.particles = static_cast<std::uint32_t>(std::count(packing.slot_duplicate.begin(),
-                                                           packing.slot_duplicate.end(), std::uint8_t{0}));
+    info.particles = static_cast<std::uint32_t>(
+        std::count(packing.slot_duplicate.begin(), packing.slot_duplicate.end(), std::uint8_t{0}));
     info.rods = block.rods();
     info.colors = packing.colors;
     info.bytes = block.bytes();
@@ -262,11 +267,13 @@ class SimulationOf final : public Simulation {
     // Two ends read and written, the rod's vector and violation read, weights where they differ, addresses.
     const std::size_t numbers = 12 + simd::rod_fields + (info.uniform_fraction < 0.5 ? 3 : 0);
     info.bytes_per_projection =
-        numbers * sizeof(T) + 2 * sizeof(std::uint32_t) / (packing.access == layouts::Access::rows ? packing.lanes : 1);
+        numbers * sizeof(T) +
+        2 * sizeof(std::uint32_t) / (packing.access == layouts::Access::rows ? packing.lanes : 1);
     for (BlockInfo& known : info_.blocks) {
       if (known.shape != info.shape || known.layout != info.layout || known.colors != info.colors) continue;
       const double rods = std::max(1.0, double{1} * known.rods + info.rods);
-      known.uniform_fraction = (known.uniform_fraction * known.rods + info.uniform_fraction * info.rods) / rods;
+      known.uniform_fraction =
+          (known.uniform_fraction * known.rods + info.uniform_fraction * info.rods) / rods;
       known.islands += info.islands;
       known.particles += info.particles;
       known.rods += info.rods;
@@ -326,9 +333,9 @@ class SimulationOf final : public Simulation {
     anchors_.clear();
   }
 
-  /// The constant part of a prediction: what force and gravity add to a displacement in a substep, with drag exact for
-  /// constant forces. Verlet (thesis eq. 3.6, 4.5) adds a h^2; gradient mid, whose displacements are velocities
-  /// times h, adds half of it.
+  /// The constant part of a prediction: what force and gravity add to a displacement in a substep, with drag
+  /// exact for constant forces. Verlet (thesis eq. 3.6, 4.5) adds a h^2; gradient mid, whose displacements
+  /// are velocities times h, adds half of it.
   Vec3 kick(std::uint32_t particle) const {
     const double factor = settings_.gradient == Gradient::mid ? 0.5 : mean_decay(drag_ * h_);
     return factor * h_ * h_ * acceleration(particle);
@@ -336,8 +343,8 @@ class SimulationOf final : public Simulation {
 
   double decay() const { return std::exp(-drag_ * h_ * (settings_.gradient == Gradient::mid ? 0.5 : 1)); }
 
-  /// The displacement before the first substep that makes it x + v h + a h^2 / 2 (with drag, the exact solution), or,
-  /// when h changes, keeps velocity and acceleration.
+  /// The displacement before the first substep that makes it x + v h + a h^2 / 2 (with drag, the exact
+  /// solution), or, when h changes, keeps velocity and acceleration.
   void start_displacement(Block<T>& block, std::uint32_t slot, std::uint32_t particle, double h, bool first) {
     T* const last = block.displacement(0);
     T* const before = block.displacement(1);
@@ -353,7 +360,8 @@ class SimulationOf final : public Simulation {
     }
     const double z = drag_ * h;
     const Vec3 v = initial_velocities_[particle], a = acceleration(particle);
-    // First displacement of the exact solution of v' = a - c v, then Verlet's prediction solved for its input.
+    // First displacement of the exact solution of v' = a - c v, then Verlet's prediction solved for its
+    // input.
     const double phi = mean_decay(z);
     const double psi = z > 1e-4 ? (1 - phi) / z : 0.5 - z / 6;
     const Vec3 first_step = (h * phi) * v + (h * h * psi) * a;
@@ -363,8 +371,13 @@ class SimulationOf final : public Simulation {
   }
 
   void run_blocks(RelaxCounters& counters) {
-    RelaxSettings<T> relax{&kernels_,        settings_.gradient,          settings_.order, settings_.stop,
-                           settings_.substeps, static_cast<T>(decay()), 0};
+    RelaxSettings<T> relax{&kernels_,
+                           settings_.gradient,
+                           settings_.order,
+                           settings_.stop,
+                           settings_.substeps,
+                           static_cast<T>(decay()),
+                           0};
     const double budget = settings_.stop.budget_us.value_or(0) / settings_.substeps;
     const double rods = std::max<double>(1, static_cast<double>(constants_.length2.size()));
     for (const std::uint32_t b : shared_work_) {
@@ -418,7 +431,8 @@ class SimulationOf final : public Simulation {
 
 std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Settings& settings) {
   if (settings.isa && !is_supported(*settings.isa))
-    throw InputError("instruction set " + std::string(to_string(*settings.isa)) + " is not supported by this machine");
+    throw InputError("instruction set " + std::string(to_string(*settings.isa)) +
+                     " is not supported by this machine");
   if (settings.precision == Precision::single) return std::make_unique<SimulationOf<float>>(scene, settings);
   return std::make_unique<SimulationOf<double>>(scene, settings);
 }

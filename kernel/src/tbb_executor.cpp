@@ -12,14 +12,16 @@ namespace {
 class TbbExecutor final : public Executor {
  public:
   explicit TbbExecutor(unsigned threads)
-      : concurrency_(threads ? threads : static_cast<unsigned>(std::max(1, tbb::info::default_concurrency()))),
+      : concurrency_(threads ? threads
+                             : static_cast<unsigned>(std::max(1, tbb::info::default_concurrency()))),
         arena_(static_cast<int>(concurrency_)) {}
 
   unsigned concurrency() const override { return concurrency_; }
 
   void run(unsigned n, Task task, void* context) override {
     arena_.execute([&] {
-      tbb::parallel_for(0u, n, [&](unsigned i) { task(context, i); }, tbb::simple_partitioner{});
+      tbb::parallel_for(
+          0u, n, [&](unsigned i) { task(context, i); }, tbb::simple_partitioner{});
     });
   }
 
@@ -30,6 +32,8 @@ class TbbExecutor final : public Executor {
 
 }  // namespace
 
-std::unique_ptr<Executor> make_tbb_executor(unsigned threads) { return std::make_unique<TbbExecutor>(threads); }
+std::unique_ptr<Executor> make_tbb_executor(unsigned threads) {
+  return std::make_unique<TbbExecutor>(threads);
+}
 
 }  // namespace plumb

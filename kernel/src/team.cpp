@@ -8,8 +8,8 @@
 namespace plumb::detail {
 namespace {
 
-/// Waits a little longer at every call: first inside the processor, then by giving the core away, for machines with
-/// fewer cores than threads.
+/// Waits a little longer at every call: first inside the processor, then by giving the core away, for
+/// machines with fewer cores than threads.
 class Spin {
  public:
   void wait() {
@@ -42,7 +42,8 @@ void Team::lead_erased(Executor* executor, Program program, void* context) {
   finished_.store(false, std::memory_order_relaxed);
   helpers_.store(0, std::memory_order_relaxed);
   active_ = true;
-  executor->run(size_, [](void* team, unsigned) { static_cast<Team*>(team)->task(); }, this);
+  executor->run(
+      size_, [](void* team, unsigned) { static_cast<Team*>(team)->task(); }, this);
   active_ = false;
 }
 

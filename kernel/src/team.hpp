@@ -8,12 +8,14 @@
 
 namespace plumb::detail {
 
-/// Threads that work through a sequence of parallel phases with a spinning wait between them, on any Executor.
+/// Threads that work through a sequence of parallel phases with a spinning wait between them, on any
+/// Executor.
 ///
 /// Whichever task of Executor::run starts first becomes the leader and runs a straight program; it calls
-/// for_parts() where there is work to share. Other tasks help while it lasts and claim parts that nobody has begun;
-/// the leader takes what is left. Nobody ever waits for a task that has not started, so an executor that runs its
-/// tasks one after the other only loses speed. Inside lead(), denormal numbers count as zero on every thread.
+/// for_parts() where there is work to share. Other tasks help while it lasts and claim parts that nobody has
+/// begun; the leader takes what is left. Nobody ever waits for a task that has not started, so an executor
+/// that runs its tasks one after the other only loses speed. Inside lead(), denormal numbers count as zero on
+/// every thread.
 class Team {
  public:
   static constexpr unsigned max_size = 64;
@@ -26,7 +28,8 @@ class Team {
   template <class Program>
   void lead(Executor* executor, Program&& program) {
     using P = std::remove_reference_t<Program>;
-    lead_erased(executor, [](void* context) { (*static_cast<P*>(context))(); }, &program);
+    lead_erased(
+        executor, [](void* context) { (*static_cast<P*>(context))(); }, &program);
   }
 
   /// Inside lead(): calls f(part) for every part in [0, parts()), in parallel, and returns when all are done.
@@ -37,7 +40,8 @@ class Team {
   }
   unsigned parts() const { return active_ ? size_ : 1; }
 
-  /// Inside lead(): calls f(i) for every i in [0, n): each part works through a stretch of its own, then helps others.
+  /// Inside lead(): calls f(i) for every i in [0, n): each part works through a stretch of its own, then
+  /// helps others.
   template <class F>
   void for_each(std::uint32_t n, F&& f) {
     const unsigned count = parts();

@@ -15,19 +15,23 @@ struct SweepBounds {
 /// Sweeps in flight in a wavefront at most: each keeps two more positions in cache.
 inline constexpr std::int64_t sweeps_in_flight = 8;
 
-/// Pipelines sweeps over a line of positions so that each is worked on by many sweeps while it is in cache, with the
-/// result of one sweep after the other. Sweep s + 1 may visit position q once sweep s has joined q to both its
-/// neighbours. It follows two positions behind, not one: a vector shifted by a lane is stored across two of the vectors
-/// loaded next, and a processor loads those only once the store has left for the cache.
+/// Pipelines sweeps over a line of positions so that each is worked on by many sweeps while it is in cache,
+/// with the result of one sweep after the other. Sweep s + 1 may visit position q once sweep s has joined q
+/// to both its neighbours. It follows two positions behind, not one: a vector shifted by a lane is stored
+/// across two of the vectors loaded next, and a processor loads those only once the store has left for the
+/// cache.
 ///
-/// `bounds(s)` gives what sweep s visits, for at most sweeps_in_flight sweeps; `within(q)` and `across(q)` do the work.
+/// `bounds(s)` gives what sweep s visits, for at most sweeps_in_flight sweeps; `within(q)` and `across(q)` do
+/// the work.
 template <class Bounds, class Within, class Across>
 void run_wavefront(std::int64_t sweeps, const Bounds& bounds, const Within& within, const Across& across) {
   std::array<SweepBounds, sweeps_in_flight> at{};  // as steps of the wavefront instead of positions
-  std::int64_t begin = std::numeric_limits<std::int64_t>::max(), end = std::numeric_limits<std::int64_t>::min();
+  std::int64_t begin = std::numeric_limits<std::int64_t>::max(),
+               end = std::numeric_limits<std::int64_t>::min();
   for (std::int64_t s = 0; s < sweeps; ++s) {
     const SweepBounds b = bounds(s);
-    at[s] = {b.within_begin + 2 * s, b.within_end + 2 * s, b.across_begin + 2 * s + 1, b.across_end + 2 * s + 1};
+    at[s] = {b.within_begin + 2 * s, b.within_end + 2 * s, b.across_begin + 2 * s + 1,
+             b.across_end + 2 * s + 1};
     begin = std::min({begin, at[s].within_begin, at[s].across_begin});
     end = std::max({end, at[s].within_end, at[s].across_end});
   }
@@ -39,8 +43,8 @@ void run_wavefront(std::int64_t sweeps, const Bounds& bounds, const Within& with
   }
 }
 
-/// What one thread may do with positions [cut_begin, cut_end) alone: at each inner cut every sweep visits one position
-/// less, so that nothing is read that another thread changes.
+/// What one thread may do with positions [cut_begin, cut_end) alone: at each inner cut every sweep visits one
+/// position less, so that nothing is read that another thread changes.
 struct Trapezoid {
   std::int64_t cut_begin, cut_end;
   bool first, last;

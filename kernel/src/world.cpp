@@ -36,7 +36,8 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step(double dt) {
-  if (!(dt > 0) || !std::isfinite(dt)) throw InputError("dt must be positive and finite, got " + std::to_string(dt));
+  if (!(dt > 0) || !std::isfinite(dt))
+    throw InputError("dt must be positive and finite, got " + std::to_string(dt));
   impl_->time += dt;
   return impl_->simulation->step(dt);
 }
@@ -48,7 +49,9 @@ void World::set_stop_rule(const StopRule& rule) {
   impl_->simulation->set_stop_rule(rule);
 }
 
-void World::set_weights(Weights weights) { impl_->simulation->set_weights(weights); }
+void World::set_weights(Weights weights) {
+  impl_->simulation->set_weights(weights);
+}
 
 void World::set_force(std::uint32_t particle, Vec3 force) {
   impl_->require(particle, false, "a force cannot move it");
@@ -62,9 +65,15 @@ void World::move_anchor(std::uint32_t particle, Vec3 target) {
   impl_->simulation->move_anchor(particle, target);
 }
 
-std::uint32_t World::particle_count() const { return static_cast<std::uint32_t>(impl_->fixed.size()); }
-std::uint32_t World::rod_count() const { return impl_->rods; }
-double World::time() const { return impl_->time; }
+std::uint32_t World::particle_count() const {
+  return static_cast<std::uint32_t>(impl_->fixed.size());
+}
+std::uint32_t World::rod_count() const {
+  return impl_->rods;
+}
+double World::time() const {
+  return impl_->time;
+}
 
 void World::copy_positions(std::span<Vec3> out) const {
   for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = position(i);
@@ -72,10 +81,18 @@ void World::copy_positions(std::span<Vec3> out) const {
 void World::copy_velocities(std::span<Vec3> out) const {
   for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = velocity(i);
 }
-Vec3 World::position(std::uint32_t particle) const { return impl_->simulation->position(particle); }
-Vec3 World::velocity(std::uint32_t particle) const { return impl_->simulation->velocity(particle); }
-std::uint64_t World::state_hash() const { return impl_->simulation->state_hash(); }
-const WorldInfo& World::info() const { return impl_->simulation->info(); }
+Vec3 World::position(std::uint32_t particle) const {
+  return impl_->simulation->position(particle);
+}
+Vec3 World::velocity(std::uint32_t particle) const {
+  return impl_->simulation->velocity(particle);
+}
+std::uint64_t World::state_hash() const {
+  return impl_->simulation->state_hash();
+}
+const WorldInfo& World::info() const {
+  return impl_->simulation->info();
+}
 
 StepReport& StepReport::operator+=(const StepReport& other) {
   substeps += other.substeps;
@@ -90,10 +107,14 @@ StepReport& StepReport::operator+=(const StepReport& other) {
 
 std::string_view to_string(StoppedBy reason) {
   switch (reason) {
-    case StoppedBy::nothing: return "nothing";
-    case StoppedBy::tolerance: return "tolerance";
-    case StoppedBy::sweeps: return "sweeps";
-    case StoppedBy::budget: break;
+    case StoppedBy::nothing:
+      return "nothing";
+    case StoppedBy::tolerance:
+      return "tolerance";
+    case StoppedBy::sweeps:
+      return "sweeps";
+    case StoppedBy::budget:
+      break;
   }
   return "budget";
 }

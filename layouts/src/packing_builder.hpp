@@ -7,7 +7,8 @@ namespace plumb::layouts::detail {
 /// Fills a Packing's parallel arrays in step with each other.
 class PackingBuilder {
  public:
-  PackingBuilder(std::string_view shape, Layout layout, Access access, Coupling coupling, std::uint32_t lanes) {
+  PackingBuilder(std::string_view shape, Layout layout, Access access, Coupling coupling,
+                 std::uint32_t lanes) {
     packing_.shape = shape;
     packing_.layout = layout;
     packing_.access = access;
@@ -35,7 +36,8 @@ class PackingBuilder {
   void add_row(std::uint32_t a, std::uint32_t b, EdgeOfLane&& edge_of_lane) {
     packing_.address_a.push_back(a);
     packing_.address_b.push_back(b);
-    for (std::uint32_t lane = 0; lane < packing_.lanes; ++lane) packing_.lane_edge.push_back(edge_of_lane(lane));
+    for (std::uint32_t lane = 0; lane < packing_.lanes; ++lane)
+      packing_.lane_edge.push_back(edge_of_lane(lane));
     ++vector_in_position_;
   }
 

@@ -128,8 +128,7 @@ TEST(Run, FramesEndAtMultiplesOfDt) {
   EXPECT_FALSE(frame_at(-1, 1.0 / 60));
   EXPECT_EQ(message_of([] { count_frames({.duration = 1, .dt = 0.3}); }),
             "the duration, 1 s, is not a whole number of frames of 0.3 s; 3 frames would be 0.9 s");
-  EXPECT_EQ(message_of([] { count_frames({.duration = 1, .dt = 0}); }),
-            "dt must be positive and finite");
+  EXPECT_EQ(message_of([] { count_frames({.duration = 1, .dt = 0}); }), "dt must be positive and finite");
   EXPECT_EQ(message_of([] { count_frames({.duration = -1, .dt = 1}); }),
             "the duration must be positive and finite");
 }

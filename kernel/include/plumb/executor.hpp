@@ -6,10 +6,10 @@ namespace plumb {
 
 /// Runs a task on several threads. An engine passes its own job system by deriving from this class.
 ///
-/// Contract: `run(n, task, context)` calls task(context, i) exactly once for every i in [0, n), in any order, on
-/// any threads, and returns when all calls have returned. The calls may run one after the other: plumb's tasks
-/// never wait for a task that has not started, so an executor with one thread cannot deadlock them. `run` is
-/// never called from inside a task. Results do not depend on the executor.
+/// Contract: `run(n, task, context)` calls task(context, i) exactly once for every i in [0, n), in any order,
+/// on any threads, and returns when all calls have returned. The calls may run one after the other: plumb's
+/// tasks never wait for a task that has not started, so an executor with one thread cannot deadlock them.
+/// `run` is never called from inside a task. Results do not depend on the executor.
 class Executor {
  public:
   using Task = void (*)(void* context, unsigned index);

@@ -9,9 +9,9 @@ namespace plumb {
 
 /// A point with mass. A fixed particle never moves by itself (inverse mass 0) and its mass is ignored.
 struct Particle {
-  Vec3 position{};    ///< m
-  Vec3 velocity{};    ///< m/s
-  double mass = 0;    ///< kg; a movable particle needs mass of its own or from its rods
+  Vec3 position{};  ///< m
+  Vec3 velocity{};  ///< m/s
+  double mass = 0;  ///< kg; a movable particle needs mass of its own or from its rods
   bool fixed = false;
 };
 

@@ -40,8 +40,9 @@ bool is_supported(Isa isa);
 /// earlier. The first rule met is reported per step (StepReport::stopped_by).
 struct StopRule {
   std::uint32_t sweeps = 10;
-  std::optional<double> tolerance{};   ///< largest |stretch| allowed, relative to the rod's length
-  std::optional<double> budget_us{};   ///< microseconds of sweeping per step(); makes results depend on the clock
+  std::optional<double> tolerance{};  ///< largest |stretch| allowed, relative to the rod's length
+  std::optional<double>
+      budget_us{};  ///< microseconds of sweeping per step(); makes results depend on the clock
 };
 
 struct Settings {
@@ -50,13 +51,13 @@ struct Settings {
   Gradient gradient = Gradient::new_;
   Weights weights = Weights::mass;
   SweepOrder order = SweepOrder::gauss_seidel;
-  double omega = 1;             ///< over-relaxation factor, in (0, 2)
-  std::uint32_t substeps = 1;   ///< h = dt / substeps
+  double omega = 1;            ///< over-relaxation factor, in (0, 2)
+  std::uint32_t substeps = 1;  ///< h = dt / substeps
   StopRule stop{};
   LayoutChoice layout = LayoutChoice::automatic;
-  std::optional<Isa> isa{};     ///< none: best_isa()
-  unsigned threads = 0;         ///< 0: as many as the executor offers
-  Executor* executor = nullptr; ///< none: the built-in one on oneTBB. Must outlive the World.
+  std::optional<Isa> isa{};      ///< none: best_isa()
+  unsigned threads = 0;          ///< 0: as many as the executor offers
+  Executor* executor = nullptr;  ///< none: the built-in one on oneTBB. Must outlive the World.
 };
 
 /// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) and

@@ -17,11 +17,12 @@ namespace plumb {
 enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
 std::string_view to_string(StoppedBy);
 
-/// What one step did and what it skipped. Counts add up over substeps and blocks (sets of rods solved together).
+/// What one step did and what it skipped. Counts add up over substeps and blocks (sets of rods solved
+/// together).
 struct StepReport {
   std::uint64_t substeps = 0;
-  std::uint64_t block_sweeps = 0;      ///< sweeps over a block, summed over blocks and substeps
-  std::uint64_t rod_projections = 0;   ///< rods projected, without padding
+  std::uint64_t block_sweeps = 0;     ///< sweeps over a block, summed over blocks and substeps
+  std::uint64_t rod_projections = 0;  ///< rods projected, without padding
   StoppedBy stopped_by = StoppedBy::nothing;
   /// Blocks that were within tolerance after prediction and were not swept (times substeps).
   std::uint64_t skipped_within_tolerance = 0;
@@ -41,9 +42,9 @@ struct BlockInfo {
   std::uint32_t particles = 0;
   std::uint32_t rods = 0;
   std::uint32_t colors = 0;
-  std::size_t bytes = 0;             ///< state and rods, with padding
+  std::size_t bytes = 0;                 ///< state and rods, with padding
   std::size_t bytes_per_projection = 0;  ///< read and written by one rod's projection, before caching
-  double uniform_fraction = 0;       ///< share of rods that need no per-rod length and weights
+  double uniform_fraction = 0;           ///< share of rods that need no per-rod length and weights
 };
 struct WorldInfo {
   std::uint32_t particles = 0;
@@ -51,17 +52,18 @@ struct WorldInfo {
   std::uint32_t islands = 0;
   Isa isa = Isa::scalar;
   unsigned threads = 1;
-  bool parallel = false;          ///< false: the scene is below the size where threads win
+  bool parallel = false;                      ///< false: the scene is below the size where threads win
   std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
-  bool skipped_drag = true;       ///< no drag: no factor on displacements
-  double projected_velocity = 0;  ///< m/s; largest change made to initial velocities so that none pulls on a rod
+  bool skipped_drag = true;                   ///< no drag: no factor on displacements
+  double projected_velocity =
+      0;  ///< m/s; largest change made to initial velocities so that none pulls on a rod
   std::vector<BlockInfo> blocks;  ///< equal blocks are listed once, with their sums
 };
 
 class World;
 
-/// Positions (m) or velocities (m/s) of a World in the scene's particle order, read in place: nothing is copied, and what
-/// is read is always the present state. Valid while the world lives and is not moved.
+/// Positions (m) or velocities (m/s) of a World in the scene's particle order, read in place: nothing is
+/// copied, and what is read is always the present state. Valid while the world lives and is not moved.
 class StateView {
  public:
   std::size_t size() const;
@@ -116,8 +118,8 @@ class World {
   Vec3 position(std::uint32_t particle) const;
   Vec3 velocity(std::uint32_t particle) const;
 
-  /// Positions and displacements of all particles, in the scene's order, as a 64-bit FNV-1a hash: equal for every
-  /// instruction set and number of threads.
+  /// Positions and displacements of all particles, in the scene's order, as a 64-bit FNV-1a hash: equal for
+  /// every instruction set and number of threads.
   std::uint64_t state_hash() const;
 
   const WorldInfo& info() const;
@@ -127,7 +129,9 @@ class World {
   std::unique_ptr<Impl> impl_;
 };
 
-inline std::size_t StateView::size() const { return world_->particle_count(); }
+inline std::size_t StateView::size() const {
+  return world_->particle_count();
+}
 inline Vec3 StateView::operator[](std::uint32_t particle) const {
   return field_ == Field::position ? world_->position(particle) : world_->velocity(particle);
 }

@@ -12,8 +12,8 @@ namespace plumb::layouts {
 /// Cache line and widest vector register, in bytes. Every store starts on such a boundary.
 inline constexpr std::size_t alignment = 64;
 
-/// Lanes of the logical vector: 16 floats or 8 doubles whatever the registers of the machine, so that padding,
-/// grouping and therefore results do not depend on the instruction set.
+/// Lanes of the logical vector: 16 floats or 8 doubles whatever the registers of the machine, so that
+/// padding, grouping and therefore results do not depend on the instruction set.
 template <class T>
 inline constexpr std::uint32_t lane_width = alignment / sizeof(T);
 
@@ -29,7 +29,8 @@ class AlignedBuffer {
  public:
   AlignedBuffer() = default;
   explicit AlignedBuffer(std::size_t size)
-      : data_(size ? static_cast<T*>(::operator new(size * sizeof(T), std::align_val_t{alignment})) : nullptr),
+      : data_(size ? static_cast<T*>(::operator new (size * sizeof(T), std::align_val_t{alignment}))
+                   : nullptr),
         size_(size) {
     for (std::size_t i = 0; i < size_; ++i) data_[i] = T{};
   }
@@ -40,7 +41,7 @@ class AlignedBuffer {
     std::swap(size_, other.size_);
     return *this;
   }
-  ~AlignedBuffer() { ::operator delete(data_, std::align_val_t{alignment}); }
+  ~AlignedBuffer() { ::operator delete (data_, std::align_val_t{alignment}); }
 
   T* data() { return data_; }
   const T* data() const { return data_; }

@@ -21,7 +21,8 @@ concept ParticleStore = requires(const S& store, std::uint32_t i) {
   { store.particles() } -> std::same_as<std::uint32_t>;
 };
 
-/// Array of structures: x y z 0 | x y z 0 | ... One particle is one quarter (float) or half (double) cache line.
+/// Array of structures: x y z 0 | x y z 0 | ... One particle is one quarter (float) or half (double) cache
+/// line.
 class AosStore {
  public:
   AosStore(std::uint32_t particles, std::uint32_t lanes) : particles_(particles), lanes_(lanes) {}
@@ -35,8 +36,8 @@ class AosStore {
   std::uint32_t lanes_;
 };
 
-/// Structure of arrays: x x x ... | y y y ... | z z z ... in `parts` interleaved halves (parts = 2: particles of
-/// even and odd rank in streams of their own, so that neighbours along a line sit in the same lane).
+/// Structure of arrays: x x x ... | y y y ... | z z z ... in `parts` interleaved halves (parts = 2: particles
+/// of even and odd rank in streams of their own, so that neighbours along a line sit in the same lane).
 class SoaStore {
  public:
   SoaStore(std::uint32_t particles, std::uint32_t lanes, std::uint32_t element_bytes, std::uint32_t parts = 1)
@@ -62,7 +63,8 @@ class SoaStore {
   std::uint32_t pitch_;
 };
 
-/// Array of structures of arrays: x*lanes y*lanes z*lanes | ... Particle i is lane i % lanes of row i / lanes.
+/// Array of structures of arrays: x*lanes y*lanes z*lanes | ... Particle i is lane i % lanes of row i /
+/// lanes.
 class AosoaStore {
  public:
   AosoaStore(std::uint32_t particles, std::uint32_t lanes) : particles_(particles), lanes_(lanes) {}
