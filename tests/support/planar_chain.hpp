@@ -9,12 +9,13 @@
 
 namespace plumb::test {
 
-/// Truth for short chains: point masses on massless rods in the x-y plane, hung from the origin, in the angles of the
-/// rods from the +x axis. Angles have no constraints to drift from, so this shares nothing with what it checks.
+/// Truth for short chains: point masses on massless rods in the x-y plane, hung from the origin, in the
+/// angles of the rods from the +x axis. Angles have no constraints to drift from, so this shares nothing with
+/// what it checks.
 ///
-/// Lagrange: sum_j mu_max(i,j) L_i L_j [cos(t_i - t_j) t_j'' + sin(t_i - t_j) t_j'^2] = -mu_i g L_i cos(t_i), where mu_k
-/// is the mass at and below joint k. Classical Runge-Kutta in long double: its error falls with the fourth power of
-/// the step, and tests that use it check it against half the step.
+/// Lagrange: sum_j mu_max(i,j) L_i L_j [cos(t_i - t_j) t_j'' + sin(t_i - t_j) t_j'^2] = -mu_i g L_i cos(t_i),
+/// where mu_k is the mass at and below joint k. Classical Runge-Kutta in long double: its error falls with
+/// the fourth power of the step, and tests that use it check it against half the step.
 template <std::size_t n>
 class PlanarChain {
  public:
@@ -33,8 +34,8 @@ class PlanarChain {
     const Number h = duration / steps;
     for (int i = 0; i < steps; ++i) {
       const State s{angles, rates};
-      const State k1 = derivative(s), k2 = derivative(moved(s, h / 2, k1)), k3 = derivative(moved(s, h / 2, k2)),
-                  k4 = derivative(moved(s, h, k3));
+      const State k1 = derivative(s), k2 = derivative(moved(s, h / 2, k1)),
+                  k3 = derivative(moved(s, h / 2, k2)), k4 = derivative(moved(s, h, k3));
       for (std::size_t j = 0; j < n; ++j) {
         angles[j] += h / 6 * (k1.angles[j] + 2 * k2.angles[j] + 2 * k3.angles[j] + k4.angles[j]);
         rates[j] += h / 6 * (k1.rates[j] + 2 * k2.rates[j] + 2 * k3.rates[j] + k4.rates[j]);

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "plumb/executor.hpp"
+
+/// Executors that keep the contract of Executor in every way it allows.
+namespace plumb::test {
+
+/// One task after the other on the calling thread, first to last or last to first.
+class SerialExecutor final : public Executor {
+ public:
+  explicit SerialExecutor(unsigned concurrency, bool reversed = false)
+      : concurrency_(concurrency), reversed_(reversed) {}
+  unsigned concurrency() const override { return concurrency_; }
+  void run(unsigned n, Task task, void* context) override {
+    for (unsigned i = 0; i < n; ++i) task(context, reversed_ ? n - 1 - i : i);
+  }
+
+ private:
+  unsigned concurrency_;
+  bool reversed_;
+};
+
+/// A new thread per task; with `stagger`, each starts a little later than the one before, so that tasks find
+/// others at work or already gone.
+class ThreadExecutor final : public Executor {
+ public:
+  explicit ThreadExecutor(unsigned concurrency, std::chrono::microseconds stagger = {})
+      : concurrency_(concurrency), stagger_(stagger) {}
+  unsigned concurrency() const override { return concurrency_; }
+  void run(unsigned n, Task task, void* context) override {
+    std::vector<std::thread> threads;
+    for (unsigned i = 0; i < n; ++i)
+      threads.emplace_back([=, this] {
+        if (stagger_.count() > 0) std::this_thread::sleep_for(i * stagger_);
+        task(context, i);
+      });
+    for (std::thread& thread : threads) thread.join();
+  }
+
+ private:
+  unsigned concurrency_;
+  std::chrono::microseconds stagger_;
+};
+
+/// Threads that wait for work between runs, as those of an engine do. `run` allocates nothing.
+class PoolExecutor final : public Executor {
+ public:
+  explicit PoolExecutor(unsigned concurrency) : concurrency_(concurrency) {
+    for (unsigned i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
+  }
+  ~PoolExecutor() override {
+    {
+      const std::lock_guard lock(mutex_);
+      closing_ = true;
+    }
+    changed_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+  }
+  unsigned concurrency() const override { return concurrency_; }
+  /// Threads other than the caller's that have run a task.
+  unsigned tasks_elsewhere() const { return tasks_elsewhere_; }
+
+  void run(unsigned n, Task task, void* context) override {
+    std::unique_lock lock(mutex_);
+    task_ = task;
+    context_ = context;
+    next_ = 0;
+    count_ = left_ = n;
+    changed_.notify_all();
+    take_tasks(lock, false);
+    changed_.wait(lock, [&] { return left_ == 0; });
+    count_ = 0;
+  }
+
+ private:
+  void work() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [&] { return closing_ || next_ < count_; });
+      if (closing_) return;
+      take_tasks(lock, true);
+    }
+  }
+  void take_tasks(std::unique_lock<std::mutex>& lock, bool elsewhere) {
+    while (next_ < count_) {
+      const unsigned index = next_++;
+      lock.unlock();
+      task_(context_, index);
+      lock.lock();
+      if (elsewhere) ++tasks_elsewhere_;
+      if (--left_ == 0) changed_.notify_all();
+    }
+  }
+
+  unsigned concurrency_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool closing_ = false;
+  Task task_ = nullptr;
+  void* context_ = nullptr;
+  unsigned next_ = 0, count_ = 0, left_ = 0;
+  std::atomic<unsigned> tasks_elsewhere_{0};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace plumb::test
