@@ -287,6 +287,10 @@ T violation(const BlockView<T>& block, Range range) {
 
 template <class T>
 void predict(T* __restrict p, const T* __restrict u, const T* __restrict kick, T decay, std::uint32_t n) {
+  if (decay == 1) {  // no drag
+    for (std::uint32_t i = 0; i < n; ++i) p[i] = u[i] + kick[i];
+    return;
+  }
   for (std::uint32_t i = 0; i < n; ++i) p[i] = decay * u[i] + kick[i];
 }
 
