@@ -4,11 +4,10 @@
 #include <cmath>
 #include <compare>
 #include <limits>
-#include <locale>
 #include <ostream>
-#include <sstream>
 
 #include "plumb/error.hpp"
+#include "refuse.hpp"
 
 namespace plumb {
 namespace {
@@ -21,13 +20,7 @@ struct Printed {
   }
 };
 
-template <class... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream message;
-  message.imbue(std::locale::classic());  // a program's locale must not change the numbers in messages
-  (message << ... << parts);
-  throw InputError(message.str());
-}
+using detail::refuse;
 
 void validate_surroundings(const Scene& scene) {
   if (!is_finite(scene.gravity)) refuse("gravity is not finite: ", Printed{scene.gravity});

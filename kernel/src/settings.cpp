@@ -1,22 +1,15 @@
 #include "plumb/settings.hpp"
 
 #include <cmath>
-#include <locale>
-#include <sstream>
 #include <string>
 
 #include "plumb/error.hpp"
+#include "refuse.hpp"
 
 namespace plumb {
 namespace {
 
-template <class... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream message;
-  message.imbue(std::locale::classic());  // a program's locale must not change the numbers in messages
-  (message << ... << parts);
-  throw InputError(message.str());
-}
+using detail::refuse;
 
 constexpr std::uint32_t kMaxSubsteps = 1'000'000;
 

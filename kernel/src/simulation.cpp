@@ -4,13 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <map>
-#include <string>
 #include <tuple>
 
 #include "compile.hpp"
-#include "plumb/error.hpp"
 #include "plumb/measures.hpp"
 #include "project_velocities.hpp"
+#include "refuse.hpp"
 #include "relax.hpp"
 
 namespace plumb::detail {
@@ -431,8 +430,7 @@ class SimulationOf final : public Simulation {
 
 std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Settings& settings) {
   if (settings.isa && !is_supported(*settings.isa))
-    throw InputError("instruction set " + std::string(to_string(*settings.isa)) +
-                     " is not supported by this machine");
+    refuse("instruction set ", to_string(*settings.isa), " is not supported by this machine");
   if (settings.precision == Precision::single) return std::make_unique<SimulationOf<float>>(scene, settings);
   return std::make_unique<SimulationOf<double>>(scene, settings);
 }

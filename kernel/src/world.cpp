@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "plumb/error.hpp"
+#include "refuse.hpp"
 #include "simulation.hpp"
 
 namespace plumb {
+
+using detail::refuse;
 
 struct World::Impl {
   std::unique_ptr<detail::Simulation> simulation;
@@ -15,12 +16,11 @@ struct World::Impl {
   std::uint32_t rods = 0;
   double time = 0;
 
-  void require(std::uint32_t particle, bool want_fixed, const char* verb) const {
-    const std::string name = "particle " + std::to_string(particle);
+  void require(std::uint32_t particle, bool want_fixed, const char* reason) const {
     if (particle >= fixed.size())
-      throw InputError(name + ": unknown, the scene has " + std::to_string(fixed.size()) + " particles");
+      refuse("particle ", particle, ": unknown, the scene has ", fixed.size(), " particles");
     if ((fixed[particle] != 0) != want_fixed)
-      throw InputError(name + (want_fixed ? ": is movable, " : ": is fixed, ") + verb);
+      refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
   }
 };
 
@@ -36,8 +36,7 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step(double dt) {
-  if (!(dt > 0) || !std::isfinite(dt))
-    throw InputError("dt must be positive and finite, got " + std::to_string(dt));
+  if (!(dt > 0) || !std::isfinite(dt)) refuse("dt must be positive and finite, got ", dt);
   impl_->time += dt;
   return impl_->simulation->step(dt);
 }
@@ -55,13 +54,13 @@ void World::set_weights(Weights weights) {
 
 void World::set_force(std::uint32_t particle, Vec3 force) {
   impl_->require(particle, false, "a force cannot move it");
-  if (!is_finite(force)) throw InputError("particle " + std::to_string(particle) + ": force is not finite");
+  if (!is_finite(force)) refuse("particle ", particle, ": force is not finite");
   impl_->simulation->set_force(particle, force);
 }
 
 void World::move_anchor(std::uint32_t particle, Vec3 target) {
   impl_->require(particle, true, "only fixed particles are moved as anchors");
-  if (!is_finite(target)) throw InputError("particle " + std::to_string(particle) + ": target is not finite");
+  if (!is_finite(target)) refuse("particle ", particle, ": target is not finite");
   impl_->simulation->move_anchor(particle, target);
 }
 

@@ -47,13 +47,7 @@ Packing pack_streams(const Piece& piece, const ShapeInfo& chain, std::uint32_t l
     }
     builder.end_position();
   }
-  Packing& packing = builder.packing();
-  packing.elements = store.elements();
-  packing.component_stride = store.component_stride();
-  packing.streams = store.streams();
-  packing.stream_pitch = store.component_stride();
-  packing.position_elements = per_position * lanes;
-  return builder.finish(2, 1);
+  return builder.finish(store, 2, 1, per_position * lanes);
 }
 
 Packing pack_segments(const Piece& piece, const ShapeInfo& chain, std::uint32_t lanes) {
@@ -83,12 +77,7 @@ Packing pack_segments(const Piece& piece, const ShapeInfo& chain, std::uint32_t 
                   [&](std::uint32_t lane) { return lane + 1 < lanes ? edge_in_row(rows - 1, lane) : none; });
   builder.end_stage();
   builder.end_position();
-  Packing& packing = builder.packing();
-  packing.elements = store.elements();
-  packing.component_stride = store.component_stride();
-  packing.stream_pitch = packing.position_elements = store.elements();
-  const std::uint32_t stages = builder.stage_count();
-  return builder.finish(2, stages);
+  return builder.finish(store, 2);
 }
 
 }  // namespace plumb::layouts

@@ -60,13 +60,7 @@ Packing pack_strips(const Piece& piece, const ShapeInfo& grid, std::uint32_t lan
     builder.end_stage();
     builder.end_position();
   }
-  Packing& packing = builder.packing();
-  packing.elements = store.elements();
-  packing.component_stride = store.component_stride();
-  packing.stream_pitch = store.elements();
-  packing.position_elements = 2 * rows * 3 * lanes;
-  const std::uint32_t stages = builder.stage_count();
-  return builder.finish(4, stages - 1);
+  return builder.finish(store, 4, 1, 2 * rows * 3 * lanes);
 }
 
 }  // namespace plumb::layouts

@@ -50,16 +50,11 @@ Packing pack_with(const Store& store, std::span<const IndexedPiece> pieces, Layo
            edges[i].uncommon == edges[first].uncommon;
          ++i)
       builder.add_indexed(edges[i].a, edges[i].b, edges[i].edge);
-    while (builder.packing().lane_edge.size() % lanes != 0) builder.add_indexed(dummy, dummy, none);
+    while (builder.edges_added() % lanes != 0) builder.add_indexed(dummy, dummy, none);
     builder.end_stage();
   }
   builder.end_position();
-  Packing& packing = builder.packing();
-  packing.elements = store.elements();
-  packing.component_stride = store.component_stride();
-  packing.stream_pitch = packing.position_elements = store.elements();
-  const std::uint32_t stages = builder.stage_count();
-  return builder.finish(colors, stages);
+  return builder.finish(store, colors);
 }
 
 }  // namespace

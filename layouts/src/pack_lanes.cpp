@@ -35,13 +35,7 @@ Packing pack_lanes(std::span<const Piece> pieces, const Graph& local, const Colo
       }
     builder.end_position();
   }
-  Packing& packing = builder.packing();
-  packing.elements = store.elements();
-  packing.component_stride = store.component_stride();
-  packing.stream_pitch = store.elements();
-  packing.position_elements = local.vertices * 3 * lanes;
-  const std::uint32_t stages = builder.stage_count();
-  return builder.finish(coloring.colors, stages);
+  return builder.finish(store, coloring.colors, 0, local.vertices * 3 * lanes);
 }
 
 }  // namespace plumb::layouts

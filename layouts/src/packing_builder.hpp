@@ -1,6 +1,10 @@
 #pragma once
 
+#include <type_traits>
+#include <utility>
+
 #include "plumb/layouts/packing.hpp"
+#include "plumb/layouts/stores.hpp"
 
 namespace plumb::layouts::detail {
 
@@ -29,7 +33,6 @@ class PackingBuilder {
     if (packing_.positions > 1 || position_ > 0 || vector_in_position_ == stage_begin_) return;
     packing_.stages.push_back({stage_begin_, vector_in_position_ - stage_begin_});
   }
-  std::uint32_t stage_count() const { return static_cast<std::uint32_t>(packing_.stages.size()); }
 
   /// One vector of edges with one address for each end; `edge_of_lane(lane)` may be `none`.
   template <class EdgeOfLane>
@@ -55,11 +58,26 @@ class PackingBuilder {
     ++position_;
   }
 
-  Packing& packing() { return packing_; }
-  Packing finish(std::uint32_t colors, std::uint32_t within_stages) {
+  std::size_t edges_added() const { return packing_.lane_edge.size(); }
+
+  /// `across` of the stages join a position to the next. Of several positions, each owns `position_elements`
+  /// numbers of every stream; one position owns the whole array.
+  template <ParticleStore Store>
+  Packing finish(const Store& store, std::uint32_t colors, std::uint32_t across = 0,
+                 std::uint32_t position_elements = 0) {
     packing_.positions = position_;
     packing_.colors = colors;
-    packing_.within_stages = within_stages;
+    packing_.within_stages = static_cast<std::uint32_t>(packing_.stages.size()) - across;
+    packing_.elements = store.elements();
+    packing_.component_stride = store.component_stride();
+    packing_.stream_pitch = packing_.position_elements = store.elements();
+    if (position_ > 1) {
+      packing_.position_elements = position_elements;
+      if constexpr (std::is_same_v<Store, SoaStore>) {
+        packing_.streams = store.streams();
+        packing_.stream_pitch = store.component_stride();
+      }
+    }
     return std::move(packing_);
   }
 

@@ -202,12 +202,13 @@ struct Data {
       }
   }
 
-  BlockView<T> view(bool jacobi) {
+  /// With what kernels write to given by the caller.
+  BlockView<T> view(T* p_, T* out, T* rod_) const {
     return {.x = x.data(),
-            .p = p.data(),
-            .out = jacobi ? accumulator.data() : p.data(),
+            .p = p_,
+            .out = out,
             .component_stride = packing.component_stride,
-            .rod = rod.data(),
+            .rod = rod_,
             .weight = weight.data(),
             .address_a = packing.address_a.data(),
             .address_b = packing.address_b.data(),
@@ -215,6 +216,7 @@ struct Data {
             .uniform_share = T(0.125),
             .uniform_inverse_length2 = 1 / T(0.37)};
   }
+  BlockView<T> view() { return view(p.data(), p.data(), rod.data()); }
 
   const Packing& packing;
   AlignedBuffer<T> x, p, accumulator, rod, weight;
@@ -231,10 +233,8 @@ struct Outcome {
 template <class T>
 Outcome<T> relax(const Kernels<T>& table, const Data<T>& data, Gradient gradient, bool jacobi) {
   Outcome<T> out{copy(data.p), copy(data.accumulator), copy(data.rod), {}};
-  BlockView<T> view = const_cast<Data<T>&>(data).view(jacobi);
-  view.p = out.p.data();
-  view.out = jacobi ? out.accumulator.data() : out.p.data();
-  view.rod = out.rod.data();
+  const BlockView<T> view =
+      data.view(out.p.data(), jacobi ? out.accumulator.data() : out.p.data(), out.rod.data());
   const AccessKernels<T>& kernels = table.access[static_cast<int>(data.packing.access)];
   for (const Range range : data.ranges) kernels.prepare(view, range);
   for (int sweep = 0; sweep < 2; ++sweep) {
@@ -373,7 +373,7 @@ TYPED_TEST(KernelsOf, ViolationIgnoresWhatIsNotANumber) {
   for (const Packing& packing : packings<T>(this->random)) {
     Data<T> data(packing, this->random, Numbers::ordinary);
     for (Range& range : data.ranges) range.uniform = false;
-    BlockView<T> view = data.view(false);
+    BlockView<T> view = data.view();
     for (std::size_t slot = 0; slot < packing.slot_offset.size(); slot += 7)
       data.p[packing.slot_offset[slot]] = std::numeric_limits<T>::quiet_NaN();
     for (const Isa isa : vector_isas()) {
@@ -464,7 +464,7 @@ TYPED_TEST(KernelsOf, AStretchedRodComesBack) {
         fields[Data<T>::width] = fields[2 * Data<T>::width] = T(0.125);  // omega/4 * w/(w + w)
       }
     for (Range& range : data.ranges) range.uniform = false;
-    const BlockView<T> view = data.view(false);
+    const BlockView<T> view = data.view();
     const AccessKernels<T>& access = kernels<T>(isa).access[static_cast<int>(packing.access)];
     T largest = 0;
     for (const Range range : data.ranges) {
