@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "flush_denormals.hpp"
@@ -20,8 +21,7 @@ double seconds_since(Clock::time_point start) {
 template <class T>
 class Baseline final : public Stepper {
  public:
-  Baseline(const Scene& scene, const std::vector<std::uint32_t>& order, std::uint32_t most_sweeps)
-      : most_sweeps_(most_sweeps) {
+  Baseline(const Scene& scene, const std::vector<std::uint32_t>& order) {
     const double h = frame_length;
     fall_ = vector(h * h * scene.gravity, 0);
     const std::vector<double> masses = lumped_masses(scene);
@@ -50,6 +50,8 @@ class Baseline final : public Stepper {
     }
     return (predicting + sweeping * sweeps / made) / steps;
   }
+
+  void extrapolate_beyond(std::uint32_t most_sweeps) override { most_sweeps_ = most_sweeps; }
 
   Stretch stretch(const Scene& scene) const override {
     std::vector<Vec3> positions;
@@ -101,7 +103,7 @@ class Baseline final : public Stepper {
     }
   }
 
-  std::uint32_t most_sweeps_;
+  std::uint32_t most_sweeps_ = std::numeric_limits<std::uint32_t>::max();
   Vector fall_;
   std::vector<Vector> now_, before_;
   std::vector<Link> links_;
@@ -110,9 +112,9 @@ class Baseline final : public Stepper {
 }  // namespace
 
 std::unique_ptr<Stepper> make_baseline(const Scene& scene, Precision precision,
-                                       const std::vector<std::uint32_t>& order, std::uint32_t most_sweeps) {
-  if (precision == Precision::single) return std::make_unique<Baseline<float>>(scene, order, most_sweeps);
-  return std::make_unique<Baseline<double>>(scene, order, most_sweeps);
+                                       const std::vector<std::uint32_t>& order) {
+  if (precision == Precision::single) return std::make_unique<Baseline<float>>(scene, order);
+  return std::make_unique<Baseline<double>>(scene, order);
 }
 
 std::vector<std::uint32_t> natural_order(const Scene& scene) {

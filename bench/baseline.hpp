@@ -10,14 +10,11 @@
 
 namespace plumb::bench {
 
-/// What one would write first: an array of particles x y z w, a list of rods, and eq. 4.7 of the thesis with its square
-/// root and division, one rod after the other in `order`, positions corrected in place. No vector code, one thread,
-/// denormal numbers flushed as in plumb.
-///
-/// Steps make at most `most_sweeps` sweeps; the time of the rest is taken to be the same (outside the caches the baseline
-/// would otherwise take most of a run).
+/// What one would write first: an array of particles x y z w, a list of rods, and eq. 4.7 of the thesis with
+/// its square root and division, one rod after the other in `order`, positions corrected in place. No vector
+/// code, one thread, denormal numbers flushed as in plumb.
 std::unique_ptr<Stepper> make_baseline(const Scene& scene, Precision precision,
-                                       const std::vector<std::uint32_t>& order, std::uint32_t most_sweeps);
+                                       const std::vector<std::uint32_t>& order);
 
 /// Rods in the scene's order.
 std::vector<std::uint32_t> natural_order(const Scene& scene);

@@ -13,7 +13,8 @@ namespace plumb::bench {
 
 enum class Shape : std::uint8_t { chain, net, ensemble, graph };
 
-/// Where a scene is meant to fit. The sizes are fixed, so that runs on different machines show the same scenes.
+/// Where a scene is meant to fit. The sizes are fixed, so that runs on different machines show the same
+/// scenes.
 enum class Level : std::uint8_t { l1, l2, l3, dram };
 
 std::string_view to_string(Shape);
@@ -33,8 +34,9 @@ struct Case {
 /// Such as "links:8191".
 std::string size_name(const Case&);
 
-/// For every shape and precision one scene of about 16 kB, 512 kB, 8 MB and 200 MB, and in float the sizes that other
-/// libraries were measured with. `full` adds a chain of 200 MB to the one of 4 million links.
+/// For every shape and precision one scene of about 16 kB, 512 kB, 8 MB and 200 MB, and in float the sizes
+/// that other libraries were measured with. A chain outside the caches has 4 million links in float; `full`
+/// adds 200 MB in float and 4 million links in double.
 std::vector<Case> make_cases(bool full);
 
 Scene make_scene(Shape shape, std::uint32_t size);

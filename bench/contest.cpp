@@ -13,17 +13,20 @@
 namespace plumb::bench {
 namespace {
 
-/// A sample lasts at least this long, and its warming half of it: longer than a processor takes to change its clock
-/// from one instruction set to another.
+/// A sample lasts at least this long, and its warming half of it: longer than a processor takes to change its
+/// clock from one instruction set to another.
 constexpr double sample_s = 3e-3;
 
 /// A second where that is cheap.
 std::uint32_t run_up_steps(Level level) {
   switch (level) {
     case Level::l1:
-    case Level::l2: return 60;
-    case Level::l3: return 6;
-    case Level::dram: break;
+    case Level::l2:
+      return 60;
+    case Level::l3:
+      return 6;
+    case Level::dram:
+      break;
   }
   return 1;
 }
@@ -42,9 +45,8 @@ Entrant make_entrant(Contender& contender, const Case& c, const Scene& scene) {
   entrant.outcome = &contender.outcome;
   entrant.outcome->rods = static_cast<std::uint32_t>(scene.rods.size());
   if (contender.is_baseline) {
-    const std::uint32_t most_sweeps = c.level >= Level::l3 ? 4 : long_sweeps;
     const auto order = contender.arrangement == "natural" ? natural_order(scene) : colored_order(scene);
-    entrant.stepper = make_baseline(scene, c.precision, order, most_sweeps);
+    entrant.stepper = make_baseline(scene, c.precision, order);
     return entrant;
   }
   Settings settings;
@@ -52,7 +54,7 @@ Entrant make_entrant(Contender& contender, const Case& c, const Scene& scene) {
   settings.layout = contender.layout;
   settings.isa = contender.isa;
   settings.threads = contender.threads;
-  settings.stop.sweeps = short_sweeps;
+  settings.stop.sweeps = sweeps;
   auto world = std::make_unique<WorldStepper>(scene, settings);
   const WorldInfo& info = world->world().info();
   for (const BlockInfo& block : info.blocks) entrant.outcome->bytes += block.bytes;
@@ -69,17 +71,18 @@ double finite_stretch(const Entrant& entrant, const Scene& scene) {
   return max;
 }
 
-/// Steps everyone to the same time, and sets how many steps a sample has: for worlds as many as the fastest needs.
+/// Steps everyone to the same time, and sets how many steps a sample has: for worlds as many as the fastest
+/// needs.
 void run_up(std::vector<Entrant>& entrants, const Scene& scene, Level level) {
   double fastest = 1e9;
   for (Entrant& entrant : entrants) {
     Outcome& outcome = *entrant.outcome;
     outcome.run_up_steps = run_up_steps(level);
-    double step_s = entrant.stepper->run(outcome.run_up_steps, short_sweeps);
+    double step_s = entrant.stepper->run(outcome.run_up_steps, sweeps);
     outcome.run_up_stretch = finite_stretch(entrant, scene);
     outcome.steps = outcome.run_up_steps;
     if (level != Level::dram) {  // the first step of all was slower
-      step_s = std::min(step_s, entrant.stepper->run(2, short_sweeps));
+      step_s = std::min(step_s, entrant.stepper->run(2, sweeps));
       outcome.steps += 2;
     }
     entrant.steps = static_cast<std::uint32_t>(std::ceil(sample_s / step_s));
@@ -91,36 +94,39 @@ void run_up(std::vector<Entrant>& entrants, const Scene& scene, Level level) {
   }
 }
 
-void take_sample(Entrant& entrant) {
+void take_sample(Entrant& entrant, bool with_long_step) {
   Outcome& outcome = *entrant.outcome;
-  if (entrant.warming > 0) entrant.stepper->run(entrant.warming, short_sweeps);
-  outcome.short_s.push_back(entrant.stepper->run(entrant.steps, short_sweeps));
+  if (entrant.warming > 0) entrant.stepper->run(entrant.warming, sweeps);
+  const double step_s = entrant.stepper->run(entrant.steps, sweeps);
+  outcome.step_s.push_back(step_s);
   outcome.steps += entrant.warming + entrant.steps;
-  if (!entrant.world) return;
+  if (!entrant.world || !with_long_step) return;
   const std::uint32_t long_steps = (entrant.steps + 1) / 2;
-  outcome.long_s.push_back(entrant.stepper->run(long_steps, long_sweeps));
+  outcome.sweep_s.push_back((entrant.stepper->run(long_steps, long_sweeps) - step_s) /
+                            (long_sweeps - sweeps));
   outcome.steps += long_steps;
 }
 
-double ns_per_rod(const Outcome& outcome, double seconds, std::uint32_t sweeps) {
-  return 1e9 * seconds / (double{1} * outcome.rods * sweeps);
+double ns_per_rod(const Outcome& outcome, double seconds_per_step) {
+  return 1e9 * seconds_per_step / (double{1} * outcome.rods * sweeps);
 }
 
 }  // namespace
 
-double Outcome::ns_per_projection(std::size_t round) const { return ns_per_rod(*this, short_s[round], short_sweeps); }
-
-double Outcome::sweep_ns_per_projection(std::size_t round) const {
-  return ns_per_rod(*this, long_s[round] - short_s[round], long_sweeps - short_sweeps);
+double Outcome::ns_per_projection(std::size_t round) const {
+  return ns_per_rod(*this, step_s[round]);
 }
 
-double Outcome::least_ns() const { return ns_per_rod(*this, least(short_s), short_sweeps); }
+double Outcome::least_ns() const {
+  return ns_per_rod(*this, least(step_s));
+}
 
-double Outcome::median_ns() const { return ns_per_rod(*this, median(short_s), short_sweeps); }
+double Outcome::median_ns() const {
+  return ns_per_rod(*this, median(step_s));
+}
 
-double Outcome::least_sweep_ns() const {
-  if (long_s.empty()) return 0;
-  return ns_per_rod(*this, least(long_s) - least(short_s), long_sweeps - short_sweeps);
+double Outcome::median_sweep_ns() const {
+  return sweep_s.empty() ? 0 : ns_per_rod(*this, sweeps * median(sweep_s));
 }
 
 std::string Contender::name(const Case& c) const {
@@ -143,9 +149,11 @@ void Contest::measure() {
   std::vector<Entrant> entrants;
   for (Contender& contender : contenders_) entrants.push_back(make_entrant(contender, case_, *scene));
   run_up(entrants, *scene, case_.level);
+  if (case_.level >= Level::l3)
+    for (Entrant& entrant : entrants) entrant.stepper->extrapolate_beyond(4);
   for (std::uint32_t round = 0; round < rounds_; ++round)
     for (std::size_t i = 0; i < entrants.size(); ++i)
-      take_sample(entrants[(round + i) % entrants.size()]);
+      take_sample(entrants[(round + i) % entrants.size()], case_.level != Level::dram || round % 4 == 0);
 
   const Entrant* first = nullptr;
   for (std::size_t i = 0; i < entrants.size(); ++i) {
@@ -170,7 +178,7 @@ const Contender* Contest::baseline(const std::string& order) const {
 
 double Contest::speedup(std::size_t i, const std::string& order, std::size_t round) const {
   const Contender* base = baseline(order);
-  return base ? base->outcome.short_s[round] / contenders_[i].outcome.short_s[round] : 0;
+  return base ? base->outcome.step_s[round] / contenders_[i].outcome.step_s[round] : 0;
 }
 
 double Contest::median_speedup(std::size_t i, const std::string& order) const {

@@ -11,11 +11,14 @@
 namespace plumb::bench {
 
 /// Sweeps of a timed step, and of the longer step that shows what a sweep alone takes.
-inline constexpr std::uint32_t short_sweeps = 20, long_sweeps = 40;
+inline constexpr std::uint32_t sweeps = 20, long_sweeps = 40;
 
-/// What was measured of a contender. Seconds are per step, one sample per round.
+/// What was measured of a contender.
 struct Outcome {
-  std::vector<double> short_s, long_s;  ///< by sweeps of the step; baselines have no long ones
+  std::vector<double> step_s{};  ///< seconds per step, one sample per round
+  /// Seconds per sweep without prediction, preparation and advance: what a longer step takes longer. Of some
+  /// rounds where scenes are large; none for a baseline.
+  std::vector<double> sweep_s{};
   std::uint32_t rods = 0;
   unsigned threads = 1;        ///< that worked
   std::size_t bytes = 0;       ///< state and rods; 0 for a baseline
@@ -27,11 +30,9 @@ struct Outcome {
   std::uint64_t state_hash = 0;
 
   double ns_per_projection(std::size_t round) const;
-  /// By the difference between a long and a short step: without prediction, preparation and advance.
-  double sweep_ns_per_projection(std::size_t round) const;
   double least_ns() const;
   double median_ns() const;
-  double least_sweep_ns() const;  ///< difference of the least times; 0 if not measured
+  double median_sweep_ns() const;  ///< per projection; 0 if not measured
 };
 
 /// One way of stepping the scene of a contest: a world, or a baseline.
@@ -49,33 +50,38 @@ struct Contender {
   std::string name(const Case& c) const;
 };
 
-/// Times contenders over one scene side by side: round by round, each in turn, so that a noisy minute falls on all of
-/// them alike. All worlds make the same steps and must end in the same bits.
+/// Times contenders over one scene side by side: round by round, each in turn, so that a noisy minute falls
+/// on all of them alike. All worlds make the same steps and must end in the same bits.
 class Contest {
  public:
   Contest(const Case& c, std::vector<Contender> contenders, std::uint32_t rounds)
       : case_(c), contenders_(std::move(contenders)), rounds_(rounds) {}
 
-  /// Unlists the contenders whose names `is_wanted` refuses, and takes out those that nothing is compared with.
+  /// Unlists the contenders whose names `is_wanted` refuses, and takes out those that nothing is compared
+  /// with.
   template <class IsWanted>
   void keep(IsWanted&& is_wanted) {
-    for (Contender& contender : contenders_) contender.listed = contender.listed && is_wanted(contender.name(case_));
-    std::erase_if(contenders_, [](const Contender& c) { return !c.listed && !c.is_baseline && !c.is_reference; });
+    for (Contender& contender : contenders_)
+      contender.listed = contender.listed && is_wanted(contender.name(case_));
+    std::erase_if(contenders_,
+                  [](const Contender& c) { return !c.listed && !c.is_baseline && !c.is_reference; });
   }
   bool has_listed() const {
     return std::any_of(contenders_.begin(), contenders_.end(), [](const Contender& c) { return c.listed; });
   }
 
-  /// Takes all samples; only the first call does anything. Throws CheckFailed if worlds differ from each other or
-  /// anything is not finite.
+  /// Takes all samples; only the first call does anything. Throws CheckFailed if worlds differ from each
+  /// other or anything is not finite.
   void measure();
   bool is_measured() const { return measured_; }
 
   const Case& scene_case() const { return case_; }
   const std::vector<Contender>& contenders() const { return contenders_; }
-  /// Time of the baseline with rods in that order over time of contender `i` in the same round; 0 without one.
+  /// Time of the baseline with rods in that order over time of contender `i` in the same round; 0 without
+  /// one.
   double speedup(std::size_t i, const std::string& order, std::size_t round) const;
   double median_speedup(std::size_t i, const std::string& order) const;
+  bool has_baseline(const std::string& order) const { return baseline(order) != nullptr; }
 
  private:
   const Contender* baseline(const std::string& order) const;

@@ -33,11 +33,15 @@ std::vector<Contender> worlds(const Case& c, bool full) {
     for (const Isa isa : supported_isas()) {
       for (const unsigned threads : thread_counts()) {
         const bool listed = is_wanted(c, layout, isa, threads, full);
-        const bool is_reference = c.level <= Level::l2 && layout == LayoutChoice::automatic && isa == Isa::scalar &&
-                                  threads == 1;
+        const bool is_reference =
+            c.level <= Level::l2 && layout == LayoutChoice::automatic && isa == Isa::scalar && threads == 1;
         if (listed || is_reference)
-          list.push_back({.arrangement = std::string(to_string(layout)), .layout = layout, .isa = isa,
-                          .threads = threads, .is_reference = is_reference, .listed = listed});
+          list.push_back({.arrangement = std::string(to_string(layout)),
+                          .layout = layout,
+                          .isa = isa,
+                          .threads = threads,
+                          .is_reference = is_reference,
+                          .listed = listed});
       }
     }
   }
@@ -46,15 +50,18 @@ std::vector<Contender> worlds(const Case& c, bool full) {
 
 std::vector<Contender> baselines(const Case& c, bool listed) {
   std::vector<Contender> list{{.is_baseline = true, .arrangement = "natural", .listed = listed}};
-  if (c.shape == Shape::graph) list.push_back({.is_baseline = true, .arrangement = "colored", .listed = listed});
+  if (c.shape == Shape::graph || c.level <= Level::l2)
+    list.push_back({.is_baseline = true, .arrangement = "colored", .listed = listed});
   return list;
 }
 
 /// Which worlds may be alive together: outside the caches those of one layout and instruction set.
-std::map<std::pair<LayoutChoice, Isa>, std::vector<Contender>> heats(const Case& c, std::vector<Contender> all) {
+std::map<std::pair<LayoutChoice, Isa>, std::vector<Contender>> heats(const Case& c,
+                                                                     std::vector<Contender> all) {
   std::map<std::pair<LayoutChoice, Isa>, std::vector<Contender>> heats;
   for (Contender& contender : all) {
-    const auto key = c.level == Level::dram ? std::pair{contender.layout, contender.isa} : std::pair{LayoutChoice{}, Isa{}};
+    const auto key = c.level == Level::dram ? std::pair{contender.layout, contender.isa}
+                                            : std::pair{LayoutChoice{}, Isa{}};
     heats[key].push_back(std::move(contender));
   }
   return heats;

@@ -1,8 +1,8 @@
-// bench_layouts: what a rod projection costs, by shape, layout, precision, instruction set, threads and size, beside
-// what a plain loop takes and what the machine allows.
+// bench_layouts: what a rod projection costs, by shape, layout, precision, instruction set, threads and size,
+// beside what a plain loop takes and what the machine allows.
 //
-// Contests take their samples themselves, side by side (contest.hpp); Google Benchmark names, filters and counts them
-// and writes JSON. A repetition of a benchmark is one sample.
+// Contests take their samples themselves, side by side (contest.hpp); Google Benchmark names, filters and
+// counts them and writes JSON. A repetition of a benchmark is one sample.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -12,6 +12,7 @@
 #include "flags.hpp"
 #include "grid.hpp"
 #include "line_reporter.hpp"
+#include "quiet.hpp"
 #include "scenes/files.hpp"
 #include "scenes/machine.hpp"
 #include "scenes/report.hpp"
@@ -49,7 +50,8 @@ Options take_options(Flags& flags) {
 /// repetition is one iteration.
 void initialize_benchmark(Flags& flags, std::uint32_t rounds) {
   std::vector<std::string> words = flags.rest();
-  const std::string own[] = {"--benchmark_repetitions=" + std::to_string(rounds), "--benchmark_min_time=1e-9"};
+  const std::string own[] = {"--benchmark_repetitions=" + std::to_string(rounds),
+                             "--benchmark_min_time=1e-9"};
   words.insert(words.begin() + 1, std::begin(own), std::end(own));
   static std::vector<std::string> kept;  // Google Benchmark keeps the program's name
   kept = std::move(words);
@@ -70,24 +72,26 @@ void initialize_benchmark(Flags& flags, std::uint32_t rounds) {
 void keep_wanted(std::vector<std::shared_ptr<Contest>>& contests, const std::string& filter) {
   if (filter.empty() || filter == "all" || filter.front() == '-') return;
   const std::regex wanted(filter, std::regex::extended);
-  for (auto& contest : contests) contest->keep([&](const std::string& name) { return std::regex_search(name, wanted); });
+  for (auto& contest : contests)
+    contest->keep([&](const std::string& name) { return std::regex_search(name, wanted); });
   std::erase_if(contests, [](const auto& contest) { return !contest->has_listed(); });
 }
 
-void report_contender(benchmark::State& state, Contest& contest, std::size_t i, Limits& limits, std::uint32_t round) {
+void report_contender(benchmark::State& state, Contest& contest, std::size_t i, Limits& limits,
+                      std::uint32_t round) {
   limits.measure();
   contest.measure();
   const Contender& contender = contest.contenders()[i];
   const Outcome& outcome = contender.outcome;
-  for (auto _ : state) state.SetIterationTime(outcome.short_s[round]);
+  for (auto _ : state) state.SetIterationTime(outcome.step_s[round]);
   state.counters["ns_per_projection"] = outcome.ns_per_projection(round);
   state.counters["rods"] = outcome.rods;
   state.counters["max_stretch"] = outcome.max_stretch;
   state.counters["run_up_stretch"] = outcome.run_up_stretch;
   if (contender.is_baseline) return;
-  state.counters["sweep_ns_per_projection"] = outcome.sweep_ns_per_projection(round);
+  state.counters["sweep_ns_per_projection"] = outcome.median_sweep_ns();
   state.counters["speedup"] = contest.speedup(i, "natural", round);
-  if (contest.scene_case().shape == Shape::graph)
+  if (contest.has_baseline("colored"))
     state.counters["speedup_colored"] = contest.speedup(i, "colored", round);
   const Reached share = reached(outcome, contender, contest.scene_case(), limits);
   state.counters["fraction_of_compute_limit"] = share.compute;
@@ -108,17 +112,19 @@ void report_limit(benchmark::State& state, Limits& limits, std::size_t i, std::u
 /// `report(state, round)` is called once per repetition.
 template <class Report>
 void add_benchmark(const std::string& name, std::uint32_t rounds, Report report) {
-  benchmark::RegisterBenchmark(name.c_str(), [report, rounds, round = 0u](benchmark::State& state) mutable {
-    report(state, round);
-    round = (round + 1) % rounds;
-  })
+  benchmark::RegisterBenchmark(name.c_str(),
+                               [report, rounds, round = 0u](benchmark::State& state) mutable {
+                                 report(state, round);
+                                 round = (round + 1) % rounds;
+                               })
       ->UseManualTime()
       ->Unit(benchmark::kMicrosecond)
       ->ReportAggregatesOnly()
       ->ComputeStatistics("min", least);
 }
 
-void add_benchmarks(const std::vector<std::shared_ptr<Contest>>& contests, Limits& limits, std::uint32_t rounds) {
+void add_benchmarks(const std::vector<std::shared_ptr<Contest>>& contests, Limits& limits,
+                    std::uint32_t rounds) {
   for (std::size_t i = 0; i < limits.rows().size(); ++i)
     add_benchmark(limits.rows()[i].name, rounds, [&limits, i](benchmark::State& state, std::uint32_t round) {
       report_limit(state, limits, i, round);
@@ -145,9 +151,10 @@ int run(int argc, char** argv) {
   keep_wanted(contests, benchmark::GetBenchmarkFilter());
   add_benchmarks(contests, limits, options.rounds);
 
+  const double quiet = work_of_two_threads();
   LineReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
-  const std::string summary = summary_text(contests, limits);
+  const std::string summary = quiet_text(quiet) + "\n\n" + summary_text(contests, limits);
   std::printf("\n%s", summary.c_str());
   if (!options.summary.empty()) scenes::write_file(options.summary, summary);
   if (!options.csv.empty()) scenes::write_file(options.csv, full_sheet(contests, limits).to_csv());

@@ -5,8 +5,8 @@
 
 namespace plumb::bench {
 
-/// Rows of texts under a header, as CSV for programs and as Markdown for people; Markdown's columns are padded, so that
-/// it also reads well in a terminal.
+/// Rows of texts under a header, as CSV for programs and as Markdown for people; Markdown's columns are
+/// padded, so that it also reads well in a terminal.
 class Sheet {
  public:
   explicit Sheet(std::vector<std::string> header) : header_(std::move(header)) {}

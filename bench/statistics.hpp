@@ -5,7 +5,9 @@
 
 namespace plumb::bench {
 
-inline double least(const std::vector<double>& samples) { return *std::min_element(samples.begin(), samples.end()); }
+inline double least(const std::vector<double>& samples) {
+  return *std::min_element(samples.begin(), samples.end());
+}
 
 /// Of an even number of samples, the mean of the two in the middle.
 inline double median(std::vector<double> samples) {

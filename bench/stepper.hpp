@@ -15,6 +15,9 @@ class Stepper {
   virtual ~Stepper() = default;
   /// Makes `steps` steps of `sweeps` sweeps each, and returns seconds per step.
   virtual double run(std::uint32_t steps, std::uint32_t sweeps) = 0;
+  /// From now on steps may make only `most_sweeps` sweeps and take the others to last as long: outside the
+  /// caches baselines would otherwise take most of a run. Worlds make all.
+  virtual void extrapolate_beyond(std::uint32_t most_sweeps) { static_cast<void>(most_sweeps); }
   /// Of the scene that it was made from.
   virtual Stretch stretch(const Scene& scene) const = 0;
 };

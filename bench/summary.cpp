@@ -24,15 +24,22 @@ void for_listed(const std::vector<std::shared_ptr<Contest>>& contests, F&& f) {
 }
 
 /// Nothing for a number that was not measured.
-std::string number(double value) { return value == 0 ? "" : plain_number(value); }
-std::string percent(double share) { return share == 0 ? "" : plain_number(100 * share, 2) + " %"; }
-std::string exact(double value) { return value == 0 ? "" : short_number(value, 9); }
+std::string number(double value) {
+  return value == 0 ? "" : plain_number(value);
+}
+std::string percent(double share) {
+  return share == 0 ? "" : plain_number(100 * share, 2) + " %";
+}
+std::string exact(double value) {
+  return value == 0 ? "" : short_number(value, 9);
+}
 
 Sheet auto_sheet(const std::vector<std::shared_ptr<Contest>>& contests, const Limits& limits) {
-  Sheet sheet({"scene", "size", "fits", "numbers", "threads", "ns", "median", "sweep alone", "baseline", "speedup",
-               "of compute", "of bandwidth", "stretch", "its baseline's"});
+  Sheet sheet({"scene", "size", "fits", "numbers", "threads", "ns", "median", "sweep alone", "baseline",
+               "speedup", "in its order", "of compute", "of bandwidth", "stretch", "its baseline's"});
   for_listed(contests, [&](const Contest& contest, std::size_t i, const Contender& contender) {
-    if (contender.is_baseline || contender.layout != LayoutChoice::automatic || contender.isa != best_isa()) return;
+    if (contender.is_baseline || contender.layout != LayoutChoice::automatic || contender.isa != best_isa())
+      return;
     const Case& c = contest.scene_case();
     const Outcome& outcome = contender.outcome;
     const Outcome& base = contest.contenders().front().outcome;
@@ -41,8 +48,9 @@ Sheet auto_sheet(const std::vector<std::shared_ptr<Contest>>& contests, const Li
         outcome.threads == contender.threads ? "" : " (" + std::to_string(outcome.threads) + " worked)";
     sheet.add_row({std::string(to_string(c.shape)), size_name(c), std::string(to_string(c.level)),
                    std::string(number_name(c.precision)), std::to_string(contender.threads) + threads,
-                   number(outcome.least_ns()), number(outcome.median_ns()), number(outcome.least_sweep_ns()),
-                   number(base.least_ns()), number(contest.median_speedup(i, "natural")), percent(share.compute),
+                   number(outcome.least_ns()), number(outcome.median_ns()), number(outcome.median_sweep_ns()),
+                   number(base.least_ns()), number(contest.median_speedup(i, "natural")),
+                   number(contest.median_speedup(i, "colored")), percent(share.compute),
                    percent(share.bandwidth), percent(outcome.run_up_stretch), percent(base.run_up_stretch)});
   });
   return sheet;
@@ -58,9 +66,9 @@ Sheet variants_sheet(const std::vector<std::shared_ptr<Contest>>& contests) {
     const bool is_variant = contender.layout != LayoutChoice::automatic || contender.isa != best_isa();
     if (!is_variant && (c.level != Level::l2 || contender.threads != 1)) return;
     sheet.add_row({std::string(to_string(c.shape)), size_name(c), std::string(number_name(c.precision)),
-                   contender.arrangement, std::string(to_string(contender.isa)), std::to_string(contender.threads),
-                   number(outcome.least_ns()), number(outcome.median_ns()), number(outcome.least_sweep_ns()),
-                   number(contest.median_speedup(i, "natural"))});
+                   contender.arrangement, std::string(to_string(contender.isa)),
+                   std::to_string(contender.threads), number(outcome.least_ns()), number(outcome.median_ns()),
+                   number(outcome.median_sweep_ns()), number(contest.median_speedup(i, "natural"))});
   });
   return sheet;
 }
@@ -105,25 +113,62 @@ Reached reached(const Outcome& outcome, const Contender& contender, const Case& 
 }
 
 Sheet full_sheet(const std::vector<std::shared_ptr<Contest>>& contests, const Limits& limits) {
-  Sheet sheet({"name", "kind", "shape", "precision", "arrangement", "isa", "threads", "threads_working", "size",
-               "level", "rods", "bytes", "sweeps", "samples", "ns_min", "ns_median", "sweep_ns_min", "speedup",
-               "speedup_colored", "fraction_of_compute_limit", "fraction_of_bandwidth_limit", "run_up_steps",
-               "run_up_stretch", "steps", "max_stretch", "state_hash"});
+  Sheet sheet({"name",
+               "kind",
+               "shape",
+               "precision",
+               "arrangement",
+               "isa",
+               "threads",
+               "threads_working",
+               "size",
+               "level",
+               "rods",
+               "bytes",
+               "sweeps",
+               "samples",
+               "ns_min",
+               "ns_median",
+               "sweep_ns_median",
+               "speedup",
+               "speedup_colored",
+               "fraction_of_compute_limit",
+               "fraction_of_bandwidth_limit",
+               "run_up_steps",
+               "run_up_stretch",
+               "steps",
+               "max_stretch",
+               "state_hash"});
   for_listed(contests, [&](const Contest& contest, std::size_t i, const Contender& contender) {
     const Case& c = contest.scene_case();
     const Outcome& outcome = contender.outcome;
     const bool is_world = !contender.is_baseline;
     const Reached share = is_world ? reached(outcome, contender, c, limits) : Reached{};
-    sheet.add_row({contender.name(c), is_world ? "relax" : "baseline", std::string(to_string(c.shape)),
-                   std::string(number_name(c.precision)), contender.arrangement,
-                   is_world ? std::string(to_string(contender.isa)) : "", std::to_string(contender.threads),
-                   std::to_string(outcome.threads), size_name(c), std::string(to_string(c.level)),
-                   std::to_string(outcome.rods), is_world ? std::to_string(outcome.bytes) : "",
-                   std::to_string(short_sweeps), std::to_string(outcome.short_s.size()), exact(outcome.least_ns()),
-                   exact(outcome.median_ns()), exact(outcome.least_sweep_ns()),
-                   exact(contest.median_speedup(i, "natural")), exact(contest.median_speedup(i, "colored")),
-                   exact(share.compute), exact(share.bandwidth), std::to_string(outcome.run_up_steps),
-                   exact(outcome.run_up_stretch), std::to_string(outcome.steps), exact(outcome.max_stretch),
+    sheet.add_row({contender.name(c),
+                   is_world ? "relax" : "baseline",
+                   std::string(to_string(c.shape)),
+                   std::string(number_name(c.precision)),
+                   contender.arrangement,
+                   is_world ? std::string(to_string(contender.isa)) : "",
+                   std::to_string(contender.threads),
+                   std::to_string(outcome.threads),
+                   size_name(c),
+                   std::string(to_string(c.level)),
+                   std::to_string(outcome.rods),
+                   is_world ? std::to_string(outcome.bytes) : "",
+                   std::to_string(sweeps),
+                   std::to_string(outcome.step_s.size()),
+                   exact(outcome.least_ns()),
+                   exact(outcome.median_ns()),
+                   exact(outcome.median_sweep_ns()),
+                   exact(contest.median_speedup(i, "natural")),
+                   exact(contest.median_speedup(i, "colored")),
+                   exact(share.compute),
+                   exact(share.bandwidth),
+                   std::to_string(outcome.run_up_steps),
+                   exact(outcome.run_up_stretch),
+                   std::to_string(outcome.steps),
+                   exact(outcome.max_stretch),
                    is_world ? scenes::hash_text(outcome.state_hash) : ""});
   });
   return sheet;

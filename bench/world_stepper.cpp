@@ -33,8 +33,10 @@ double sweep_bytes_per_rod(const WorldInfo& info, Precision precision) {
   for (const BlockInfo& block : info.blocks) {
     const double particle_numbers = block.layout == "aos" ? 4 : 3;
     const double rod_numbers = 4 + 3 * (1 - block.uniform_fraction);
-    const double addresses = block.shape == "graph" ? 8 : 8 * number / 64;  // an address pair per rod or per vector
-    bytes += 2 * number * particle_numbers * block.particles + (number * rod_numbers + addresses) * block.rods;
+    const double addresses =
+        block.shape == "graph" ? 8 : 8 * number / 64;  // an address pair per rod or per vector
+    bytes +=
+        2 * number * particle_numbers * block.particles + (number * rod_numbers + addresses) * block.rods;
   }
   return bytes / info.rods;
 }

@@ -22,8 +22,8 @@ class WorldStepper final : public Stepper {
   std::uint32_t sweeps_ = 0;
 };
 
-/// Bytes that one sweep must move per rod if it is a pass of its own over memory: displacements read and written once
-/// per particle, the rod's own numbers and addresses read.
+/// Bytes that one sweep must move per rod if it is a pass of its own over memory: displacements read and
+/// written once per particle, the rod's own numbers and addresses read.
 double sweep_bytes_per_rod(const WorldInfo& info, Precision precision);
 
 }  // namespace plumb::bench

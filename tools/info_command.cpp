@@ -67,11 +67,11 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
   }
   std::printf("; used: %s\n\n", std::string(to_string(info.isa)).c_str());
   Table table(
-      {"shape", "layout", "islands", "particles", "rods", "colors", "bytes", "bytes/projection", "uniform"});
+      {"shape", "layout", "islands", "particles", "rods", "colours", "bytes", "bytes/projection", "uniform"});
   for (const BlockInfo& b : info.blocks) {
     table.add_row({b.shape, b.layout, std::to_string(b.islands), std::to_string(b.particles),
                    std::to_string(b.rods), std::to_string(b.colors), std::to_string(b.bytes),
-                   std::to_string(b.bytes_per_projection), short_number(100 * b.uniform_fraction, 4) + " %"});
+                   short_number(b.bytes_per_projection, 3), short_number(100 * b.uniform_fraction, 4) + " %"});
   }
   std::fputs(table.to_text().c_str(), stdout);
 }

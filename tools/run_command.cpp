@@ -122,11 +122,9 @@ int run(const RunOptions& options) {
   if (report) report->commit();
   if (!options.quiet) print_summary(options, result, machine);
   if (!result.finite) throw CheckFailed("the state is not finite");
-  if (result.frozen_frames > 0) {
-    throw CheckFailed(plural(result.frozen_islands, "island") + " went non-finite, in " +
-                      plural(result.frozen_frames, "frame") +
-                      "; put back to the last finite state each time");
-  }
+  if (result.total.frozen_islands > 0)
+    throw CheckFailed(plural(result.total.frozen_islands, "island") +
+                      " went non-finite; put back to the last finite state and left standing");
   return fine;
 }
 

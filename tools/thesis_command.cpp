@@ -39,7 +39,7 @@ struct ChainResults {
   std::string name;
   Truth truth;
   std::vector<Measured> by_sweeps;    ///< variants within sweep counts
-  std::vector<Measured> by_substeps;  ///< the same within substep counts, swept until nothing changes
+  std::vector<Measured> by_substeps;  ///< the same within substep counts, swept to a stretch of 1e-7
 };
 
 struct MassResults {

@@ -85,7 +85,7 @@ double time_to_rest(const Scene& scene, const Settings& settings, double limit) 
   double moving_until = 0;
   std::vector<Vec3> before;
   scenes::RunObserver observer;
-  // The speed over a frame, from positions: a method's own velocity may be half a substep off, g·h/2 at rest.
+  // The speed over a frame, from positions: the same measure whatever a method takes for its velocity.
   observer.save = [&](const Frame& frame) {
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (!(norm(frame.positions[i] - before[i]) <= 0.01 * frame_length)) moving_until = frame.t;

@@ -1,5 +1,5 @@
-// The body of the loops in limit_kernels.hpp, included once per instruction set with PLUMB_VECTOR(T) set to its vector
-// of T. Internal linkage throughout, as in kernel/simd.
+// The body of the loops in limit_kernels.hpp, included once per instruction set with PLUMB_VECTOR(T) set to
+// its vector of T. Internal linkage throughout, as in kernel/simd.
 
 #include <type_traits>
 
@@ -34,10 +34,11 @@ struct Triple {
   V x, y, z;
 };
 
-/// Rods of one common length and share, corrected along their new direction: the operations of the kernel's sweep and
-/// none of its loads and stores. The compiler is told that end a changes each time and that both ends are used;
-/// nothing of a projection goes into the next, so the processor has as many in flight as it can hold. Where there are
-/// registers for two (32 of 64 bytes), two are begun before the first is finished, which helps it a little.
+/// Rods of one common length and share, corrected along their new direction: the operations of the kernel's
+/// sweep and none of its loads and stores. The compiler is told that end a changes each time and that both
+/// ends are used; nothing of a projection goes into the next, so the processor has as many in flight as it
+/// can hold. Where there are registers for two (32 of 64 bytes), two are begun before the first is finished,
+/// which helps it a little.
 template <class V, class T>
 std::uint64_t project(std::uint64_t rods) {
   constexpr std::uint64_t lanes = sizeof(V) / sizeof(T), begun = sizeof(V) == 64 ? 2 : 1;

@@ -25,7 +25,9 @@ std::string projection_name(Precision precision, Isa isa) {
 }
 
 std::string bandwidth_name(Level level, unsigned threads) {
-  return std::string("limit/bandwidth/").append(to_string(level)).append("/threads:" + std::to_string(threads));
+  return std::string("limit/bandwidth/")
+      .append(to_string(level))
+      .append("/threads:" + std::to_string(threads));
 }
 
 double sample_projection(std::uint64_t (*project)(std::uint64_t)) {
@@ -48,8 +50,8 @@ class Adder {
   double sample() {
     constexpr std::size_t least_bytes = std::size_t{64} << 20;
     const std::size_t passes = std::max<std::size_t>(2, least_bytes / (2 * sizeof(float) * x_.size()));
-    const double seconds = run_together(threads_, [&](unsigned thread) { add(thread, 1); },
-                                        [&](unsigned thread) { add(thread, passes); });
+    const double seconds = run_together(
+        threads_, [&](unsigned thread) { add(thread, 1); }, [&](unsigned thread) { add(thread, passes); });
     return static_cast<double>(3 * sizeof(float) * x_.size() * passes) / seconds;
   }
 

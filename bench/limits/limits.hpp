@@ -11,7 +11,8 @@ namespace plumb::bench {
 
 /// What this machine can do at most, measured in the same run as what it does.
 ///   limit/projection/<number>/<isa>      ns per rod projection with everything in registers
-///   limit/bandwidth/<level>/threads:<n>  bytes per second of x += p (two reads, one write) over two arrays that fill
+///   limit/bandwidth/<level>/threads:<n>  bytes per second of x += p (two reads, one write) over two arrays
+///   that fill
 ///                                        the level; threads split them
 class Limits {
  public:

@@ -14,7 +14,8 @@ bool is_supported(Isa isa) {
     case Isa::avx2:
       return available.avx2 && available.fma3_avx2;
     case Isa::avx512:
-      return available.avx512bw && available.avx512dq && available.avx512cd;
+      return available.avx512bw && available.avx512dq && available.avx512cd &&
+             __builtin_cpu_supports("avx512vl");
   }
   return false;
 }

@@ -11,7 +11,7 @@
 /// of the others, which share `body.hpp`.
 namespace plumb::simd {
 
-/// Numbers per vector of rods in BlockView::rod and BlockView::weight, in units of the logical vector.
+/// Fields per rod in BlockView::rod and BlockView::weight: logical vectors for each vector of rods.
 inline constexpr std::uint32_t rod_fields = 4;     ///< 2(x_b - x_a) as x, y, z; |x_b - x_a|^2 - L^2
 inline constexpr std::uint32_t weight_fields = 4;  ///< L^2; k_a; k_b; 1/L^2 (0 for padding)
 
@@ -44,7 +44,8 @@ struct Range {
 };
 
 /// Loops for one way of addressing rods. `sweep` projects every rod of each range, range after range; rods of
-/// one range share no movable particle. `violation` is the largest |C|/L^2 of a range, not a number ignored.
+/// one range share no movable particle. `violation` is the largest |C|/L^2 of a range; what
+/// is not a number is passed over, so that a broken island does not keep the others of its block sweeping.
 template <class T>
 struct AccessKernels {
   void (*prepare)(const BlockView<T>&, Range);

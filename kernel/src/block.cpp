@@ -21,19 +21,21 @@ Block<T>::Block(layouts::Packing packing, bool jacobi)
       rod_(std::size_t{packing_.vectors()} * simd::rod_fields * packing_.lanes),
       weight_(std::size_t{packing_.vectors()} * simd::weight_fields * packing_.lanes),
       frozen_slots_(packing_.slot_offset.size(), 0) {
-  // A rod may stand in several lanes of the last position, where islands are repeated to fill it.
   rods_before_.push_back(0);
-  std::vector<std::uint32_t> seen;
   for (std::uint32_t q = 0; q < packing_.positions; ++q) {
-    const std::size_t width = std::size_t{packing_.position_vectors} * packing_.lanes;
-    seen.assign(packing_.lane_edge.begin() + q * width, packing_.lane_edge.begin() + (q + 1) * width);
-    std::sort(seen.begin(), seen.end());
-    const auto distinct = std::unique(seen.begin(), seen.end());
-    const bool padded = distinct != seen.begin() && *(distinct - 1) == none;
-    rods_before_.push_back(rods_before_.back() + static_cast<std::uint32_t>(distinct - seen.begin()) -
-                           padded);
+    const std::uint32_t begin = q * packing_.position_vectors;
+    rods_before_.push_back(rods_before_.back() + distinct_rods(begin, begin + packing_.position_vectors));
   }
-  rods_ = rods_before_.back();
+}
+
+/// A rod may stand in several lanes of the last position, where islands are repeated to fill it.
+template <class T>
+std::uint32_t Block<T>::distinct_rods(std::uint32_t begin, std::uint32_t end) const {
+  std::vector<std::uint32_t> seen;
+  for (std::size_t i = std::size_t{begin} * packing_.lanes; i < std::size_t{end} * packing_.lanes; ++i)
+    if (packing_.lane_edge[i] != none) seen.push_back(packing_.lane_edge[i]);
+  std::sort(seen.begin(), seen.end());
+  return static_cast<std::uint32_t>(std::unique(seen.begin(), seen.end()) - seen.begin());
 }
 
 template <class T>
@@ -53,6 +55,9 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
   std::vector<std::uint32_t> vertex_at(packing_.elements, none);
   for (std::size_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
     vertex_at[packing_.slot_offset[slot]] = packing_.slot_vertex[slot];
+  moving_anchors_.reserve(static_cast<std::size_t>(
+      std::count_if(packing_.slot_vertex.begin(), packing_.slot_vertex.end(),
+                    [&](std::uint32_t vertex) { return constants.inverse_mass[vertex] == 0; })));
   const bool by_row = packing_.access == layouts::Access::rows;
   const auto end_of = [&](const std::vector<std::uint32_t>& addresses, std::size_t i) {
     return vertex_at[by_row ? addresses[i / lanes] + i % lanes : addresses[i]];
@@ -101,13 +106,12 @@ void Block<T>::find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t
       for (std::size_t i = std::size_t{r.begin} * lanes; uniform && i < std::size_t{r.end} * lanes; ++i)
         uniform = is_uniform(i);
       uniform_[q * packing_.stages.size() + stage] = uniform;
-      if (uniform) uniform_rods_ += (r.end - r.begin) * lanes;
+      if (uniform) uniform_rods_ += distinct_rods(r.begin, r.end);
     }
 }
 
 template <class T>
-simd::BlockView<T> Block<T>::view() {
-  T* p = displacement(1);
+simd::BlockView<T> Block<T>::view(T* p) {
   return {
       .x = x_.data(),
       .p = p,
@@ -174,7 +178,8 @@ void Block<T>::rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const 
 }
 
 template <class T>
-std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) {
+std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t q0,
+                                              std::uint32_t q1) noexcept {
   std::vector<std::uint32_t> broken;
   for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
     if (is_within(slot, q0, q1) && !is_finite(read(current, slot)))

@@ -40,7 +40,9 @@ class Block {
     const std::uint32_t begin = q * packing_.position_vectors + packing_.stages[stage].begin;
     return {begin, begin + packing_.stages[stage].count, uniform_[q * packing_.stages.size() + stage] != 0};
   }
-  simd::BlockView<T> view();
+  /// For kernels that relax the displacements `p`; corrections go to the accumulator if there is one
+  /// (Jacobi).
+  simd::BlockView<T> view(T* p);
 
   T* x() { return x_.data(); }
   const T* x() const { return x_.data(); }
@@ -53,7 +55,7 @@ class Block {
   void write(T* field, std::uint32_t slot, Vec3 value) const;
   Vec3 read(const T* field, std::uint32_t slot) const;
 
-  std::uint32_t rods() const { return rods_; }
+  std::uint32_t rods() const { return rods_before_.back(); }
   /// Rods of positions [q0, q1), duplicates not counted.
   std::uint32_t rods(std::uint32_t q0, std::uint32_t q1) const { return rods_before_[q1] - rods_before_[q0]; }
   std::uint32_t uniform_rods() const { return uniform_rods_; }
@@ -66,12 +68,14 @@ class Block {
   void rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const;
 
   /// Puts islands with a non-finite displacement back to the start of the substep, at rest and without forces
-  /// from now on; returns how many there were. Looks only at slots with numbers in positions [q0, q1).
-  std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1);
+  /// from now on; returns how many there were. Allocates, and ends the program if it cannot. Looks only at
+  /// slots with numbers in positions [q0, q1).
+  std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) noexcept;
   bool is_frozen(std::uint32_t slot) const { return frozen_slots_[slot] != 0; }
 
  private:
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
+  std::uint32_t distinct_rods(std::uint32_t begin, std::uint32_t end) const;
   void find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t>& candidates);
 
   layouts::Packing packing_;
@@ -79,7 +83,7 @@ class Block {
   unsigned newest_ = 0;
   std::vector<std::uint8_t> uniform_;  ///< per position and stage
   T uniform_length2_ = 1, uniform_share_ = 0;
-  std::uint32_t rods_ = 0, uniform_rods_ = 0;
+  std::uint32_t uniform_rods_ = 0;
   std::vector<std::uint32_t> rods_before_;     ///< positions + 1 entries
   std::vector<std::uint32_t> moving_anchors_;  ///< slots
   std::vector<std::uint8_t> frozen_slots_;

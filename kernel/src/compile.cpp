@@ -88,7 +88,7 @@ class Planner {
   }
 
   void add_indexed(const std::vector<std::uint32_t>& group, const LocalGraph& local, const ShapeInfo& shape) {
-    // The local graph outlives the packing in pieces_'s neighbour locals_.
+    // Pending::local is an index into locals_; views are made once that stops growing.
     IndexedPiece indexed{{}, {}, color_by_shape(local.view(), shape), {}};
     indexed.vertex_order =
         shape.shape == Shape::graph ? bandwidth_reducing_order(local.view()) : shape.vertex_order;

@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 using layouts::Coupling;
 
 /// Largest |C|/L^2 at which gradient mid trusts its own velocities. Beyond it, 2p - u turns the unresolved
-/// part of a step into velocity along the rods; the damped p + kick/2 is then the better estimate. See
+/// part of a step into velocity along the rods; the damped p + kick is then the better estimate. See
 /// README, "Limits".
 constexpr double mid_guard_violation = 0.05;
 
@@ -43,12 +43,9 @@ class Substep {
         crew_(crew),
         u_(u),
         p_(p),
-        view_(block.view()),
+        view_(block.view(p)),
         q0_(q0),
-        q1_(q1) {
-    view_.p = p;
-    if (settings.order == SweepOrder::gauss_seidel) view_.out = p;
-  }
+        q1_(q1) {}
 
   void run() {
     predict_and_prepare();

@@ -16,7 +16,7 @@ namespace plumb::detail {
 namespace {
 
 /// Threads help from about this many rod projections per step on; below, handing work over costs more.
-/// Measured: bench/threads.
+/// Measured: bench/threads_main.cpp.
 constexpr double projections_worth_threads = 20000;
 /// A block is shared by threads from this many rods on; smaller ones are worked on by one thread each.
 constexpr std::uint32_t rods_worth_sharing = 4096;
@@ -26,7 +26,7 @@ double mean_decay(double z) {
   return z > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
 }
 
-/// One number per kind of rod: rods that weigh the same at both ends and are as long as most are common.
+/// 1 for each rod of the commonest kind with equal masses at both ends.
 std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants) {
   using Key = std::tuple<double, double, double>;
   const auto key = [&](std::size_t i) {
@@ -86,8 +86,7 @@ class SimulationOf final : public Simulation {
   StepReport step(double dt) override {
     start_step(dt / settings_.substeps);
     RelaxCounters counters;
-    const bool threads = team_.size() > 1 && projections_per_step() >= projections_worth_threads;
-    team_.lead(threads ? executor_ : nullptr, [&] { run_blocks(counters); });
+    team_.lead(uses_threads() ? executor_ : nullptr, [&] { run_blocks(counters); });
     time_advanced_ = true;
 
     StepReport report;
@@ -101,7 +100,10 @@ class SimulationOf final : public Simulation {
     return report;
   }
 
-  void set_stop_rule(const StopRule& rule) override { settings_.stop = rule; }
+  void set_stop_rule(const StopRule& rule) override {
+    settings_.stop = rule;
+    info_.parallel = uses_threads();
+  }
 
   void set_weights(Weights weights) override {
     settings_.weights = weights;
@@ -233,7 +235,7 @@ class SimulationOf final : public Simulation {
     info_.rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.isa = settings_.isa.value_or(best_isa());
     info_.threads = team_.size();
-    info_.parallel = team_.size() > 1 && projections_per_step() >= projections_worth_threads;
+    info_.parallel = uses_threads();
     info_.skipped_drag = drag_ == 0;
     count_uniform();
   }
@@ -256,18 +258,19 @@ class SimulationOf final : public Simulation {
     auto islands = packing.slot_island;
     std::sort(islands.begin(), islands.end());
     info.islands = static_cast<std::uint32_t>(std::unique(islands.begin(), islands.end()) - islands.begin());
+    if (info.islands > 0 && *(islands.begin() + info.islands - 1) == layouts::none)
+      --info.islands;  // loose fixed
     info.particles = static_cast<std::uint32_t>(
         std::count(packing.slot_duplicate.begin(), packing.slot_duplicate.end(), std::uint8_t{0}));
     info.rods = block.rods();
     info.colors = packing.colors;
     info.bytes = block.bytes();
-    const std::size_t lanes_used = std::max<std::size_t>(1, packing.lane_edge.size());
-    info.uniform_fraction = static_cast<double>(block.uniform_rods()) / static_cast<double>(lanes_used);
-    // Two ends read and written, the rod's vector and violation read, weights where they differ, addresses.
-    const std::size_t numbers = 12 + simd::rod_fields + (info.uniform_fraction < 0.5 ? 3 : 0);
-    info.bytes_per_projection =
-        numbers * sizeof(T) +
-        2 * sizeof(std::uint32_t) / (packing.access == layouts::Access::rows ? packing.lanes : 1);
+    info.uniform_fraction = block.uniform_rods() / std::max(1.0, double{1} * info.rods);
+    // Two ends read and written, the rod's vector and violation read, weights where rods differ, addresses.
+    const double end_numbers = packing.access == layouts::Access::records ? 16 : 12;
+    const double numbers = end_numbers + simd::rod_fields + 3 * (1 - info.uniform_fraction);
+    const double rods_per_address = packing.access == layouts::Access::rows ? packing.lanes : 1;
+    info.bytes_per_projection = numbers * sizeof(T) + 2 * sizeof(std::uint32_t) / rods_per_address;
     for (BlockInfo& known : info_.blocks) {
       if (known.shape != info.shape || known.layout != info.layout || known.colors != info.colors) continue;
       const double rods = std::max(1.0, double{1} * known.rods + info.rods);
@@ -286,6 +289,10 @@ class SimulationOf final : public Simulation {
 
   double projections_per_step() const {
     return double{1} * constants_.length2.size() * settings_.stop.sweeps * settings_.substeps;
+  }
+
+  bool uses_threads() const {
+    return team_.size() > 1 && projections_per_step() >= projections_worth_threads;
   }
 
   bool is_movable(std::uint32_t particle) const { return constants_.inverse_mass[particle] > 0; }

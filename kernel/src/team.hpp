@@ -13,9 +13,9 @@ namespace plumb::detail {
 ///
 /// Whichever task of Executor::run starts first becomes the leader and runs a straight program; it calls
 /// for_parts() where there is work to share. Other tasks help while it lasts and claim parts that nobody has
-/// begun; the leader takes what is left. Nobody ever waits for a task that has not started, so an executor
-/// that runs its tasks one after the other only loses speed. Inside lead(), denormal numbers count as zero on
-/// every thread.
+/// begun; the leader takes what is left. Neither the program nor parts may throw. Nobody ever waits for a
+/// task that has not started, so an executor that runs its tasks one after the other only loses speed. Inside
+/// lead(), denormal numbers count as zero on every thread.
 class Team {
  public:
   static constexpr unsigned max_size = 64;

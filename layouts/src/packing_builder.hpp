@@ -30,7 +30,7 @@ class PackingBuilder {
   /// Opens the next stage of the position that is being written; only the first position defines stages.
   void begin_stage() { stage_begin_ = vector_in_position_; }
   void end_stage() {
-    if (packing_.positions > 1 || position_ > 0 || vector_in_position_ == stage_begin_) return;
+    if (position_ > 0 || vector_in_position_ == stage_begin_) return;
     packing_.stages.push_back({stage_begin_, vector_in_position_ - stage_begin_});
   }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <atomic>
+#include <barrier>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -27,18 +27,23 @@ class SerialExecutor final : public Executor {
   bool reversed_;
 };
 
-/// A new thread per task; with `stagger`, each starts a little later than the one before, so that tasks find
-/// others at work or already gone.
+/// A new thread per task.
 class ThreadExecutor final : public Executor {
  public:
-  explicit ThreadExecutor(unsigned concurrency, std::chrono::microseconds stagger = {})
-      : concurrency_(concurrency), stagger_(stagger) {}
+  enum class Start { at_will, together, staggered };
+
+  /// together: no task begins before all have threads. staggered: each begins a little later than the one
+  /// before, so that it finds others at work or already gone.
+  explicit ThreadExecutor(unsigned concurrency, Start start = Start::at_will)
+      : concurrency_(concurrency), start_(start) {}
   unsigned concurrency() const override { return concurrency_; }
   void run(unsigned n, Task task, void* context) override {
+    std::barrier all_here(n);
     std::vector<std::thread> threads;
     for (unsigned i = 0; i < n; ++i)
-      threads.emplace_back([=, this] {
-        if (stagger_.count() > 0) std::this_thread::sleep_for(i * stagger_);
+      threads.emplace_back([&, i] {
+        if (start_ == Start::together) all_here.arrive_and_wait();
+        if (start_ == Start::staggered) std::this_thread::sleep_for(std::chrono::microseconds(100 * i));
         task(context, i);
       });
     for (std::thread& thread : threads) thread.join();
@@ -46,7 +51,7 @@ class ThreadExecutor final : public Executor {
 
  private:
   unsigned concurrency_;
-  std::chrono::microseconds stagger_;
+  Start start_;
 };
 
 /// Threads that wait for work between runs, as those of an engine do. `run` allocates nothing.
@@ -64,8 +69,6 @@ class PoolExecutor final : public Executor {
     for (std::thread& thread : threads_) thread.join();
   }
   unsigned concurrency() const override { return concurrency_; }
-  /// Threads other than the caller's that have run a task.
-  unsigned tasks_elsewhere() const { return tasks_elsewhere_; }
 
   void run(unsigned n, Task task, void* context) override {
     std::unique_lock lock(mutex_);
@@ -74,7 +77,7 @@ class PoolExecutor final : public Executor {
     next_ = 0;
     count_ = left_ = n;
     changed_.notify_all();
-    take_tasks(lock, false);
+    take_tasks(lock);
     changed_.wait(lock, [&] { return left_ == 0; });
     count_ = 0;
   }
@@ -85,16 +88,15 @@ class PoolExecutor final : public Executor {
     while (true) {
       changed_.wait(lock, [&] { return closing_ || next_ < count_; });
       if (closing_) return;
-      take_tasks(lock, true);
+      take_tasks(lock);
     }
   }
-  void take_tasks(std::unique_lock<std::mutex>& lock, bool elsewhere) {
+  void take_tasks(std::unique_lock<std::mutex>& lock) {
     while (next_ < count_) {
       const unsigned index = next_++;
       lock.unlock();
       task_(context_, index);
       lock.lock();
-      if (elsewhere) ++tasks_elsewhere_;
       if (--left_ == 0) changed_.notify_all();
     }
   }
@@ -106,7 +108,6 @@ class PoolExecutor final : public Executor {
   Task task_ = nullptr;
   void* context_ = nullptr;
   unsigned next_ = 0, count_ = 0, left_ = 0;
-  std::atomic<unsigned> tasks_elsewhere_{0};
   std::vector<std::thread> threads_;
 };
 

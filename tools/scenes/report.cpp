@@ -88,7 +88,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
         {"per_rod_weights", result.info.skipped_per_rod_weights},
         {"drag", result.info.skipped_drag}}},
       {"mid_guarded", result.total.mid_guarded},
-      {"frozen_islands", result.frozen_islands},
+      {"frozen_islands", result.total.frozen_islands},
       {"projected_velocity", number(result.info.projected_velocity)},
       {"state_hash", hash_text(result.state_hash)},
   };

@@ -134,19 +134,19 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
     const StepReport step = world.step(plan.dt);
     wall += Clock::now() - start;
     result.total += step;
-    result.frozen_islands = std::max(result.frozen_islands, step.frozen_islands);
-    result.frozen_frames += step.frozen_islands > 0;
     visit(number);
 
     const Stretch stretch = measure_stretch(scene, now.positions);
     squares += stretch.rms * stretch.rms;
-    if (stretch.max > result.stretch.max) {
+    // Written so that a value that is not a number wins and stays.
+    if (!(stretch.max <= result.stretch.max) && !std::isnan(result.stretch.max)) {
       result.stretch.max = stretch.max;
       result.stretch.max_rod = stretch.max_rod;
     }
     result.energy.final = measure_energy(scene, now.positions, now.velocities).total();
-    result.energy.drift_max =
-        std::max(result.energy.drift_max, std::abs(result.energy.final - result.energy.initial));
+    const double drift = std::abs(result.energy.final - result.energy.initial);
+    if (!(drift <= result.energy.drift_max) && !std::isnan(result.energy.drift_max))
+      result.energy.drift_max = drift;
     if (observer.progress) observer.progress(number, frames);
   }
   result.stretch.rms = std::sqrt(squares / static_cast<double>(frames));

@@ -47,11 +47,9 @@ struct RunResult {
   EnergyDrift energy{};
   std::vector<PositionError> position_error{};
   std::uint64_t state_hash = 0;
-  std::uint32_t frozen_islands = 0;  ///< most in one frame; `total` has their sum over frames
-  std::uint64_t frozen_frames = 0;   ///< frames in which an island went non-finite
-  bool finite = true;                ///< every position and velocity, at every frame end
+  bool finite = true;  ///< every position and velocity, at every frame end
 
-  bool sound() const { return finite && frozen_frames == 0; }
+  bool sound() const { return finite && total.frozen_islands == 0; }
   /// Nanoseconds of stepping per rod and frame; NaN without rods.
   double ns_per_rod_frame() const;
 };

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -37,7 +36,7 @@ Isa best_isa();
 bool is_supported(Isa isa);
 
 /// When to stop sweeping in a substep. Sweeps are never more than `sweeps`; a tolerance or a budget can stop
-/// earlier. The first rule met is reported per step (StepReport::stopped_by).
+/// earlier. What stopped is reported per step (StepReport::stopped_by).
 struct StopRule {
   std::uint32_t sweeps = 10;
   std::optional<double> tolerance{};  ///< largest |stretch| allowed, relative to the rod's length
@@ -56,7 +55,7 @@ struct Settings {
   StopRule stop{};
   LayoutChoice layout = LayoutChoice::automatic;
   std::optional<Isa> isa{};      ///< none: best_isa()
-  unsigned threads = 0;          ///< 0: as many as the executor offers
+  unsigned threads = 0;          ///< 0: as many as the executor offers; at most 64 are used
   Executor* executor = nullptr;  ///< none: the built-in one on oneTBB. Must outlive the World.
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -13,7 +14,7 @@
 
 namespace plumb {
 
-/// What ended the sweeps. When islands differ, the latest in this list is reported.
+/// What ended the sweeps. When blocks or substeps differ, the latest in this list is reported.
 enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
 std::string_view to_string(StoppedBy);
 
@@ -42,9 +43,9 @@ struct BlockInfo {
   std::uint32_t particles = 0;
   std::uint32_t rods = 0;
   std::uint32_t colors = 0;
-  std::size_t bytes = 0;                 ///< state and rods, with padding
-  std::size_t bytes_per_projection = 0;  ///< read and written by one rod's projection, before caching
-  double uniform_fraction = 0;           ///< share of rods that need no per-rod length and weights
+  std::size_t bytes = 0;            ///< state and rods, with padding
+  double bytes_per_projection = 0;  ///< read and written by one rod's projection, before caching
+  double uniform_fraction = 0;      ///< share of rods that need no per-rod length and weights
 };
 struct WorldInfo {
   std::uint32_t particles = 0;
@@ -52,7 +53,7 @@ struct WorldInfo {
   std::uint32_t islands = 0;
   Isa isa = Isa::scalar;
   unsigned threads = 1;
-  bool parallel = false;                      ///< false: the scene is below the size where threads win
+  bool parallel = false;  ///< false: one thread, or the scene is below the size where threads win
   std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
   bool skipped_drag = true;                   ///< no drag: no factor on displacements
   double projected_velocity =
@@ -93,16 +94,19 @@ class World {
   World& operator=(World&&) noexcept;
 
   /// Advances by dt seconds in Settings::substeps equal substeps. Throws InputError if dt is not positive and
-  /// finite. Allocates nothing after the first call.
+  /// finite. Allocates nothing after the first call, but to freeze an island.
   StepReport step(double dt);
 
-  /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay.
+  /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws
+  /// InputError on a rule that makes no sense.
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
 
-  /// A constant force in N on a movable particle, kept until changed. Throws InputError on a bad id.
+  /// A constant force in N on a movable particle, kept until changed. Throws InputError on an unknown or
+  /// fixed particle or a force that is not finite.
   void set_force(std::uint32_t particle, Vec3 force);
   /// Moves a fixed particle to `target` (m) during the next step, along a straight line, a substep at a time.
+  /// Throws InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
 
   std::uint32_t particle_count() const;

@@ -72,7 +72,7 @@ struct Packing {
   std::uint32_t vectors() const { return positions * position_vectors; }
 };
 
-/// An island to pack: its vertices and edges by global id, and its local graph in terms of their ranks.
+/// An island to pack: its vertices and edges by global id, in the order of its local graph.
 struct Piece {
   std::uint32_t island = 0;
   std::span<const std::uint32_t> vertices;

@@ -82,7 +82,7 @@ class AosoaStore {
 
 static_assert(ParticleStore<AosStore> && ParticleStore<SoaStore> && ParticleStore<AosoaStore>);
 
-/// A particle array as kernels see it.
+/// One particle array, by the offsets of its store.
 template <class T>
 struct StoreView {
   T* data;

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "scenes/generators.hpp"
+
+namespace plumb::test {
+
+/// One scene of every shape, each large enough that threads share its work (simulation.cpp: 20,000
+/// projections a step, 4,096 rods in a block), and sweeps to go with it.
+struct SharedScene {
+  const char* name;
+  Scene (*make)();
+  std::uint32_t sweeps;
+
+  friend void PrintTo(const SharedScene& scene, std::ostream* out) { *out << scene.name; }
+};
+
+inline std::vector<SharedScene> shared_scenes() {
+  return {
+      {"chain", [] { return scenes::make_chain(5000, 0.1, 10); }, 4},
+      {"net", [] { return scenes::make_net(64, 48); }, 4},
+      {"ensemble", [] { return scenes::make_ensemble({.chains = 200, .links = 32}); }, 4},
+      {"graph", [] { return scenes::make_graph({.particles = 2000, .degree = 5}); }, 5},
+  };
+}
+
+inline std::vector<Isa> supported_isas() {
+  std::vector<Isa> isas;
+  for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512})
+    if (is_supported(isa)) isas.push_back(isa);
+  return isas;
+}
+
+}  // namespace plumb::test

@@ -1,0 +1,73 @@
+// Steps of changing length keep velocity and acceleration.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "scenes/generators.hpp"
+#include "support/planar_chain.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr Gradient kGradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+
+// A free particle stays on its parabola to rounding, whatever the steps: 100 changes, each worth a few
+// roundings of a velocity of 20 m/s.
+TEST(ChangingStep, FreeFlightStaysExact) {
+  Scene scene;
+  scene.particles = {test::movable({0, 0, 0}, 1, {3, 10, 0})};
+  for (const Gradient gradient : kGradients) {
+    World world(scene, {.gradient = gradient, .substeps = 2, .threads = 1});
+    for (int i = 0; i < 100; ++i) {
+      world.step(1.0 / (30 + 7 * (i % 13)));
+      const double t = world.time();
+      ASSERT_LE(norm(world.position(0) - Vec3{3 * t, 10 * t - 9.81 / 2 * t * t, 0}), 1e-12)
+          << to_string(gradient);
+      ASSERT_LE(norm(world.velocity(0) - Vec3{3, 10 - 9.81 * t, 0}), 1e-12) << to_string(gradient);
+    }
+  }
+}
+
+// A change of step is one error of third order, so a run with one change in it is as accurate as its steps.
+TEST(ChangingStep, OnceKeepsAPendulumSecondOrder) {
+  test::PlanarChain<1> truth({1}, 0.1L, 9.81L);
+  truth.advance(1, 20000);
+  const Scene scene = scenes::make_chain(1);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
+    double errors[2];
+    for (const int k : {0, 1}) {
+      World world(scene, {.gradient = gradient,
+                          .substeps = 16u << k,
+                          .stop = {.sweeps = 100, .tolerance = 1e-13},
+                          .threads = 1});
+      test::run(world, 1.0 / 60, 30);
+      test::run(world, 1.0 / 120, 60);
+      errors[k] = rms_distance(test::positions_of(world), truth.frame().positions) / 0.1;
+    }
+    EXPECT_LE(errors[1], 1e-4) << to_string(gradient);
+    EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.15) << to_string(gradient);
+  }
+}
+
+// An engine's frames vary all the time, by a tenth here. 1e-3 of the pendulum's length is ten times what
+// constant steps of the same length do, and far from the loss of a velocity.
+TEST(ChangingStep, EveryFrameKeepsAPendulumClose) {
+  test::PlanarChain<1> truth({1}, 0.1L, 9.81L);
+  truth.advance(1, 20000);
+  const Scene scene = scenes::make_chain(1);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
+    World world(
+        scene,
+        {.gradient = gradient, .substeps = 16, .stop = {.sweeps = 100, .tolerance = 1e-13}, .threads = 1});
+    for (int i = 0; i < 60; ++i) world.step((i % 2 == 0 ? 0.9 : 1.1) / 60);
+    EXPECT_LE(rms_distance(test::positions_of(world), truth.frame().positions) / 0.1, 1e-3)
+        << to_string(gradient);
+  }
+}
+
+}  // namespace
+}  // namespace plumb
