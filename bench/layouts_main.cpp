@@ -12,8 +12,8 @@
 #include "flags.hpp"
 #include "grid.hpp"
 #include "line_reporter.hpp"
+#include "output.hpp"
 #include "quiet.hpp"
-#include "scenes/files.hpp"
 #include "scenes/machine.hpp"
 #include "scenes/report.hpp"
 #include "statistics.hpp"
@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char* usage =
     "bench_layouts [--full] [--rounds N] [--csv FILE] [--summary FILE] [--benchmark_...]\n"
-    "  --full           every layout, instruction set and size: takes hours and 8 GB\n"
+    "  --full           every layout, instruction set and size: takes hours\n"
     "  --rounds N       samples of each benchmark, at least 2 [11]\n"
     "  --csv FILE       all numbers, a row per benchmark\n"
     "  --summary FILE   the tables that are printed at the end, as Markdown\n"
@@ -151,13 +151,17 @@ int run(int argc, char** argv) {
   keep_wanted(contests, benchmark::GetBenchmarkFilter());
   add_benchmarks(contests, limits, options.rounds);
 
+  std::optional<scenes::OutputFile> csv = open_output(options.csv), summary = open_output(options.summary);
+
   const double quiet = work_of_two_threads();
   LineReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
-  const std::string summary = quiet_text(quiet) + "\n\n" + summary_text(contests, limits);
-  std::printf("\n%s", summary.c_str());
-  if (!options.summary.empty()) scenes::write_file(options.summary, summary);
-  if (!options.csv.empty()) scenes::write_file(options.csv, full_sheet(contests, limits).to_csv());
+  const std::string tables = summary_text(contests, limits);
+  if (tables.empty()) return 0;  // only listed
+  const std::string text = quiet_text(quiet) + "\n\n" + tables;
+  std::printf("\n%s", text.c_str());
+  finish_output(summary, text);
+  finish_output(csv, full_sheet(contests, limits).to_csv());
   return 0;
 }
 

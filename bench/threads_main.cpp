@@ -10,8 +10,8 @@
 
 #include "duel.hpp"
 #include "flags.hpp"
+#include "output.hpp"
 #include "quiet.hpp"
-#include "scenes/files.hpp"
 #include "scenes/numbers.hpp"
 #include "sheet.hpp"
 #include "statistics.hpp"
@@ -190,12 +190,13 @@ int run(int argc, char** argv) {
   if (std::thread::hardware_concurrency() < 2)
     throw std::runtime_error("this machine runs one thread at a time");
   const bool lifted = !options.keep_thresholds && lift_thresholds();
+  std::optional<scenes::OutputFile> csv = open_output(options.csv), summary = open_output(options.summary);
   const double quiet = work_of_two_threads();
   const std::vector<Duel> duels = hold_all(options);
-  const std::string summary = quiet_text(quiet) + "\n\n" + summary_text(duels, options.pause_ms, lifted);
-  std::printf("%s", summary.c_str());
-  if (!options.summary.empty()) scenes::write_file(options.summary, summary);
-  if (!options.csv.empty()) scenes::write_file(options.csv, full_sheet(duels).to_csv());
+  const std::string text = quiet_text(quiet) + "\n\n" + summary_text(duels, options.pause_ms, lifted);
+  std::printf("%s", text.c_str());
+  finish_output(summary, text);
+  finish_output(csv, full_sheet(duels).to_csv());
   return 0;
 }
 

@@ -52,16 +52,13 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
     return order == SweepOrder::jacobi ? static_cast<double>(constants.valence[particle]) : 1.0;
   };
   // Packings may turn a rod round, so its ends are looked up by address.
-  std::vector<std::uint32_t> vertex_at(packing_.elements, none);
-  for (std::size_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
-    vertex_at[packing_.slot_offset[slot]] = packing_.slot_vertex[slot];
+  const std::vector<std::uint32_t> slot_at = slots_by_element();
+  const auto end_of = [&](const std::vector<std::uint32_t>& addresses, std::size_t i) {
+    return packing_.slot_vertex[slot_at[element_of_end(addresses, i)]];
+  };
   moving_anchors_.reserve(static_cast<std::size_t>(
       std::count_if(packing_.slot_vertex.begin(), packing_.slot_vertex.end(),
                     [&](std::uint32_t vertex) { return constants.inverse_mass[vertex] == 0; })));
-  const bool by_row = packing_.access == layouts::Access::rows;
-  const auto end_of = [&](const std::vector<std::uint32_t>& addresses, std::size_t i) {
-    return vertex_at[by_row ? addresses[i / lanes] + i % lanes : addresses[i]];
-  };
 
   std::map<std::pair<T, T>, std::uint32_t> candidates;
   for (std::size_t i = 0; i < packing_.lane_edge.size(); ++i) {
@@ -82,6 +79,42 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
     if (fields[lanes] == fields[2 * lanes]) ++candidates[{fields[0], fields[lanes]}];
   }
   find_uniform_ranges(candidates);
+  if (std::find(frozen_slots_.begin(), frozen_slots_.end(), 1) != frozen_slots_.end())
+    retire_frozen_rods(0, packing_.positions);
+}
+
+template <class T>
+std::vector<std::uint32_t> Block<T>::slots_by_element() const {
+  std::vector<std::uint32_t> slot_at(packing_.elements, none);
+  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
+    slot_at[packing_.slot_offset[slot]] = slot;
+  return slot_at;
+}
+
+template <class T>
+std::uint32_t Block<T>::element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const {
+  const std::uint32_t lanes = packing_.lanes;
+  return packing_.access == layouts::Access::rows
+             ? addresses[lane / lanes] + static_cast<std::uint32_t>(lane % lanes)
+             : addresses[lane];
+}
+
+template <class T>
+void Block<T>::retire_frozen_rods(std::uint32_t q0, std::uint32_t q1) {
+  const std::vector<std::uint32_t> slot_at = slots_by_element();
+  const std::uint32_t lanes = packing_.lanes;
+  for (std::uint32_t q = q0; q < q1; ++q)
+    for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) {
+      const simd::Range r = range(q, stage);
+      for (std::size_t i = std::size_t{r.begin} * lanes; i < std::size_t{r.end} * lanes; ++i) {
+        if (packing_.lane_edge[i] == none || !is_frozen(slot_at[element_of_end(packing_.address_a, i)]))
+          continue;
+        T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
+        fields[0] = 1;
+        fields[lanes] = fields[2 * lanes] = fields[3 * lanes] = 0;
+        uniform_[q * packing_.stages.size() + stage] = 0;
+      }
+    }
 }
 
 template <class T>
@@ -160,13 +193,13 @@ bool Block<T>::is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1)
 
 template <class T>
 void Block<T>::move_anchor(std::uint32_t slot, Vec3 move) {
-  if (is_frozen(slot)) return;
   write(kick(), slot, move);
   moving_anchors_.push_back(slot);
 }
 
 template <class T>
 void Block<T>::release_anchors() {
+  settling_ = !moving_anchors_.empty();
   for (const std::uint32_t slot : moving_anchors_) write(kick(), slot, {});
   moving_anchors_.clear();
 }
@@ -197,6 +230,7 @@ std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t
       newly_frozen.push_back(island);
     frozen_slots_[slot] = 1;
   }
+  retire_frozen_rods(q0, q1);
   std::sort(newly_frozen.begin(), newly_frozen.end());
   return static_cast<std::uint32_t>(std::unique(newly_frozen.begin(), newly_frozen.end()) -
                                     newly_frozen.begin());

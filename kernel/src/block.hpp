@@ -64,6 +64,10 @@ class Block {
   /// A fixed slot moves by `move` (m) every substep until anchors are released.
   void move_anchor(std::uint32_t slot, Vec3 move);
   void release_anchors();
+  /// Whether velocities along rods may be left over from anchors that move or stopped a step ago, or from
+  /// rods that started off their length.
+  bool is_settling() const { return !moving_anchors_.empty() || settling_; }
+  void settle() { settling_ = true; }
   /// Moving anchors have no momentum: forgets the displacements in `field` of those in positions [q0, q1).
   void rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const;
 
@@ -75,6 +79,10 @@ class Block {
 
  private:
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
+  std::vector<std::uint32_t> slots_by_element() const;
+  std::uint32_t element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const;
+  /// Rods of frozen islands are never moved again and not looked at: their lanes become padding.
+  void retire_frozen_rods(std::uint32_t q0, std::uint32_t q1);
   std::uint32_t distinct_rods(std::uint32_t begin, std::uint32_t end) const;
   void find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t>& candidates);
 
@@ -86,6 +94,7 @@ class Block {
   std::uint32_t uniform_rods_ = 0;
   std::vector<std::uint32_t> rods_before_;     ///< positions + 1 entries
   std::vector<std::uint32_t> moving_anchors_;  ///< slots
+  bool settling_ = false;
   std::vector<std::uint8_t> frozen_slots_;
 };
 

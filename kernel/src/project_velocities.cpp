@@ -43,16 +43,26 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
   const Eigen::VectorXd pull = rates * v;
   if (pull.squaredNorm() == 0) return 0;
 
-  // Redundant rods make the matrix singular. A ridge far below its diagonal makes it definite again, and the
-  // refinements below take the ridge's error out of every direction that a rod can pull in.
+  // Scaled to a diagonal of ones, so that light particles do not drown heavy ones. Redundant rods make the
+  // matrix singular; a small ridge makes it definite again, and refinement takes the ridge's error out of
+  // every direction that a rod can pull in.
   Eigen::SparseMatrix<double> matrix = rates * inverse_mass.asDiagonal() * rates.transpose();
-  const double ridge = 1e-10 * matrix.diagonal().maxCoeff();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += ridge;
+  const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  matrix = scale.asDiagonal() * matrix * scale.asDiagonal();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += 1e-12;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
+  if (factor.info() != Eigen::Success) return 0;
 
   Eigen::VectorXd changed = v;
-  for (int refinement = 0; refinement < 4; ++refinement)
-    changed -= inverse_mass.asDiagonal() * (rates.transpose() * factor.solve(rates * changed));
+  double left = pull.norm();
+  for (int refinement = 0; refinement < 20 && left > 1e-15 * pull.norm(); ++refinement) {
+    const Eigen::VectorXd lambda = scale.cwiseProduct(factor.solve(scale.cwiseProduct(rates * changed)));
+    const Eigen::VectorXd next = changed - inverse_mass.cwiseProduct(rates.transpose() * lambda);
+    const double now = (rates * next).norm();
+    if (!(now < left)) break;
+    changed = next;
+    left = now;
+  }
 
   double largest = 0;
   for (Eigen::Index i = 0; i < n; ++i) {

@@ -148,8 +148,8 @@ class Substep {
       counters_.frozen_islands.fetch_add(block_.freeze_broken_islands(u_, p_, q0_, q1_),
                                          std::memory_order_relaxed);
 
-    const bool guarded =
-        settings_.gradient == Gradient::mid && !packing_.stages.empty() && violation() > mid_guard_violation;
+    const bool guarded = settings_.gradient == Gradient::mid && !packing_.stages.empty() &&
+                         (block_.is_settling() || violation() > mid_guard_violation);
     if (guarded) counters_.mid_guarded.fetch_add(1, std::memory_order_relaxed);
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {

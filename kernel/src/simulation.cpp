@@ -47,6 +47,12 @@ std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& const
   return common;
 }
 
+std::vector<Vec3> positions_of(const Scene& scene) {
+  std::vector<Vec3> positions;
+  for (const Particle& particle : scene.particles) positions.push_back(particle.position);
+  return positions;
+}
+
 Constants make_constants(const Scene& scene) {
   Constants constants;
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
@@ -79,6 +85,9 @@ class SimulationOf final : public Simulation {
     for (std::size_t i = 0; i < scene.particles.size(); ++i)
       if (!scene.particles[i].fixed) initial_velocities_[i] = scene.particles[i].velocity;
     info_.projected_velocity = project_velocities(scene, constants_.inverse_mass, initial_velocities_);
+    for (std::size_t i = 0; i < scene.particles.size(); ++i)
+      if (!std::isfinite(static_cast<T>(norm(scene.particles[i].position))))
+        refuse("particle ", i, ": position is too large for ", to_string(settings.precision));
     make_blocks(scene);
     fill_info(scene);
   }
@@ -113,7 +122,15 @@ class SimulationOf final : public Simulation {
 
   void set_force(std::uint32_t particle, Vec3 force) override {
     if (forces_.empty()) forces_.resize(constants_.inverse_mass.size());
+    // A displacement is the velocity half a substep ago, under the old force; mid's is the velocity now.
+    const Vec3 change = (h_ * h_ * constants_.inverse_mass[particle]) * (force - forces_[particle]);
     forces_[particle] = force;
+    if (time_advanced_ && settings_.gradient != Gradient::mid)
+      for_places(particle, [&](Block<T>& block, std::uint32_t slot) {
+        if (block.is_frozen(slot)) return;
+        block.write(block.displacement(0), slot, block.read(block.displacement(0), slot) - 0.5 * change);
+        block.write(block.displacement(1), slot, block.read(block.displacement(1), slot) - 1.5 * change);
+      });
     kicks_stale_ = true;
   }
 
@@ -196,6 +213,7 @@ class SimulationOf final : public Simulation {
       for (std::uint32_t slot = 0; slot < vertices.size(); ++slot)
         block.write(block.x(), slot, scene.particles[vertices[slot]].position);
     }
+    starts_off_length_ = measure_stretch(scene, positions_of(scene)).max > 1e-9;
     index_places(scene.particles.size());
     sort_work();
   }
@@ -331,7 +349,10 @@ class SimulationOf final : public Simulation {
       });
       kicks_stale_ = false;
     }
-    for (auto& block : blocks_) block.release_anchors();
+    for (auto& block : blocks_) {
+      block.release_anchors();
+      if (first && starts_off_length_) block.settle();
+    }
     for (const Anchor& anchor : anchors_)
       for_places(anchor.particle, [&](Block<T>& block, std::uint32_t slot) {
         block.move_anchor(slot, (1.0 / settings_.substeps) * (anchor.target - block.read(block.x(), slot)));
@@ -347,10 +368,15 @@ class SimulationOf final : public Simulation {
     return factor * h_ * h_ * acceleration(particle);
   }
 
-  double decay() const { return std::exp(-drag_ * h_ * (settings_.gradient == Gradient::mid ? 0.5 : 1)); }
+  /// c h. What is left of a velocity after e^-50 is nothing; more would overflow the start's e^(c h).
+  double drag_exponent(double h) const { return std::min(drag_ * h, 50.0); }
+
+  double decay() const {
+    return std::exp(-drag_exponent(h_) * (settings_.gradient == Gradient::mid ? 0.5 : 1));
+  }
 
   /// The displacement before the first substep that makes it x + v h + a h^2 / 2 (with drag, the exact
-  /// solution), or, when h changes, keeps velocity and acceleration.
+  /// solution), or, when h changes, the one that keeps the velocity to second order.
   void start_displacement(Block<T>& block, std::uint32_t slot, std::uint32_t particle, double h, bool first) {
     T* const last = block.displacement(0);
     T* const before = block.displacement(1);
@@ -359,10 +385,12 @@ class SimulationOf final : public Simulation {
       return block.write(last, slot, h * v);
     }
     if (!first) {
-      const Vec3 u = block.read(last, slot), u_before = block.read(before, slot);
-      const Vec3 v = (0.5 / h_) * (3 * u - u_before);
-      const Vec3 a = (1 / (h_ * h_)) * (u - u_before);
-      return block.write(last, slot, h * v - (0.5 * h * h) * a);
+      // A displacement is the velocity half a substep ago. Force, gravity and drag take it to where it would
+      // be with the new h; rods must not, they act anew in the next solve (extrapolating them too would be
+      // first order).
+      const Vec3 mean = (1 / h_) * block.read(last, slot);
+      const Vec3 a = acceleration(particle) - drag_ * mean;
+      return block.write(last, slot, h * mean + (0.5 * h * (h_ - h)) * a);
     }
     const double z = drag_ * h;
     const Vec3 v = initial_velocities_[particle], a = acceleration(particle);
@@ -371,7 +399,7 @@ class SimulationOf final : public Simulation {
     const double phi = mean_decay(z);
     const double psi = z > 1e-4 ? (1 - phi) / z : 0.5 - z / 6;
     const Vec3 first_step = (h * phi) * v + (h * h * psi) * a;
-    const Vec3 u = std::exp(z) * (first_step - (phi * h * h) * a);
+    const Vec3 u = std::exp(drag_exponent(h)) * (first_step - (phi * h * h) * a);
     block.write(last, slot, u);
     block.write(before, slot, u - (h * h) * a);
   }
@@ -426,6 +454,7 @@ class SimulationOf final : public Simulation {
   std::vector<std::uint32_t> shared_work_;
 
   double h_ = 0;
+  bool starts_off_length_ = false;
   bool time_advanced_ = false;
   bool kicks_stale_ = true;
   std::vector<Vec3> forces_;

@@ -60,7 +60,6 @@ TEST_P(Executors, GiveTheSameBits) {
 TEST_P(Executors, BuiltInGivesTheSameBits) {
   if (test::kThreadSanitizer) GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
   expect_same(nullptr, 2, "tbb");
-  expect_same(nullptr, 3, "tbb");
 }
 
 // Worlds may share an executor, stepping in turn.
@@ -80,7 +79,7 @@ TEST_P(Executors, AreSharedByWorlds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Executors, testing::ValuesIn(test::shared_scenes()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 // Below the size where threads win, an executor is not asked at all.
 TEST(SmallScenes, DoNotUseThreads) {

@@ -50,9 +50,9 @@ TEST_P(InstructionSets, AndThreadsGiveTheSameBits) {
 INSTANTIATE_TEST_SUITE_P(Every, InstructionSets,
                          testing::Combine(testing::ValuesIn(test::shared_scenes()),
                                           testing::Values(Precision::single, Precision::double_)),
-                         [](const auto& info) {
-                           return std::get<0>(info.param).name + std::string("_") +
-                                  std::string(to_string(std::get<1>(info.param)));
+                         [](const auto& test) {
+                           return std::get<0>(test.param).name + std::string("_") +
+                                  std::string(to_string(std::get<1>(test.param)));
                          });
 
 // Every other way of stepping, for shorter: gradients, Jacobi sweeps, over-relaxation, drag, sweeps that stop
@@ -104,7 +104,7 @@ TEST_P(Variants, GiveTheSameBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Variants, testing::ValuesIn(test::shared_scenes()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 // A hash that did not see every number would make all of the above empty.
 TEST(StateHash, ChangesWithEveryParticle) {

@@ -1,0 +1,220 @@
+// World::step allocates nothing after its first call. This program has a malloc of its own, which counts;
+// operator new ends there too. Sanitizers bring their own malloc, so there is nothing to count under them.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "scenes/generators.hpp"
+#include "support/executors.hpp"
+#include "support/sanitizers.hpp"
+#include "support/worlds.hpp"
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<std::uint64_t> allocations{0};
+
+[[maybe_unused]] void count() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+#if defined(__GLIBC__)
+#define PLUMB_COUNTS_ALLOCATIONS 1
+#endif
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || PLUMB_HAS_FEATURE(thread_sanitizer) || \
+    PLUMB_HAS_FEATURE(address_sanitizer)
+#undef PLUMB_COUNTS_ALLOCATIONS
+#endif
+
+#if defined(PLUMB_COUNTS_ALLOCATIONS)
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void __libc_free(void*);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) {
+  count();
+  return __libc_calloc(n, size);
+}
+void* realloc(void* old, std::size_t size) {
+  count();
+  return __libc_realloc(old, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  count();
+  *out = __libc_memalign(alignment, size);
+  return *out != nullptr ? 0 : ENOMEM;
+}
+void free(void* memory) {
+  __libc_free(memory);
+}
+}
+constexpr bool kCounts = true;
+#else
+constexpr bool kCounts = false;
+#endif
+
+namespace plumb {
+namespace {
+
+/// Allocations while f() runs, on all threads.
+template <class F>
+std::uint64_t allocations_in(F&& f) {
+  allocations = 0;
+  counting = true;
+  f();
+  counting = false;
+  return allocations;
+}
+
+class Allocations : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!kCounts) GTEST_SKIP() << "malloc belongs to a sanitizer or is not glibc's";
+  }
+};
+
+TEST_F(Allocations, AreCounted) {
+  std::unique_ptr<std::vector<int>> kept;
+  EXPECT_EQ(allocations_in([&] { kept = std::make_unique<std::vector<int>>(100); }), 2u);
+  struct alignas(64) Wide {
+    char bytes[64];
+  };
+  std::unique_ptr<Wide> wide;
+  EXPECT_EQ(allocations_in([&] { wide = std::make_unique<Wide>(); }), 1u);
+  EXPECT_EQ(allocations_in([] {}), 0u);
+}
+
+/// Every shape, large enough to be shared by threads.
+Scene everything() {
+  Scene scene = scenes::make_net(64, 48);
+  for (const Scene& more :
+       {scenes::make_chain(5000, 0.1, 10), scenes::make_ensemble({.chains = 50, .links = 8}),
+        scenes::make_graph({.particles = 2000, .degree = 5})}) {
+    const auto first = static_cast<std::uint32_t>(scene.particles.size());
+    scene.particles.insert(scene.particles.end(), more.particles.begin(), more.particles.end());
+    for (Rod rod : more.rods) {
+      rod.a += first;
+      rod.b += first;
+      scene.rods.push_back(rod);
+    }
+  }
+  return scene;
+}
+
+struct Variant {
+  const char* name;
+  Settings settings;
+};
+std::vector<Variant> variants() {
+  const StopRule sweeps{.sweeps = 3};
+  return {
+      {"new", {.stop = sweeps}},
+      {"float", {.precision = Precision::single, .stop = sweeps}},
+      {"old", {.gradient = Gradient::old, .substeps = 3, .stop = sweeps}},
+      {"mid", {.gradient = Gradient::mid, .substeps = 2, .stop = sweeps}},
+      {"jacobi", {.order = SweepOrder::jacobi, .stop = sweeps}},
+      {"tolerance", {.stop = {.sweeps = 10, .tolerance = 1e-4}}},
+      {"budget", {.stop = {.sweeps = 10, .budget_us = 1e9}}},
+  };
+}
+
+TEST_F(Allocations, AreNoneInStep) {
+  const Scene scene = everything();
+  for (const Variant& variant : variants()) {
+    Settings settings = variant.settings;
+    settings.threads = 1;
+    World world(scene, settings);
+    world.step(1.0 / 60);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 5); }), 0u) << variant.name;
+    EXPECT_EQ(allocations_in([&] { world.step(1.0 / 90); }), 0u) << variant.name << ": another dt";
+  }
+}
+
+TEST_F(Allocations, AreNoneInStepWithTwoThreads) {
+  const Scene scene = everything();
+  test::PoolExecutor pool(2);
+  for (const Variant& variant : variants()) {
+    Settings settings = variant.settings;
+    settings.threads = 2;
+    settings.executor = &pool;
+    World world(scene, settings);
+    ASSERT_TRUE(world.info().parallel);
+    world.step(1.0 / 60);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 5); }), 0u) << variant.name;
+  }
+}
+
+// oneTBB keeps memory of its own for tasks, which it fills up as its threads come to life.
+TEST_F(Allocations, AreNoneInStepWithTheBuiltInExecutorOnceItIsWarm) {
+  World world(everything(), {.stop = {.sweeps = 3}, .threads = 2});
+  ASSERT_TRUE(world.info().parallel);
+  test::run(world, 1.0 / 60, 50);
+  EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 50); }), 0u);
+}
+
+// What changes between steps may allocate when it is asked for, not when it takes effect.
+TEST_F(Allocations, AreNoneInStepsAfterChanges) {
+  const Scene scene = scenes::make_chain(100);
+  World world(scene, {.threads = 1});
+  world.step(1.0 / 60);
+  world.set_weights(Weights::equal);
+  world.set_stop_rule({.sweeps = 5, .tolerance = 1e-3});
+  world.set_force(7, {1, 2, 3});
+  EXPECT_EQ(allocations_in([&] { world.step(1.0 / 60); }), 0u);
+}
+
+TEST_F(Allocations, AreNoneInStepsThatMoveAnchors) {
+  World world(scenes::make_chain(100), {.threads = 1});
+  world.step(1.0 / 60);
+  world.move_anchor(0, {0, 1, 0});
+  EXPECT_EQ(allocations_in([&] { world.step(1.0 / 60); }), 0u);
+}
+
+TEST_F(Allocations, AreNoneInTheStepThatFreezesAnIsland) {
+  World world(scenes::make_chain(100), {.precision = Precision::single, .threads = 1});
+  world.step(1.0 / 60);
+  world.set_force(7, {1e300, 0, 0});
+  EXPECT_EQ(allocations_in([&] { EXPECT_EQ(world.step(1.0 / 60).frozen_islands, 1u); }), 0u);
+  EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 5); }), 0u);
+}
+
+TEST_F(Allocations, AreNoneInReading) {
+  const Scene scene = scenes::make_chain(100);
+  World world(scene, {.threads = 1});
+  world.step(1.0 / 60);
+  std::vector<Vec3> out(world.particle_count());
+  EXPECT_EQ(allocations_in([&] {
+              world.copy_positions(out);
+              world.copy_velocities(out);
+              world.state_hash();
+              world.position(3);
+              world.info();
+            }),
+            0u);
+}
+
+}  // namespace
+}  // namespace plumb
