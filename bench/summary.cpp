@@ -36,7 +36,7 @@ std::string exact(double value) {
 
 Sheet auto_sheet(const std::vector<std::shared_ptr<Contest>>& contests, const Limits& limits) {
   Sheet sheet({"scene", "size", "fits", "numbers", "threads", "ns", "median", "sweep alone", "baseline",
-               "speedup", "in its order", "of compute", "of bandwidth", "stretch", "its baseline's"});
+               "speedup", "speedup, colored", "of compute", "of bandwidth", "stretch", "its baseline's"});
   for_listed(contests, [&](const Contest& contest, std::size_t i, const Contender& contender) {
     if (contender.is_baseline || contender.layout != LayoutChoice::automatic || contender.isa != best_isa())
       return;

@@ -303,10 +303,10 @@ void accumulate(T* __restrict p, T* __restrict acc, std::uint32_t n) {
 }
 
 template <class T>
-bool all_finite(const T* p, std::uint32_t n) {
+bool all_finite(const T* x, const T* p, std::uint32_t n) {
   Batch<T> zero(T(0));  // stays zero unless a number is infinite or not a number
   for (std::uint32_t i = 0; i < n; i += width<T>)
-    zero = zero + Batch<T>(T(0)) * Batch<T>::load_aligned(p + i);
+    zero = zero + Batch<T>(T(0)) * (Batch<T>::load_aligned(x + i) + Batch<T>::load_aligned(p + i));
   alignas(64) T lanes[width<T>];
   zero.store_aligned(lanes);
   for (const T lane : lanes)

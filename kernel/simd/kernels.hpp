@@ -60,8 +60,8 @@ struct ParticleKernels {
   void (*predict)(T* p, const T* u, const T* kick, T decay, std::uint32_t n);
   /// p += acc; acc = 0
   void (*accumulate)(T* p, T* acc, std::uint32_t n);
-  /// False if any number is infinite or not a number.
-  bool (*all_finite)(const T* p, std::uint32_t n);
+  /// False if any x + p is infinite or not a number.
+  bool (*all_finite)(const T* x, const T* p, std::uint32_t n);
   /// x += p
   void (*advance)(T* x, const T* p, std::uint32_t n);
   /// x += p; p = decay * (2p - decay * u): the velocity at the end of a step whose mean velocity is p

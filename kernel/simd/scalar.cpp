@@ -1,6 +1,5 @@
 // The projection of a rod, one rod at a time, written for reading. Every other body must give the same bits.
 
-#include <algorithm>
 #include <cmath>
 
 #include "kernels.hpp"
@@ -144,8 +143,10 @@ void accumulate(T* p, T* acc, std::uint32_t n) {
 }
 
 template <class T>
-bool all_finite(const T* p, std::uint32_t n) {
-  return std::all_of(p, p + n, [](T value) { return std::isfinite(value); });
+bool all_finite(const T* x, const T* p, std::uint32_t n) {
+  for (std::uint32_t i = 0; i < n; ++i)
+    if (!std::isfinite(x[i] + p[i])) return false;
+  return true;
 }
 
 template <class T>

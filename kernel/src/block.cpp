@@ -213,27 +213,33 @@ void Block<T>::rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const 
 template <class T>
 std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t q0,
                                               std::uint32_t q1) noexcept {
+  const auto breaks = [&](std::uint32_t slot) {
+    const Vec3 next = read(x(), slot) + read(current, slot);
+    return !std::isfinite(static_cast<T>(next.x)) || !std::isfinite(static_cast<T>(next.y)) ||
+           !std::isfinite(static_cast<T>(next.z));
+  };
   std::vector<std::uint32_t> broken;
-  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
-    if (is_within(slot, q0, q1) && !is_finite(read(current, slot)))
+  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
+    if (!is_within(slot, q0, q1) || !breaks(slot)) continue;
+    // A frozen island whose last finite state is too large to square breaks again in every solve.
+    if (is_frozen(slot)) {
+      write(current, slot, {});
+    } else {
       broken.push_back(packing_.slot_island[slot]);
+    }
+  }
+  if (broken.empty()) return 0;
   std::sort(broken.begin(), broken.end());
   broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
-
-  // An island whose last finite state is too large to square breaks again every substep; it is counted once.
-  std::vector<std::uint32_t> newly_frozen;
   for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
-    const std::uint32_t island = packing_.slot_island[slot];
-    if (!is_within(slot, q0, q1) || !std::binary_search(broken.begin(), broken.end(), island)) continue;
+    if (!is_within(slot, q0, q1) ||
+        !std::binary_search(broken.begin(), broken.end(), packing_.slot_island[slot]))
+      continue;
     for (T* field : {last, current, kick()}) write(field, slot, {});
-    if (!frozen_slots_[slot] && (newly_frozen.empty() || newly_frozen.back() != island))
-      newly_frozen.push_back(island);
     frozen_slots_[slot] = 1;
   }
   retire_frozen_rods(q0, q1);
-  std::sort(newly_frozen.begin(), newly_frozen.end());
-  return static_cast<std::uint32_t>(std::unique(newly_frozen.begin(), newly_frozen.end()) -
-                                    newly_frozen.begin());
+  return static_cast<std::uint32_t>(broken.size());
 }
 
 template class Block<float>;

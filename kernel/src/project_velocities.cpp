@@ -49,19 +49,23 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
   Eigen::SparseMatrix<double> matrix = rates * inverse_mass.asDiagonal() * rates.transpose();
   const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   matrix = scale.asDiagonal() * matrix * scale.asDiagonal();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += 1e-12;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
-  if (factor.info() != Eigen::Success) return 0;
-
+  Eigen::SparseMatrix<double> identity(matrix.rows(), matrix.cols());
+  identity.setIdentity();
   Eigen::VectorXd changed = v;
   double left = pull.norm();
-  for (int refinement = 0; refinement < 20 && left > 1e-15 * pull.norm(); ++refinement) {
-    const Eigen::VectorXd lambda = scale.cwiseProduct(factor.solve(scale.cwiseProduct(rates * changed)));
-    const Eigen::VectorXd next = changed - inverse_mass.cwiseProduct(rates.transpose() * lambda);
-    const double now = (rates * next).norm();
-    if (!(now < left)) break;
-    changed = next;
-    left = now;
+  const double enough = 1e-14 * left;
+  for (const double ridge : {0.0, 1e-15, 1e-13, 1e-11}) {
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix + ridge * identity);
+    if (factor.info() != Eigen::Success) continue;
+    for (int refinement = 0; refinement < 10 && left > enough; ++refinement) {
+      const Eigen::VectorXd lambda = scale.cwiseProduct(factor.solve(scale.cwiseProduct(rates * changed)));
+      const Eigen::VectorXd next = changed - inverse_mass.cwiseProduct(rates.transpose() * lambda);
+      const double now = (rates * next).norm();
+      if (!(now < left)) break;
+      changed = next;
+      left = now;
+    }
+    if (left <= enough) break;
   }
 
   double largest = 0;

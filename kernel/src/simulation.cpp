@@ -96,6 +96,11 @@ class SimulationOf final : public Simulation {
     start_step(dt / settings_.substeps);
     RelaxCounters counters;
     team_.lead(uses_threads() ? executor_ : nullptr, [&] { run_blocks(counters); });
+    // Substeps add up to the target but for rounding; an anchor stands exactly where it was sent.
+    for (const Anchor& anchor : anchors_)
+      for_places(anchor.particle,
+                 [&](Block<T>& block, std::uint32_t slot) { block.write(block.x(), slot, anchor.target); });
+    anchors_.clear();
     time_advanced_ = true;
 
     StepReport report;
@@ -357,7 +362,6 @@ class SimulationOf final : public Simulation {
       for_places(anchor.particle, [&](Block<T>& block, std::uint32_t slot) {
         block.move_anchor(slot, (1.0 / settings_.substeps) * (anchor.target - block.read(block.x(), slot)));
       });
-    anchors_.clear();
   }
 
   /// The constant part of a prediction: what force and gravity add to a displacement in a substep, with drag

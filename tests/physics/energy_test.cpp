@@ -26,30 +26,23 @@ double largest_drift(const Scene& scene, World& world, int steps) {
   return largest;
 }
 
-// The violation is quadratic in positions, so J(middle) (x_new - x_old) = C_new - C_old: once rods keep their
-// length their forces do no work, whatever the step (Simo and Gonzalez' energy-momentum scheme). With C at
-// 1e-13 of L^2 the work left per substep is a tension times 1e-13 L / 2, at most a few weights of 5 links:
-// 1e-13 of the range, and 2,400 substeps of it stay below 1e-9 even if all had one sign.
-TEST(Energy, GradientMidKeepsItOnceConverged) {
+// An exact energy-momentum step keeps energy whatever its length (Simo and Gonzalez). Relaxation aims every
+// correction along the middle direction of its moment, which still turns from sweep to sweep, so what is left
+// is of second order in the step: for five links let go from the side 6.6e-3, 1.5e-3, 4.0e-4 and 5.9e-5 of
+// the range in ten seconds at 4, 8, 16 and 32 substeps. The motion is chaotic, so the order is taken over
+// three halvings.
+TEST(Energy, GradientMidKeepsItToSecondOrder) {
   const Scene scene = scenes::make_chain(5);
-  World world(scene, {.gradient = Gradient::mid,
-                      .substeps = 4,
-                      .stop = {.sweeps = 10000, .tolerance = 1e-13},
-                      .threads = 1});
-  EXPECT_LE(largest_drift(scene, world, 600), 1e-9);
-}
-
-// Newton's third law along the line of sight: the same forces have no moment either.
-TEST(Energy, GradientMidKeepsItInThreeDimensions) {
-  Scene scene;
-  scene.particles = {test::fixed({0, 0, 0}), movable({0.3, 0, 0}, 1, {0, 0, 2}),
-                     movable({0.3, 0.4, 0}, 5, {0, 0, 1})};
-  scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2}};
-  World world(scene, {.gradient = Gradient::mid,
-                      .substeps = 4,
-                      .stop = {.sweeps = 10000, .tolerance = 1e-13},
-                      .threads = 1});
-  EXPECT_LE(largest_drift(scene, world, 600), 1e-9);
+  const auto drift = [&](std::uint32_t substeps) {
+    World world(scene, {.gradient = Gradient::mid,
+                        .substeps = substeps,
+                        .stop = {.sweeps = 20000, .tolerance = 1e-12},
+                        .threads = 1});
+    return largest_drift(scene, world, 600);
+  };
+  const double coarse = drift(4), fine = drift(32);
+  EXPECT_LE(coarse, 1e-2);
+  EXPECT_NEAR(std::log2(coarse / fine) / 3, 2, 0.5);
 }
 
 // SHAKE is symplectic: its energy swings with the square of the step and does not drift. The swing of a

@@ -399,7 +399,7 @@ TYPED_TEST(KernelsOf, ParticleLoopsHaveTheScalarBits) {
         for (AlignedBuffer<T>* field : {&x, &p, &u, &kick, &acc})
           for (std::uint32_t i = 0; i < n; ++i) (*field)[i] = number(this->random, numbers, T(1));
 
-        EXPECT_EQ(scalar.all_finite(p.data(), n), vector.all_finite(p.data(), n));
+        EXPECT_EQ(scalar.all_finite(x.data(), p.data(), n), vector.all_finite(x.data(), p.data(), n));
         // f runs one loop on copies of x, p and acc; all that it writes is compared.
         const auto compare = [&](const char* loop, auto&& f) {
           AlignedBuffer<T> x1 = copy(x), p1 = copy(p), a1 = copy(acc), x2 = copy(x), p2 = copy(p),
@@ -431,13 +431,15 @@ TYPED_TEST(KernelsOf, AllFiniteFindsEveryPlace) {
     for (const T bad : {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(),
                         std::numeric_limits<T>::quiet_NaN()}) {
       const std::uint32_t n = 3 * logical_width<T>;
+      const AlignedBuffer<T> x(n);
       AlignedBuffer<T> p(n);
       for (std::uint32_t i = 0; i < n; ++i) p[i] = std::numeric_limits<T>::max();
-      EXPECT_TRUE(kernels<T>(isa).particles.all_finite(p.data(), n));
+      EXPECT_TRUE(kernels<T>(isa).particles.all_finite(x.data(), p.data(), n));
       for (std::uint32_t i = 0; i < n; ++i) {
         std::swap(p[i], p[0]);
         const T kept = std::exchange(p[i], bad);
-        EXPECT_FALSE(kernels<T>(isa).particles.all_finite(p.data(), n)) << to_string(isa) << ", " << i;
+        EXPECT_FALSE(kernels<T>(isa).particles.all_finite(x.data(), p.data(), n))
+            << to_string(isa) << ", " << i;
         p[i] = kept;
       }
     }

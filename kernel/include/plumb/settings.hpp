@@ -13,7 +13,8 @@ enum class Method : std::uint8_t { automatic, relax, direct, springs, multiplier
 
 /// Where on the way from the old to the new configuration a correction's direction is taken:
 /// the new position (the thesis's projection: first order, damps), the old one (SHAKE: second order,
-/// breaks when h > 2/omega_max), or the middle (energy-momentum: second order, keeps energy once converged).
+/// breaks when h > 2/omega_max), or the middle (second order, as in energy-momentum
+/// schemes; relaxed, it keeps energy to second order).
 enum class Gradient : std::uint8_t { new_, old, mid };
 
 /// Which share of a correction each end takes: by inverse mass (thesis eq. 4.7) or half each (eq. 4.6).

@@ -1,0 +1,161 @@
+// Bad input is refused with the particle, rod or setting and the reason, and a world that refuses stays as it
+// was.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "scenes/generators.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// What f() throws as InputError; empty if nothing.
+template <class F>
+std::string refusal(F&& f) {
+  try {
+    f();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+// Every refusal of validate(), once, through the constructor: whoever builds a world need not validate
+// before.
+TEST(BadScenes, AreRefusedByTheWorld) {
+  struct Case {
+    const char* message;
+    std::function<void(Scene&)> spoil;
+  };
+  const Case cases[] = {
+      {"gravity is not finite: (0, nan, 0)", [](Scene& s) { s.gravity.y = kNan; }},
+      {"drag is negative (-1 per second)", [](Scene& s) { s.drag = -1; }},
+      {"drag is not finite: nan", [](Scene& s) { s.drag = kNan; }},
+      {"particle 1: position is not finite: (nan, 0, 0)", [](Scene& s) { s.particles[1].position.x = kNan; }},
+      {"particle 2: velocity is not finite: (0, 0, inf)",
+       [](Scene& s) { s.particles[2].velocity.z = kInfinity; }},
+      {"particle 3: mass is not finite: nan", [](Scene& s) { s.particles[3].mass = kNan; }},
+      {"particle 3: mass is negative (-2 kg)", [](Scene& s) { s.particles[3].mass = -2; }},
+      {"particle 3: has no mass, neither its own nor from a rod, and is not fixed",
+       [](Scene& s) { s.particles[3].mass = 0; }},
+      {"rod 1: particle 9 does not exist (the scene has 4 particles)", [](Scene& s) { s.rods[1].b = 9; }},
+      {"rod 1: both ends are particle 1", [](Scene& s) { s.rods[1].b = 1; }},
+      {"rod 2: length is negative (-1 m)", [](Scene& s) { s.rods[2].length = -1; }},
+      {"rod 2: length is not finite: nan", [](Scene& s) { s.rods[2].length = kNan; }},
+      {"rod 2: length is zero, no length is given and its ends (particles 2 and 3) are at the same place",
+       [](Scene& s) {
+         s.rods[2].length = 0;
+         s.particles[3].position = s.particles[2].position;
+       }},
+      {"rod 3: joins the same particles (3 and 2) as rod 2",
+       [](Scene& s) { s.rods.push_back({.a = 3, .b = 2}); }},
+      {"rod 3: both ends (particles 0 and 3) are fixed",
+       [](Scene& s) {
+         s.particles[3].fixed = true;
+         s.rods.push_back({.a = 0, .b = 3});
+       }},
+      {"rod 0: mass is negative (-1 kg)", [](Scene& s) { s.rods[0].mass = -1; }},
+  };
+  for (const Case& c : cases) {
+    Scene scene = scenes::make_chain(3);
+    c.spoil(scene);
+    EXPECT_EQ(refusal([&] { World world(scene); }), c.message);
+  }
+}
+
+TEST(BadSettings, AreRefusedByTheWorld) {
+  const Scene scene = scenes::make_chain(3);
+  const auto refused = [&](const Settings& settings) {
+    return refusal([&] { World world(scene, settings); });
+  };
+  EXPECT_EQ(refused({.omega = 2}), "omega must be in (0, 2), got 2");
+  EXPECT_EQ(refused({.substeps = 0}), "substeps must be from 1 to 1000000, got 0");
+  EXPECT_EQ(refused({.stop = {.sweeps = 0}}), "sweeps must be at least 1, got 0");
+  EXPECT_EQ(refused({.stop = {.tolerance = 0}}), "tolerance must be positive and finite, got 0");
+  EXPECT_EQ(refused({.stop = {.budget_us = -1}}), "budget must be positive and finite, got -1 us");
+  for (const Method method : {Method::direct, Method::springs, Method::multipliers, Method::featherstone})
+    EXPECT_THROW(World(scene, {.method = method}), NotBuiltError) << to_string(method);
+  for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512})
+    if (!is_supported(isa)) {
+      EXPECT_EQ(refused({.isa = isa}),
+                "instruction set " + std::string(to_string(isa)) + " is not supported by this machine");
+    }
+  EXPECT_TRUE(is_supported(Isa::scalar));
+  EXPECT_TRUE(is_supported(best_isa()));
+}
+
+// What float cannot hold is no position for a world of floats.
+TEST(BadScenes, BeyondTheRangeOfFloatAreRefused) {
+  Scene scene;
+  scene.particles = {test::movable({0, 0, 0}), test::movable({1e39, 0, 0})};
+  EXPECT_NO_THROW(World(scene, {.precision = Precision::double_, .threads = 1}));
+  EXPECT_NE(
+      refusal([&] { World world(scene, {.precision = Precision::single, .threads = 1}); }).find("particle 1"),
+      std::string::npos);
+}
+
+/// A world in motion, and its twin that is asked nothing wrong.
+class BadRequests : public testing::Test {
+ protected:
+  BadRequests() {
+    test::run(world, 1.0 / 60, 10);
+    test::run(twin, 1.0 / 60, 10);
+  }
+  template <class F>
+  void expect_refused(const std::string& message, F&& f) {
+    const std::uint64_t before = world.state_hash();
+    const double time = world.time();
+    EXPECT_EQ(refusal(f), message);
+    EXPECT_EQ(world.state_hash(), before);
+    EXPECT_EQ(world.time(), time);
+    const StepReport report = world.step(1.0 / 60), wanted = twin.step(1.0 / 60);
+    EXPECT_EQ(world.state_hash(), twin.state_hash()) << "something was left behind";
+    EXPECT_EQ(report.block_sweeps, wanted.block_sweeps);
+  }
+
+  Scene scene = scenes::make_chain(5, 0.1, 3);
+  Settings settings{.stop = {.sweeps = 12}, .threads = 1};
+  World world{scene, settings}, twin{scene, settings};
+};
+
+TEST_F(BadRequests, SteppingByNothing) {
+  expect_refused("dt must be positive and finite, got 0", [&] { world.step(0); });
+  expect_refused("dt must be positive and finite, got -1", [&] { world.step(-1); });
+  expect_refused("dt must be positive and finite, got nan", [&] { world.step(kNan); });
+  expect_refused("dt must be positive and finite, got inf", [&] { world.step(kInfinity); });
+}
+
+TEST_F(BadRequests, StopRules) {
+  expect_refused("sweeps must be at least 1, got 0", [&] { world.set_stop_rule({.sweeps = 0}); });
+  expect_refused("tolerance must be positive and finite, got nan",
+                 [&] { world.set_stop_rule({.sweeps = 3, .tolerance = kNan}); });
+  expect_refused("budget must be positive and finite, got inf us",
+                 [&] { world.set_stop_rule({.sweeps = 3, .budget_us = kInfinity}); });
+}
+
+TEST_F(BadRequests, Forces) {
+  expect_refused("particle 6: unknown, the scene has 6 particles", [&] { world.set_force(6, {1, 0, 0}); });
+  expect_refused("particle 0: is fixed, a force cannot move it", [&] { world.set_force(0, {1, 0, 0}); });
+  expect_refused("particle 2: force is not finite", [&] { world.set_force(2, {0, kNan, 0}); });
+}
+
+TEST_F(BadRequests, Anchors) {
+  expect_refused("particle 4000000000: unknown, the scene has 6 particles",
+                 [&] { world.move_anchor(4'000'000'000u, {}); });
+  expect_refused("particle 5: is movable, only fixed particles are moved as anchors",
+                 [&] { world.move_anchor(5, {}); });
+  expect_refused("particle 0: target is not finite", [&] { world.move_anchor(0, {0, 0, kInfinity}); });
+}
+
+}  // namespace
+}  // namespace plumb

@@ -1,0 +1,32 @@
+# Files compiled for one instruction set define their tables and nothing else that other files could see. A weak symbol (an
+# inline function or a template that was not inlined) is the dangerous kind: the linker keeps one copy for everybody,
+# and a machine without that instruction set dies in code that has nothing to do with it.
+#   cmake -DNM=... -DOBJECTS=a.o;b.o -P symbols_test.cmake
+set(seen)
+foreach(object IN LISTS OBJECTS)
+  if(NOT object MATCHES "/simd/(scalar|sse2|avx2|avx512)\\.cpp\\.o$")
+    continue()
+  endif()
+  set(isa ${CMAKE_MATCH_1})
+  list(APPEND seen ${isa})
+  execute_process(COMMAND ${NM} --defined-only --extern-only ${object} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX MATCHALL "[^\n]+" lines "${symbols}")
+  set(tables 0)
+  foreach(line IN LISTS lines)
+    if(line MATCHES " V DW\\.ref\\.__gxx_personality_v0$")
+      continue()  # a pointer, not code: the same in every file
+    endif()
+    if(line MATCHES "^[0-9a-f]+ [A-Z] _ZN5plumb4simd[0-9]+${isa}_(float|double)E$")
+      math(EXPR tables "${tables} + 1")
+    else()
+      message(FATAL_ERROR "${object} defines a symbol that others can see: ${line}")
+    endif()
+  endforeach()
+  if(NOT tables EQUAL 2)
+    message(FATAL_ERROR "${object}: ${tables} tables instead of one for float and one for double")
+  endif()
+endforeach()
+list(SORT seen)
+if(NOT seen STREQUAL "avx2;avx512;scalar;sse2")
+  message(FATAL_ERROR "not every instruction set was looked at: ${seen}")
+endif()
