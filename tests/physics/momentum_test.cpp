@@ -155,8 +155,8 @@ TEST(FreeChainMid, KeepsAngularMomentumAndEnergyToSecondOrder) {
     return largest;
   };
   const Drift coarse = drift(4), fine = drift(16);
-  EXPECT_LE(coarse.angular, 1e-3);
-  EXPECT_LE(coarse.energy, 1e-2);
+  EXPECT_LE(coarse.angular, 1e-4);
+  EXPECT_LE(coarse.energy, 3e-4);
   EXPECT_GE(std::log2(coarse.angular / fine.angular) / 2, 1.8);
   EXPECT_GE(std::log2(coarse.energy / fine.energy) / 2, 1.8);
 }
