@@ -11,15 +11,10 @@
 #include "project_velocities.hpp"
 #include "refuse.hpp"
 #include "relax.hpp"
+#include "sharing.hpp"
 
 namespace plumb::detail {
 namespace {
-
-/// Threads help from about this many rod projections per step on; below, handing work over costs more.
-/// Measured: bench/threads_main.cpp.
-constexpr double projections_worth_threads = 20000;
-/// A block is shared by threads from this many rods on; smaller ones are worked on by one thread each.
-constexpr std::uint32_t rods_worth_sharing = 4096;
 
 /// (1 - e^-z)/z, the mean of e^-t over [0, z].
 double mean_decay(double z) {
@@ -245,7 +240,7 @@ class SimulationOf final : public Simulation {
       const auto& packing = blocks_[b].packing();
       if (packing.coupling == layouts::Coupling::independent) {
         for (std::uint32_t q = 0; q < packing.positions; ++q) lone_work_.push_back({b, q});
-      } else if (blocks_[b].rods() >= rods_worth_sharing) {
+      } else if (blocks_[b].rods() >= thresholds_.rods) {
         shared_work_.push_back(b);
       } else {
         lone_work_.push_back({b, layouts::none});
@@ -314,9 +309,7 @@ class SimulationOf final : public Simulation {
     return double{1} * constants_.length2.size() * settings_.stop.sweeps * settings_.substeps;
   }
 
-  bool uses_threads() const {
-    return team_.size() > 1 && projections_per_step() >= projections_worth_threads;
-  }
+  bool uses_threads() const { return team_.size() > 1 && projections_per_step() >= thresholds_.projections; }
 
   bool is_movable(std::uint32_t particle) const { return constants_.inverse_mass[particle] > 0; }
 
@@ -438,6 +431,7 @@ class SimulationOf final : public Simulation {
   }
 
   Settings settings_;
+  SharingThresholds thresholds_ = sharing_thresholds;
   Vec3 gravity_;
   double drag_;
   Constants constants_;

@@ -6,9 +6,16 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "sharing.hpp"
 
 /// What tests ask of a world again and again.
 namespace plumb::test {
+
+/// Threads are tested on scenes too small for them to win.
+inline const bool threads_help_early = [] {
+  detail::sharing_thresholds = {.projections = 20000, .rods = 4096};
+  return true;
+}();
 
 inline std::vector<Vec3> positions_of(const World& world) {
   std::vector<Vec3> positions(world.particle_count());
