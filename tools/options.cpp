@@ -131,13 +131,9 @@ void add_solver_options(CLI::App& app, Settings& settings) {
   add_choice(app, "--weights", settings.weights, {Weights::mass, Weights::equal},
              "Share of a correction each end takes: by inverse mass or half each");
   add_choice(app, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
-             "Where a correction's direction is taken");
-  add_words(
-      app, "--mass", {"lumped", "consistent"},
-      [](const std::string& word) {
-        if (word == "consistent") throw NotBuiltError("mass consistent is not built yet");
-      },
-      "How a rod's own mass is spread: half to each end, or exactly [lumped]");
+             "Where a correction's direction is taken [new; direct: mid]");
+  add_choice(app, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
+             "How a rod's own mass acts: as points at its ends, or exactly [lumped; direct: consistent]");
 }
 
 CLI::Option* add_scene(CLI::App& app, std::string& spec) {

@@ -19,9 +19,9 @@ using Action = std::function<int()>;
 CLI::Option* add_words(CLI::App& app, const std::string& name, const std::vector<std::string>& words,
                        std::function<void(const std::string&)> take, const std::string& help);
 
-/// An option whose words are the names of enum values.
-template <class Enum>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, Enum& target,
+/// An option whose words are the names of enum values, for an Enum or an optional one.
+template <class Enum, class Target>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Target& target,
                         std::initializer_list<Enum> values, const std::string& help) {
   const std::vector<Enum> list(values);
   std::vector<std::string> words;
@@ -31,7 +31,9 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Enum& target,
       if (to_string(value) == word) target = value;
     }
   };
-  return add_words(app, name, words, take, help + " [" + std::string(to_string(target)) + "]");
+  if constexpr (std::is_same_v<Enum, Target>)
+    return add_words(app, name, words, take, help + " [" + std::string(to_string(target)) + "]");
+  return add_words(app, name, words, take, help);
 }
 
 /// A whole number.

@@ -50,7 +50,7 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
   if (s.stop.tolerance) stop += ", tolerance " + short_number(*s.stop.tolerance);
   if (s.stop.budget_us) stop += ", " + short_number(*s.stop.budget_us) + " µs a frame";
   print_line("settings", std::string(to_string(s.order)) + ", gradient " +
-                             std::string(to_string(s.gradient)) + ", weights " +
+                             std::string(to_string(gradient_of(s))) + ", weights " +
                              std::string(to_string(s.weights)) + ", omega " + short_number(s.omega) + ", " +
                              std::string(to_string(s.precision)));
   print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +

@@ -243,7 +243,7 @@ void publish(const ThesisOptions& options, const std::vector<ChainResults>& chai
 
 nlohmann::ordered_json measured_json(const Measured& m) {
   nlohmann::ordered_json json{{"weights", std::string(to_string(m.settings.weights))},
-                              {"gradient", std::string(to_string(m.settings.gradient))},
+                              {"gradient", std::string(to_string(gradient_of(m.settings)))},
                               {"substeps", m.settings.substeps},
                               {"sweeps", m.settings.stop.sweeps}};
   json["tolerance"] =

@@ -14,6 +14,23 @@ void require_size(const char* what, std::size_t size, std::size_t expected) {
                    std::to_string(size));
 }
 
+/// f(mass, a, b) for every entry of the mass matrix that a movable particle has a part in, in kg; for a != b
+/// both entries at once. What a fixed particle carries alone does not move and is left out.
+template <class F>
+void for_masses(const Scene& scene, MassModel model, F&& f) {
+  const auto movable = [&](std::uint32_t i) { return !scene.particles[i].fixed; };
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+    if (movable(i)) f(scene.particles[i].mass, i, i);
+  for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
+    const auto& rod = scene.rods[i];
+    if (rod.mass == 0) continue;
+    const RodMass m = rod_mass(scene, i, model);
+    if (movable(rod.a)) f(m.aa, rod.a, rod.a);
+    if (movable(rod.b)) f(m.bb, rod.b, rod.b);
+    if (m.ab != 0) f(2 * m.ab, rod.a, rod.b);
+  }
+}
+
 }  // namespace
 
 Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
@@ -36,16 +53,15 @@ Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
   return result;
 }
 
-Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                      MassModel model) {
   require_size("positions", positions.size(), scene.particles.size());
   require_size("velocities", velocities.size(), scene.particles.size());
-  const std::vector<double> masses = lumped_masses(scene);
   Energy energy;
-  for (std::size_t i = 0; i < masses.size(); ++i) {
-    if (scene.particles[i].fixed) continue;
-    energy.kinetic += 0.5 * masses[i] * dot(velocities[i], velocities[i]);
-    energy.potential -= masses[i] * dot(scene.gravity, positions[i]);
-  }
+  for_masses(scene, model, [&](double mass, std::uint32_t a, std::uint32_t b) {
+    energy.kinetic += 0.5 * mass * dot(velocities[a], velocities[b]);
+    energy.potential -= 0.5 * mass * dot(scene.gravity, positions[a] + positions[b]);
+  });
   return energy;
 }
 
@@ -57,21 +73,20 @@ double energy_range(const Scene& scene) {
 }
 
 Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
-                          std::span<const Vec3> velocities) {
+                          std::span<const Vec3> velocities, MassModel model) {
   require_size("positions", positions.size(), scene.particles.size());
   require_size("velocities", velocities.size(), scene.particles.size());
-  const std::vector<double> masses = lumped_masses(scene);
   Momentum result;
   Vec3 first_moment;
   double total_mass = 0;
-  for (std::size_t i = 0; i < masses.size(); ++i) {
-    if (scene.particles[i].fixed) continue;
-    const Vec3 momentum = masses[i] * velocities[i];
-    result.linear += momentum;
-    result.angular += cross(positions[i], momentum);
-    first_moment += masses[i] * positions[i];
-    total_mass += masses[i];
-  }
+  for_masses(scene, model, [&](double mass, std::uint32_t a, std::uint32_t b) {
+    const Vec3 momentum = (0.5 * mass) * velocities[b];
+    const Vec3 other = (0.5 * mass) * velocities[a];
+    result.linear += momentum + other;
+    result.angular += cross(positions[a], momentum) + cross(positions[b], other);
+    first_moment += (0.5 * mass) * (positions[a] + positions[b]);
+    total_mass += mass;
+  });
   if (total_mass > 0) result.center_of_mass = (1 / total_mass) * first_moment;
   return result;
 }

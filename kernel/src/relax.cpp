@@ -141,7 +141,8 @@ class Substep {
     std::atomic<bool> broken{false};
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
-        if (!kernels_.particles.all_finite(block_.x() + first, p_ + first, n)) broken.store(true, std::memory_order_relaxed);
+        if (!kernels_.particles.all_finite(block_.x() + first, p_ + first, n))
+          broken.store(true, std::memory_order_relaxed);
       });
     });
     if (broken.load(std::memory_order_relaxed))

@@ -54,6 +54,11 @@ void validate_rod(const Scene& scene, std::size_t i) {
   if (!std::isfinite(rod.mass)) refuse("rod ", i, ": mass is not finite: ", rod.mass);
   if (rod.mass < 0) refuse("rod ", i, ": mass is negative (", rod.mass, " kg)");
   if (rod.length < 0) refuse("rod ", i, ": length is negative (", rod.length, " m)");
+  if (!(rod.center >= 0 && rod.center <= 1))
+    refuse("rod ", i, ": center of mass must be a fraction from 0 to 1 of the way along it, got ",
+           rod.center);
+  if (rod.inertia && !(*rod.inertia >= 0 && std::isfinite(*rod.inertia)))
+    refuse("rod ", i, ": inertia must be finite and not negative, got ", *rod.inertia, " kg m^2");
   const double length = rod_length(scene, i);
   if (!std::isfinite(length)) refuse("rod ", i, ": length is not finite: ", length);
   if (length == 0) {
@@ -109,6 +114,16 @@ double rod_length(const Scene& scene, std::size_t i) {
   return norm(scene.particles[rod.b].position - scene.particles[rod.a].position);
 }
 
+RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model) {
+  const Rod& rod = scene.rods[i];
+  const double first = rod.mass * rod.center;  // integral of s over the mass
+  if (model == MassModel::lumped) return {.aa = rod.mass - first, .ab = 0, .bb = first};
+  const double length = rod_length(scene, i);
+  const double about_center = rod.inertia ? *rod.inertia / (length * length) : rod.mass / 12;
+  const double second = first * rod.center + about_center;  // integral of s^2
+  return {.aa = rod.mass - 2 * first + second, .ab = first - second, .bb = second};
+}
+
 std::vector<double> lumped_masses(const Scene& scene) {
   std::vector<double> masses;
   masses.reserve(scene.particles.size());
@@ -116,8 +131,8 @@ std::vector<double> lumped_masses(const Scene& scene) {
     masses.push_back(particle.fixed ? std::numeric_limits<double>::infinity() : particle.mass);
   }
   for (const Rod& rod : scene.rods) {
-    masses[rod.a] += rod.mass / 2;
-    masses[rod.b] += rod.mass / 2;
+    masses[rod.a] += rod.mass * (1 - rod.center);
+    masses[rod.b] += rod.mass * rod.center;
   }
   return masses;
 }

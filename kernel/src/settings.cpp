@@ -35,6 +35,17 @@ void validate(const Settings& settings) {
   if (settings.method != Method::automatic && settings.method != Method::relax) {
     throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
   }
+  if (mass_model_of(settings) == MassModel::consistent)
+    throw NotBuiltError("mass consistent is not built yet");
+}
+
+Gradient gradient_of(const Settings& settings) {
+  return settings.gradient.value_or(settings.method == Method::direct ? Gradient::mid : Gradient::new_);
+}
+
+MassModel mass_model_of(const Settings& settings) {
+  return settings.mass.value_or(settings.method == Method::direct ? MassModel::consistent
+                                                                  : MassModel::lumped);
 }
 
 // The names are those of the command line. No switch has a default, so that the compiler names a missing
@@ -76,6 +87,16 @@ std::string_view to_string(Gradient gradient) {
       return "old";
     case Gradient::mid:
       return "mid";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(MassModel model) {
+  switch (model) {
+    case MassModel::lumped:
+      return "lumped";
+    case MassModel::consistent:
+      return "consistent";
   }
   return "unknown";
 }

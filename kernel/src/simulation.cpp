@@ -68,6 +68,7 @@ class SimulationOf final : public Simulation {
  public:
   SimulationOf(const Scene& scene, const Settings& settings)
       : settings_(settings),
+        gradient_(gradient_of(settings)),
         gravity_(scene.gravity),
         drag_(scene.drag),
         constants_(make_constants(scene)),
@@ -125,7 +126,7 @@ class SimulationOf final : public Simulation {
     // A displacement is the velocity half a substep ago, under the old force; mid's is the velocity now.
     const Vec3 change = (h_ * h_ * constants_.inverse_mass[particle]) * (force - forces_[particle]);
     forces_[particle] = force;
-    if (time_advanced_ && settings_.gradient != Gradient::mid)
+    if (time_advanced_ && gradient_ != Gradient::mid)
       for_places(particle, [&](Block<T>& block, std::uint32_t slot) {
         if (block.is_frozen(slot)) return;
         block.write(block.displacement(0), slot, block.read(block.displacement(0), slot) - 0.5 * change);
@@ -154,7 +155,7 @@ class SimulationOf final : public Simulation {
     const Place place = places_[first_place_[particle]];
     const Block<T>& block = blocks_[place.block];
     const Vec3 last = block.read(block.displacement(0), place.slot);
-    if (settings_.gradient == Gradient::mid) return (1 / h_) * last;
+    if (gradient_ == Gradient::mid) return (1 / h_) * last;
     // Displacements are mean velocities of substeps; extrapolated by half a substep they are second order
     // accurate.
     const Vec3 before = block.read(block.displacement(1), place.slot);
@@ -361,23 +362,21 @@ class SimulationOf final : public Simulation {
   /// exact for constant forces. Verlet (thesis eq. 3.6, 4.5) adds a h^2; gradient mid, whose displacements
   /// are velocities times h, adds half of it.
   Vec3 kick(std::uint32_t particle) const {
-    const double factor = settings_.gradient == Gradient::mid ? 0.5 : mean_decay(drag_ * h_);
+    const double factor = gradient_ == Gradient::mid ? 0.5 : mean_decay(drag_ * h_);
     return factor * h_ * h_ * acceleration(particle);
   }
 
   /// c h. What is left of a velocity after e^-50 is nothing; more would overflow the start's e^(c h).
   double drag_exponent(double h) const { return std::min(drag_ * h, 50.0); }
 
-  double decay() const {
-    return std::exp(-drag_exponent(h_) * (settings_.gradient == Gradient::mid ? 0.5 : 1));
-  }
+  double decay() const { return std::exp(-drag_exponent(h_) * (gradient_ == Gradient::mid ? 0.5 : 1)); }
 
   /// The displacement before the first substep that makes it x + v h + a h^2 / 2 (with drag, the exact
   /// solution), or, when h changes, the one that keeps the velocity to second order.
   void start_displacement(Block<T>& block, std::uint32_t slot, std::uint32_t particle, double h, bool first) {
     T* const last = block.displacement(0);
     T* const before = block.displacement(1);
-    if (settings_.gradient == Gradient::mid) {
+    if (gradient_ == Gradient::mid) {
       const Vec3 v = first ? initial_velocities_[particle] : (1 / h_) * block.read(last, slot);
       return block.write(last, slot, h * v);
     }
@@ -402,13 +401,9 @@ class SimulationOf final : public Simulation {
   }
 
   void run_blocks(RelaxCounters& counters) {
-    RelaxSettings<T> relax{&kernels_,
-                           settings_.gradient,
-                           settings_.order,
-                           settings_.stop,
-                           settings_.substeps,
-                           static_cast<T>(decay()),
-                           0};
+    RelaxSettings<T> relax{
+        &kernels_, gradient_, settings_.order, settings_.stop, settings_.substeps, static_cast<T>(decay()),
+        0};
     const double budget = settings_.stop.budget_us.value_or(0) / settings_.substeps;
     const double rods = std::max<double>(1, static_cast<double>(constants_.length2.size()));
     for (const std::uint32_t b : shared_work_) {
@@ -431,6 +426,7 @@ class SimulationOf final : public Simulation {
   }
 
   Settings settings_;
+  Gradient gradient_;
   SharingThresholds thresholds_ = sharing_thresholds;
   Vec3 gravity_;
   double drag_;

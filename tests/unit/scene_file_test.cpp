@@ -72,7 +72,7 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
   EXPECT_EQ(message_of(with(R"({"position": [1, 0, 0], "mass": 1, "colour": 3})")),
             "f.json: particles[1].colour is not a known key; known are position, velocity, mass, fixed");
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1, "stiffness": 1})")),
-            "f.json: rods[0].stiffness is not a known key; known are a, b, length, mass");
+            "f.json: rods[0].stiffness is not a known key; known are a, b, length, mass, center, inertia");
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, particles, rods");
 }

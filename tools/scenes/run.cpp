@@ -106,6 +106,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   const auto compare = frames_to_compare(truth, plan, frames, scene.particles.size());
   const double diagonal = bounding_diagonal(scene);
 
+  const MassModel mass = mass_model_of(plan.settings);
   World world(scene, plan.settings);
   RunResult result{.info = world.info(), .frames = frames};
   Frame now{.t = 0,
@@ -124,7 +125,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   };
 
   visit(0);
-  result.energy.initial = measure_energy(scene, now.positions, now.velocities).total();
+  result.energy.initial = measure_energy(scene, now.positions, now.velocities, mass).total();
   result.energy.final = result.energy.initial;
   result.energy.range = energy_range(scene);
   double squares = 0;
@@ -143,7 +144,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
       result.stretch.max = stretch.max;
       result.stretch.max_rod = stretch.max_rod;
     }
-    result.energy.final = measure_energy(scene, now.positions, now.velocities).total();
+    result.energy.final = measure_energy(scene, now.positions, now.velocities, mass).total();
     const double drift = std::abs(result.energy.final - result.energy.initial);
     if (!(drift <= result.energy.drift_max) && !std::isnan(result.energy.drift_max))
       result.energy.drift_max = drift;

@@ -130,11 +130,15 @@ Scene scene_of(const json& root) {
   const json& rods = array(top, "rods");
   scene.rods.reserve(rods.size());
   for (const json& value : rods) {
-    const Object item(value, "rods[" + std::to_string(scene.rods.size()) + "]", {"a", "b", "length", "mass"});
+    const Object item(value, "rods[" + std::to_string(scene.rods.size()) + "]",
+                      {"a", "b", "length", "mass", "center", "inertia"});
     scene.rods.push_back({.a = particle_id(item, "a"),
                           .b = particle_id(item, "b"),
                           .length = number_or(item, "length", 0),
-                          .mass = number_or(item, "mass", 0)});
+                          .mass = number_or(item, "mass", 0),
+                          .center = number_or(item, "center", 0.5)});
+    if (const json* inertia = item.find("inertia"))
+      scene.rods.back().inertia = number(*inertia, item.path_of("inertia"));
     // In a Scene 0 stands for "as far as the ends are apart"; in a file that is said by leaving the key out.
     if (item.find("length") && scene.rods.back().length == 0) {
       refuse(item.path_of("length"),
@@ -206,6 +210,8 @@ std::string format_scene(const Scene& scene) {
     nlohmann::ordered_json object{{"a", r.a}, {"b", r.b}};
     if (r.length != 0) object["length"] = r.length;
     if (r.mass != 0) object["mass"] = r.mass;
+    if (r.center != 0.5) object["center"] = r.center;
+    if (r.inertia) object["inertia"] = *r.inertia;
     return object;
   });
   return out + "\n}\n";

@@ -17,13 +17,15 @@ struct Stretch {
 };
 Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions);
 
-/// Energies in J; the potential is −Σ m g·x. Lumped masses.
+/// Energies in J; the potential is −Σ m g·x. What is exact for a consistent mass matrix differs from what
+/// lumped masses keep.
 struct Energy {
   double kinetic = 0;
   double potential = 0;
   double total() const { return kinetic + potential; }
 };
-Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::span<const Vec3> velocities);
+Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                      MassModel model = MassModel::lumped);
 
 /// Total mass × |g| × diagonal of the first bounding box, in J: what energy drift is relative to.
 double energy_range(const Scene& scene);
@@ -36,7 +38,7 @@ struct Momentum {
   Vec3 center_of_mass;
 };
 Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
-                          std::span<const Vec3> velocities);
+                          std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
 /// One saved instant of a trajectory or of a truth; arrays in the scene's particle order.
 struct Frame {

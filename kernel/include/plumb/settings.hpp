@@ -4,6 +4,8 @@
 #include <optional>
 #include <string_view>
 
+#include "plumb/scene.hpp"
+
 namespace plumb {
 
 class Executor;
@@ -48,7 +50,8 @@ struct StopRule {
 struct Settings {
   Method method = Method::automatic;
   Precision precision = Precision::double_;
-  Gradient gradient = Gradient::new_;
+  std::optional<Gradient> gradient{};  ///< none: new_, the thesis's, for relax; mid for direct
+  std::optional<MassModel> mass{};     ///< none: lumped for relax, which has no other; consistent for direct
   Weights weights = Weights::mass;
   SweepOrder order = SweepOrder::gauss_seidel;
   double omega = 1;            ///< over-relaxation factor, in (0, 2)
@@ -60,6 +63,10 @@ struct Settings {
   Executor* executor = nullptr;  ///< none: the built-in one on oneTBB. Must outlive the World.
 };
 
+/// What settings that are not set stand for, which depends on the method.
+Gradient gradient_of(const Settings& settings);
+MassModel mass_model_of(const Settings& settings);
+
 /// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) and
 /// NotBuiltError on a method that is planned but not built.
 void validate(const Settings& settings);
@@ -67,6 +74,7 @@ void validate(const Settings& settings);
 std::string_view to_string(Method);
 std::string_view to_string(Precision);
 std::string_view to_string(Gradient);
+std::string_view to_string(MassModel);
 std::string_view to_string(Weights);
 std::string_view to_string(SweepOrder);
 std::string_view to_string(LayoutChoice);
