@@ -32,11 +32,12 @@ void validate(const Settings& settings) {
     refuse("substeps must be from 1 to ", kMaxSubsteps, ", got ", settings.substeps);
   }
   validate_stop(settings.stop);
-  if (settings.method != Method::automatic && settings.method != Method::relax) {
+  if (settings.method != Method::automatic && settings.method != Method::relax &&
+      settings.method != Method::direct) {
     throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
   }
-  if (mass_model_of(settings) == MassModel::consistent)
-    throw NotBuiltError("mass consistent is not built yet");
+  if (mass_model_of(settings) == MassModel::consistent && settings.method != Method::direct)
+    refuse("mass consistent needs method direct: relaxation moves particles one by one");
 }
 
 Gradient gradient_of(const Settings& settings) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "compile.hpp"
+#include "direct_simulation.hpp"
 #include "plumb/measures.hpp"
 #include "project_velocities.hpp"
 #include "refuse.hpp"
@@ -461,6 +462,7 @@ class SimulationOf final : public Simulation {
 std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Settings& settings) {
   if (settings.isa && !is_supported(*settings.isa))
     refuse("instruction set ", to_string(*settings.isa), " is not supported by this machine");
+  if (settings.method == Method::direct) return make_direct_simulation(scene, settings);
   if (settings.precision == Precision::single) return std::make_unique<SimulationOf<float>>(scene, settings);
   return std::make_unique<SimulationOf<double>>(scene, settings);
 }

@@ -101,6 +101,11 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   skipped_within_tolerance += other.skipped_within_tolerance;
   mid_guarded += other.mid_guarded;
   frozen_islands += other.frozen_islands;
+  tree_substeps += other.tree_substeps;
+  newton += other.newton;
+  halvings += other.halvings;
+  fallbacks += other.fallbacks;
+  unsolved += other.unsolved;
   return *this;
 }
 

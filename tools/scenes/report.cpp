@@ -69,7 +69,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"frames", result.frames},
       {"steps", result.total.substeps},
       {"sweeps", result.total.block_sweeps},
-      {"newton", 0},
+      {"newton", result.total.newton},
       {"rod_projections", result.total.rod_projections},
       {"wall_s", result.wall_s},
       {"ns_per_rod_frame", number(result.ns_per_rod_frame())},

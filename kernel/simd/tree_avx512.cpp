@@ -1,0 +1,9 @@
+#define PLUMB_ARCH xsimd::avx512bw
+#include "tree_vector.hpp"
+
+namespace plumb::simd {
+
+constinit const TreeKernels<float> tree_avx512_float{prepare<float>, newton<float>, project<float>};
+constinit const TreeKernels<double> tree_avx512_double{prepare<double>, newton<double>, project<double>};
+
+}  // namespace plumb::simd

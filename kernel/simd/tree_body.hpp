@@ -1,0 +1,373 @@
+// The body of every loop in tree_kernels.hpp, for V = T (one lane after the other, the oracle) and for a
+// whole logical vector of lanes. V needs + - * / and the functions load, store, select_nonzero of its header.
+//
+// Node i with the rod to its parent p, everything below i eliminated:
+//
+//   K delta_i + kappa delta_p - a nu = r        b . (delta_i - delta_p) = c
+//
+// with a = d + theta e where the force points, b = d + e the gradient of C at the iterate, e = delta_i -
+// delta_p, K a 3x3 block. With H = K^-1, q = H r, u = H a, w = H^T b, s = b . u:
+//
+//   nu      = (c - b.q + (b + kappa w) . delta_p) / s
+//   delta_i = q + nu u - kappa H delta_p
+//   K_p    += (kappa u + a) (b + kappa w)^T / s - kappa^2 H
+//   r_p    -= (kappa u + a) (c - b.q) / s + kappa q
+//
+// A pin is the same with delta_p = 0: it takes a rank from H.
+
+#define PLUMB_INLINE inline __attribute__((always_inline))
+
+namespace plumb::simd {
+namespace {
+
+template <class V>
+struct Vec {
+  V x, y, z;
+};
+template <class V>
+PLUMB_INLINE Vec<V> operator+(const Vec<V>& a, const Vec<V>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class V>
+PLUMB_INLINE Vec<V> operator-(const Vec<V>& a, const Vec<V>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class V>
+PLUMB_INLINE Vec<V> operator*(const V& s, const Vec<V>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class V>
+PLUMB_INLINE V dot(const Vec<V>& a, const Vec<V>& b) {
+  return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+template <class V>
+PLUMB_INLINE Vec<V> cross(const Vec<V>& a, const Vec<V>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// 3x3; three rows or three columns as the name says where it is used.
+template <class V>
+struct Mat {
+  Vec<V> v0, v1, v2;
+};
+/// columns * a
+template <class V>
+PLUMB_INLINE Vec<V> multiply(const Mat<V>& columns, const Vec<V>& a) {
+  return (a.x * columns.v0 + a.y * columns.v1) + a.z * columns.v2;
+}
+/// columns^T * a
+template <class V>
+PLUMB_INLINE Vec<V> multiply_transposed(const Mat<V>& columns, const Vec<V>& a) {
+  return {dot(columns.v0, a), dot(columns.v1, a), dot(columns.v2, a)};
+}
+/// Columns of the inverse of a matrix given by rows.
+template <class V>
+PLUMB_INLINE Mat<V> inverse(const Mat<V>& rows) {
+  const Vec<V> c0 = cross(rows.v1, rows.v2), c1 = cross(rows.v2, rows.v0), c2 = cross(rows.v0, rows.v1);
+  const V over = V(1) / dot(rows.v0, c0);
+  return {over * c0, over * c1, over * c2};
+}
+
+/// The block of a node while what is below it is added up.
+template <class V>
+struct NodeBlock {
+  Mat<V> rows;
+  Vec<V> r;
+  V diagonal;  ///< added to all three of the diagonal
+};
+
+/// Numbers of one lane, or of all.
+template <class V, class T>
+struct At {
+  std::size_t lanes, lane;
+
+  PLUMB_INLINE V get(const T* data, std::size_t entry) const { return load<V>(data + entry * lanes + lane); }
+  PLUMB_INLINE Vec<V> get3(const T* data, std::size_t entry) const {
+    return {get(data, entry), get(data, entry + 1), get(data, entry + 2)};
+  }
+  PLUMB_INLINE void put(T* data, std::size_t entry, const V& value) const {
+    store(value, data + entry * lanes + lane);
+  }
+  PLUMB_INLINE void put3(T* data, std::size_t entry, const Vec<V>& value) const {
+    put(data, entry, value.x);
+    put(data, entry + 1, value.y);
+    put(data, entry + 2, value.z);
+  }
+};
+
+template <class V, class T>
+PLUMB_INLINE void add_below(const TreeView<T>& tree, const At<V, T>& at, std::size_t node,
+                            NodeBlock<V>& block) {
+  if (tree.below_slot[node] == no_slot) return;
+  const std::size_t f = tree.below_slot[node] * tree_fields::below;
+  block.rows.v0 = block.rows.v0 + at.get3(tree.below, f);
+  block.rows.v1 = block.rows.v1 + at.get3(tree.below, f + 3);
+  block.rows.v2 = block.rows.v2 + at.get3(tree.below, f + 6);
+  block.r = block.r + at.get3(tree.below, f + 9);
+  block.diagonal = block.diagonal + at.get(tree.below, f + 12);
+}
+template <class V, class T>
+PLUMB_INLINE void put_below(const TreeView<T>& tree, const At<V, T>& at, std::size_t node,
+                            const NodeBlock<V>& block) {
+  const std::size_t f = tree.below_slot[node] * tree_fields::below;
+  at.put3(tree.below, f, block.rows.v0);
+  at.put3(tree.below, f + 3, block.rows.v1);
+  at.put3(tree.below, f + 6, block.rows.v2);
+  at.put3(tree.below, f + 9, block.r);
+  at.put(tree.below, f + 12, block.diagonal);
+}
+
+template <class V>
+PLUMB_INLINE NodeBlock<V> empty_block() {
+  const V zero(0);
+  const Vec<V> none{zero, zero, zero};
+  return {{none, none, none}, none, zero};
+}
+
+/// A node with everything below it and its own pins eliminated: delta_i = q + H f for a force f from above.
+template <class V>
+struct Free {
+  Mat<V> h;  ///< columns
+  Vec<V> q;
+};
+
+template <bool linear, class V, class T>
+PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At<V, T>& at, std::size_t i, NodeBlock<V> block,
+                               const Vec<V>& delta, V theta) {
+  using namespace tree_fields;
+  for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+    if constexpr (!linear) {
+      const Vec<V> a = at.get3(tree.pin_rod, k * rod) + theta * (delta - at.get3(tree.pin_delta, 3 * k));
+      const V mu = at.get(tree.pin_mu, k);
+      block.r = block.r + mu * a - at.get(tree.pin, k * pin) * at.get3(tree.pin_delta, 3 * k);
+      block.diagonal = block.diagonal - theta * mu;
+    }
+  }
+  block.rows.v0.x = block.rows.v0.x + block.diagonal;
+  block.rows.v1.y = block.rows.v1.y + block.diagonal;
+  block.rows.v2.z = block.rows.v2.z + block.diagonal;
+  Free<V> node;
+  node.h = inverse(block.rows);
+  node.q = multiply(node.h, block.r);
+  const V size = (node.h.v0.x + node.h.v1.y) + node.h.v2.z;
+  for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+    const Vec<V> d = at.get3(tree.pin_rod, k * rod), e = delta - at.get3(tree.pin_delta, 3 * k);
+    Vec<V> a = d, b = d;
+    V c = dot(d, e);
+    if constexpr (!linear) {
+      a = d + theta * e;
+      b = d + e;
+      c = at.get(tree.pin_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
+    }
+    const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
+    const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.pin, k * pin + 1) * size) * dot(b, b));
+    const V rho = (V(0) - c - dot(b, node.q)) * over;
+    const Vec<V> y = over * w;
+    node.q = node.q + rho * u;
+    node.h = {node.h.v0 - y.x * u, node.h.v1 - y.y * u, node.h.v2 - y.z * u};
+    at.put3(tree.pin_elimination, k * pin_elimination, a);
+    at.put3(tree.pin_elimination, k * pin_elimination + 3, y);
+    at.put(tree.pin_elimination, k * pin_elimination + 6, rho);
+  }
+  return node;
+}
+
+/// Tips to root.
+template <bool linear, class V, class T>
+PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At<V, T>& at, V theta) {
+  using namespace tree_fields;
+  for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
+    at.put(tree.below, slot, V(0));
+  NodeBlock<V> carried = empty_block<V>();  // from i + 1 if i is its parent
+  for (std::size_t i = tree.nodes; i-- > 1;) {
+    const std::size_t p = tree.parent[i];
+    NodeBlock<V> block = carried;
+    add_below(tree, at, i, block);
+    const Vec<V> delta = at.get3(tree.delta, 3 * i), above = at.get3(tree.delta, 3 * p);
+    const Vec<V> d = at.get3(tree.rod, i * rod), e = delta - above;
+    const V coupling = at.get(tree.node, i * tree_fields::node + 1);
+    const V mass = at.get(tree.node, i * tree_fields::node);
+    block.diagonal = block.diagonal + mass;
+    Vec<V> a = d, b = d;
+    V c = dot(d, e), kappa = coupling, mu(0);
+    if constexpr (linear) {
+      block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 3 * i);
+    } else {
+      a = d + theta * e;
+      b = d + e;
+      c = at.get(tree.rod, i * rod + 3) + (c + V(T(0.5)) * dot(e, e));
+      mu = at.get(tree.mu, i);
+      kappa = coupling + theta * mu;
+      block.diagonal = block.diagonal - theta * mu;
+      block.r = block.r + (at.get3(tree.load, 3 * i) - mass * delta - coupling * above + mu * a);
+    }
+    if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
+      at.put3(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 7, a);
+      at.put(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 10, kappa);
+    }
+    const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
+    const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
+    const V size = (node.h.v0.x + node.h.v1.y) + node.h.v2.z;
+    const V over =
+        reciprocal_or_zero(dot(b, u), (at.get(tree.node, i * tree_fields::node + 2) * size) * dot(b, b));
+    const V rho = (V(0) - c - dot(b, node.q)) * over;
+    const Vec<V> n = over * (b + kappa * w);
+    const Vec<V> g = kappa * u + a;
+    const Vec<V> q = node.q + rho * u;
+
+    // delta_i = P delta_p + q with P = u n^T - kappa H, by columns.
+    const std::size_t f = i * elimination;
+    const Mat<V> kh{kappa * node.h.v0, kappa * node.h.v1, kappa * node.h.v2};
+    at.put3(tree.elimination, f, n.x * u - kh.v0);
+    at.put3(tree.elimination, f + 3, n.y * u - kh.v1);
+    at.put3(tree.elimination, f + 6, n.z * u - kh.v2);
+    at.put3(tree.elimination, f + 9, q);
+    at.put3(tree.elimination, f + 12, n);
+    at.put(tree.elimination, f + 15, rho);
+
+    NodeBlock<V> up;
+    up.rows.v0 = g.x * n - kappa * Vec<V>{kh.v0.x, kh.v1.x, kh.v2.x};
+    up.rows.v1 = g.y * n - kappa * Vec<V>{kh.v0.y, kh.v1.y, kh.v2.y};
+    up.rows.v2 = g.z * n - kappa * Vec<V>{kh.v0.z, kh.v1.z, kh.v2.z};
+    up.r = Vec<V>{V(0), V(0), V(0)} - rho * g - kappa * node.q;
+    up.diagonal = V(0);
+    if constexpr (!linear) {
+      up.r = up.r - (coupling * delta + mu * a);
+      up.diagonal = V(0) - theta * mu;
+    }
+    if (p + 1 == i) {
+      carried = up;
+    } else {
+      add_below(tree, at, p, up);
+      put_below(tree, at, p, up);
+      carried = empty_block<V>();
+    }
+  }
+  NodeBlock<V> block = carried;
+  add_below(tree, at, 0, block);
+  const Vec<V> delta = at.get3(tree.delta, 0);
+  const V mass = at.get(tree.node, 0);
+  block.diagonal = block.diagonal + mass;
+  if constexpr (linear) {
+    block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 0);
+  } else {
+    block.r = block.r + (at.get3(tree.load, 0) - mass * delta);
+  }
+  return free_node<linear>(tree, at, 0, block, delta, theta).q;
+}
+
+/// Multipliers of a node's pins, the last eliminated first. `f` is the force from above.
+template <class V, class T>
+PLUMB_INLINE void pull_pins(const TreeView<T>& tree, const At<V, T>& at, std::size_t i, Vec<V> f,
+                            const V& active) {
+  using namespace tree_fields;
+  for (std::size_t k = tree.pin_begin[i + 1]; k-- > tree.pin_begin[i];) {
+    const Vec<V> a = at.get3(tree.pin_elimination, k * pin_elimination);
+    const Vec<V> y = at.get3(tree.pin_elimination, k * pin_elimination + 3);
+    const V nu = at.get(tree.pin_elimination, k * pin_elimination + 6) - dot(y, f);
+    f = f + nu * a;
+    const V mu = at.get(tree.pin_mu, k);
+    at.put(tree.pin_mu, k, select_nonzero(active, mu + nu, mu));
+  }
+}
+
+/// Root to tips: adds the solution to delta and mu.
+template <bool linear, class V, class T>
+PLUMB_INLINE void substitute(const TreeView<T>& tree, const At<V, T>& at, const Vec<V>& root) {
+  using namespace tree_fields;
+  const V active = at.get(tree.active, 0);
+  const auto update = [&](std::size_t i, const Vec<V>& change) {
+    const Vec<V> old = at.get3(tree.delta, 3 * i), now = old + change;
+    at.put3(tree.delta, 3 * i,
+            {select_nonzero(active, now.x, old.x), select_nonzero(active, now.y, old.y),
+             select_nonzero(active, now.z, old.z)});
+    at.put3(tree.elimination, i * elimination + 9, change);  // where children with an other number find it
+  };
+  if constexpr (!linear) pull_pins(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active);
+  update(0, root);
+  V sum = dot(root, root);
+  Vec<V> last = root;
+  for (std::size_t i = 1; i < tree.nodes; ++i) {
+    const std::size_t p = tree.parent[i], f = i * elimination;
+    const Vec<V> above = p + 1 == i ? last : at.get3(tree.elimination, p * elimination + 9);
+    const Mat<V> columns{at.get3(tree.elimination, f), at.get3(tree.elimination, f + 3),
+                         at.get3(tree.elimination, f + 6)};
+    const Vec<V> change = at.get3(tree.elimination, f + 9) + multiply(columns, above);
+    if constexpr (!linear) {
+      const V nu = at.get(tree.elimination, f + 15) + dot(at.get3(tree.elimination, f + 12), above);
+      if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
+        const std::size_t first = tree.pin_begin[i] * pin_elimination;
+        pull_pins(
+            tree, at, i,
+            nu * at.get3(tree.pin_elimination, first + 7) - at.get(tree.pin_elimination, first + 10) * above,
+            active);
+      }
+      const V mu = at.get(tree.mu, i);
+      at.put(tree.mu, i, select_nonzero(active, mu + nu, mu));
+    }
+    sum = sum + dot(change, change);
+    update(i, change);
+    last = change;
+  }
+  at.put(tree.change, 0, sum);
+}
+
+template <class V, class T>
+PLUMB_INLINE void newton_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
+  const At<V, T> at{tree.lanes, lane};
+  const Vec<V> root = eliminate<false>(tree, at, V(theta));
+  substitute<false>(tree, at, root);
+}
+
+template <class V, class T>
+PLUMB_INLINE void project_lanes(const TreeView<T>& tree, std::size_t lane) {
+  const At<V, T> at{tree.lanes, lane};
+  const Vec<V> root = eliminate<true>(tree, at, V(0));
+  substitute<true>(tree, at, root);
+}
+
+template <class T>
+void prepare(const TreeView<T>& tree) {
+  using namespace tree_fields;
+  const std::size_t lanes = tree.lanes;
+  const auto set_rod = [&](const double* from, const double* to, double length2, T* out, std::size_t lane) {
+    const double dx = to[lane] - from[lane], dy = to[lane + lanes] - from[lane + lanes],
+                 dz = to[lane + 2 * lanes] - from[lane + 2 * lanes];
+    out[lane] = static_cast<T>(dx);
+    out[lane + lanes] = static_cast<T>(dy);
+    out[lane + 2 * lanes] = static_cast<T>(dz);
+    out[lane + 3 * lanes] = static_cast<T>(0.5 * (((dx * dx + dy * dy) + dz * dz) - length2));
+  };
+  for (std::size_t i = 0; i < tree.nodes; ++i) {
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const std::size_t at = (3 * i + k) * lanes + lane;
+        tree.load[at] = tree.ratio[lane] * (tree.node[node * i * lanes + lane] * tree.u[at]) +
+                        tree.kick[lane] * tree.force[at];
+      }
+    for (std::size_t pin_at = tree.pin_begin[i]; pin_at < tree.pin_begin[i + 1]; ++pin_at) {
+      for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+          tree.load[(3 * i + k) * lanes + lane] +=
+              tree.pin[pin * pin_at * lanes + lane] * tree.pin_u[(3 * pin_at + k) * lanes + lane];
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+        set_rod(tree.pin_x + 3 * pin_at * lanes, tree.x + 3 * i * lanes,
+                tree.pin_length2[pin_at * lanes + lane], tree.pin_rod + rod * pin_at * lanes, lane);
+    }
+    if (i == 0) continue;
+    const std::size_t p = tree.parent[i];
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+      set_rod(tree.x + 3 * p * lanes, tree.x + 3 * i * lanes, tree.length2[i * lanes + lane],
+              tree.rod + rod * i * lanes, lane);
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const std::size_t mine = (3 * i + k) * lanes + lane, above = (3 * p + k) * lanes + lane;
+        const T coupling = tree.ratio[lane] * tree.node[(node * i + 1) * lanes + lane];
+        tree.load[mine] += coupling * tree.u[above];
+        tree.load[above] += coupling * tree.u[mine];
+      }
+  }
+}
+
+}  // namespace
+}  // namespace plumb::simd

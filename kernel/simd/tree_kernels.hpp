@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+
+#include "plumb/settings.hpp"
+
+/// The innermost loops of the direct solve on trees: one Newton step on all rods of a tree at once, in time
+/// linear in their number, for one tree or for a logical vector of equal trees side by side in lanes.
+///
+/// A tree's nodes are its movable particles, numbered so that a parent comes before its children. Every node
+/// but the first has a rod to its parent; rods to fixed particles are pins of their node. All bodies do the
+/// same operations in the same order on every lane, so a tree moves alike in any lane, alone, and on any
+/// instruction set.
+namespace plumb::simd {
+
+/// Numbers per node or pin in the arrays of TreeView.
+namespace tree_fields {
+inline constexpr std::uint32_t node = 3;          ///< mass_ii; mass_ip to the parent; smallest pivot
+inline constexpr std::uint32_t pin = 2;           ///< mass_if to the fixed end; smallest pivot
+inline constexpr std::uint32_t rod = 4;           ///< x_i - x_p as x, y, z; C = (|x_i - x_p|^2 - L^2)/2
+inline constexpr std::uint32_t elimination = 16;  ///< delta_i = P delta_p + q; mu_i = rho + n.delta_p
+inline constexpr std::uint32_t pin_elimination =
+    11;                                     ///< a; y; rho; of the first of a node's pins: a, kappa of its rod
+inline constexpr std::uint32_t below = 13;  ///< three rows; r; a diagonal
+}  // namespace tree_fields
+
+inline constexpr std::uint32_t no_slot = 0xffffffff;
+
+/// A tree, or `lanes` of them. Every array holds `lanes` numbers for each entry. Lengths in m, masses in
+/// units of the tree's mean mass, multipliers mu in those units: a rod's end i is pulled by mu (d + theta
+/// (delta_i - delta_p)).
+template <class T>
+struct TreeView {
+  std::uint32_t nodes = 0;
+  std::uint32_t lanes = 1;
+  const std::uint32_t* parent = nullptr;     ///< per node; not read for node 0
+  const std::uint32_t* pin_begin = nullptr;  ///< nodes + 1, into the pins
+
+  const T* node = nullptr;
+  const T* pin = nullptr;
+  const double* length2 = nullptr;      ///< m^2, per node, of the rod to its parent
+  const double* pin_length2 = nullptr;  ///< m^2, per pin
+
+  double* x = nullptr;  ///< position, 3 per node; double, so that a float solve keeps its digits anywhere
+  T* u = nullptr;       ///< 3 per node: displacement of the last substep (gradient mid: its velocity times h)
+  const T* force = nullptr;  ///< 3 per node, divided by the unit of mass
+
+  const double* pin_x = nullptr;  ///< position of the fixed end, 3 per pin
+  const T* pin_delta = nullptr;   ///< its displacement in this substep, 3 per pin
+  const T* pin_u = nullptr;       ///< and in the one before, 3 per pin
+
+  const T* ratio = nullptr;  ///< per lane: how many times u goes into a substep
+  const T* kick = nullptr;   ///< per lane, s^2: how many times force does
+
+  T* delta = nullptr;  ///< displacement being solved for, 3 per node
+  T* mu = nullptr;     ///< multiplier per node; not read for node 0
+  T* pin_mu = nullptr;
+  T* load = nullptr;  ///< M u + kick, 3 per node
+  T* rod = nullptr;
+  T* pin_rod = nullptr;
+  T* elimination = nullptr;
+  T* pin_elimination = nullptr;
+  const std::uint32_t* below_slot =
+      nullptr;  ///< per node: where children other than the next add to its block
+  std::uint32_t below_slots = 0;
+  T* below = nullptr;
+  const T* active = nullptr;  ///< per lane: 1 to update it, 0 to leave it as it is
+  T* change = nullptr;        ///< per lane, out: sum over nodes of |change of delta|^2
+};
+
+template <class T>
+struct TreeKernels {
+  /// Rods, and load = ratio M u + kick force.
+  void (*prepare)(const TreeView<T>&);
+  /// One Newton step on M delta = load + sum mu (d + theta B delta), C(delta) = 0.
+  void (*newton)(const TreeView<T>&, T theta);
+  /// Moves delta, now taken as a velocity times a time, onto what no rod resists, adding what forces do:
+  /// M delta' = M delta + kick force + J^T lambda, J delta' = pin_delta at fixed ends. Exact in one call.
+  void (*project)(const TreeView<T>&);
+};
+
+extern const TreeKernels<float> tree_scalar_float, tree_sse2_float, tree_avx2_float, tree_avx512_float;
+extern const TreeKernels<double> tree_scalar_double, tree_sse2_double, tree_avx2_double, tree_avx512_double;
+
+/// The table for an instruction set that is_supported(). One tree alone (lanes = 1) is solved by the scalar
+/// one.
+template <class T>
+const TreeKernels<T>& tree_kernels(Isa isa);
+
+}  // namespace plumb::simd

@@ -1,0 +1,51 @@
+// One lane after the other: the oracle of the vector bodies, and the solver of a tree alone.
+#include <cmath>
+#include <cstddef>
+
+#include "tree_kernels.hpp"
+
+namespace plumb::simd {
+namespace {
+
+template <class V>
+inline V load(const V* from) {
+  return *from;
+}
+template <class V>
+inline void store(V value, V* to) {
+  *to = value;
+}
+/// a where `mask` is not 0, else b.
+template <class V>
+inline V select_nonzero(V mask, V a, V b) {
+  return mask != 0 ? a : b;
+}
+/// 1/s, or 0 if |s| is not above `floor`: a rod or pin that others make redundant then pulls nothing.
+template <class V>
+inline V reciprocal_or_zero(V s, V floor) {
+  return std::abs(s) > floor ? 1 / s : 0;
+}
+
+}  // namespace
+}  // namespace plumb::simd
+
+#include "tree_body.hpp"
+
+namespace plumb::simd {
+namespace {
+
+template <class T>
+void newton(const TreeView<T>& tree, T theta) {
+  for (std::size_t lane = 0; lane < tree.lanes; ++lane) newton_lanes<T>(tree, lane, theta);
+}
+template <class T>
+void project(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < tree.lanes; ++lane) project_lanes<T>(tree, lane);
+}
+
+}  // namespace
+
+constinit const TreeKernels<float> tree_scalar_float{prepare<float>, newton<float>, project<float>};
+constinit const TreeKernels<double> tree_scalar_double{prepare<double>, newton<double>, project<double>};
+
+}  // namespace plumb::simd

@@ -1,0 +1,9 @@
+#define PLUMB_ARCH xsimd::sse2
+#include "tree_vector.hpp"
+
+namespace plumb::simd {
+
+constinit const TreeKernels<float> tree_sse2_float{prepare<float>, newton<float>, project<float>};
+constinit const TreeKernels<double> tree_sse2_double{prepare<double>, newton<double>, project<double>};
+
+}  // namespace plumb::simd

@@ -1,0 +1,51 @@
+// Trees side by side in the lanes of one vector. Included once per instruction set with PLUMB_ARCH set to its
+// xsimd architecture and PLUMB_ISA to its name.
+#include <cstddef>
+#include <xsimd/xsimd.hpp>
+
+#include "tree_kernels.hpp"
+
+namespace plumb::simd {
+namespace {
+
+template <class T>
+using Batch = xsimd::batch<T, PLUMB_ARCH>;
+
+template <class V, class T>
+inline __attribute__((always_inline)) V load(const T* from) {
+  return V::load_aligned(from);
+}
+template <class T>
+inline __attribute__((always_inline)) void store(const Batch<T>& value, T* to) {
+  value.store_aligned(to);
+}
+template <class T>
+inline __attribute__((always_inline)) Batch<T> select_nonzero(const Batch<T>& mask, const Batch<T>& a,
+                                                              const Batch<T>& b) {
+  return xsimd::select(mask != Batch<T>(T(0)), a, b);
+}
+template <class T>
+inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>& s, const Batch<T>& floor) {
+  return xsimd::select(xsimd::abs(s) > floor, Batch<T>(T(1)) / s, Batch<T>(T(0)));
+}
+
+}  // namespace
+}  // namespace plumb::simd
+
+#include "tree_body.hpp"
+
+namespace plumb::simd {
+namespace {
+
+template <class T>
+void newton(const TreeView<T>& tree, T theta) {
+  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size)
+    newton_lanes<Batch<T>>(tree, lane, theta);
+}
+template <class T>
+void project(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size) project_lanes<Batch<T>>(tree, lane);
+}
+
+}  // namespace
+}  // namespace plumb::simd

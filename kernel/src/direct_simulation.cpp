@@ -1,0 +1,304 @@
+#include "direct_simulation.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <string>
+
+#include "plumb/error.hpp"
+#include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/trees.hpp"
+#include "refuse.hpp"
+#include "team.hpp"
+#include "tree_stepper.hpp"
+
+namespace plumb::detail {
+namespace {
+
+using layouts::lane_width;
+
+template <class T>
+class DirectSimulation final : public Simulation {
+ public:
+  DirectSimulation(const Scene& scene, const Settings& settings)
+      : settings_(settings),
+        isa_(settings.isa.value_or(best_isa())),
+        own_executor_(settings.executor || settings.threads == 1 ? nullptr
+                                                                 : make_tbb_executor(settings.threads)),
+        executor_(settings.executor ? settings.executor : own_executor_.get()),
+        team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
+        stepper_(gradient_of(settings), scene.drag, isa_),
+        places_(scene.particles.size()) {
+    for (const Particle& particle : scene.particles) {
+      fixed_.push_back(particle.fixed);
+      fixed_position_.push_back(particle.position);
+    }
+    pins_of_.resize(scene.particles.size());
+    make_groups(scene);
+    fill_info(scene);
+    set_initial_velocities(scene);
+  }
+
+  StepReport step(double dt) override {
+    const double h = dt / settings_.substeps;
+    DirectCounters counters;
+    start_anchors(dt);
+    team_.lead(uses_threads() ? executor_ : nullptr, [&] {
+      std::atomic<std::size_t> next{0};
+      team_.for_parts([&](unsigned part) {
+        for (std::size_t g; (g = next.fetch_add(1, std::memory_order_relaxed)) < groups_.size();)
+          advance(groups_[g], h, part, counters);
+      });
+    });
+    finish_anchors();
+    velocities_known_ = false;
+
+    StepReport report;
+    report.substeps = settings_.substeps;
+    report.tree_substeps = counters.substeps;
+    report.newton = counters.newton;
+    report.halvings = counters.halvings;
+    report.fallbacks = counters.fallbacks;
+    report.unsolved = counters.unsolved;
+    return report;
+  }
+
+  void set_stop_rule(const StopRule& rule) override { settings_.stop = rule; }
+  void set_weights(Weights weights) override { settings_.weights = weights; }
+
+  void set_force(std::uint32_t particle, Vec3 force) override {
+    const Place place = places_[particle];
+    groups_[place.group].state.set_force(place.node, place.lane, force);
+  }
+
+  void move_anchor(std::uint32_t particle, Vec3 target) override {
+    for (Anchor& anchor : anchors_)
+      if (anchor.particle == particle) {
+        anchor.target = target;
+        return;
+      }
+    anchors_.push_back({particle, target});
+  }
+
+  Vec3 position(std::uint32_t particle) const override {
+    if (fixed_[particle]) return fixed_position_[particle];
+    const Place place = places_[particle];
+    return groups_[place.group].state.position(place.node, place.lane);
+  }
+
+  Vec3 velocity(std::uint32_t particle) const override {
+    if (fixed_[particle]) return {};
+    find_velocities();
+    const Place place = places_[particle];
+    const Group& group = groups_[place.group];
+    const auto at = [&](std::uint32_t c) {
+      return static_cast<double>(group.velocity[group.state.at(3 * place.node + c, place.lane)]);
+    };
+    return {at(0), at(1), at(2)};
+  }
+
+  std::uint64_t state_hash() const override {
+    std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a, over the bits of every number in the scene's order
+    const auto add = [&](double value) {
+      const auto bits = std::bit_cast<std::uint64_t>(value);
+      for (unsigned byte = 0; byte < sizeof bits; ++byte)
+        hash = (hash ^ ((bits >> (8 * byte)) & 0xff)) * 0x100000001b3;
+    };
+    for (std::uint32_t i = 0; i < places_.size(); ++i) {
+      const Vec3 p = position(i);
+      for (const double value : {p.x, p.y, p.z}) add(value);
+      if (fixed_[i]) continue;
+      const TreeState<T>& state = groups_[places_[i].group].state;
+      for (std::uint32_t c = 0; c < 3; ++c)
+        add(static_cast<double>(state.u[state.at(3 * places_[i].node + c, places_[i].lane)]));
+    }
+    return hash;
+  }
+
+  const WorldInfo& info() const override { return info_; }
+
+ private:
+  struct Group {
+    TreeState<T> state;
+    std::uint32_t trees;
+    std::size_t kind;  ///< of topology, into kinds_
+    layouts::AlignedBuffer<T> velocity;
+    bool anchors_changed = false;
+  };
+  /// What each thread needs for one topology.
+  struct Crew {
+    TreeWorkspace<T> work;
+    TreeState<T> alone;
+    TreeWorkspace<T> alone_work;
+  };
+  struct Place {
+    std::uint32_t group = 0, node = 0, lane = 0;
+  };
+  struct Anchor {
+    std::uint32_t particle;
+    Vec3 target;
+  };
+
+  // --- Compiling
+
+  void make_groups(const Scene& scene) {
+    std::vector<layouts::Edge> edges;
+    for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
+    std::vector<std::uint8_t> movable;
+    for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
+    const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
+    const layouts::Islands islands = layouts::find_islands(graph);
+    info_.islands = islands.count();
+    for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
+      const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
+      const auto tree = layouts::find_tree(local.view());
+      if (!tree)
+        throw NotBuiltError("method direct: particle " +
+                            std::to_string(islands.vertices(equal.front()).front()) +
+                            " is part of a loop of rods; only trees are built yet");
+      add_kind(scene, islands, equal, *tree);
+    }
+  }
+
+  void add_kind(const Scene& scene, const layouts::Islands& islands, const std::vector<std::uint32_t>& equal,
+                const layouts::Tree& tree) {
+    const auto count = static_cast<std::uint32_t>(equal.size());
+    // With fewer trees than this a whole vector would cost more than one after the other.
+    const std::uint32_t lanes = count * 4 >= lane_width<T> ? lane_width<T> : 1;
+    const auto topology = std::make_shared<const TreeTopology>(tree);
+    const std::size_t kind = crews_.size();
+    std::vector<Crew>& crews = crews_.emplace_back();
+    for (unsigned part = 0; part < team_.size(); ++part)
+      crews.push_back(
+          {TreeWorkspace<T>(*topology, lanes), TreeState<T>(topology, 1), TreeWorkspace<T>(*topology, 1)});
+    for (std::uint32_t first = 0; first < count; first += lanes) {
+      const std::uint32_t trees = std::min(lanes, count - first);
+      const auto g = static_cast<std::uint32_t>(groups_.size());
+      Group& group = groups_.emplace_back(Group{TreeState<T>(topology, lanes), trees, kind, {}});
+      group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
+      for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+        // Lanes without a tree repeat the last one; nobody looks at them.
+        const std::uint32_t island = equal[first + std::min(lane, trees - 1)];
+        const TreeMembers members{islands.vertices(island), islands.edges(island)};
+        group.state.fill_lane(lane, scene, mass_model_of(settings_), tree, members);
+        if (lane >= trees) continue;
+        for (std::uint32_t i = 0; i < tree.nodes(); ++i) {
+          places_[members.vertices[tree.vertex[i]]] = {g, i, lane};
+          for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
+            pins_of_[members.vertices[tree.pins[k].vertex]].push_back({g, k, lane});
+        }
+      }
+    }
+  }
+
+  void fill_info(const Scene& scene) {
+    info_.particles = static_cast<std::uint32_t>(scene.particles.size());
+    info_.rods = static_cast<std::uint32_t>(scene.rods.size());
+    info_.isa = isa_;
+    info_.threads = team_.size();
+    info_.parallel = uses_threads();
+    info_.skipped_drag = scene.drag == 0;
+  }
+
+  void set_initial_velocities(const Scene& scene) {
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+      if (fixed_[i]) continue;
+      const Place place = places_[i];
+      TreeState<T>& state = groups_[place.group].state;
+      const Vec3 v = scene.particles[i].velocity;
+      const double velocity[3] = {v.x, v.y, v.z};
+      for (std::uint32_t c = 0; c < 3; ++c)
+        state.u[state.at(3 * place.node + c, place.lane)] = static_cast<T>(velocity[c]);
+    }
+    for (Group& group : groups_) stepper_.project_velocities(group.state, crews_[group.kind][0].work);
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+      if (!fixed_[i])
+        info_.projected_velocity =
+            std::max(info_.projected_velocity, norm(velocity(i) - scene.particles[i].velocity));
+  }
+
+  // --- Stepping
+
+  bool uses_threads() const { return team_.size() > 1 && groups_.size() > 1; }
+
+  void advance(Group& group, double h, unsigned part, DirectCounters& counters) {
+    Crew& crew = crews_[group.kind][part];
+    if (group.anchors_changed && gradient_of(settings_) == Gradient::mid)
+      stepper_.project_velocities(group.state, crew.work);
+    for (std::uint32_t i = 0; i < settings_.substeps; ++i)
+      stepper_.advance(group.state, group.trees, h, crew.work, crew.alone, crew.alone_work, counters);
+  }
+
+  /// Gives fixed ends the velocity that takes them to their targets in `dt`.
+  void start_anchors(double dt) {
+    for (Group& group : groups_) group.anchors_changed = false;
+    for (const Anchor& anchor : anchors_)
+      for (const Place& place : pins_of_[anchor.particle]) {
+        Group& group = groups_[place.group];
+        group.state.pin_velocity[group.state.at(place.node, place.lane)] =
+            (1 / dt) * (anchor.target - fixed_position_[anchor.particle]);
+        group.state.pins_move = true;
+      }
+    for (Group& group : groups_) {
+      if (!group.state.pins_move) continue;
+      group.anchors_changed = group.state.pin_velocity != group.state.pin_last_velocity;
+    }
+  }
+
+  void finish_anchors() {
+    for (Group& group : groups_) {
+      TreeState<T>& state = group.state;
+      if (!state.pins_move) continue;
+      state.pins_move = std::any_of(state.pin_velocity.begin(), state.pin_velocity.end(),
+                                    [](Vec3 v) { return v != Vec3{}; });
+      state.pin_last_velocity = state.pin_velocity;
+      std::fill(state.pin_velocity.begin(), state.pin_velocity.end(), Vec3{});
+    }
+    for (const Anchor& anchor : anchors_) {
+      fixed_position_[anchor.particle] = anchor.target;
+      for (const Place& place : pins_of_[anchor.particle]) {
+        TreeState<T>& state = groups_[place.group].state;
+        const double at[3] = {anchor.target.x, anchor.target.y, anchor.target.z};
+        for (std::uint32_t c = 0; c < 3; ++c) state.pin_x[state.at(3 * place.node + c, place.lane)] = at[c];
+      }
+    }
+    anchors_.clear();
+  }
+
+  void find_velocities() const {
+    if (velocities_known_) return;
+    for (Group& group : groups_) {
+      TreeWorkspace<T>& work = crews_[group.kind][0].work;
+      stepper_.find_velocities(group.state, work);
+      std::copy_n(work.delta.data(), group.velocity.size(), group.velocity.data());
+    }
+    velocities_known_ = true;
+  }
+
+  Settings settings_;
+  Isa isa_;
+  std::unique_ptr<Executor> own_executor_;
+  Executor* executor_;
+  Team team_;
+  TreeStepper<T> stepper_;
+  mutable std::vector<Group> groups_;
+  mutable std::vector<std::vector<Crew>> crews_;  ///< per topology and thread
+  mutable bool velocities_known_ = false;
+  std::vector<Place> places_;                ///< of movable particles
+  std::vector<std::vector<Place>> pins_of_;  ///< of fixed ones; node is the pin
+  std::vector<std::uint8_t> fixed_;
+  std::vector<Vec3> fixed_position_;
+  std::vector<Anchor> anchors_;
+  WorldInfo info_;
+};
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_direct_simulation(const Scene& scene, const Settings& settings) {
+  if (settings.precision == Precision::single)
+    return std::make_unique<DirectSimulation<float>>(scene, settings);
+  return std::make_unique<DirectSimulation<double>>(scene, settings);
+}
+
+}  // namespace plumb::detail

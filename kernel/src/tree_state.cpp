@@ -1,0 +1,216 @@
+#include "tree_state.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace plumb::detail {
+namespace {
+
+using layouts::AlignedBuffer;
+using namespace simd;
+
+/// A pivot below this, relative to what it is made of, is rounding: pins make the rod redundant.
+template <class T>
+constexpr T smallest_pivot = 64 * std::numeric_limits<T>::epsilon();
+
+template <class B>
+void copy_entries(B& to, std::uint32_t to_lanes, std::uint32_t to_lane, const B& from,
+                  std::uint32_t from_lanes, std::uint32_t from_lane) {
+  for (std::size_t i = 0; i * to_lanes < to.size(); ++i)
+    to[i * to_lanes + to_lane] = from[i * from_lanes + from_lane];
+}
+
+}  // namespace
+
+TreeTopology::TreeTopology(const layouts::Tree& tree)
+    : nodes(tree.nodes()),
+      pins(static_cast<std::uint32_t>(tree.pins.size())),
+      parent(tree.parent),
+      pin_begin(tree.pin_begin),
+      below_slot(nodes, no_slot),
+      holds_pins(nodes, 0) {
+  for (std::uint32_t i = nodes; i-- > 0;) {
+    if (pin_begin[i] != pin_begin[i + 1]) holds_pins[i] = 1;
+    if (i == 0) break;
+    if (holds_pins[i]) holds_pins[parent[i]] = 1;
+    if (parent[i] + 1 != i && below_slot[parent[i]] == no_slot) below_slot[parent[i]] = below_slots++;
+  }
+}
+
+template <class T>
+TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t width)
+    : topology(std::move(shape)), lanes(width) {
+  const std::size_t n = std::size_t{topology->nodes} * lanes, p = std::size_t{topology->pins} * lanes;
+  node = AlignedBuffer<T>(tree_fields::node * n);
+  pin = AlignedBuffer<T>(tree_fields::pin * p);
+  u = AlignedBuffer<T>(3 * n);
+  force = AlignedBuffer<T>(3 * n);
+  pin_delta = AlignedBuffer<T>(3 * p);
+  pin_u = AlignedBuffer<T>(3 * p);
+  mu = AlignedBuffer<T>(n);
+  pin_mu = AlignedBuffer<T>(p);
+  length2 = AlignedBuffer<double>(n);
+  pin_length2 = AlignedBuffer<double>(p);
+  x = AlignedBuffer<double>(3 * n);
+  pin_x = AlignedBuffer<double>(3 * p);
+  weight = AlignedBuffer<double>(3 * n);
+  mass_unit.assign(lanes, 1);
+  scale2.assign(lanes, 1);
+  pin_velocity.assign(p, {});
+  pin_last_velocity.assign(p, {});
+  u_step.assign(lanes, 0);
+  mu_kick.assign(lanes, 0);
+}
+
+template <class T>
+void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel model,
+                             const layouts::Tree& tree, const TreeMembers& members) {
+  const std::uint32_t nodes = tree.nodes();
+  std::vector<double> mass(nodes), first_moment(nodes), coupling(nodes), pin_coupling(tree.pins.size());
+  const auto put = [&](AlignedBuffer<double>& to, std::uint32_t first, Vec3 v) {
+    to[at(first, lane)] = v.x;
+    to[at(first + 1, lane)] = v.y;
+    to[at(first + 2, lane)] = v.z;
+  };
+  /// The rod of local edge `e`, with `vertex` (local) as its own end.
+  const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples) {
+    const std::uint32_t rod = members.edges[e];
+    const RodMass m = rod_mass(scene, rod, model);
+    const double own = scene.rods[rod].a == members.vertices[vertex] ? m.aa : m.bb;
+    mass[i] += own;
+    first_moment[i] += own + m.ab;
+    couples = m.ab;
+    return rod_length(scene, rod) * rod_length(scene, rod);
+  };
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    const Particle& particle = scene.particles[members.vertices[tree.vertex[i]]];
+    put(x, 3 * i, particle.position);
+    mass[i] += particle.mass;
+    first_moment[i] += particle.mass;
+    for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+      pin_length2[at(k, lane)] = add_rod(tree.pins[k].edge, tree.vertex[i], i, pin_coupling[k]);
+      put(pin_x, 3 * k, scene.particles[members.vertices[tree.pins[k].vertex]].position);
+    }
+    if (i == 0) continue;
+    const std::uint32_t p = tree.parent[i];
+    length2[at(i, lane)] = add_rod(tree.edge[i], tree.vertex[i], i, coupling[i]);
+    double same;
+    add_rod(tree.edge[i], tree.vertex[p], p, same);
+  }
+  double total = 0;
+  for (const double m : first_moment) total += m;
+  const double unit = total / nodes;
+  mass_unit[lane] = unit;
+  double sum = 0;
+  for (std::uint32_t i = 1; i < nodes; ++i) sum += length2[at(i, lane)];
+  for (std::uint32_t k = 0; k < topology->pins; ++k) sum += pin_length2[at(k, lane)];
+  const std::uint32_t rods = nodes - 1 + topology->pins;
+  scale2[lane] = rods > 0 ? sum / rods : 1;
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    const T floor = topology->holds_pins[i] ? smallest_pivot<T> : T(0);
+    node[at(tree_fields::node * i, lane)] = static_cast<T>(mass[i] / unit);
+    node[at(tree_fields::node * i + 1, lane)] = static_cast<T>(coupling[i] / unit);
+    node[at(tree_fields::node * i + 2, lane)] = floor;
+    put(weight, 3 * i, first_moment[i] * scene.gravity);
+    set_force(i, lane, {});
+    for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+      pin[at(tree_fields::pin * k, lane)] = static_cast<T>(pin_coupling[k] / unit);
+      pin[at(tree_fields::pin * k + 1, lane)] = floor;
+    }
+  }
+}
+
+template <class T>
+void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uint32_t from_lane) {
+  const auto copy = [&](auto& to, const auto& source) {
+    copy_entries(to, lanes, lane, source, from.lanes, from_lane);
+  };
+  copy(node, from.node);
+  copy(pin, from.pin);
+  copy(u, from.u);
+  copy(force, from.force);
+  copy(pin_delta, from.pin_delta);
+  copy(pin_u, from.pin_u);
+  copy(mu, from.mu);
+  copy(pin_mu, from.pin_mu);
+  copy(length2, from.length2);
+  copy(pin_length2, from.pin_length2);
+  copy(x, from.x);
+  copy(pin_x, from.pin_x);
+  copy(weight, from.weight);
+  copy(pin_velocity, from.pin_velocity);
+  copy(pin_last_velocity, from.pin_last_velocity);
+  pins_move = from.pins_move;
+  mass_unit[lane] = from.mass_unit[from_lane];
+  scale2[lane] = from.scale2[from_lane];
+  u_step[lane] = from.u_step[from_lane];
+  mu_kick[lane] = from.mu_kick[from_lane];
+}
+
+template <class T>
+Vec3 TreeState<T>::position(std::uint32_t i, std::uint32_t lane) const {
+  return {x[at(3 * i, lane)], x[at(3 * i + 1, lane)], x[at(3 * i + 2, lane)]};
+}
+
+template <class T>
+void TreeState<T>::set_force(std::uint32_t i, std::uint32_t lane, Vec3 newton) {
+  const double f[3] = {newton.x, newton.y, newton.z};
+  for (std::uint32_t c = 0; c < 3; ++c)
+    force[at(3 * i + c, lane)] = static_cast<T>((weight[at(3 * i + c, lane)] + f[c]) / mass_unit[lane]);
+}
+
+template <class T>
+TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes) {
+  const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.pins} * lanes;
+  for (auto* buffer : {&delta, &load}) *buffer = AlignedBuffer<T>(3 * n);
+  rod = AlignedBuffer<T>(tree_fields::rod * n);
+  pin_rod = AlignedBuffer<T>(tree_fields::rod * p);
+  elimination = AlignedBuffer<T>(tree_fields::elimination * n);
+  pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
+  below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
+  for (auto* buffer : {&active, &change, &ratio, &kick}) *buffer = AlignedBuffer<T>(lanes);
+  failed.assign(lanes, 0);
+  mu_start = AlignedBuffer<T>(n);
+  pin_mu_start = AlignedBuffer<T>(p);
+}
+
+template <class T>
+simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
+  const TreeTopology& shape = *state.topology;
+  return {.nodes = shape.nodes,
+          .lanes = state.lanes,
+          .parent = shape.parent.data(),
+          .pin_begin = shape.pin_begin.data(),
+          .node = state.node.data(),
+          .pin = state.pin.data(),
+          .length2 = state.length2.data(),
+          .pin_length2 = state.pin_length2.data(),
+          .x = state.x.data(),
+          .u = state.u.data(),
+          .force = state.force.data(),
+          .pin_x = state.pin_x.data(),
+          .pin_delta = state.pin_delta.data(),
+          .pin_u = state.pin_u.data(),
+          .ratio = ratio.data(),
+          .kick = kick.data(),
+          .delta = delta.data(),
+          .mu = state.mu.data(),
+          .pin_mu = state.pin_mu.data(),
+          .load = load.data(),
+          .rod = rod.data(),
+          .pin_rod = pin_rod.data(),
+          .elimination = elimination.data(),
+          .pin_elimination = pin_elimination.data(),
+          .below_slot = shape.below_slot.data(),
+          .below_slots = shape.below_slots,
+          .below = below.data(),
+          .active = active.data(),
+          .change = change.data()};
+}
+
+template struct TreeState<float>;
+template struct TreeState<double>;
+template struct TreeWorkspace<float>;
+template struct TreeWorkspace<double>;
+
+}  // namespace plumb::detail

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/trees.hpp"
+#include "plumb/scene.hpp"
+#include "tree_kernels.hpp"
+
+namespace plumb::detail {
+
+/// What equal trees share: who hangs from whom.
+struct TreeTopology {
+  explicit TreeTopology(const layouts::Tree& tree);
+
+  std::uint32_t nodes, pins;
+  std::vector<std::uint32_t> parent, pin_begin, below_slot;
+  std::uint32_t below_slots = 0;
+  std::vector<std::uint8_t> holds_pins;  ///< per node: whether it or something below it is pinned
+};
+
+/// Which particles and rods of the scene a tree is made of.
+struct TreeMembers {
+  std::span<const std::uint32_t> vertices;  ///< the island's, as its tree numbers them
+  std::span<const std::uint32_t> edges;
+};
+
+/// The numbers of `lanes` equal trees that outlive a step. See simd::TreeView.
+///
+/// `u` is a velocity (m/s) in lanes whose `u_step` is 0, which is how every tree begins and how gradient mid
+/// keeps it, and otherwise the displacement of the last substep, of length u_step (s).
+template <class T>
+struct TreeState {
+  TreeState(std::shared_ptr<const TreeTopology> topology, std::uint32_t lanes);
+
+  /// Puts a tree of the scene, at rest, into a lane.
+  void fill_lane(std::uint32_t lane, const Scene& scene, MassModel model, const layouts::Tree& tree,
+                 const TreeMembers& members);
+  void copy_lane(std::uint32_t lane, const TreeState& from, std::uint32_t from_lane);
+
+  std::size_t at(std::uint32_t entry, std::uint32_t lane) const { return std::size_t{entry} * lanes + lane; }
+  Vec3 position(std::uint32_t node, std::uint32_t lane) const;
+  void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);
+
+  std::shared_ptr<const TreeTopology> topology;
+  std::uint32_t lanes;
+  layouts::AlignedBuffer<T> node, pin, u, force, pin_delta, pin_u, mu, pin_mu;
+  layouts::AlignedBuffer<double> length2, pin_length2, x, pin_x, weight;  ///< weight: gravity per node, N
+  std::vector<double> mass_unit;                      ///< kg, per lane
+  std::vector<double> scale2;                         ///< m^2, per lane: mean squared length of a rod
+  std::vector<double> u_step;                         ///< s, per lane
+  std::vector<double> mu_kick;                        ///< s^2, per lane: the kick when mu was found; 0: not yet
+  std::vector<Vec3> pin_velocity, pin_last_velocity;  ///< m/s, per pin and lane: of fixed ends that move
+  bool pins_move = false;
+};
+
+/// What a thread needs while it steps trees; reused from one to the next, so that it stays in its cache.
+template <class T>
+struct TreeWorkspace {
+  TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes);
+
+  simd::TreeView<T> view(TreeState<T>& state);
+
+  layouts::AlignedBuffer<T> delta, load, rod, pin_rod, elimination, pin_elimination, below, active, change,
+      ratio, kick, mu_start, pin_mu_start;
+  std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
+};
+
+}  // namespace plumb::detail

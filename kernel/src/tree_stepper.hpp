@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "plumb/settings.hpp"
+#include "tree_state.hpp"
+
+namespace plumb::detail {
+
+/// Counts of a step, added to from several threads; substeps and iterations per tree.
+struct DirectCounters {
+  std::atomic<std::uint64_t> substeps{0}, newton{0}, halvings{0}, fallbacks{0}, unsolved{0};
+};
+
+/// Advances trees by substeps in which all rods of a tree are solved at once by Newton's method.
+///
+/// With C = (|x_b - x_a|^2 - L^2)/2 for every rod and m = d + theta (change of d) the directions of its
+/// force,
+///
+///   M delta = load + sum over rods of mu m,    C(x + delta) = 0
+///
+/// theta 0 is SHAKE (Ryckaert, Ciccotti, Berendsen 1977; load = M u + h^2 f), theta 1/2 the energy-momentum
+/// scheme (Simo, Tarnow 1992; Gonzalez 2000; load = h M v + h^2/2 f, v_new = 2 delta/h - v), theta 1 the
+/// exact limit of the thesis's projection (eq. 4.5-4.7).
+///
+/// Where Newton fails, the tree is put back and takes two steps of half the length, and so on; what still
+/// fails at the shortest length is tried with theta 1, which is the hardest to break; if even that fails the
+/// tree stays where it was, and is counted.
+template <class T>
+class TreeStepper {
+ public:
+  TreeStepper(Gradient gradient, double drag, Isa isa);
+
+  /// One substep of every active tree of a state.
+  void advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
+               TreeState<T>& alone, TreeWorkspace<T>& alone_work, DirectCounters& counters) const;
+
+  /// Takes from u, which must hold velocities, what pulls on rods.
+  void project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
+
+  /// Velocities of all lanes at the end of the last substep (m/s) into work.delta. Those of gradient old fit
+  /// the rods (RATTLE, Andersen 1983).
+  void find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
+
+ private:
+  struct Coefficients;
+  Coefficients coefficients(const TreeState<T>& state, std::uint32_t lane, double h, Gradient gradient) const;
+  void begin(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
+             TreeWorkspace<T>& work) const;
+  /// Newton until every lane has converged or failed; says whether all converged.
+  bool solve(TreeState<T>& state, std::uint32_t trees, Gradient gradient, TreeWorkspace<T>& work,
+             DirectCounters& counters) const;
+  void accept(TreeState<T>& state, std::uint32_t lane, double h, Gradient gradient,
+              TreeWorkspace<T>& work) const;
+  void restore(TreeState<T>& state, std::uint32_t lane, TreeWorkspace<T>& work) const;
+  bool advance_alone(TreeState<T>& state, double h, int depth, TreeWorkspace<T>& work,
+                     DirectCounters& counters) const;
+  void project(TreeState<T>& state, TreeWorkspace<T>& work) const;
+  const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
+
+  Gradient gradient_;
+  double drag_;
+  const simd::TreeKernels<T>& vector_;
+  const simd::TreeKernels<T>& scalar_;
+};
+
+}  // namespace plumb::detail
