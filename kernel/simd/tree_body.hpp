@@ -338,14 +338,23 @@ void prepare(const TreeView<T>& tree) {
     out[lane + 2 * lanes] = static_cast<T>(dz);
     out[lane + 3 * lanes] = static_cast<T>(0.5 * (((dx * dx + dy * dy) + dz * dz) - length2));
   };
+  const auto guess = [&](T* mu, T* mu_start) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      mu_start[lane] = mu[lane];
+      mu[lane] = tree.mu_scale[lane] * mu[lane];
+    }
+  };
   for (std::size_t i = 0; i < tree.nodes; ++i) {
+    guess(tree.mu + i * lanes, tree.mu_start + i * lanes);
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         const std::size_t at = (3 * i + k) * lanes + lane;
+        tree.delta[at] = tree.ratio[lane] * tree.u[at] + tree.guess[lane] * tree.acceleration[at];
         tree.load[at] = tree.ratio[lane] * (tree.node[node * i * lanes + lane] * tree.u[at]) +
                         tree.kick[lane] * tree.force[at];
       }
     for (std::size_t pin_at = tree.pin_begin[i]; pin_at < tree.pin_begin[i + 1]; ++pin_at) {
+      guess(tree.pin_mu + pin_at * lanes, tree.pin_mu_start + pin_at * lanes);
       for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t lane = 0; lane < lanes; ++lane)
           tree.load[(3 * i + k) * lanes + lane] +=
@@ -367,6 +376,25 @@ void prepare(const TreeView<T>& tree) {
         tree.load[above] += coupling * tree.u[mine];
       }
   }
+}
+
+template <class T>
+void advance(const TreeView<T>& tree) {
+  const std::size_t lanes = tree.lanes;
+  for (std::size_t lane = 0; lane < lanes; ++lane) tree.push[lane] = tree.jolt[lane] = 0;
+  for (std::size_t i = 0; i < 3 * tree.nodes; ++i)
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t at = i * lanes + lane;
+      const bool active = tree.active[lane] != 0;
+      const T delta = tree.delta[at], before = tree.ratio[lane] * tree.u[at];
+      const T acceleration = tree.inverse_kick[lane] * (delta - before);
+      const T change = acceleration - tree.acceleration[at];
+      tree.push[lane] += acceleration * acceleration;
+      tree.jolt[lane] += change * change;
+      tree.x[at] += active ? static_cast<double>(delta) : 0;
+      tree.u[at] = active ? tree.u_delta[lane] * delta - tree.u_before[lane] * before : tree.u[at];
+      tree.acceleration[at] = active ? acceleration : tree.acceleration[at];
+    }
 }
 
 }  // namespace

@@ -49,12 +49,26 @@ struct TreeView {
   const T* pin_delta = nullptr;   ///< its displacement in this substep, 3 per pin
   const T* pin_u = nullptr;       ///< and in the one before, 3 per pin
 
-  const T* ratio = nullptr;  ///< per lane: how many times u goes into a substep
-  const T* kick = nullptr;   ///< per lane, s^2: how many times force does
+  T* acceleration = nullptr;  ///< 3 per node, of the last substep, rods included (m/s^2)
+
+  // Per lane:
+  const T* ratio = nullptr;  ///< how many times u goes into a substep
+  const T* kick = nullptr;   ///< s^2: how many times force does
+  const T* guess = nullptr;  ///< s^2: how many times the last acceleration goes into the first guess of delta
+  const T* mu_scale = nullptr;  ///< what the last multipliers are taken times, as a first guess
+  const T* u_delta = nullptr;   ///< u becomes u_delta delta - u_before ratio u
+  const T* u_before = nullptr;
+  const T* inverse_kick = nullptr;  ///< 1/s^2
+  const T* active = nullptr;        ///< 1 to update a lane, 0 to leave it as it is
+  T* change = nullptr;              ///< out: sum over nodes of |change of delta|^2
+  T* push = nullptr;                ///< out: sum over nodes of |acceleration|^2
+  T* jolt = nullptr;                ///< out: sum over nodes of |change of acceleration|^2
 
   T* delta = nullptr;  ///< displacement being solved for, 3 per node
   T* mu = nullptr;     ///< multiplier per node; not read for node 0
   T* pin_mu = nullptr;
+  T* mu_start = nullptr;  ///< as it was before the substep
+  T* pin_mu_start = nullptr;
   T* load = nullptr;  ///< M u + kick, 3 per node
   T* rod = nullptr;
   T* pin_rod = nullptr;
@@ -64,16 +78,16 @@ struct TreeView {
       nullptr;  ///< per node: where children other than the next add to its block
   std::uint32_t below_slots = 0;
   T* below = nullptr;
-  const T* active = nullptr;  ///< per lane: 1 to update it, 0 to leave it as it is
-  T* change = nullptr;        ///< per lane, out: sum over nodes of |change of delta|^2
 };
 
 template <class T>
 struct TreeKernels {
-  /// Rods, and load = ratio M u + kick force.
+  /// Begins a substep: load = ratio M u + kick force, a first guess of delta and mu, rods.
   void (*prepare)(const TreeView<T>&);
   /// One Newton step on M delta = load + sum mu (d + theta B delta), C(delta) = 0.
   void (*newton)(const TreeView<T>&, T theta);
+  /// Ends it: moves x and u of active lanes, keeps their acceleration.
+  void (*advance)(const TreeView<T>&);
   /// Moves delta, now taken as a velocity times a time, onto what no rod resists, adding what forces do:
   /// M delta' = M delta + kick force + J^T lambda, J delta' = pin_delta at fixed ends. Exact in one call.
   void (*project)(const TreeView<T>&);

@@ -45,7 +45,9 @@ void project(const TreeView<T>& tree) {
 
 }  // namespace
 
-constinit const TreeKernels<float> tree_scalar_float{prepare<float>, newton<float>, project<float>};
-constinit const TreeKernels<double> tree_scalar_double{prepare<double>, newton<double>, project<double>};
+constinit const TreeKernels<float> tree_scalar_float{prepare<float>, newton<float>, advance<float>,
+                                                     project<float>};
+constinit const TreeKernels<double> tree_scalar_double{prepare<double>, newton<double>, advance<double>,
+                                                       project<double>};
 
 }  // namespace plumb::simd

@@ -271,7 +271,7 @@ class DirectSimulation final : public Simulation {
     for (Group& group : groups_) {
       TreeWorkspace<T>& work = crews_[group.kind][0].work;
       stepper_.find_velocities(group.state, work);
-      std::copy_n(work.delta.data(), group.velocity.size(), group.velocity.data());
+      std::copy_n(work.velocity.data(), group.velocity.size(), group.velocity.data());
     }
     velocities_known_ = true;
   }

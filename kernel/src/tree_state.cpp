@@ -44,6 +44,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   node = AlignedBuffer<T>(tree_fields::node * n);
   pin = AlignedBuffer<T>(tree_fields::pin * p);
   u = AlignedBuffer<T>(3 * n);
+  acceleration = AlignedBuffer<T>(3 * n);
   force = AlignedBuffer<T>(3 * n);
   pin_delta = AlignedBuffer<T>(3 * p);
   pin_u = AlignedBuffer<T>(3 * p);
@@ -60,6 +61,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   pin_last_velocity.assign(p, {});
   u_step.assign(lanes, 0);
   mu_kick.assign(lanes, 0);
+  smooth.assign(lanes, 0);
 }
 
 template <class T>
@@ -128,6 +130,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(node, from.node);
   copy(pin, from.pin);
   copy(u, from.u);
+  copy(acceleration, from.acceleration);
   copy(force, from.force);
   copy(pin_delta, from.pin_delta);
   copy(pin_u, from.pin_u);
@@ -145,6 +148,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   scale2[lane] = from.scale2[from_lane];
   u_step[lane] = from.u_step[from_lane];
   mu_kick[lane] = from.mu_kick[from_lane];
+  smooth[lane] = from.smooth[from_lane];
 }
 
 template <class T>
@@ -162,13 +166,15 @@ void TreeState<T>::set_force(std::uint32_t i, std::uint32_t lane, Vec3 newton) {
 template <class T>
 TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes) {
   const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.pins} * lanes;
-  for (auto* buffer : {&delta, &load}) *buffer = AlignedBuffer<T>(3 * n);
+  for (auto* buffer : {&delta, &velocity, &load}) *buffer = AlignedBuffer<T>(3 * n);
   rod = AlignedBuffer<T>(tree_fields::rod * n);
   pin_rod = AlignedBuffer<T>(tree_fields::rod * p);
   elimination = AlignedBuffer<T>(tree_fields::elimination * n);
   pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
-  for (auto* buffer : {&active, &change, &ratio, &kick}) *buffer = AlignedBuffer<T>(lanes);
+  for (auto* buffer :
+       {&active, &change, &ratio, &kick, &guess, &mu_scale, &u_delta, &u_before, &inverse_kick, &push, &jolt})
+    *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   mu_start = AlignedBuffer<T>(n);
   pin_mu_start = AlignedBuffer<T>(p);
@@ -191,11 +197,23 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .pin_x = state.pin_x.data(),
           .pin_delta = state.pin_delta.data(),
           .pin_u = state.pin_u.data(),
+          .acceleration = state.acceleration.data(),
           .ratio = ratio.data(),
           .kick = kick.data(),
+          .guess = guess.data(),
+          .mu_scale = mu_scale.data(),
+          .u_delta = u_delta.data(),
+          .u_before = u_before.data(),
+          .inverse_kick = inverse_kick.data(),
+          .active = active.data(),
+          .change = change.data(),
+          .push = push.data(),
+          .jolt = jolt.data(),
           .delta = delta.data(),
           .mu = state.mu.data(),
           .pin_mu = state.pin_mu.data(),
+          .mu_start = mu_start.data(),
+          .pin_mu_start = pin_mu_start.data(),
           .load = load.data(),
           .rod = rod.data(),
           .pin_rod = pin_rod.data(),
@@ -203,9 +221,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .pin_elimination = pin_elimination.data(),
           .below_slot = shape.below_slot.data(),
           .below_slots = shape.below_slots,
-          .below = below.data(),
-          .active = active.data(),
-          .change = change.data()};
+          .below = below.data()};
 }
 
 template struct TreeState<float>;

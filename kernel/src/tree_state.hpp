@@ -47,14 +47,15 @@ struct TreeState {
 
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;
-  layouts::AlignedBuffer<T> node, pin, u, force, pin_delta, pin_u, mu, pin_mu;
+  layouts::AlignedBuffer<T> node, pin, u, acceleration, force, pin_delta, pin_u, mu, pin_mu;
   layouts::AlignedBuffer<double> length2, pin_length2, x, pin_x, weight;  ///< weight: gravity per node, N
-  std::vector<double> mass_unit;                      ///< kg, per lane
-  std::vector<double> scale2;                         ///< m^2, per lane: mean squared length of a rod
-  std::vector<double> u_step;                         ///< s, per lane
-  std::vector<double> mu_kick;                        ///< s^2, per lane: the kick when mu was found; 0: not yet
+  std::vector<double> mass_unit;                                          ///< kg, per lane
+  std::vector<double> scale2;   ///< m^2, per lane: mean squared length of a rod
+  std::vector<double> u_step;   ///< s, per lane
+  std::vector<double> mu_kick;  ///< s^2, per lane: the kick when mu was found; 0: not yet
   std::vector<Vec3> pin_velocity, pin_last_velocity;  ///< m/s, per pin and lane: of fixed ends that move
   bool pins_move = false;
+  std::vector<std::uint8_t> smooth;  ///< per lane: whether the last acceleration foretells the next
 };
 
 /// What a thread needs while it steps trees; reused from one to the next, so that it stays in its cache.
@@ -64,8 +65,9 @@ struct TreeWorkspace {
 
   simd::TreeView<T> view(TreeState<T>& state);
 
-  layouts::AlignedBuffer<T> delta, load, rod, pin_rod, elimination, pin_elimination, below, active, change,
-      ratio, kick, mu_start, pin_mu_start;
+  layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
+      change, ratio, kick, guess, mu_scale, u_delta, u_before, inverse_kick, push, jolt, mu_start,
+      pin_mu_start;
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
 };
 

@@ -12,10 +12,14 @@ constexpr int most_halvings = 10;
 /// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
 /// rounding: convergence is quadratic.
 template <class T>
-constexpr double converged_change = sizeof(T) == 8 ? 1e-8 : 1e-4;
+constexpr double converged_change = sizeof(T) == 8 ? 1e-6 : 3e-4;
 
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
+
+/// Below this (change of acceleration)^2 over acceleration^2, starting Newton from the last acceleration
+/// pays; above, it starts farther off than without.
+constexpr double smooth_jolt = 0.05;
 
 double theta_of(Gradient gradient) {
   return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
@@ -27,10 +31,10 @@ double mean_decay(double z) {
 
 }  // namespace
 
-/// load = ratio M u + kick force
+/// load = ratio M u + kick force; u becomes u_delta delta - u_before ratio u.
 template <class T>
 struct TreeStepper<T>::Coefficients {
-  double ratio, kick;
+  double ratio, kick, u_delta, u_before;
 };
 
 template <class T>
@@ -48,40 +52,47 @@ const simd::TreeKernels<T>& TreeStepper<T>::kernels(const TreeState<T>& state) c
 template <class T>
 auto TreeStepper<T>::coefficients(const TreeState<T>& state, std::uint32_t lane, double h,
                                   Gradient gradient) const -> Coefficients {
-  const double last = state.u_step[lane];
-  if (gradient == Gradient::mid) return {std::exp(-drag_ * h / 2) * h, 0.5 * h * h};
-  // Between the middles of the last substep and of this one, h/2 after the start for a velocity.
-  const double between = (h + last) / 2;
-  return {std::exp(-drag_ * between) * (last > 0 ? h / last : h), mean_decay(drag_ * between) * h * between};
+  if (gradient == Gradient::mid) {
+    const double decay = std::exp(-drag_ * h / 2);
+    return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
+  }
+  // From the middle of the last substep to that of this one; from its start if u is a velocity.
+  const double last = state.u_step[lane], between = (h + last) / 2;
+  return {std::exp(-drag_ * between) * (last > 0 ? h / last : h), mean_decay(drag_ * between) * h * between,
+          1, 0};
 }
 
 template <class T>
 void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
                            TreeWorkspace<T>& work) const {
-  const std::uint32_t lanes = state.lanes;
-  std::copy_n(state.mu.data(), state.mu.size(), work.mu_start.data());
-  std::copy_n(state.pin_mu.data(), state.pin_mu.size(), work.pin_mu_start.data());
-  for (std::uint32_t lane = 0; lane < lanes; ++lane) {
-    const auto [ratio, kick] = coefficients(state, lane, h, gradient);
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    const auto [ratio, kick, u_delta, u_before] = coefficients(state, lane, h, gradient);
     work.ratio[lane] = static_cast<T>(ratio);
     work.kick[lane] = static_cast<T>(kick);
+    work.guess[lane] = state.smooth[lane] ? static_cast<T>(kick) : T(0);
+    work.inverse_kick[lane] = static_cast<T>(1 / kick);
+    work.u_delta[lane] = static_cast<T>(u_delta);
+    work.u_before[lane] = static_cast<T>(u_before);
+    work.mu_scale[lane] = state.mu_kick[lane] > 0 ? static_cast<T>(kick / state.mu_kick[lane]) : T(0);
     work.active[lane] = lane < trees ? T(1) : T(0);
-    const T scale = state.mu_kick[lane] > 0 ? static_cast<T>(kick / state.mu_kick[lane]) : T(0);
-    for (std::size_t i = lane; i < state.mu.size(); i += lanes) state.mu[i] *= scale;
-    for (std::size_t i = lane; i < state.pin_mu.size(); i += lanes) state.pin_mu[i] *= scale;
   }
-  if (state.pins_move) {
-    for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
-      const std::size_t pin = i / lanes, lane = i % lanes;
-      const Vec3 now = h * state.pin_velocity[i], last = h * state.pin_last_velocity[i];
-      const double delta[3] = {now.x, now.y, now.z}, before[3] = {last.x, last.y, last.z};
-      for (std::size_t c = 0; c < 3; ++c) {
-        state.pin_delta[(3 * pin + c) * lanes + lane] = static_cast<T>(delta[c]);
-        state.pin_u[(3 * pin + c) * lanes + lane] = static_cast<T>(before[c]);
-      }
-    }
+  if (state.pins_move) set_pin_displacements(state, h);
+  kernels(state).prepare(work.view(state));
+}
+
+template <class T>
+void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h) const {
+  const std::size_t lanes = state.lanes;
+  for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
+    const std::size_t first = i / lanes * 3 * lanes + i % lanes;
+    const Vec3 now = h * state.pin_velocity[i], last = h * state.pin_last_velocity[i];
+    state.pin_delta[first] = static_cast<T>(now.x);
+    state.pin_delta[first + lanes] = static_cast<T>(now.y);
+    state.pin_delta[first + 2 * lanes] = static_cast<T>(now.z);
+    state.pin_u[first] = static_cast<T>(last.x);
+    state.pin_u[first + lanes] = static_cast<T>(last.y);
+    state.pin_u[first + 2 * lanes] = static_cast<T>(last.z);
   }
-  for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = work.ratio[i % lanes] * state.u[i];
 }
 
 template <class T>
@@ -89,7 +100,6 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
                            TreeWorkspace<T>& work, DirectCounters& counters) const {
   const simd::TreeView<T> view = work.view(state);
   const simd::TreeKernels<T>& run = kernels(state);
-  run.prepare(view);
   const double nodes = state.topology->nodes;
   std::uint64_t iterations = 0;
   std::uint32_t left = trees;
@@ -113,22 +123,20 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
 }
 
 template <class T>
-void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t lane, double h, Gradient gradient,
+void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
                             TreeWorkspace<T>& work) const {
-  const std::uint32_t lanes = state.lanes;
-  const T decay = static_cast<T>(std::exp(-drag_ * h / 2)), twice = static_cast<T>(2 / h);
-  const T over = static_cast<T>(1 / h);
-  for (std::size_t i = lane; i < state.u.size(); i += lanes) {
-    const T delta = work.delta[i];
-    state.x[i] += static_cast<double>(delta);
-    state.u[i] =
-        gradient == Gradient::mid ? decay * (twice * delta - over * (work.ratio[lane] * state.u[i])) : delta;
+  for (std::uint32_t lane = 0; lane < trees; ++lane) {
+    work.active[lane] = work.failed[lane] ? T(0) : T(1);
+    if (work.failed[lane]) continue;
+    state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
+    state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
+    if (state.pins_move)
+      for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
+        state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
   }
-  state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
-  state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
-  if (state.pins_move)
-    for (std::size_t i = lane; i < state.pin_x.size(); i += lanes)
-      state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
+  kernels(state).advance(work.view(state));
+  for (std::uint32_t lane = 0; lane < trees; ++lane)
+    if (!work.failed[lane]) state.smooth[lane] = work.jolt[lane] < smooth_jolt * work.push[lane];
 }
 
 template <class T>
@@ -145,7 +153,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Tre
     if (gradient != gradient_ && depth < most_halvings) break;
     begin(state, 1, h, gradient, work);
     if (solve(state, 1, gradient, work, counters)) {
-      accept(state, 0, h, gradient, work);
+      accept(state, 1, h, gradient, work);
       counters.substeps.fetch_add(1, std::memory_order_relaxed);
       if (gradient != gradient_) {
         counters.fallbacks.fetch_add(1, std::memory_order_relaxed);
@@ -168,13 +176,12 @@ void TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h,
                              TreeState<T>& alone, TreeWorkspace<T>& alone_work,
                              DirectCounters& counters) const {
   begin(state, trees, h, gradient_, work);
-  solve(state, trees, gradient_, work, counters);
-  for (std::uint32_t lane = 0; lane < trees; ++lane) {
-    if (!work.failed[lane]) {
-      accept(state, lane, h, gradient_, work);
-      counters.substeps.fetch_add(1, std::memory_order_relaxed);
-      continue;
-    }
+  const bool all = solve(state, trees, gradient_, work, counters);
+  accept(state, trees, h, gradient_, work);
+  counters.substeps.fetch_add(trees, std::memory_order_relaxed);
+  for (std::uint32_t lane = 0; !all && lane < trees; ++lane) {
+    if (!work.failed[lane]) continue;
+    counters.substeps.fetch_sub(1, std::memory_order_relaxed);
     restore(state, lane, work);
     counters.halvings.fetch_add(1, std::memory_order_relaxed);
     alone.copy_lane(0, state, lane);
@@ -189,23 +196,21 @@ void TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h,
 
 template <class T>
 void TreeStepper<T>::project(TreeState<T>& state, TreeWorkspace<T>& work) const {
+  // Guesses are of no use here, and what the last step left must stay.
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
-  for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
-    const std::size_t pin = i / state.lanes, lane = i % state.lanes;
-    const Vec3 v = state.pin_velocity[i];
-    const double velocity[3] = {v.x, v.y, v.z};
-    for (std::size_t c = 0; c < 3; ++c)
-      state.pin_delta[(3 * pin + c) * state.lanes + lane] = static_cast<T>(velocity[c]);
-  }
+  std::fill_n(work.mu_scale.data(), work.mu_scale.size(), T(1));
   const simd::TreeView<T> view = work.view(state);
+  set_pin_displacements(state, 1);
   kernels(state).prepare(view);
+  std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
   kernels(state).project(view);
   std::fill_n(state.pin_delta.data(), state.pin_delta.size(), T(0));
+  std::fill_n(state.pin_u.data(), state.pin_u.size(), T(0));
 }
 
 template <class T>
 void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
-  std::copy_n(state.u.data(), state.u.size(), work.delta.data());
+  std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
   project(state, work);
@@ -220,13 +225,16 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     const bool displacements = step > 0;
     any = any || displacements;
     const T scale = displacements ? static_cast<T>(std::exp(-drag_ * step / 2) / step) : T(1);
-    for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.delta[i] = scale * state.u[i];
+    for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
     // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
     // earlier.
     work.kick[lane] = gradient_ == Gradient::old && displacements ? static_cast<T>(step / 2) : T(0);
     work.active[lane] = displacements ? T(1) : T(0);
   }
-  if (any) project(state, work);
+  if (any) {
+    project(state, work);
+    std::copy_n(work.delta.data(), state.u.size(), work.velocity.data());
+  }
 }
 
 template class TreeStepper<float>;

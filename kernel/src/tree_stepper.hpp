@@ -39,8 +39,8 @@ class TreeStepper {
   /// Takes from u, which must hold velocities, what pulls on rods.
   void project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
-  /// Velocities of all lanes at the end of the last substep (m/s) into work.delta. Those of gradient old fit
-  /// the rods (RATTLE, Andersen 1983).
+  /// Velocities of all lanes at the end of the last substep (m/s) into work.velocity. Those of gradient old
+  /// fit the rods (RATTLE, Andersen 1983).
   void find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
  private:
@@ -51,11 +51,12 @@ class TreeStepper {
   /// Newton until every lane has converged or failed; says whether all converged.
   bool solve(TreeState<T>& state, std::uint32_t trees, Gradient gradient, TreeWorkspace<T>& work,
              DirectCounters& counters) const;
-  void accept(TreeState<T>& state, std::uint32_t lane, double h, Gradient gradient,
+  void accept(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
               TreeWorkspace<T>& work) const;
   void restore(TreeState<T>& state, std::uint32_t lane, TreeWorkspace<T>& work) const;
   bool advance_alone(TreeState<T>& state, double h, int depth, TreeWorkspace<T>& work,
                      DirectCounters& counters) const;
+  void set_pin_displacements(TreeState<T>& state, double h) const;
   void project(TreeState<T>& state, TreeWorkspace<T>& work) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
