@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "constants.hpp"
 #include "kernels.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/packing.hpp"
@@ -12,13 +13,6 @@
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
-
-/// What rods and particles weigh, in the scene's order; kept so that weights can change between steps.
-struct Constants {
-  std::vector<double> length2;         ///< m^2, per rod
-  std::vector<double> inverse_mass;    ///< 1/kg, per particle; 0 if fixed
-  std::vector<std::uint32_t> valence;  ///< rods at each particle
-};
 
 /// A set of rods solved together, with its numbers in the places its packing gives them.
 ///
@@ -50,7 +44,9 @@ class Block {
   const T* displacement(unsigned ago) const { return displacements_[(newest_ + ago) & 1].data(); }
   T* kick() { return kick_.data(); }
   T* accumulator() { return accumulator_.data(); }
-  void swap_displacements() { newest_ ^= 1; }
+  /// Says that all positions were advanced by `n` substeps, each of which used displacement(0) and
+  /// displacement(1) in turn as its last and its own.
+  void count_substeps(std::uint32_t n) { newest_ ^= n & 1; }
 
   void write(T* field, std::uint32_t slot, Vec3 value) const;
   Vec3 read(const T* field, std::uint32_t slot) const;

@@ -1,6 +1,8 @@
 #include "compile.hpp"
 
 #include <algorithm>
+#include <map>
+#include <tuple>
 
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/islands.hpp"
@@ -145,6 +147,26 @@ class Planner {
 };
 
 }  // namespace
+
+std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants) {
+  using Key = std::tuple<double, double, double>;
+  const auto key = [&](std::size_t i) {
+    return Key{constants.length2[i], constants.inverse_mass[scene.rods[i].a],
+               constants.inverse_mass[scene.rods[i].b]};
+  };
+  std::map<Key, std::uint32_t> counts;
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    const Key k = key(i);
+    if (std::get<1>(k) == std::get<2>(k)) ++counts[k];
+  }
+  std::vector<std::uint8_t> common(scene.rods.size(), 0);
+  if (counts.empty()) return common;
+  const Key most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+                     return a.second < b.second;
+                   })->first;
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) common[i] = key(i) == most;
+  return common;
+}
 
 Plan plan_blocks(const Graph& graph, LayoutChoice layout, std::span<const std::uint8_t> common,
                  std::uint32_t lanes, std::uint32_t element_bytes) {

@@ -4,10 +4,14 @@
 #include <span>
 #include <vector>
 
+#include "constants.hpp"
 #include "plumb/layouts/packing.hpp"
 #include "plumb/settings.hpp"
 
 namespace plumb::detail {
+
+/// 1 for each rod of the commonest kind with equal masses at both ends.
+std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants);
 
 struct Plan {
   std::uint32_t islands = 0;
