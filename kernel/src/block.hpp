@@ -59,6 +59,8 @@ class Block {
 
   /// A fixed slot moves by `move` (m) every substep until anchors are released.
   void move_anchor(std::uint32_t slot, Vec3 move);
+  /// Once all are set to move, so that those of a position are found without looking at all.
+  void sort_moving_anchors();
   void release_anchors();
   /// Whether velocities along rods may be left over from anchors that move or stopped a step ago, or from
   /// rods that started off their length.
@@ -89,7 +91,7 @@ class Block {
   T uniform_length2_ = 1, uniform_share_ = 0;
   std::uint32_t uniform_rods_ = 0;
   std::vector<std::uint32_t> rods_before_;     ///< positions + 1 entries
-  std::vector<std::uint32_t> moving_anchors_;  ///< slots
+  std::vector<std::uint32_t> moving_anchors_;  ///< slots, by their place in memory while stepping
   bool settling_ = false;
   std::vector<std::uint8_t> frozen_slots_;
 };

@@ -214,11 +214,13 @@ void RelaxSimulation<T>::for_places(std::uint32_t particle, F&& f) {
 
 template <class T>
 void RelaxSimulation<T>::move_anchor(std::uint32_t particle, Vec3 target) {
-  for (auto& [anchor, old] : anchors_)
-    if (anchor == particle) {
-      old = target;
-      return;
-    }
+  if (anchor_of_.empty()) anchor_of_.assign(info_.particles, layouts::none);
+  std::uint32_t& known = anchor_of_[particle];
+  if (known != layouts::none) {
+    anchors_[known].target = target;
+    return;
+  }
+  known = static_cast<std::uint32_t>(anchors_.size());
   anchors_.push_back({particle, target});
 }
 
@@ -228,14 +230,17 @@ void RelaxSimulation<T>::start_anchors() {
     for_places(anchor.particle, [&](Block<T>& block, std::uint32_t slot) {
       block.move_anchor(slot, (1.0 / settings_.substeps) * (anchor.target - block.read(block.x(), slot)));
     });
+  for (auto& block : blocks_) block.sort_moving_anchors();
 }
 
 /// Substeps add up to the target but for rounding; an anchor stands exactly where it was sent.
 template <class T>
 void RelaxSimulation<T>::finish_anchors() {
-  for (const Anchor& anchor : anchors_)
+  for (const Anchor& anchor : anchors_) {
     for_places(anchor.particle,
                [&](Block<T>& block, std::uint32_t slot) { block.write(block.x(), slot, anchor.target); });
+    anchor_of_[anchor.particle] = layouts::none;
+  }
   anchors_.clear();
 }
 

@@ -80,7 +80,8 @@ class RelaxSimulation final : public Simulation {
   bool time_advanced_ = false;
   bool kicks_stale_ = true;
   std::vector<Vec3> forces_;
-  std::vector<Anchor> anchors_;  ///< to be moved in the next step
+  std::vector<Anchor> anchors_;           ///< to be moved in the next step
+  std::vector<std::uint32_t> anchor_of_;  ///< per particle: where in anchors_, or none; empty until one moves
   WorldInfo info_;
 };
 
