@@ -24,6 +24,14 @@ void validate_stop(const StopRule& stop) {
   }
 }
 
+void validate_isa(Isa isa) {
+  if (is_supported(isa)) return;
+  std::string list;
+  for (const Isa each : all_isas())
+    if (is_supported(each)) list += (list.empty() ? "" : ", ") + std::string(to_string(each));
+  refuse("this machine or build does not run instruction set ", to_string(isa), "; it runs ", list);
+}
+
 }  // namespace
 
 void validate(const Settings& settings) {
@@ -32,6 +40,7 @@ void validate(const Settings& settings) {
     refuse("substeps must be from 1 to ", kMaxSubsteps, ", got ", settings.substeps);
   }
   validate_stop(settings.stop);
+  if (settings.isa) validate_isa(*settings.isa);
   if (settings.method != Method::automatic && settings.method != Method::relax) {
     throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
   }
@@ -131,20 +140,6 @@ std::string_view to_string(LayoutChoice layout) {
       return "soa";
     case LayoutChoice::aosoa:
       return "aosoa";
-  }
-  return "unknown";
-}
-
-std::string_view to_string(Isa isa) {
-  switch (isa) {
-    case Isa::scalar:
-      return "scalar";
-    case Isa::sse2:
-      return "sse2";
-    case Isa::avx2:
-      return "avx2";
-    case Isa::avx512:
-      return "avx512";
   }
   return "unknown";
 }

@@ -33,8 +33,8 @@ using test::Random;
 
 std::vector<Isa> vector_isas() {
   std::vector<Isa> isas;
-  for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512})
-    if (is_supported(isa)) isas.push_back(isa);
+  for (const Isa isa : all_isas())
+    if (isa != Isa::scalar && is_supported(isa)) isas.push_back(isa);
   return isas;
 }
 

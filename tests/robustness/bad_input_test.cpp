@@ -85,13 +85,14 @@ TEST(BadSettings, AreRefusedByTheWorld) {
   EXPECT_EQ(refused({.stop = {.budget_us = -1}}), "budget must be positive and finite, got -1 us");
   for (const Method method : {Method::direct, Method::springs, Method::multipliers, Method::featherstone})
     EXPECT_THROW(World(scene, {.method = method}), NotBuiltError) << to_string(method);
-  for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512})
-    if (!is_supported(isa)) {
-      EXPECT_EQ(refused({.isa = isa}),
-                "instruction set " + std::string(to_string(isa)) + " is not supported by this machine");
-    }
-  EXPECT_TRUE(is_supported(Isa::scalar));
-  EXPECT_TRUE(is_supported(best_isa()));
+  // No machine runs an instruction set that does not exist.
+  std::string supported;
+  for (const Isa isa : all_isas())
+    if (is_supported(isa)) supported += (supported.empty() ? "" : ", ") + std::string(to_string(isa));
+  EXPECT_EQ(refused({.isa = static_cast<Isa>(99)}),
+            "this machine or build does not run instruction set unknown; it runs " + supported);
+  for (const Isa isa : all_isas())
+    EXPECT_EQ(refused({.isa = isa}).empty(), is_supported(isa)) << to_string(isa);
 }
 
 // What float cannot hold is no position for a world of floats.

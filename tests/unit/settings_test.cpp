@@ -89,6 +89,18 @@ TEST(Settings, BuiltMethodsAreAccepted) {
   }
 }
 
+TEST(Isas, AreListedFromTheScalarOneUp) {
+  ASSERT_FALSE(all_isas().empty());
+  EXPECT_EQ(all_isas().front(), Isa::scalar);
+  EXPECT_TRUE(is_supported(Isa::scalar));
+  EXPECT_TRUE(is_supported(best_isa()));
+  for (const Isa isa : all_isas())
+    if (is_supported(isa)) {
+      EXPECT_LE(isa, best_isa()) << to_string(isa);
+    }
+  EXPECT_FALSE(is_supported(static_cast<Isa>(99)));
+}
+
 TEST(ToString, SpeaksTheCommandLine) {
   EXPECT_EQ(to_string(Method::automatic), "auto");
   EXPECT_EQ(to_string(Method::relax), "relax");
