@@ -42,9 +42,7 @@ StepReport World::step(double dt) {
 }
 
 void World::set_stop_rule(const StopRule& rule) {
-  Settings settings;
-  settings.stop = rule;
-  validate(settings);
+  validate(rule);
   impl_->simulation->set_stop_rule(rule);
 }
 

@@ -63,6 +63,14 @@ TEST(Settings, StopRulesArePositive) {
   EXPECT_EQ(refusal([](Settings& s) { s.stop = {.sweeps = 1, .tolerance = 1e-9, .budget_us = 50.0}; }), "");
 }
 
+TEST(StopRules, AreValidatedAlone) {
+  EXPECT_NO_THROW(validate(StopRule{}));
+  EXPECT_NO_THROW(validate(StopRule{.sweeps = 1, .tolerance = 1e-9, .budget_us = 50.0}));
+  EXPECT_THROW(validate(StopRule{.sweeps = 0}), InputError);
+  EXPECT_THROW(validate(StopRule{.tolerance = kNan}), InputError);
+  EXPECT_THROW(validate(StopRule{.budget_us = -1.0}), InputError);
+}
+
 class PlannedMethod : public testing::TestWithParam<Method> {};
 
 TEST_P(PlannedMethod, IsRefusedByName) {
