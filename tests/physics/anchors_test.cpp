@@ -138,7 +138,7 @@ TEST(MovingAnchor, MovesEverythingThatHangsFromIt) {
 // Moved again and again before a step, each anchor goes where it was sent last. Looking through all of them
 // for each would take some 10^10 steps.
 TEST(MovingAnchor, MayBeOneOfVeryMany) {
-  const std::uint32_t pairs = test::kSanitized ? 2000 : 100000;
+  const std::uint32_t pairs = test::sanitized ? 2000 : 100000;
   Scene scene;
   for (std::uint32_t i = 0; i < pairs; ++i) {
     scene.particles.push_back(test::fixed({0, 0, 0.1 * i}));

@@ -16,8 +16,8 @@
 namespace plumb {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// What f() throws as InputError; empty if nothing.
 template <class F>
@@ -38,20 +38,20 @@ TEST(BadScenes, AreRefusedByTheWorld) {
     std::function<void(Scene&)> spoil;
   };
   const Case cases[] = {
-      {"gravity is not finite: (0, nan, 0)", [](Scene& s) { s.gravity.y = kNan; }},
+      {"gravity is not finite: (0, nan, 0)", [](Scene& s) { s.gravity.y = nan; }},
       {"drag is negative (-1 per second)", [](Scene& s) { s.drag = -1; }},
-      {"drag is not finite: nan", [](Scene& s) { s.drag = kNan; }},
-      {"particle 1: position is not finite: (nan, 0, 0)", [](Scene& s) { s.particles[1].position.x = kNan; }},
+      {"drag is not finite: nan", [](Scene& s) { s.drag = nan; }},
+      {"particle 1: position is not finite: (nan, 0, 0)", [](Scene& s) { s.particles[1].position.x = nan; }},
       {"particle 2: velocity is not finite: (0, 0, inf)",
-       [](Scene& s) { s.particles[2].velocity.z = kInfinity; }},
-      {"particle 3: mass is not finite: nan", [](Scene& s) { s.particles[3].mass = kNan; }},
+       [](Scene& s) { s.particles[2].velocity.z = infinity; }},
+      {"particle 3: mass is not finite: nan", [](Scene& s) { s.particles[3].mass = nan; }},
       {"particle 3: mass is negative (-2 kg)", [](Scene& s) { s.particles[3].mass = -2; }},
       {"particle 3: has no mass, neither its own nor from a rod, and is not fixed",
        [](Scene& s) { s.particles[3].mass = 0; }},
       {"rod 1: particle 9 does not exist (the scene has 4 particles)", [](Scene& s) { s.rods[1].b = 9; }},
       {"rod 1: both ends are particle 1", [](Scene& s) { s.rods[1].b = 1; }},
       {"rod 2: length is negative (-1 m)", [](Scene& s) { s.rods[2].length = -1; }},
-      {"rod 2: length is not finite: nan", [](Scene& s) { s.rods[2].length = kNan; }},
+      {"rod 2: length is not finite: nan", [](Scene& s) { s.rods[2].length = nan; }},
       {"rod 2: length is zero, no length is given and its ends (particles 2 and 3) are at the same place",
        [](Scene& s) {
          s.rods[2].length = 0;
@@ -132,22 +132,22 @@ class BadRequests : public testing::Test {
 TEST_F(BadRequests, SteppingByNothing) {
   expect_refused("dt must be positive and finite, got 0", [&] { world.step(0); });
   expect_refused("dt must be positive and finite, got -1", [&] { world.step(-1); });
-  expect_refused("dt must be positive and finite, got nan", [&] { world.step(kNan); });
-  expect_refused("dt must be positive and finite, got inf", [&] { world.step(kInfinity); });
+  expect_refused("dt must be positive and finite, got nan", [&] { world.step(nan); });
+  expect_refused("dt must be positive and finite, got inf", [&] { world.step(infinity); });
 }
 
 TEST_F(BadRequests, StopRules) {
   expect_refused("sweeps must be at least 1, got 0", [&] { world.set_stop_rule({.sweeps = 0}); });
   expect_refused("tolerance must be positive and finite, got nan",
-                 [&] { world.set_stop_rule({.sweeps = 3, .tolerance = kNan}); });
+                 [&] { world.set_stop_rule({.sweeps = 3, .tolerance = nan}); });
   expect_refused("budget must be positive and finite, got inf us",
-                 [&] { world.set_stop_rule({.sweeps = 3, .budget_us = kInfinity}); });
+                 [&] { world.set_stop_rule({.sweeps = 3, .budget_us = infinity}); });
 }
 
 TEST_F(BadRequests, Forces) {
   expect_refused("particle 6: unknown, the scene has 6 particles", [&] { world.set_force(6, {1, 0, 0}); });
   expect_refused("particle 0: is fixed, a force cannot move it", [&] { world.set_force(0, {1, 0, 0}); });
-  expect_refused("particle 2: force is not finite", [&] { world.set_force(2, {0, kNan, 0}); });
+  expect_refused("particle 2: force is not finite", [&] { world.set_force(2, {0, nan, 0}); });
 }
 
 TEST_F(BadRequests, Anchors) {
@@ -155,7 +155,7 @@ TEST_F(BadRequests, Anchors) {
                  [&] { world.move_anchor(4'000'000'000u, {}); });
   expect_refused("particle 5: is movable, only fixed particles are moved as anchors",
                  [&] { world.move_anchor(5, {}); });
-  expect_refused("particle 0: target is not finite", [&] { world.move_anchor(0, {0, 0, kInfinity}); });
+  expect_refused("particle 0: target is not finite", [&] { world.move_anchor(0, {0, 0, infinity}); });
 }
 
 }  // namespace
