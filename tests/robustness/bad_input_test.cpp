@@ -150,6 +150,21 @@ TEST_F(BadRequests, Forces) {
   expect_refused("particle 2: force is not finite", [&] { world.set_force(2, {0, nan, 0}); });
 }
 
+TEST_F(BadRequests, Reading) {
+  const char* const unknown = "particle 6: unknown, the scene has 6 particles";
+  expect_refused(unknown, [&] { (void)world.position(6); });
+  expect_refused(unknown, [&] { (void)world.velocity(6); });
+  expect_refused(unknown, [&] { (void)world.positions()[6]; });
+  expect_refused(unknown, [&] { (void)world.velocities()[6]; });
+  std::vector<Vec3> few(5, Vec3{1, 2, 3}), many(7, Vec3{1, 2, 3});
+  expect_refused("positions of 6 particles cannot be copied into 5 elements",
+                 [&] { world.copy_positions(few); });
+  expect_refused("velocities of 6 particles cannot be copied into 7 elements",
+                 [&] { world.copy_velocities(many); });
+  for (const auto& untouched : {few, many})
+    for (const Vec3 v : untouched) EXPECT_EQ(v, (Vec3{1, 2, 3}));
+}
+
 TEST_F(BadRequests, Anchors) {
   expect_refused("particle 4000000000: unknown, the scene has 6 particles",
                  [&] { world.move_anchor(4'000'000'000u, {}); });

@@ -47,7 +47,7 @@ class SoaStore {
     // Streams a multiple of 4 KiB apart fight for the same cache sets and make loads wait for unrelated
     // stores; 704 bytes is far from every small multiple of the line size modulo 4 KiB.
     constexpr std::uint32_t page = 4096, skew = 704;
-    if (pitch_ * element_bytes >= page) {
+    if (std::uint64_t{pitch_} * element_bytes >= page) {
       while ((std::uint64_t{pitch_} * element_bytes) % page != skew) pitch_ += lanes;
     }
   }
