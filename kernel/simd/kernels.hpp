@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/settings.hpp"
 
 /// The innermost loops, one body per instruction set, and the table they are called through.
@@ -16,7 +17,7 @@ inline constexpr std::uint32_t rod_fields = 4;     ///< 2(x_b - x_a) as x, y, z;
 inline constexpr std::uint32_t weight_fields = 4;  ///< L^2; k_a; k_b; 1/L^2 (0 for padding)
 
 template <class T>
-inline constexpr std::uint32_t logical_width = 64 / sizeof(T);
+inline constexpr std::uint32_t logical_width = layouts::lane_width<T>;
 
 /// What a kernel needs of a block. Positions in m, displacements in m per substep, lengths squared in m^2.
 /// The shares are k = omega/4 * w/(w_a + w_b): one half of omega, as the correction of |d|^2 - L^2 = C along
