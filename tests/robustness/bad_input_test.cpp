@@ -105,6 +105,33 @@ TEST(BadScenes, BeyondTheRangeOfFloatAreRefused) {
       std::string::npos);
 }
 
+// The shortest rods that are accepted keep their length as well as others do; shorter ones would lose it to
+// underflow.
+TEST(BadScenes, RodsTooShortForThePrecisionAreRefused) {
+  const auto scaled_chain = [](double length) {
+    Scene scene = scenes::make_chain(3, length);
+    scene.gravity = length * scene.gravity;  // so that it swings as a chain of 1 m links does
+    return scene;
+  };
+  struct Case {
+    Precision precision;
+    double shortest, tolerance;
+  };
+  for (const Case c : {Case{Precision::single, 3.2e-16, 1e-6}, Case{Precision::double_, 1.01e-146, 1e-14}}) {
+    const Settings settings{.precision = c.precision, .stop = {.sweeps = 200}, .threads = 1};
+    const Scene scene = scaled_chain(c.shortest);
+    World world(scene, settings);
+    EXPECT_EQ(test::run(world, 1.0 / 60, 60).frozen_islands, 0u);
+    EXPECT_LE(test::stretch_of(scene, world).max, c.tolerance) << to_string(c.precision);
+    Scene mixed = scenes::make_chain(3);
+    mixed.rods[1].length = 0.9 * c.shortest;
+    const std::string message = refusal([&] { World refused(mixed, settings); });
+    EXPECT_EQ(message.find("rod 1: length "), 0u) << message;
+    EXPECT_NE(message.find(" is too short for " + std::string(to_string(c.precision))), std::string::npos)
+        << message;
+  }
+}
+
 /// A world in motion, and its twin that is asked nothing wrong.
 class BadRequests : public testing::Test {
  protected:
