@@ -171,10 +171,10 @@ class Planner {
 
 void require_addressable(std::uint64_t particles, std::uint64_t rods) {
   if (particles > most_particles)
-    refuse(particles, " particles, with those that the layout adds, are too many for one block: at most ",
-           most_particles, " have 32-bit places");
+    refuse(particles, " particles, with those that the layout adds, are too many: at most ", most_particles,
+           " have 32-bit places");
   if (rods > most_rods)
-    refuse(rods, " rods, with those that the layout adds, are too many for one block: at most ", most_rods,
+    refuse(rods, " rods, with those that the layout adds, are too many: at most ", most_rods,
            " have 32-bit places");
 }
 

@@ -13,8 +13,8 @@ namespace plumb::detail {
 /// 1 for each rod of the commonest kind with equal masses at both ends.
 std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants);
 
-/// Refuses what a block cannot address with 32 bits: `particles` of a block, with those that its layout
-/// repeats or adds as padding, and `rods`. Throws InputError.
+/// Refuses what cannot be addressed with 32 bits: the particles and rods of a scene, or of a block with those
+/// that its layout repeats or adds as padding. Throws InputError.
 void require_addressable(std::uint64_t particles, std::uint64_t rods);
 
 struct Plan {

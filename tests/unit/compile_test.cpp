@@ -24,13 +24,13 @@ constexpr std::uint32_t most_particles = (1u << 30) - (1u << 18);
 TEST(Addressable, IsWhatHas32BitPlaces) {
   EXPECT_EQ(refusal(0, 0), "");
   EXPECT_EQ(refusal(most_particles, (1u << 31) - 1), "");
-  EXPECT_EQ(refusal(most_particles + 1, 0),
-            "1073479681 particles, with those that the layout adds, are too many for one block: at most "
-            "1073479680 have 32-bit places");
   EXPECT_EQ(
-      refusal(0, 1u << 31),
-      "2147483648 rods, with those that the layout adds, are too many for one block: at most 2147483647 "
-      "have 32-bit places");
+      refusal(most_particles + 1, 0),
+      "1073479681 particles, with those that the layout adds, are too many: at most 1073479680 have 32-bit "
+      "places");
+  EXPECT_EQ(refusal(0, 1u << 31),
+            "2147483648 rods, with those that the layout adds, are too many: at most 2147483647 have 32-bit "
+            "places");
   EXPECT_NE(refusal(std::uint64_t{1} << 32, 0), "") << "beyond 32 bits";
   EXPECT_NE(refusal(0, (std::uint64_t{1} << 32) + 1), "") << "beyond 32 bits";
 }
