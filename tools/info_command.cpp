@@ -61,7 +61,7 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
   std::printf("threads    %u, %s\n", info.threads,
               info.parallel ? "used" : "not used: the scene is too small to win");
   std::printf("isa       ");
-  for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512}) {
+  for (const Isa isa : all_isas()) {
     if (!is_supported(isa)) continue;
     std::printf(" %s%s", std::string(to_string(isa)).c_str(), isa == best_isa() ? " (best)" : "");
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plumb/error.hpp"
 #include "scenes/lists.hpp"
 #include "scenes/numbers.hpp"
 #include "scenes/spec.hpp"
@@ -27,15 +26,6 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, const std::strin
       },
       help);
   return option->type_name(unit);
-}
-
-void require_isa(Isa isa) {
-  if (is_supported(isa)) return;
-  std::string list;
-  for (const Isa each : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512}) {
-    if (is_supported(each)) append_item(list, to_string(each));
-  }
-  throw InputError("this machine or build does not run " + std::string(to_string(isa)) + "; it runs " + list);
 }
 
 }  // namespace
@@ -84,14 +74,15 @@ void add_layout_options(CLI::App& app, Settings& settings) {
              "How particles lie in memory");
   add_choice(app, "--precision", settings.precision, {Precision::single, Precision::double_}, "Arithmetic");
   add_count(app, "--threads", settings.threads, "Threads; 0: all there are [0]");
+  std::vector<std::string> isas{"auto"};
+  for (const Isa isa : all_isas()) isas.emplace_back(to_string(isa));
   add_words(
-      app, "--isa", {"auto", "scalar", "sse2", "avx2", "avx512"},
+      app, "--isa", isas,
       [&settings](const std::string& word) {
         settings.isa.reset();
-        for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512}) {
+        for (const Isa isa : all_isas()) {
           if (word == to_string(isa)) settings.isa = isa;
         }
-        if (settings.isa) require_isa(*settings.isa);
       },
       "Instruction set; the bits are the same with all [auto]");
 }

@@ -1,43 +1,70 @@
+#include <algorithm>
+#include <iterator>
 #include <xsimd/xsimd.hpp>
 
 #include "kernels.hpp"
 
 namespace plumb {
+namespace {
+
+struct Row {
+  Isa isa;
+  std::string_view name;
+  bool (*is_supported)();
+  const simd::Kernels<float>* floats;
+  const simd::Kernels<double>* doubles;
+};
+
+#define PLUMB_ROW(isa, supported)                                               \
+  {Isa::isa, #isa,                                                              \
+   [] {                                                                         \
+     [[maybe_unused]] static const auto cpu = xsimd::available_architectures(); \
+     return static_cast<bool>(supported);                                       \
+   },                                                                           \
+   &simd::isa##_float, &simd::isa##_double},
+constexpr Row rows[] = {PLUMB_FOR_EACH_ISA(PLUMB_ROW)};
+#undef PLUMB_ROW
+
+#define PLUMB_VALUE(isa, supported) Isa::isa,
+constexpr Isa isas[] = {PLUMB_FOR_EACH_ISA(PLUMB_VALUE)};
+#undef PLUMB_VALUE
+
+/// Null for a value that is no Isa.
+const Row* find_row(Isa isa) {
+  const auto row = std::find_if(std::begin(rows), std::end(rows), [&](const Row& r) { return r.isa == isa; });
+  return row == std::end(rows) ? nullptr : row;
+}
+
+}  // namespace
+
+std::span<const Isa> all_isas() {
+  return isas;
+}
 
 bool is_supported(Isa isa) {
-  static const auto available = xsimd::available_architectures();
-  switch (isa) {
-    case Isa::scalar:
-      return true;
-    case Isa::sse2:
-      return available.sse2;
-    case Isa::avx2:
-      return available.avx2 && available.fma3_avx2;
-    case Isa::avx512:
-      return available.avx512bw && available.avx512dq && available.avx512cd &&
-             __builtin_cpu_supports("avx512vl");
-  }
-  return false;
+  const Row* const row = find_row(isa);
+  return row && row->is_supported();
 }
 
 Isa best_isa() {
-  for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::sse2})
-    if (is_supported(isa)) return isa;
-  return Isa::scalar;
+  return *std::find_if(std::rbegin(isas), std::rend(isas), is_supported);
+}
+
+std::string_view to_string(Isa isa) {
+  const Row* const row = find_row(isa);
+  return row ? row->name : "unknown";
 }
 
 namespace simd {
 
 template <>
 const Kernels<float>& kernels<float>(Isa isa) {
-  const Kernels<float>* const tables[] = {&scalar_float, &sse2_float, &avx2_float, &avx512_float};
-  return *tables[static_cast<int>(isa)];
+  return *find_row(isa)->floats;
 }
 
 template <>
 const Kernels<double>& kernels<double>(Isa isa) {
-  const Kernels<double>* const tables[] = {&scalar_double, &sse2_double, &avx2_double, &avx512_double};
-  return *tables[static_cast<int>(isa)];
+  return *find_row(isa)->doubles;
 }
 
 }  // namespace simd

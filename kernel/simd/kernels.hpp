@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/settings.hpp"
 
 /// The innermost loops, one body per instruction set, and the table they are called through.
@@ -16,7 +17,7 @@ inline constexpr std::uint32_t rod_fields = 4;     ///< 2(x_b - x_a) as x, y, z;
 inline constexpr std::uint32_t weight_fields = 4;  ///< L^2; k_a; k_b; 1/L^2 (0 for padding)
 
 template <class T>
-inline constexpr std::uint32_t logical_width = 64 / sizeof(T);
+inline constexpr std::uint32_t logical_width = layouts::lane_width<T>;
 
 /// What a kernel needs of a block. Positions in m, displacements in m per substep, lengths squared in m^2.
 /// The shares are k = omega/4 * w/(w_a + w_b): one half of omega, as the correction of |d|^2 - L^2 = C along
@@ -76,9 +77,17 @@ struct Kernels {
   AccessKernels<T> access[3];  ///< by layouts::Access
 };
 
-/// One table per instruction set, defined in the file of that name.
-extern const Kernels<float> scalar_float, sse2_float, avx2_float, avx512_float;
-extern const Kernels<double> scalar_double, sse2_double, avx2_double, avx512_double;
+/// Every instruction set, slowest first, and what a processor must have for it (`cpu` is xsimd's list). The
+/// file of that name defines its two tables, and CMakeLists.txt gives that file its flags; Isa names it.
+#define PLUMB_FOR_EACH_ISA(row)                                             \
+  row(scalar, true) row(sse2, cpu.sse2) row(avx2, cpu.avx2&& cpu.fma3_avx2) \
+      row(avx512, cpu.avx512bw&& cpu.avx512dq&& cpu.avx512cd&& __builtin_cpu_supports("avx512vl"))
+
+#define PLUMB_DECLARE_TABLES(isa, supported) \
+  extern const Kernels<float> isa##_float;   \
+  extern const Kernels<double> isa##_double;
+PLUMB_FOR_EACH_ISA(PLUMB_DECLARE_TABLES)
+#undef PLUMB_DECLARE_TABLES
 
 /// The table for an instruction set that is_supported(). Defined in dispatch.cpp.
 template <class T>

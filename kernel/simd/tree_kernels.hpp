@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "plumb/settings.hpp"
+#include "kernels.hpp"
 
 /// The innermost loops of the direct solve on trees: one Newton step on all rods of a tree at once, in time
 /// linear in their number, for one tree or for a logical vector of equal trees side by side in lanes.
@@ -93,8 +93,11 @@ struct TreeKernels {
   void (*project)(const TreeView<T>&);
 };
 
-extern const TreeKernels<float> tree_scalar_float, tree_sse2_float, tree_avx2_float, tree_avx512_float;
-extern const TreeKernels<double> tree_scalar_double, tree_sse2_double, tree_avx2_double, tree_avx512_double;
+#define PLUMB_DECLARE_TABLES(isa, supported)          \
+  extern const TreeKernels<float> tree_##isa##_float; \
+  extern const TreeKernels<double> tree_##isa##_double;
+PLUMB_FOR_EACH_ISA(PLUMB_DECLARE_TABLES)
+#undef PLUMB_DECLARE_TABLES
 
 /// The table for an instruction set that is_supported(). One tree alone (lanes = 1) is solved by the scalar
 /// one.

@@ -198,6 +198,13 @@ void Block<T>::move_anchor(std::uint32_t slot, Vec3 move) {
 }
 
 template <class T>
+void Block<T>::sort_moving_anchors() {
+  std::sort(moving_anchors_.begin(), moving_anchors_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return packing_.slot_offset[a] < packing_.slot_offset[b];
+  });
+}
+
+template <class T>
 void Block<T>::release_anchors() {
   settling_ = !moving_anchors_.empty();
   for (const std::uint32_t slot : moving_anchors_) write(kick(), slot, {});
@@ -206,8 +213,12 @@ void Block<T>::release_anchors() {
 
 template <class T>
 void Block<T>::rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const {
-  for (const std::uint32_t slot : moving_anchors_)
-    if (is_within(slot, q0, q1)) write(field, slot, {});
+  auto anchor = moving_anchors_.begin();
+  if (packing_.coupling == layouts::Coupling::independent)
+    anchor = std::partition_point(anchor, moving_anchors_.end(), [&](std::uint32_t slot) {
+      return packing_.slot_offset[slot] < q0 * packing_.position_elements;
+    });
+  for (; anchor != moving_anchors_.end() && is_within(*anchor, q0, q1); ++anchor) write(field, *anchor, {});
 }
 
 template <class T>

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "constants.hpp"
 #include "kernels.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/packing.hpp"
@@ -12,13 +13,6 @@
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
-
-/// What rods and particles weigh, in the scene's order; kept so that weights can change between steps.
-struct Constants {
-  std::vector<double> length2;         ///< m^2, per rod
-  std::vector<double> inverse_mass;    ///< 1/kg, per particle; 0 if fixed
-  std::vector<std::uint32_t> valence;  ///< rods at each particle
-};
 
 /// A set of rods solved together, with its numbers in the places its packing gives them.
 ///
@@ -50,7 +44,9 @@ class Block {
   const T* displacement(unsigned ago) const { return displacements_[(newest_ + ago) & 1].data(); }
   T* kick() { return kick_.data(); }
   T* accumulator() { return accumulator_.data(); }
-  void swap_displacements() { newest_ ^= 1; }
+  /// Says that all positions were advanced by `n` substeps, each of which used displacement(0) and
+  /// displacement(1) in turn as its last and its own.
+  void count_substeps(std::uint32_t n) { newest_ ^= n & 1; }
 
   void write(T* field, std::uint32_t slot, Vec3 value) const;
   Vec3 read(const T* field, std::uint32_t slot) const;
@@ -63,6 +59,8 @@ class Block {
 
   /// A fixed slot moves by `move` (m) every substep until anchors are released.
   void move_anchor(std::uint32_t slot, Vec3 move);
+  /// Once all are set to move, so that those of a position are found without looking at all.
+  void sort_moving_anchors();
   void release_anchors();
   /// Whether velocities along rods may be left over from anchors that move or stopped a step ago, or from
   /// rods that started off their length.
@@ -93,7 +91,7 @@ class Block {
   T uniform_length2_ = 1, uniform_share_ = 0;
   std::uint32_t uniform_rods_ = 0;
   std::vector<std::uint32_t> rods_before_;     ///< positions + 1 entries
-  std::vector<std::uint32_t> moving_anchors_;  ///< slots
+  std::vector<std::uint32_t> moving_anchors_;  ///< slots, by their place in memory while stepping
   bool settling_ = false;
   std::vector<std::uint8_t> frozen_slots_;
 };

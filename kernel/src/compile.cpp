@@ -1,11 +1,14 @@
 #include "compile.hpp"
 
 #include <algorithm>
+#include <map>
+#include <tuple>
 
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/ordering.hpp"
 #include "plumb/layouts/shapes.hpp"
+#include "refuse.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -15,6 +18,11 @@ using namespace layouts;
 // Above this many rods, an island alone in a block can be pipelined through the cache; side by side with
 // others in lanes it could not.
 constexpr std::uint32_t longest_lane_island = 1024;
+
+// A particle takes four numbers at most, and a packing adds less than this at the end of its streams.
+constexpr std::uint64_t spare_numbers = std::uint64_t{1} << 20;
+constexpr std::uint64_t most_particles = ((std::uint64_t{1} << 32) - spare_numbers) / 4;
+constexpr std::uint64_t most_rods = (std::uint64_t{1} << 31) - 1;
 
 class Planner {
  public:
@@ -52,8 +60,11 @@ class Planner {
         return add_each(group,
                         [&](const Piece& p) { return pack_streams(p, shape, lanes_, element_bytes_); });
     }
-    if (shape.shape == Shape::grid && wants_strips(shape))
+    if (shape.shape == Shape::grid && wants_strips(shape)) {
+      const std::uint64_t cells = std::uint64_t{round_up(shape.width, 2)} * rows_of_strip(shape) * lanes_;
+      require_addressable(cells, 2 * cells);
       return add_each(group, [&](const Piece& p) { return pack_strips(p, shape, lanes_); });
+    }
     add_indexed(group, local, shape);
   }
 
@@ -67,8 +78,10 @@ class Planner {
   bool wants_strips(const ShapeInfo& grid) const {
     if (choice_ == LayoutChoice::aosoa) return true;
     if (choice_ != LayoutChoice::automatic) return false;
-    const std::uint32_t rows = round_up((grid.height + lanes_ - 1) / lanes_, 2);
-    return 2 * grid.height >= rows * lanes_;  // at least half of the lanes hold particles
+    return 2 * grid.height >= rows_of_strip(grid) * lanes_;  // at least half of the lanes hold particles
+  }
+  std::uint32_t rows_of_strip(const ShapeInfo& grid) const {
+    return round_up((grid.height + lanes_ - 1) / lanes_, 2);
   }
 
   template <class Pack>
@@ -77,6 +90,8 @@ class Planner {
   }
 
   void add_lanes(const std::vector<std::uint32_t>& group, const LocalGraph& local, const ShapeInfo& shape) {
+    const std::uint64_t islands = (group.size() + lanes_ - 1) / lanes_ * lanes_;
+    require_addressable(islands * local.movable.size(), islands * local.edges.size());
     std::vector<Piece> pieces;
     std::vector<std::uint8_t> common(local.edges.size(), 1);
     for (const std::uint32_t island : group) {
@@ -121,6 +136,14 @@ class Planner {
       pieces.push_back({{none, loose_, {}}, loose.view(), {}, {}});
     }
     if (pieces.empty()) return;
+    std::uint64_t particles = 0, rods = 0, colors = 0;
+    for (const IndexedPiece& each : pieces) {
+      particles += each.local.vertices;
+      rods += each.local.edges.size();
+      colors = std::max<std::uint64_t>(colors, each.coloring.colors);
+    }
+    // Common and other rods of each colour are filled to whole vectors.
+    require_addressable(particles, rods + 2 * colors * (lanes_ - 1));
     const Layout layout = choice_ == LayoutChoice::soa     ? Layout::soa
                           : choice_ == LayoutChoice::aosoa ? Layout::aosoa
                                                            : Layout::aos;
@@ -145,6 +168,35 @@ class Planner {
 };
 
 }  // namespace
+
+void require_addressable(std::uint64_t particles, std::uint64_t rods) {
+  if (particles > most_particles)
+    refuse(particles, " particles, with those that the layout adds, are too many: at most ", most_particles,
+           " have 32-bit places");
+  if (rods > most_rods)
+    refuse(rods, " rods, with those that the layout adds, are too many: at most ", most_rods,
+           " have 32-bit places");
+}
+
+std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants) {
+  using Key = std::tuple<double, double, double>;
+  const auto key = [&](std::size_t i) {
+    return Key{constants.length2[i], constants.inverse_mass[scene.rods[i].a],
+               constants.inverse_mass[scene.rods[i].b]};
+  };
+  std::map<Key, std::uint32_t> counts;
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    const Key k = key(i);
+    if (std::get<1>(k) == std::get<2>(k)) ++counts[k];
+  }
+  std::vector<std::uint8_t> common(scene.rods.size(), 0);
+  if (counts.empty()) return common;
+  const Key most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+                     return a.second < b.second;
+                   })->first;
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) common[i] = key(i) == most;
+  return common;
+}
 
 Plan plan_blocks(const Graph& graph, LayoutChoice layout, std::span<const std::uint8_t> common,
                  std::uint32_t lanes, std::uint32_t element_bytes) {

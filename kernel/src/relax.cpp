@@ -317,7 +317,7 @@ void relax_block(Block<T>& block, const RelaxSettings<T>& settings, RelaxCounter
   Substep<T, Team>(block, block.displacement(0), block.displacement(1), 0, block.packing().positions,
                    settings, counters, team)
       .run();
-  block.swap_displacements();
+  block.count_substeps(1);
 }
 
 template void relax_alone(Block<float>&, std::uint32_t, std::uint32_t, const RelaxSettings<float>&,

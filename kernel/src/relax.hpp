@@ -31,13 +31,13 @@ struct RelaxCounters {
 };
 
 /// Advances positions [q0, q1) of a block by all substeps on the calling thread; the positions must not
-/// depend on others. Block::swap_displacements() is left to the caller, once if the number of substeps is
-/// odd.
+/// depend on others. When all positions of the block are advanced, by whatever threads, the caller says so by
+/// Block::count_substeps().
 template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
                  RelaxCounters& counters);
 
-/// Advances a whole block by one substep with all threads of the team, and swaps its displacements.
+/// Advances a whole block by one substep with all threads of the team, and counts it.
 template <class T>
 void relax_block(Block<T>& block, const RelaxSettings<T>& settings, RelaxCounters& counters, Team& team);
 

@@ -11,33 +11,42 @@ namespace {
 
 using detail::refuse;
 
-constexpr std::uint32_t kMaxSubsteps = 1'000'000;
+constexpr std::uint32_t most_substeps = 1'000'000;
 
-void validate_stop(const StopRule& stop) {
-  if (stop.sweeps == 0) refuse("sweeps must be at least 1, got 0");
-  // Negated comparisons, so that NaN is refused too.
-  if (stop.tolerance && !(*stop.tolerance > 0 && std::isfinite(*stop.tolerance))) {
-    refuse("tolerance must be positive and finite, got ", *stop.tolerance);
-  }
-  if (stop.budget_us && !(*stop.budget_us > 0 && std::isfinite(*stop.budget_us))) {
-    refuse("budget must be positive and finite, got ", *stop.budget_us, " us");
-  }
+void validate_isa(Isa isa) {
+  if (is_supported(isa)) return;
+  std::string list;
+  for (const Isa each : all_isas())
+    if (is_supported(each)) list += (list.empty() ? "" : ", ") + std::string(to_string(each));
+  refuse("this machine or build does not run instruction set ", to_string(isa), "; it runs ", list);
 }
 
 }  // namespace
 
 void validate(const Settings& settings) {
   if (!(settings.omega > 0 && settings.omega < 2)) refuse("omega must be in (0, 2), got ", settings.omega);
-  if (settings.substeps == 0 || settings.substeps > kMaxSubsteps) {
-    refuse("substeps must be from 1 to ", kMaxSubsteps, ", got ", settings.substeps);
+  if (settings.substeps == 0 || settings.substeps > most_substeps) {
+    refuse("substeps must be from 1 to ", most_substeps, ", got ", settings.substeps);
   }
-  validate_stop(settings.stop);
+  validate(settings.stop);
+  if (settings.isa) validate_isa(*settings.isa);
   if (settings.method != Method::automatic && settings.method != Method::relax &&
       settings.method != Method::direct) {
     throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
   }
   if (mass_model_of(settings) == MassModel::consistent && settings.method != Method::direct)
     refuse("mass consistent needs method direct: relaxation moves particles one by one");
+}
+
+void validate(const StopRule& rule) {
+  if (rule.sweeps == 0) refuse("sweeps must be at least 1, got 0");
+  // Negated comparisons, so that NaN is refused too.
+  if (rule.tolerance && !(*rule.tolerance > 0 && std::isfinite(*rule.tolerance))) {
+    refuse("tolerance must be positive and finite, got ", *rule.tolerance);
+  }
+  if (rule.budget_us && !(*rule.budget_us > 0 && std::isfinite(*rule.budget_us))) {
+    refuse("budget must be positive and finite, got ", *rule.budget_us, " us");
+  }
 }
 
 Gradient gradient_of(const Settings& settings) {
@@ -132,20 +141,6 @@ std::string_view to_string(LayoutChoice layout) {
       return "soa";
     case LayoutChoice::aosoa:
       return "aosoa";
-  }
-  return "unknown";
-}
-
-std::string_view to_string(Isa isa) {
-  switch (isa) {
-    case Isa::scalar:
-      return "scalar";
-    case Isa::sse2:
-      return "sse2";
-    case Isa::avx2:
-      return "avx2";
-    case Isa::avx512:
-      return "avx512";
   }
   return "unknown";
 }

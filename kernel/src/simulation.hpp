@@ -2,18 +2,15 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
-#include "block.hpp"
-#include "plumb/executor.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
-#include "team.hpp"
 
 namespace plumb::detail {
 
-/// A World without its precision.
+/// What moves the particles of a World, by one method and in one precision. Input is validated by the World;
+/// particles have their numbers in the scene. Each kind fills what applies to it in StepReport and WorldInfo.
 class Simulation {
  public:
   virtual ~Simulation() = default;
@@ -28,6 +25,7 @@ class Simulation {
   virtual const WorldInfo& info() const = 0;
 };
 
+/// Of the kind that the settings ask for.
 std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb::detail

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verlet.hpp"
+
 namespace plumb::detail {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr int most_halvings = 10;
 /// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
 /// rounding: convergence is quadratic.
 template <class T>
-constexpr double converged_change = sizeof(T) == 8 ? 1e-6 : 3e-4;
+constexpr double converged_change = sizeof(T) == 8 ? 1e-7 : 1e-4;
 
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
@@ -23,10 +25,6 @@ constexpr double smooth_jolt = 0.05;
 
 double theta_of(Gradient gradient) {
   return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
-}
-
-double mean_decay(double z) {
-  return z > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
 }
 
 }  // namespace

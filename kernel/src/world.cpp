@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compile.hpp"
 #include "refuse.hpp"
 #include "simulation.hpp"
 
@@ -16,17 +17,25 @@ struct World::Impl {
   std::uint32_t rods = 0;
   double time = 0;
 
-  void require(std::uint32_t particle, bool want_fixed, const char* reason) const {
+  void require_known(std::uint32_t particle) const {
     if (particle >= fixed.size())
       refuse("particle ", particle, ": unknown, the scene has ", fixed.size(), " particles");
+  }
+  void require(std::uint32_t particle, bool want_fixed, const char* reason) const {
+    require_known(particle);
     if ((fixed[particle] != 0) != want_fixed)
       refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
+  }
+  void require_fit(std::span<const Vec3> out, const char* what) const {
+    if (out.size() != fixed.size())
+      refuse(what, " of ", fixed.size(), " particles cannot be copied into ", out.size(), " elements");
   }
 };
 
 World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>()) {
   validate(scene);
   validate(settings);
+  detail::require_addressable(scene.particles.size(), scene.rods.size());
   impl_->simulation = detail::make_simulation(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
@@ -42,9 +51,7 @@ StepReport World::step(double dt) {
 }
 
 void World::set_stop_rule(const StopRule& rule) {
-  Settings settings;
-  settings.stop = rule;
-  validate(settings);
+  validate(rule);
   impl_->simulation->set_stop_rule(rule);
 }
 
@@ -75,15 +82,19 @@ double World::time() const {
 }
 
 void World::copy_positions(std::span<Vec3> out) const {
-  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = position(i);
+  impl_->require_fit(out, "positions");
+  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->simulation->position(i);
 }
 void World::copy_velocities(std::span<Vec3> out) const {
-  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = velocity(i);
+  impl_->require_fit(out, "velocities");
+  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->simulation->velocity(i);
 }
 Vec3 World::position(std::uint32_t particle) const {
+  impl_->require_known(particle);
   return impl_->simulation->position(particle);
 }
 Vec3 World::velocity(std::uint32_t particle) const {
+  impl_->require_known(particle);
   return impl_->simulation->velocity(particle);
 }
 std::uint64_t World::state_hash() const {

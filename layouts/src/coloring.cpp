@@ -7,7 +7,7 @@
 namespace plumb::layouts {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
 /// The open colours, kept in ascending order of (edges that have it, number).
 class Palette {
@@ -34,7 +34,7 @@ class Palette {
   std::uint32_t open() {
     const std::uint32_t color = size();
     uses_.push_back(1);
-    blocked_for_.push_back(kNone);
+    blocked_for_.push_back(unset);
     by_use_.insert(std::lower_bound(by_use_.begin(), by_use_.end(), color, Before{uses_}), color);
     return color;
   }
@@ -112,7 +112,7 @@ bool is_valid(const Graph& graph, const Coloring& coloring) {
     return false;
 
   const Incidence incidence = edges_by_vertex(graph);
-  std::vector<std::uint32_t> last_seen_at(coloring.colors, kNone);
+  std::vector<std::uint32_t> last_seen_at(coloring.colors, unset);
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     if (graph.movable[v] == 0) continue;
     for (const std::uint32_t e : incidence.edges(v)) {

@@ -9,7 +9,7 @@
 namespace plumb::layouts {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
 /// Disjoint sets whose root is their smallest member.
 class DisjointSets {
@@ -42,13 +42,13 @@ Rows sort_into_rows(std::span<const std::uint32_t> row_of, std::uint32_t count) 
   Rows rows;
   rows.begin.assign(count + std::size_t{1}, 0);
   for (const std::uint32_t row : row_of) {
-    if (row != kNone) ++rows.begin[row + std::size_t{1}];
+    if (row != unset) ++rows.begin[row + std::size_t{1}];
   }
   for (std::size_t i = 0; i < count; ++i) rows.begin[i + 1] += rows.begin[i];
   rows.list.resize(rows.begin.back());
   std::vector<std::uint32_t> next(rows.begin.begin(), rows.begin.end() - 1);
   for (std::uint32_t item = 0; item < row_of.size(); ++item) {
-    if (row_of[item] != kNone) rows.list[next[row_of[item]]++] = item;
+    if (row_of[item] != unset) rows.list[next[row_of[item]]++] = item;
   }
   return rows;
 }
@@ -99,7 +99,7 @@ Islands find_islands(const Graph& graph) {
 
   // A root is the smallest vertex of its island, so it is met first and islands are numbered in the order
   // asked.
-  std::vector<std::uint32_t> island_of(graph.vertices, kNone);
+  std::vector<std::uint32_t> island_of(graph.vertices, unset);
   std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     if (graph.movable[v] == 0) continue;
@@ -121,7 +121,7 @@ Islands find_islands(const Graph& graph) {
   islands.vertex_begin.reserve(count + std::size_t{1});
   islands.vertex_begin.push_back(0);
   islands.vertex_list.reserve(graph.vertices);
-  std::vector<std::uint32_t> last_listed_in(graph.vertices, kNone);
+  std::vector<std::uint32_t> last_listed_in(graph.vertices, unset);
   for (std::uint32_t island = 0; island < count; ++island) {
     islands.vertex_list.insert(islands.vertex_list.end(), movable.list.begin() + movable.begin[island],
                                movable.list.begin() + movable.begin[island + 1]);

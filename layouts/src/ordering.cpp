@@ -48,7 +48,7 @@ class Visitor {
 
   /// A fixed vertex with several edges would join what it only holds; with one it is the end of a chain.
   bool can_start(std::uint32_t v) const { return movable_[v] != 0 || neighbors_.degree(v) == 1; }
-  bool is_placed(std::uint32_t v) const { return seen_in_[v] == kPlaced; }
+  bool is_placed(std::uint32_t v) const { return seen_in_[v] == placed; }
 
   /// Visits what can be reached from `start`; the result is in visited().
   void visit(std::uint32_t start) {
@@ -81,11 +81,11 @@ class Visitor {
   }
 
   void place_visited() {
-    for (const std::uint32_t v : visited_) seen_in_[v] = kPlaced;
+    for (const std::uint32_t v : visited_) seen_in_[v] = placed;
   }
 
  private:
-  static constexpr std::uint32_t kPlaced = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t placed = std::numeric_limits<std::uint32_t>::max();
 
   void pass_through(std::uint32_t v, std::uint32_t start) {
     if (movable_[v] == 0 && v != start) return;
@@ -107,9 +107,9 @@ class Visitor {
 /// Leaves the visitor with a visit from a vertex about as far out as its component goes.
 void visit_from_far_end(Visitor& visitor, std::uint32_t start) {
   // Each retry goes further out; two or three are common, and the limit keeps the cost linear.
-  constexpr int kRetries = 8;
+  constexpr int retries = 8;
   visitor.visit(start);
-  for (int retry = 0; retry < kRetries; ++retry) {
+  for (int retry = 0; retry < retries; ++retry) {
     const std::size_t levels = visitor.levels();
     const std::uint32_t next = visitor.far_vertex();
     if (next == start) return;

@@ -10,30 +10,30 @@
 namespace plumb::layouts {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
-/// Where the path of a chain starts, or kNone if `graph` cannot be a chain.
+/// Where the path of a chain starts, or unset if `graph` cannot be a chain.
 std::uint32_t start_of_chain(const Graph& graph, const Incidence& incidence) {
   // A path ends at a movable vertex with one edge or at any edge of a fixed vertex.
   std::uint32_t ends = 0;
-  std::uint32_t first_movable_end = kNone;
-  std::uint32_t first_fixed_end = kNone;
+  std::uint32_t first_movable_end = unset;
+  std::uint32_t first_fixed_end = unset;
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     const bool movable = graph.movable[v] != 0;
     const std::uint32_t degree = incidence.degree(v);
-    if (degree == 0 || degree > 2) return kNone;
+    if (degree == 0 || degree > 2) return unset;
     if (movable && degree == 2) continue;
     ends += degree;
-    if (ends > 2) return kNone;
+    if (ends > 2) return unset;
     std::uint32_t& first = movable ? first_movable_end : first_fixed_end;
-    if (first == kNone) first = v;
+    if (first == unset) first = v;
   }
-  return first_fixed_end != kNone ? first_fixed_end : first_movable_end;
+  return first_fixed_end != unset ? first_fixed_end : first_movable_end;
 }
 
 std::optional<ShapeInfo> as_chain(const Graph& graph, const Incidence& incidence) {
   const std::uint32_t start = start_of_chain(graph, incidence);
-  if (start == kNone) return std::nullopt;
+  if (start == unset) return std::nullopt;
 
   ShapeInfo chain;
   chain.shape = Shape::chain;
@@ -54,10 +54,10 @@ std::optional<ShapeInfo> as_chain(const Graph& graph, const Incidence& incidence
   return chain;
 }
 
-/// Number of edges from `start` to every vertex, through fixed ones too; kNone where there is no way.
+/// Number of edges from `start` to every vertex, through fixed ones too; unset where there is no way.
 std::vector<std::uint32_t> distances_from(const Graph& graph, const Incidence& incidence,
                                           std::uint32_t start) {
-  std::vector<std::uint32_t> distance(graph.vertices, kNone);
+  std::vector<std::uint32_t> distance(graph.vertices, unset);
   std::vector<std::uint32_t> queue{start};
   queue.reserve(graph.vertices);
   distance[start] = 0;
@@ -65,7 +65,7 @@ std::vector<std::uint32_t> distances_from(const Graph& graph, const Incidence& i
     const std::uint32_t v = queue[i];
     for (const std::uint32_t e : incidence.edges(v)) {
       const std::uint32_t neighbor = other_end(graph.edges[e], v);
-      if (distance[neighbor] != kNone) continue;
+      if (distance[neighbor] != unset) continue;
       distance[neighbor] = distance[v] + 1;
       queue.push_back(neighbor);
     }
@@ -186,7 +186,7 @@ std::optional<ShapeInfo> as_grid(const Graph& graph, const Incidence& incidence)
   // This is the proof. There are as many edges as slots, so if none is taken twice every lattice edge is
   // there; every place then has a vertex, and as there are no more vertices than places, it has one.
   grid.vertex_order.resize(graph.vertices);
-  grid.edge_order.assign(graph.edges.size(), kNone);
+  grid.edge_order.assign(graph.edges.size(), unset);
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     grid.vertex_order[lattice->y[v] * width + lattice->x[v]] = v;
   }
@@ -196,7 +196,7 @@ std::optional<ShapeInfo> as_grid(const Graph& graph, const Incidence& incidence)
     const std::size_t y = std::min(lattice->y[a], lattice->y[b]);
     const bool horizontal = lattice->y[a] == lattice->y[b];
     const std::size_t slot = horizontal ? y * (width - 1) + x : (width - 1) * height + y * width + x;
-    if (std::exchange(grid.edge_order[slot], e) != kNone) return std::nullopt;
+    if (std::exchange(grid.edge_order[slot], e) != unset) return std::nullopt;
   }
   return grid;
 }

@@ -71,9 +71,9 @@ void free(void* memory) {
   __libc_free(memory);
 }
 }
-constexpr bool kCounts = true;
+constexpr bool counts_allocations = true;
 #else
-constexpr bool kCounts = false;
+constexpr bool counts_allocations = false;
 #endif
 
 namespace plumb {
@@ -92,7 +92,7 @@ std::uint64_t allocations_in(F&& f) {
 class Allocations : public testing::Test {
  protected:
   void SetUp() override {
-    if (!kCounts) GTEST_SKIP() << "malloc belongs to a sanitizer or is not glibc's";
+    if (!counts_allocations) GTEST_SKIP() << "malloc belongs to a sanitizer or is not glibc's";
   }
 };
 

@@ -58,7 +58,7 @@ TEST_P(Executors, GiveTheSameBits) {
 }
 
 TEST_P(Executors, BuiltInGivesTheSameBits) {
-  if (test::kThreadSanitizer) GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
+  if (test::thread_sanitizer) GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
   expect_same(nullptr, 2, "tbb");
 }
 

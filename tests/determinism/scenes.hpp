@@ -9,8 +9,8 @@
 
 namespace plumb::test {
 
-/// One scene of every shape, each large enough that threads share its work (simulation.cpp: 20,000
-/// projections a step, 4,096 rods in a block), and sweeps to go with it.
+/// One scene of every shape, each large enough that threads share its work (worlds.hpp: 20,000 projections a
+/// step, 4,096 rods in a block), and sweeps to go with it.
 struct SharedScene {
   const char* name;
   Scene (*make)();
@@ -30,7 +30,7 @@ inline std::vector<SharedScene> shared_scenes() {
 
 inline std::vector<Isa> supported_isas() {
   std::vector<Isa> isas;
-  for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512})
+  for (const Isa isa : all_isas())
     if (is_supported(isa)) isas.push_back(isa);
   return isas;
 }

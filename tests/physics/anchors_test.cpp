@@ -8,6 +8,7 @@
 
 #include "plumb/plumb.hpp"
 #include "scenes/generators.hpp"
+#include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -132,6 +133,34 @@ TEST(MovingAnchor, MovesEverythingThatHangsFromIt) {
   test::run(world, 1.0 / 60, 1200);
   for (std::uint32_t i = 1; i < scene.particles.size(); ++i) EXPECT_NEAR(world.position(i).z, 1, 1e-3) << i;
   EXPECT_LE(test::stretch_of(scene, world).max, 1e-3);
+}
+
+// Moved again and again before a step, each anchor goes where it was sent last. Looking through all of them
+// for each would take some 10^10 steps.
+TEST(MovingAnchor, MayBeOneOfVeryMany) {
+  const std::uint32_t pairs = test::sanitized ? 2000 : 100000;
+  Scene scene;
+  for (std::uint32_t i = 0; i < pairs; ++i) {
+    scene.particles.push_back(test::fixed({0, 0, 0.1 * i}));
+    scene.particles.push_back(test::movable({0, -1, 0.1 * i}));
+    scene.rods.push_back({.a = 2 * i, .b = 2 * i + 1});
+  }
+  World world(scene, {.substeps = 2, .stop = {.sweeps = 5}, .threads = 1});
+  const auto target = [&](std::uint32_t i) {
+    return scene.particles[2 * i].position + Vec3{0.01 + i % 3, 0, 0};
+  };
+  for (int step = 0; step < 2; ++step) {
+    for (const double wrong : {5.0, 0.0})
+      for (std::uint32_t i = 0; i < pairs; ++i) world.move_anchor(2 * i, target(i) + Vec3{0, wrong, 0});
+    world.step(1.0 / 60);
+    for (std::uint32_t i = 0; i < pairs; ++i) ASSERT_EQ(world.position(2 * i), target(i)) << i;
+  }
+  // In the second step they stood still. Resting anchors leave nothing behind: equal pairs stay equal.
+  world.step(1.0 / 60);
+  for (std::uint32_t i = 0; i < pairs; ++i) {
+    ASSERT_EQ(world.position(2 * i), target(i)) << i;
+    ASSERT_NEAR(world.velocity(2 * i + 1).x, world.velocity(2 * (i % 3) + 1).x, 1e-9) << i;
+  }
 }
 
 }  // namespace

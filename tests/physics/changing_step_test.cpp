@@ -13,14 +13,14 @@
 namespace plumb {
 namespace {
 
-constexpr Gradient kGradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
 
 // A free particle stays on its parabola to rounding, whatever the steps: 100 changes, each worth a few
 // roundings of a velocity of 20 m/s.
 TEST(ChangingStep, FreeFlightStaysExact) {
   Scene scene;
   scene.particles = {test::movable({0, 0, 0}, 1, {3, 10, 0})};
-  for (const Gradient gradient : kGradients) {
+  for (const Gradient gradient : all_gradients) {
     World world(scene, {.gradient = gradient, .substeps = 2, .threads = 1});
     for (int i = 0; i < 100; ++i) {
       world.step(1.0 / (30 + 7 * (i % 13)));
@@ -80,7 +80,7 @@ TEST(ChangingStep, EveryFrameKeepsAPendulumSecondOrder) {
 TEST(ChangingStep, OneShortFrameDoesNoHarm) {
   const Scene scene = scenes::make_chain(10, 0.1, 10);
   for (const Precision precision : {Precision::single, Precision::double_})
-    for (const Gradient gradient : kGradients) {
+    for (const Gradient gradient : all_gradients) {
       World world(scene, {.precision = precision,
                           .gradient = gradient,
                           .substeps = 8,

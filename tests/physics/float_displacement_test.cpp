@@ -17,7 +17,7 @@
 namespace plumb {
 namespace {
 
-constexpr std::uint32_t kSweeps = 20;
+constexpr std::uint32_t sweeps_per_substep = 20;
 
 /// The textbook's way, gradient old: x_next = x + (x - x_before) + g h^2, then rods along their old
 /// directions. The same projections on the same float numbers as the library's, in the order of a chain's two
@@ -47,7 +47,7 @@ std::vector<Vec3> swing_with_two_positions(const Scene& scene, double seconds,
       const Triple u = minus(now[i], before[i]);
       next[i] = {now[i].x + u.x, now[i].y + u.y + fall, now[i].z + u.z};
     }
-    for (std::uint32_t sweep = 0; sweep < kSweeps; ++sweep)
+    for (std::uint32_t sweep = 0; sweep < sweeps_per_substep; ++sweep)
       for (const std::size_t parity : {0u, 1u})
         for (std::size_t rod = parity; rod < scene.rods.size(); rod += 2) {
           const auto [a, b] = std::pair{scene.rods[rod].a, scene.rods[rod].b};
@@ -74,7 +74,7 @@ class FloatChain : public testing::Test {
     World world(scene, {.precision = precision,
                         .gradient = gradient,
                         .substeps = substeps,
-                        .stop = {.sweeps = kSweeps},
+                        .stop = {.sweeps = sweeps_per_substep},
                         .threads = 1});
     test::run(world, 1.0 / 60, 60);
     return test::relative_error(scene, world, truth.positions);

@@ -12,7 +12,7 @@
 namespace plumb {
 namespace {
 
-constexpr Gradient kGradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
 
 Scene chain(Vec3 gravity) {
   Scene scene = scenes::make_chain(8, 0.25, 4, 2);
@@ -25,7 +25,7 @@ Scene chain(Vec3 gravity) {
 // small binary fractions the sum does not round, and the worlds are the same to the bit.
 TEST(Forces, OnEveryParticleAreGravity) {
   const Vec3 gravity{0, -10, 0}, extra{2.5, 0, -0.75};
-  for (const Gradient gradient : kGradients) {
+  for (const Gradient gradient : all_gradients) {
     const Settings settings{.gradient = gradient, .substeps = 4, .stop = {.sweeps = 30}, .threads = 1};
     const Scene pushed_scene = chain(gravity);
     World pushed(pushed_scene, settings), heavier(chain(gravity + extra), settings);
@@ -41,7 +41,7 @@ TEST(Forces, LastUntilTheyAreChanged) {
   Scene scene;
   scene.gravity = {};
   scene.particles = {test::movable({}, 2), test::movable({1, 0, 0}, 2)};
-  for (const Gradient gradient : kGradients) {
+  for (const Gradient gradient : all_gradients) {
     World world(scene, {.gradient = gradient, .threads = 1});
     world.set_force(0, {3, 0, 0});
     test::run(world, 0.125, 8);

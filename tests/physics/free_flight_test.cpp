@@ -14,8 +14,8 @@ namespace {
 
 using test::movable;
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr Gradient kGradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+constexpr double double_epsilon = std::numeric_limits<double>::epsilon();
+constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
 
 Scene lone_particle(Vec3 position, Vec3 velocity, Vec3 gravity, double drag = 0) {
   Scene scene;
@@ -54,7 +54,7 @@ TEST_P(FreeFlight, FallIsExactToRounding) {
   const std::uint32_t substeps = 10;
   World falling = world(lone_particle({0, 0, 0}, {}, {0, -9.81, 0}), substeps);
   test::run(falling, 1.0 / 60, steps);
-  const double epsilon = precision() == Precision::single ? 0x1p-23 : kEpsilon;
+  const double epsilon = precision() == Precision::single ? 0x1p-23 : double_epsilon;
   const double n = steps * substeps;
   EXPECT_NEAR(falling.position(0).y, -9.81 / 2, n * epsilon * 9.81);
   EXPECT_NEAR(falling.velocity(0).y, -9.81, n * epsilon * 9.81);
@@ -66,7 +66,7 @@ std::string flight_name(const testing::TestParamInfo<std::tuple<Gradient, Precis
   return gradient + (std::get<1>(info.param) == Precision::single ? "Float" : "Double");
 }
 INSTANTIATE_TEST_SUITE_P(Every, FreeFlight,
-                         testing::Combine(testing::ValuesIn(kGradients),
+                         testing::Combine(testing::ValuesIn(all_gradients),
                                           testing::Values(Precision::single, Precision::double_)),
                          flight_name);
 
@@ -95,7 +95,8 @@ TEST(Drag, IsExactForGradientsNewAndOld) {
         for (int i = 1; i <= 120; ++i) {
           world.step(1.0 / 60);
           const double t = i / 60.0;
-          ASSERT_LE(norm(world.position(0) - dragged_position(v0, gravity, drag, t)), 40 * 840 * kEpsilon)
+          ASSERT_LE(norm(world.position(0) - dragged_position(v0, gravity, drag, t)),
+                    40 * 840 * double_epsilon)
               << "drag " << drag << ", t = " << t;
         }
       }
@@ -105,7 +106,7 @@ TEST(Drag, IsExactForGradientsNewAndOld) {
 TEST(Drag, VelocitiesAreSecondOrder) {
   const Vec3 v0{20, 5, -3}, gravity{0, -9.81, 0};
   const double drag = 2;
-  for (const Gradient gradient : kGradients) {
+  for (const Gradient gradient : all_gradients) {
     double errors[2];
     for (const int k : {0, 1}) {
       World world(lone_particle({}, v0, gravity, drag),
@@ -135,7 +136,7 @@ TEST(Drag, IsSecondOrderForGradientMid) {
 // is what its split drag balances at, 1 - z^2/6 of the true speed.
 TEST(Drag, TerminalVelocity) {
   const double drag = 2, dt = 1.0 / 60;
-  for (const Gradient gradient : kGradients) {
+  for (const Gradient gradient : all_gradients) {
     World world(lone_particle({}, {3, 0, 0}, {0, -9.81, 0}, drag), {.gradient = gradient, .threads = 1});
     test::run(world, dt, 60 * 20);  // exp(-40) of what it started with is left
     const double z = drag * dt / 2;

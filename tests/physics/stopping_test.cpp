@@ -12,7 +12,7 @@
 namespace plumb {
 namespace {
 
-constexpr Gradient kGradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
 
 /// A ring of rods hung from one particle of it, out of plane, masses from 1 to 3 kg. (Flat nets will not do
 /// for small tolerances: they swing through positions in which no force along a rod can keep it.)
@@ -37,7 +37,7 @@ TEST(Tolerance, HoldsForEveryRodAfterEveryStep) {
   };
   for (const Case c : {Case{Precision::double_, 1e-3, 1e-14}, Case{Precision::double_, 1e-9, 1e-14},
                        Case{Precision::single, 1e-3, 5e-6}, Case{Precision::single, 1e-4, 5e-6}})
-    for (const Gradient gradient : kGradients)
+    for (const Gradient gradient : all_gradients)
       for (const Scene& scene :
            {scenes::make_chain(12, 0.1, 5), ring(9), scenes::make_ensemble({.chains = 20, .links = 5})}) {
         World world(scene, {.precision = c.precision,

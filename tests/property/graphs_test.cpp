@@ -242,9 +242,9 @@ TEST_P(Graphs, NearGridsAreNotGrids) {
 
 TEST_P(Graphs, EveryGridClaimedIsOne) {
   // Edges that swap ends keep all degrees and both counts. Some results are lattices again, most are not.
-  constexpr int kTries = 300;
+  constexpr int tries = 300;
   int claimed = 0;
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < tries; ++i) {
     LocalGraph g = lattice(2 + below(random, 4), 2 + below(random, 4));
     const auto edges = static_cast<std::uint32_t>(g.edges.size());
     for (std::uint32_t swaps = 1 + below(random, 3); swaps > 0; --swaps) {
@@ -259,7 +259,7 @@ TEST_P(Graphs, EveryGridClaimedIsOne) {
     EXPECT_TRUE(describes_lattice(g, info));
   }
   EXPECT_GT(claimed, 0);
-  EXPECT_LT(claimed, kTries);
+  EXPECT_LT(claimed, tries);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Graphs, testing::Range(0u, 50u));

@@ -33,8 +33,8 @@ using test::Random;
 
 std::vector<Isa> vector_isas() {
   std::vector<Isa> isas;
-  for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512})
-    if (is_supported(isa)) isas.push_back(isa);
+  for (const Isa isa : all_isas())
+    if (isa != Isa::scalar && is_supported(isa)) isas.push_back(isa);
   return isas;
 }
 
@@ -259,7 +259,7 @@ struct PrecisionName {
 };
 TYPED_TEST_SUITE(KernelsOf, Precisions, PrecisionName);
 
-constexpr Gradient kGradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
 
 TYPED_TEST(KernelsOf, RelaxationHasTheScalarBits) {
   using T = TypeParam;
@@ -269,7 +269,7 @@ TYPED_TEST(KernelsOf, RelaxationHasTheScalarBits) {
       for (const Numbers numbers : {Numbers::ordinary, Numbers::extreme, Numbers::broken}) {
         const Data<T> data(packing, this->random, numbers);
         for (const Range range : data.ranges) ++(range.uniform ? uniform : general);
-        for (const Gradient gradient : kGradients)
+        for (const Gradient gradient : all_gradients)
           for (const bool jacobi : {false, true}) {
             const Outcome<T> wanted = relax(kernels<T>(Isa::scalar), data, gradient, jacobi);
             for (const Isa isa : vector_isas()) {
@@ -302,7 +302,7 @@ TYPED_TEST(KernelsOf, RelaxationHasTheScalarBitsWithDenormalsFlushed) {
   for (int round = 0; round < test::scaled(60); ++round)
     for (const Packing& packing : packings<T>(this->random)) {
       const Data<T> data(packing, this->random, Numbers::extreme);
-      for (const Gradient gradient : kGradients) {
+      for (const Gradient gradient : all_gradients) {
         const Outcome<T> wanted = relax(kernels<T>(Isa::scalar), data, gradient, false);
         for (const Isa isa : vector_isas())
           ASSERT_TRUE(agree(packing, wanted.p, relax(kernels<T>(isa), data, gradient, false).p))
@@ -344,7 +344,7 @@ TYPED_TEST(KernelsOf, ABrokenLaneLeavesTheOthersAlone) {
   isas.push_back(Isa::scalar);
   for (const Packing& packing : list)
     for (const T bad : {Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(), Limits::max()})
-      for (const Gradient gradient : kGradients)
+      for (const Gradient gradient : all_gradients)
         for (const Isa isa : isas) {
           Data<T> data(packing, this->random, Numbers::ordinary);
           const Outcome<T> healthy = relax(kernels<T>(isa), data, gradient, false);

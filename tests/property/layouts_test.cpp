@@ -20,8 +20,8 @@ namespace {
 
 using test::below;
 
-constexpr LayoutChoice kLayouts[] = {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa,
-                                     LayoutChoice::aosoa};
+constexpr LayoutChoice all_layouts[] = {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa,
+                                        LayoutChoice::aosoa};
 
 /// Puts `added` beside what is there.
 void append(Scene& scene, const Scene& added, Vec3 offset) {
@@ -71,7 +71,7 @@ class Layouts : public testing::TestWithParam<unsigned> {
     for (const Case c : {Case{Precision::single, Gradient::new_}, Case{Precision::single, Gradient::old},
                          Case{Precision::double_, Gradient::new_}, Case{Precision::double_, Gradient::old}}) {
       std::vector<std::uint64_t> hashes;
-      for (const LayoutChoice layout : kLayouts) {
+      for (const LayoutChoice layout : all_layouts) {
         World world(scene, {.precision = c.precision,
                             .gradient = c.gradient,
                             .substeps = 2,

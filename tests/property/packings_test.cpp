@@ -228,7 +228,7 @@ Piece piece_of(const Islands& islands, std::uint32_t island) {
 struct Width {
   std::uint32_t lanes, element_bytes;
 };
-constexpr Width kWidths[] = {{16, 4}, {8, 8}};
+constexpr Width widths[] = {{16, 4}, {8, 8}};
 
 class Packings : public testing::TestWithParam<unsigned> {
  protected:
@@ -244,7 +244,7 @@ TEST_P(Packings, ChainsInStreamsAndSegments) {
   ASSERT_EQ(islands.count(), 1u);
   const ShapeInfo shape = detect_shape(local_graph(g.view(), islands, 0).view());
   ASSERT_EQ(shape.shape, Shape::chain);
-  for (const Width width : kWidths) {
+  for (const Width width : widths) {
     SCOPED_TRACE(testing::Message() << g.edges.size() << " rods in " << width.lanes << " lanes");
     Checker(g, islands, pack_streams(piece_of(islands, 0), shape, width.lanes, width.element_bytes), {0})
         .check();
@@ -259,7 +259,7 @@ TEST_P(Packings, GridsInStrips) {
   const Islands islands = find_islands(g.view());
   const ShapeInfo shape = detect_shape(local_graph(g.view(), islands, 0).view());
   ASSERT_EQ(shape.shape, Shape::grid);
-  for (const Width width : kWidths) {
+  for (const Width width : widths) {
     SCOPED_TRACE(testing::Message() << shape.width << " x " << shape.height << " in " << width.lanes
                                     << " lanes");
     Checker(g, islands, pack_strips(piece_of(islands, 0), shape, width.lanes), {0}).check();
@@ -283,7 +283,7 @@ TEST_P(Packings, EqualIslandsInLanes) {
   for (const std::uint32_t island : groups[0]) pieces.push_back(piece_of(islands, island));
   std::vector<std::uint8_t> common;
   for (std::size_t i = 0; i < local.edges.size(); ++i) common.push_back(below(random, 2) == 0 ? 0 : 1);
-  for (const Width width : kWidths) {
+  for (const Width width : widths) {
     SCOPED_TRACE(testing::Message() << pieces.size() << " islands in " << width.lanes << " lanes");
     Packing packing = pack_lanes(pieces, local.view(), coloring, common, width.lanes);
     EXPECT_EQ(packing.positions, (pieces.size() + width.lanes - 1) / width.lanes);
@@ -306,7 +306,7 @@ TEST_P(Packings, AnythingWithAnAddressPerRod) {
   }
   std::vector<std::uint8_t> common;
   for (std::size_t i = 0; i < g.edges.size(); ++i) common.push_back(below(random, 2) == 0 ? 0 : 1);
-  for (const Width width : kWidths)
+  for (const Width width : widths)
     for (const Layout layout : {Layout::aos, Layout::soa, Layout::aosoa}) {
       SCOPED_TRACE(testing::Message() << n << " vertices, layout " << static_cast<int>(layout) << ", "
                                       << width.lanes << " lanes");

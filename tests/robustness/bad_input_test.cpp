@@ -16,8 +16,8 @@
 namespace plumb {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// What f() throws as InputError; empty if nothing.
 template <class F>
@@ -38,20 +38,20 @@ TEST(BadScenes, AreRefusedByTheWorld) {
     std::function<void(Scene&)> spoil;
   };
   const Case cases[] = {
-      {"gravity is not finite: (0, nan, 0)", [](Scene& s) { s.gravity.y = kNan; }},
+      {"gravity is not finite: (0, nan, 0)", [](Scene& s) { s.gravity.y = nan; }},
       {"drag is negative (-1 per second)", [](Scene& s) { s.drag = -1; }},
-      {"drag is not finite: nan", [](Scene& s) { s.drag = kNan; }},
-      {"particle 1: position is not finite: (nan, 0, 0)", [](Scene& s) { s.particles[1].position.x = kNan; }},
+      {"drag is not finite: nan", [](Scene& s) { s.drag = nan; }},
+      {"particle 1: position is not finite: (nan, 0, 0)", [](Scene& s) { s.particles[1].position.x = nan; }},
       {"particle 2: velocity is not finite: (0, 0, inf)",
-       [](Scene& s) { s.particles[2].velocity.z = kInfinity; }},
-      {"particle 3: mass is not finite: nan", [](Scene& s) { s.particles[3].mass = kNan; }},
+       [](Scene& s) { s.particles[2].velocity.z = infinity; }},
+      {"particle 3: mass is not finite: nan", [](Scene& s) { s.particles[3].mass = nan; }},
       {"particle 3: mass is negative (-2 kg)", [](Scene& s) { s.particles[3].mass = -2; }},
       {"particle 3: has no mass, neither its own nor from a rod, and is not fixed",
        [](Scene& s) { s.particles[3].mass = 0; }},
       {"rod 1: particle 9 does not exist (the scene has 4 particles)", [](Scene& s) { s.rods[1].b = 9; }},
       {"rod 1: both ends are particle 1", [](Scene& s) { s.rods[1].b = 1; }},
       {"rod 2: length is negative (-1 m)", [](Scene& s) { s.rods[2].length = -1; }},
-      {"rod 2: length is not finite: nan", [](Scene& s) { s.rods[2].length = kNan; }},
+      {"rod 2: length is not finite: nan", [](Scene& s) { s.rods[2].length = nan; }},
       {"rod 2: length is zero, no length is given and its ends (particles 2 and 3) are at the same place",
        [](Scene& s) {
          s.rods[2].length = 0;
@@ -83,15 +83,16 @@ TEST(BadSettings, AreRefusedByTheWorld) {
   EXPECT_EQ(refused({.stop = {.sweeps = 0}}), "sweeps must be at least 1, got 0");
   EXPECT_EQ(refused({.stop = {.tolerance = 0}}), "tolerance must be positive and finite, got 0");
   EXPECT_EQ(refused({.stop = {.budget_us = -1}}), "budget must be positive and finite, got -1 us");
-  for (const Method method : {Method::direct, Method::springs, Method::multipliers, Method::featherstone})
+  for (const Method method : {Method::springs, Method::multipliers, Method::featherstone})
     EXPECT_THROW(World(scene, {.method = method}), NotBuiltError) << to_string(method);
-  for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512})
-    if (!is_supported(isa)) {
-      EXPECT_EQ(refused({.isa = isa}),
-                "instruction set " + std::string(to_string(isa)) + " is not supported by this machine");
-    }
-  EXPECT_TRUE(is_supported(Isa::scalar));
-  EXPECT_TRUE(is_supported(best_isa()));
+  // No machine runs an instruction set that does not exist.
+  std::string supported;
+  for (const Isa isa : all_isas())
+    if (is_supported(isa)) supported += (supported.empty() ? "" : ", ") + std::string(to_string(isa));
+  EXPECT_EQ(refused({.isa = static_cast<Isa>(99)}),
+            "this machine or build does not run instruction set unknown; it runs " + supported);
+  for (const Isa isa : all_isas())
+    EXPECT_EQ(refused({.isa = isa}).empty(), is_supported(isa)) << to_string(isa);
 }
 
 // What float cannot hold is no position for a world of floats.
@@ -102,6 +103,33 @@ TEST(BadScenes, BeyondTheRangeOfFloatAreRefused) {
   EXPECT_NE(
       refusal([&] { World world(scene, {.precision = Precision::single, .threads = 1}); }).find("particle 1"),
       std::string::npos);
+}
+
+// The shortest rods that are accepted keep their length as well as others do; shorter ones would lose it to
+// underflow.
+TEST(BadScenes, RodsTooShortForThePrecisionAreRefused) {
+  const auto scaled_chain = [](double length) {
+    Scene scene = scenes::make_chain(3, length);
+    scene.gravity = length * scene.gravity;  // so that it swings as a chain of 1 m links does
+    return scene;
+  };
+  struct Case {
+    Precision precision;
+    double shortest, tolerance;
+  };
+  for (const Case c : {Case{Precision::single, 3.2e-16, 1e-6}, Case{Precision::double_, 1.01e-146, 1e-14}}) {
+    const Settings settings{.precision = c.precision, .stop = {.sweeps = 200}, .threads = 1};
+    const Scene scene = scaled_chain(c.shortest);
+    World world(scene, settings);
+    EXPECT_EQ(test::run(world, 1.0 / 60, 60).frozen_islands, 0u);
+    EXPECT_LE(test::stretch_of(scene, world).max, c.tolerance) << to_string(c.precision);
+    Scene mixed = scenes::make_chain(3);
+    mixed.rods[1].length = 0.9 * c.shortest;
+    const std::string message = refusal([&] { World refused(mixed, settings); });
+    EXPECT_EQ(message.find("rod 1: length "), 0u) << message;
+    EXPECT_NE(message.find(" is too short for " + std::string(to_string(c.precision))), std::string::npos)
+        << message;
+  }
 }
 
 /// A world in motion, and its twin that is asked nothing wrong.
@@ -131,22 +159,37 @@ class BadRequests : public testing::Test {
 TEST_F(BadRequests, SteppingByNothing) {
   expect_refused("dt must be positive and finite, got 0", [&] { world.step(0); });
   expect_refused("dt must be positive and finite, got -1", [&] { world.step(-1); });
-  expect_refused("dt must be positive and finite, got nan", [&] { world.step(kNan); });
-  expect_refused("dt must be positive and finite, got inf", [&] { world.step(kInfinity); });
+  expect_refused("dt must be positive and finite, got nan", [&] { world.step(nan); });
+  expect_refused("dt must be positive and finite, got inf", [&] { world.step(infinity); });
 }
 
 TEST_F(BadRequests, StopRules) {
   expect_refused("sweeps must be at least 1, got 0", [&] { world.set_stop_rule({.sweeps = 0}); });
   expect_refused("tolerance must be positive and finite, got nan",
-                 [&] { world.set_stop_rule({.sweeps = 3, .tolerance = kNan}); });
+                 [&] { world.set_stop_rule({.sweeps = 3, .tolerance = nan}); });
   expect_refused("budget must be positive and finite, got inf us",
-                 [&] { world.set_stop_rule({.sweeps = 3, .budget_us = kInfinity}); });
+                 [&] { world.set_stop_rule({.sweeps = 3, .budget_us = infinity}); });
 }
 
 TEST_F(BadRequests, Forces) {
   expect_refused("particle 6: unknown, the scene has 6 particles", [&] { world.set_force(6, {1, 0, 0}); });
   expect_refused("particle 0: is fixed, a force cannot move it", [&] { world.set_force(0, {1, 0, 0}); });
-  expect_refused("particle 2: force is not finite", [&] { world.set_force(2, {0, kNan, 0}); });
+  expect_refused("particle 2: force is not finite", [&] { world.set_force(2, {0, nan, 0}); });
+}
+
+TEST_F(BadRequests, Reading) {
+  const char* const unknown = "particle 6: unknown, the scene has 6 particles";
+  expect_refused(unknown, [&] { (void)world.position(6); });
+  expect_refused(unknown, [&] { (void)world.velocity(6); });
+  expect_refused(unknown, [&] { (void)world.positions()[6]; });
+  expect_refused(unknown, [&] { (void)world.velocities()[6]; });
+  std::vector<Vec3> few(5, Vec3{1, 2, 3}), many(7, Vec3{1, 2, 3});
+  expect_refused("positions of 6 particles cannot be copied into 5 elements",
+                 [&] { world.copy_positions(few); });
+  expect_refused("velocities of 6 particles cannot be copied into 7 elements",
+                 [&] { world.copy_velocities(many); });
+  for (const auto& untouched : {few, many})
+    for (const Vec3 v : untouched) EXPECT_EQ(v, (Vec3{1, 2, 3}));
 }
 
 TEST_F(BadRequests, Anchors) {
@@ -154,7 +197,7 @@ TEST_F(BadRequests, Anchors) {
                  [&] { world.move_anchor(4'000'000'000u, {}); });
   expect_refused("particle 5: is movable, only fixed particles are moved as anchors",
                  [&] { world.move_anchor(5, {}); });
-  expect_refused("particle 0: target is not finite", [&] { world.move_anchor(0, {0, 0, kInfinity}); });
+  expect_refused("particle 0: target is not finite", [&] { world.move_anchor(0, {0, 0, infinity}); });
 }
 
 }  // namespace

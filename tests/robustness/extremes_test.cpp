@@ -17,13 +17,13 @@ namespace {
 using test::fixed;
 using test::movable;
 
-constexpr Gradient kGradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
-constexpr Precision kPrecisions[] = {Precision::single, Precision::double_};
+constexpr Gradient all_gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+constexpr Precision all_precisions[] = {Precision::single, Precision::double_};
 
 template <class F>
 void for_each_kind(F&& f) {
-  for (const Precision precision : kPrecisions)
-    for (const Gradient gradient : kGradients)
+  for (const Precision precision : all_precisions)
+    for (const Gradient gradient : all_gradients)
       for (const SweepOrder order : {SweepOrder::gauss_seidel, SweepOrder::jacobi}) {
         SCOPED_TRACE(testing::Message() << to_string(precision) << ", gradient " << to_string(gradient)
                                         << ", " << to_string(order));
@@ -179,7 +179,7 @@ TEST(Extremes, EndsOfARodThatCross) {
 
 // Islands by the hundred thousand, each alone: pairs that turn, among them some of another kind.
 TEST(Extremes, AHundredThousandTinyIslands) {
-  const std::uint32_t islands = test::kSanitized ? 5000 : 100000;
+  const std::uint32_t islands = test::sanitized ? 5000 : 100000;
   Scene scene;
   for (std::uint32_t i = 0; i < islands; ++i) {
     const double z = 0.1 * i;

@@ -15,9 +15,9 @@
 namespace plumb {
 namespace {
 
-constexpr LayoutChoice kLayouts[] = {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa,
-                                     LayoutChoice::aosoa};
-constexpr Precision kPrecisions[] = {Precision::single, Precision::double_};
+constexpr LayoutChoice all_layouts[] = {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa,
+                                        LayoutChoice::aosoa};
+constexpr Precision all_precisions[] = {Precision::single, Precision::double_};
 
 void append(Scene& scene, const Scene& added) {
   const auto first = static_cast<std::uint32_t>(scene.particles.size());
@@ -49,8 +49,8 @@ TEST(FrozenIslands, LeaveTheOthersBitsAlone) {
     scene.particles.push_back(test::movable({1, 1, 1}, 1, {1, 0, 0}));
     return scene;
   }();
-  for (const Precision precision : kPrecisions)
-    for (const LayoutChoice layout : kLayouts)
+  for (const Precision precision : all_precisions)
+    for (const LayoutChoice layout : all_layouts)
       for (const Gradient gradient : {Gradient::new_, Gradient::old})
         for (const std::uint32_t links : {6u, 17u}) {
           const Settings settings{.precision = precision,
@@ -81,8 +81,8 @@ TEST(FrozenIslands, LeaveTheOthersBitsAlone) {
 // Back to where it was before the substep that broke it, and there for good, stretched rods and all: what is
 // left of its numbers may not be trusted with a motion.
 TEST(FrozenIslands, StandStillWhereTheyWere) {
-  for (const Precision precision : kPrecisions)
-    for (const LayoutChoice layout : kLayouts)
+  for (const Precision precision : all_precisions)
+    for (const LayoutChoice layout : all_layouts)
       for (const Gradient gradient : {Gradient::new_, Gradient::old, Gradient::mid}) {
         SCOPED_TRACE(testing::Message() << to_string(precision) << ", " << to_string(layout) << ", gradient "
                                         << to_string(gradient));
@@ -144,7 +144,7 @@ TEST(FrozenIslands, PositionsDoNotRunOutUnseen) {
 
 TEST(FrozenIslands, AreCountedOneByOne) {
   const Scene scene = scenes::make_ensemble({.chains = 50, .links = 3, .end_mass = 1e-8});
-  for (const LayoutChoice layout : kLayouts) {
+  for (const LayoutChoice layout : all_layouts) {
     World world(scene, {.stop = {.sweeps = 5}, .layout = layout, .threads = 1});
     world.step(1.0 / 60);
     for (const std::uint32_t chain : {3u, 4u, 31u, 49u}) world.set_force(4 * chain + 3, {1e308, 0, 0});
@@ -182,7 +182,7 @@ TEST(FrozenIslands, DoNotHoldACommonAnchor) {
   scene.particles = {test::fixed({0, 0, 0}), test::movable({1, 0, 0}, 1e-8), test::movable({0, 0, 1}),
                      test::movable({0, 0, 2})};
   scene.rods = {{.a = 0, .b = 1}, {.a = 0, .b = 2}, {.a = 2, .b = 3}};
-  for (const LayoutChoice layout : kLayouts) {
+  for (const LayoutChoice layout : all_layouts) {
     World world(scene, {.stop = {.sweeps = 50}, .layout = layout, .threads = 1});
     world.step(1.0 / 60);
     world.set_force(1, {1e308, 0, 0});

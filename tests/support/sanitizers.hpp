@@ -10,23 +10,23 @@ namespace plumb::test {
 #endif
 
 #if defined(__SANITIZE_THREAD__) || PLUMB_HAS_FEATURE(thread_sanitizer)
-inline constexpr bool kThreadSanitizer = true;
+inline constexpr bool thread_sanitizer = true;
 #else
-inline constexpr bool kThreadSanitizer = false;
+inline constexpr bool thread_sanitizer = false;
 #endif
 
 #if defined(__SANITIZE_ADDRESS__) || PLUMB_HAS_FEATURE(address_sanitizer)
-inline constexpr bool kAddressSanitizer = true;
+inline constexpr bool address_sanitizer = true;
 #else
-inline constexpr bool kAddressSanitizer = false;
+inline constexpr bool address_sanitizer = false;
 #endif
 
-inline constexpr bool kSanitized = kThreadSanitizer || kAddressSanitizer;
+inline constexpr bool sanitized = thread_sanitizer || address_sanitizer;
 
 /// `n` repetitions, or a twentieth under a sanitizer, which looks at accesses rather than at numbers and is
 /// slow.
 constexpr int scaled(int n) {
-  return kSanitized ? (n + 19) / 20 : n;
+  return sanitized ? (n + 19) / 20 : n;
 }
 
 }  // namespace plumb::test

@@ -27,12 +27,12 @@ TEST(Coloring, OfAChainAlternates) {
 }
 
 TEST(Coloring, GivesEveryEdgeOfAHubItsOwnColor) {
-  constexpr std::uint32_t kSpokes = 50'000;  // a search per edge would cost 10⁹ steps
+  constexpr std::uint32_t spokes = 50'000;  // a search per edge would cost 10⁹ steps
   LocalGraph g;
-  for (std::uint32_t i = 1; i <= kSpokes; ++i) g.edges.push_back({0, i});
-  g.movable.assign(kSpokes + 1, 1);
+  for (std::uint32_t i = 1; i <= spokes; ++i) g.edges.push_back({0, i});
+  g.movable.assign(spokes + 1, 1);
   const Coloring coloring = color_edges(g.view());
-  EXPECT_EQ(coloring.colors, kSpokes);
+  EXPECT_EQ(coloring.colors, spokes);
   EXPECT_TRUE(is_valid(g.view(), coloring));
 }
 

@@ -115,17 +115,17 @@ TEST(EqualIslands, DifferByDirectionOrderAndFixedVertices) {
 
 TEST(EqualIslands, AHundredThousandTakeNoQuadraticTime) {
   // Quadratic work would take minutes; the test runner's limit is what fails then.
-  constexpr std::uint32_t kIslands = 100'000;
+  constexpr std::uint32_t island_count = 100'000;
   LocalGraph g;
-  for (std::uint32_t i = 0; i < kIslands; ++i) {
+  for (std::uint32_t i = 0; i < island_count; ++i) {
     g.edges.push_back({3 * i, 3 * i + 1});
     g.edges.push_back(i % 2 == 0 ? Edge{3 * i + 1, 3 * i + 2} : Edge{3 * i + 2, 3 * i + 1});
   }
-  g.movable.assign(3 * kIslands, 1);
+  g.movable.assign(3 * island_count, 1);
   const auto groups = group_equal_islands(g.view(), find_islands(g.view()));
   ASSERT_EQ(groups.size(), 2u);
-  EXPECT_EQ(groups[0].size(), kIslands / 2);
-  EXPECT_EQ(groups[1].size(), kIslands / 2);
+  EXPECT_EQ(groups[0].size(), island_count / 2);
+  EXPECT_EQ(groups[1].size(), island_count / 2);
   EXPECT_EQ(groups[1][1], 3u);
   EXPECT_TRUE(std::is_sorted(groups[0].begin(), groups[0].end()));
 }

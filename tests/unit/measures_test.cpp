@@ -53,9 +53,9 @@ TEST(Stretch, DoesNotHideARodGoneBad) {
   Scene scene = elbow();
   scene.particles.push_back(movable_at({2, 0, 0}, 1));
   scene.rods.push_back({.a = 1, .b = 3});
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const Stretch stretch =
-      measure_stretch(scene, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, kNan, 0}, {9, 0, 0}});
+      measure_stretch(scene, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, nan, 0}, {9, 0, 0}});
   EXPECT_TRUE(std::isnan(stretch.max));
   EXPECT_TRUE(std::isnan(stretch.rms));
   EXPECT_EQ(stretch.max_rod, 1u);

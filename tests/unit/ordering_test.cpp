@@ -70,34 +70,34 @@ TEST(Order, IsNotDisturbedByAnAnchorThatHoldsEverything) {
   // A long chain, shuffled by a stride, with every tenth vertex tied to one anchor. Edges to the anchor are
   // long in any order, shortest with the anchor in the middle, where it is given; the chain's own must not
   // be.
-  constexpr std::uint32_t kLinks = 200;
-  constexpr std::uint32_t kStride = 77;  // coprime to 200
-  constexpr std::uint32_t kAnchor = 100;
+  constexpr std::uint32_t link_count = 200;
+  constexpr std::uint32_t stride = 77;  // coprime to 200
+  constexpr std::uint32_t anchor = 100;
   const auto id = [](std::uint32_t i) {
-    const std::uint32_t shuffled = i * kStride % kLinks;
-    return shuffled < kAnchor ? shuffled : shuffled + 1;
+    const std::uint32_t shuffled = i * stride % link_count;
+    return shuffled < anchor ? shuffled : shuffled + 1;
   };
   LocalGraph chain;
-  for (std::uint32_t i = 0; i + 1 < kLinks; ++i) chain.edges.push_back({id(i), id(i + 1)});
-  chain.movable.assign(kLinks + 1, 1);
-  chain.movable[kAnchor] = 0;
+  for (std::uint32_t i = 0; i + 1 < link_count; ++i) chain.edges.push_back({id(i), id(i + 1)});
+  chain.movable.assign(link_count + 1, 1);
+  chain.movable[anchor] = 0;
   LocalGraph all = chain;
-  for (std::uint32_t i = 0; i < kLinks; i += 10) all.edges.push_back({kAnchor, id(i)});
+  for (std::uint32_t i = 0; i < link_count; i += 10) all.edges.push_back({anchor, id(i)});
   // One apart, or two where the anchor stands between.
   EXPECT_LE(bandwidth(chain.view(), bandwidth_reducing_order(all.view())), 2u);
 }
 
 TEST(Order, KeepsChainsOfOneAnchorApart) {
   // Vertex i of chain c has id 5 i + c: given side by side, five wide. All hang from 50.
-  constexpr std::uint32_t kChains = 5;
-  constexpr std::uint32_t kLength = 10;
-  constexpr std::uint32_t kAnchor = kChains * kLength;
+  constexpr std::uint32_t chain_count = 5;
+  constexpr std::uint32_t chain_length = 10;
+  constexpr std::uint32_t anchor = chain_count * chain_length;
   LocalGraph chains;
-  for (std::uint32_t v = kChains; v < kAnchor; ++v) chains.edges.push_back({v - kChains, v});
-  chains.movable.assign(kAnchor + 1, 1);
-  chains.movable[kAnchor] = 0;
+  for (std::uint32_t v = chain_count; v < anchor; ++v) chains.edges.push_back({v - chain_count, v});
+  chains.movable.assign(anchor + 1, 1);
+  chains.movable[anchor] = 0;
   LocalGraph all = chains;
-  for (std::uint32_t c = 0; c < kChains; ++c) all.edges.push_back({kAnchor - 1 - c, kAnchor});
+  for (std::uint32_t c = 0; c < chain_count; ++c) all.edges.push_back({anchor - 1 - c, anchor});
   EXPECT_LE(bandwidth(chains.view(), bandwidth_reducing_order(all.view())), 2u);
 }
 

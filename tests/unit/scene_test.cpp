@@ -12,8 +12,8 @@
 namespace plumb {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Particle movable_at(Vec3 position, double mass) {
   return {.position = position, .velocity = {}, .mass = mass, .fixed = false};
@@ -50,27 +50,26 @@ TEST(Scene, GoodOnesAreAccepted) {
   EXPECT_EQ(refusal([](Scene& s) {
               s.particles[3].mass = 0;
               s.rods[2].mass = 0.5;
-              s.particles[0].mass = kInfinity;
+              s.particles[0].mass = infinity;
             }),
             "");
 }
 
 TEST(Scene, SurroundingsAreFinite) {
-  EXPECT_EQ(refusal([](Scene& s) { s.gravity.y = kNan; }), "gravity is not finite: (0, nan, 0)");
-  EXPECT_EQ(refusal([](Scene& s) { s.drag = kInfinity; }), "drag is not finite: inf");
+  EXPECT_EQ(refusal([](Scene& s) { s.gravity.y = nan; }), "gravity is not finite: (0, nan, 0)");
+  EXPECT_EQ(refusal([](Scene& s) { s.drag = infinity; }), "drag is not finite: inf");
   EXPECT_EQ(refusal([](Scene& s) { s.drag = -0.5; }), "drag is negative (-0.5 per second)");
 }
 
 TEST(Scene, ParticlesAreFinite) {
-  EXPECT_EQ(refusal([](Scene& s) { s.particles[2].position.x = kNan; }),
+  EXPECT_EQ(refusal([](Scene& s) { s.particles[2].position.x = nan; }),
             "particle 2: position is not finite: (nan, 0, 0)");
-  EXPECT_EQ(refusal([](Scene& s) { s.particles[0].position.z = -kInfinity; }),
+  EXPECT_EQ(refusal([](Scene& s) { s.particles[0].position.z = -infinity; }),
             "particle 0: position is not finite: (0, 0, -inf)");
-  EXPECT_EQ(refusal([](Scene& s) { s.particles[1].velocity.y = kInfinity; }),
+  EXPECT_EQ(refusal([](Scene& s) { s.particles[1].velocity.y = infinity; }),
             "particle 1: velocity is not finite: (0, inf, 0)");
-  EXPECT_EQ(refusal([](Scene& s) { s.particles[3].mass = kNan; }), "particle 3: mass is not finite: nan");
-  EXPECT_EQ(refusal([](Scene& s) { s.particles[3].mass = kInfinity; }),
-            "particle 3: mass is not finite: inf");
+  EXPECT_EQ(refusal([](Scene& s) { s.particles[3].mass = nan; }), "particle 3: mass is not finite: nan");
+  EXPECT_EQ(refusal([](Scene& s) { s.particles[3].mass = infinity; }), "particle 3: mass is not finite: inf");
 }
 
 TEST(Scene, MassesArePositive) {
@@ -78,7 +77,7 @@ TEST(Scene, MassesArePositive) {
   EXPECT_EQ(refusal([](Scene& s) { s.particles[3].mass = 0; }),
             "particle 3: has no mass, neither its own nor from a rod, and is not fixed");
   EXPECT_EQ(refusal([](Scene& s) { s.rods[1].mass = -1; }), "rod 1: mass is negative (-1 kg)");
-  EXPECT_EQ(refusal([](Scene& s) { s.rods[1].mass = kNan; }), "rod 1: mass is not finite: nan");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[1].mass = nan; }), "rod 1: mass is not finite: nan");
   EXPECT_EQ(refusal([](Scene& s) {
               s.particles[2].mass = std::numeric_limits<double>::max();
               s.rods[1].mass = s.rods[2].mass = std::numeric_limits<double>::max();
@@ -96,8 +95,8 @@ TEST(Scene, RodsJoinTwoParticlesThatExist) {
 
 TEST(Scene, RodsHaveALength) {
   EXPECT_EQ(refusal([](Scene& s) { s.rods[2].length = -1; }), "rod 2: length is negative (-1 m)");
-  EXPECT_EQ(refusal([](Scene& s) { s.rods[2].length = kNan; }), "rod 2: length is not finite: nan");
-  EXPECT_EQ(refusal([](Scene& s) { s.rods[2].length = kInfinity; }), "rod 2: length is not finite: inf");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[2].length = nan; }), "rod 2: length is not finite: nan");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[2].length = infinity; }), "rod 2: length is not finite: inf");
   EXPECT_EQ(
       refusal([](Scene& s) { s.particles[3].position = s.particles[2].position; }),
       "rod 2: length is zero, no length is given and its ends (particles 2 and 3) are at the same place");
@@ -139,7 +138,7 @@ TEST(LumpedMasses, ShareRodsBetweenTheirEnds) {
   scene.rods[2].mass = 0.5;
   const std::vector<double> masses = lumped_masses(scene);
   ASSERT_EQ(masses.size(), 4u);
-  EXPECT_EQ(masses[0], kInfinity);
+  EXPECT_EQ(masses[0], infinity);
   EXPECT_DOUBLE_EQ(masses[1], 1 + 1);
   EXPECT_DOUBLE_EQ(masses[2], 1 + 1 + 0.25);
   EXPECT_DOUBLE_EQ(masses[3], 1 + 0.25);

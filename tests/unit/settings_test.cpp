@@ -12,8 +12,8 @@
 namespace plumb {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The message of the InputError that validate() throws, or empty if it throws none.
 std::string refusal(const std::function<void(Settings&)>& change) {
@@ -35,7 +35,7 @@ TEST(Settings, OmegaIsBetweenZeroAndTwo) {
   EXPECT_EQ(refusal([](Settings& s) { s.omega = 2.5; }), "omega must be in (0, 2), got 2.5");
   EXPECT_EQ(refusal([](Settings& s) { s.omega = 2; }), "omega must be in (0, 2), got 2");
   EXPECT_EQ(refusal([](Settings& s) { s.omega = 0; }), "omega must be in (0, 2), got 0");
-  EXPECT_EQ(refusal([](Settings& s) { s.omega = kNan; }), "omega must be in (0, 2), got nan");
+  EXPECT_EQ(refusal([](Settings& s) { s.omega = nan; }), "omega must be in (0, 2), got nan");
   EXPECT_EQ(refusal([](Settings& s) { s.omega = 1.997; }), "");
 }
 
@@ -52,15 +52,23 @@ TEST(Settings, StopRulesArePositive) {
             "tolerance must be positive and finite, got 0");
   EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = -1e-3; }),
             "tolerance must be positive and finite, got -0.001");
-  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = kInfinity; }),
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = infinity; }),
             "tolerance must be positive and finite, got inf");
-  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = kNan; }),
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.tolerance = nan; }),
             "tolerance must be positive and finite, got nan");
   EXPECT_EQ(refusal([](Settings& s) { s.stop.budget_us = 0; }),
             "budget must be positive and finite, got 0 us");
-  EXPECT_EQ(refusal([](Settings& s) { s.stop.budget_us = kNan; }),
+  EXPECT_EQ(refusal([](Settings& s) { s.stop.budget_us = nan; }),
             "budget must be positive and finite, got nan us");
   EXPECT_EQ(refusal([](Settings& s) { s.stop = {.sweeps = 1, .tolerance = 1e-9, .budget_us = 50.0}; }), "");
+}
+
+TEST(StopRules, AreValidatedAlone) {
+  EXPECT_NO_THROW(validate(StopRule{}));
+  EXPECT_NO_THROW(validate(StopRule{.sweeps = 1, .tolerance = 1e-9, .budget_us = 50.0}));
+  EXPECT_THROW(validate(StopRule{.sweeps = 0}), InputError);
+  EXPECT_THROW(validate(StopRule{.tolerance = nan}), InputError);
+  EXPECT_THROW(validate(StopRule{.budget_us = -1.0}), InputError);
 }
 
 class PlannedMethod : public testing::TestWithParam<Method> {};
@@ -77,7 +85,7 @@ TEST_P(PlannedMethod, IsRefusedByName) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, PlannedMethod,
-                         testing::Values(Method::direct, Method::springs, Method::multipliers,
+                         testing::Values(Method::springs, Method::multipliers,
                                          Method::featherstone),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
@@ -87,6 +95,18 @@ TEST(Settings, BuiltMethodsAreAccepted) {
     settings.method = method;
     EXPECT_NO_THROW(validate(settings));
   }
+}
+
+TEST(Isas, AreListedFromTheScalarOneUp) {
+  ASSERT_FALSE(all_isas().empty());
+  EXPECT_EQ(all_isas().front(), Isa::scalar);
+  EXPECT_TRUE(is_supported(Isa::scalar));
+  EXPECT_TRUE(is_supported(best_isa()));
+  for (const Isa isa : all_isas())
+    if (is_supported(isa)) {
+      EXPECT_LE(isa, best_isa()) << to_string(isa);
+    }
+  EXPECT_FALSE(is_supported(static_cast<Isa>(99)));
 }
 
 TEST(ToString, SpeaksTheCommandLine) {

@@ -34,7 +34,7 @@ std::vector<Named> executors(unsigned threads) {
   list.push_back({"staggered", std::make_unique<ThreadExecutor>(threads, ThreadExecutor::Start::staggered)});
   list.push_back({"pool", std::make_unique<test::PoolExecutor>(threads)});
   // oneTBB is not instrumented: the thread sanitizer takes its hand-overs for races.
-  if (!test::kThreadSanitizer && threads <= 2) list.push_back({"tbb", make_tbb_executor(threads)});
+  if (!test::thread_sanitizer && threads <= 2) list.push_back({"tbb", make_tbb_executor(threads)});
   return list;
 }
 
@@ -109,7 +109,7 @@ TEST(Team, CutsItemsIntoStretchesThatMeet) {
 }
 
 TEST(TbbExecutor, KeepsTheContract) {
-  if (test::kThreadSanitizer) GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
+  if (test::thread_sanitizer) GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
   for (const unsigned threads : {1u, 2u}) {
     const std::unique_ptr<Executor> executor = make_tbb_executor(threads);
     EXPECT_EQ(executor->concurrency(), threads);

@@ -1,33 +1,13 @@
 #include "scenes/generators.hpp"
 
-#include <cmath>
-#include <limits>
 #include <random>
-#include <string>
 
 #include "plumb/error.hpp"
+#include "scenes/require.hpp"
 #include "scenes/seeded.hpp"
 
 namespace plumb::scenes {
 namespace {
-
-void require_positive(double value, const char* name) {
-  if (!(value > 0) || !std::isfinite(value)) {
-    throw InputError(std::string(name) + " must be positive and finite");
-  }
-}
-
-void require_at_least(std::uint64_t value, std::uint64_t least, const char* name) {
-  if (value < least) throw InputError(std::string(name) + " must be at least " + std::to_string(least));
-}
-
-/// Particle ids are 32 bits wide; the limit leaves room for as many rods.
-void require_countable(std::uint64_t particles) {
-  if (particles > std::numeric_limits<std::int32_t>::max()) {
-    throw InputError("that is " + std::to_string(particles) +
-                     " particles; at most 2147483647 can be numbered");
-  }
-}
 
 void require_sound(const ChainShape& shape) {
   require_at_least(shape.links, 1, "links");

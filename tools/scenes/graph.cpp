@@ -2,7 +2,6 @@
 // shortest until the mean degree is reached.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <tuple>
@@ -10,6 +9,7 @@
 
 #include "plumb/error.hpp"
 #include "scenes/generators.hpp"
+#include "scenes/require.hpp"
 #include "scenes/seeded.hpp"
 
 namespace plumb::scenes {
@@ -144,13 +144,9 @@ void fix_some(Scene& scene) {
 }  // namespace
 
 Scene make_graph(const GraphShape& shape) {
-  if (shape.particles < 2) throw InputError("particles must be at least 2");
-  if (shape.particles > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw InputError("particles must be at most 2147483647");
-  }
-  if (!(shape.spacing > 0) || !std::isfinite(shape.spacing)) {
-    throw InputError("spacing must be positive and finite");
-  }
+  require_at_least(shape.particles, 2, "particles");
+  require_countable(shape.particles);
+  require_positive(shape.spacing, "spacing");
   // Within two spacings a particle has about 33 neighbours, half of them lost at the cube's faces.
   if (!(shape.degree >= 0 && shape.degree <= 16)) throw InputError("degree must be from 0 to 16");
 

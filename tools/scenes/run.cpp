@@ -10,6 +10,7 @@
 #include "plumb/error.hpp"
 #include "scenes/lists.hpp"
 #include "scenes/numbers.hpp"
+#include "scenes/require.hpp"
 
 namespace plumb::scenes {
 namespace {
@@ -84,10 +85,8 @@ std::optional<std::uint64_t> frame_at(double t, double dt) {
 }
 
 std::uint64_t count_frames(const RunPlan& plan) {
-  if (!(plan.dt > 0) || !std::isfinite(plan.dt)) throw InputError("dt must be positive and finite");
-  if (!(plan.duration > 0) || !std::isfinite(plan.duration)) {
-    throw InputError("the duration must be positive and finite");
-  }
+  require_positive(plan.dt, "dt");
+  require_positive(plan.duration, "the duration");
   const auto frames = frame_at(plan.duration, plan.dt);
   if (!frames || *frames == 0) {
     const double below = std::max(1.0, std::floor(plan.duration / plan.dt));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "plumb/scene.hpp"
@@ -34,9 +35,12 @@ enum class LayoutChoice : std::uint8_t { automatic, aos, soa, aosoa };
 /// Instruction sets with a compiled body. Every one gives the same bits.
 enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512 };
 
-/// The best instruction set that this processor runs and this build holds.
-Isa best_isa();
+/// All of them, slowest first, whether this processor runs them or not.
+std::span<const Isa> all_isas();
+/// Whether this processor runs it and this build holds it; `scalar` always is.
 bool is_supported(Isa isa);
+/// The best that is supported.
+Isa best_isa();
 
 /// When to stop sweeping in a substep. Sweeps are never more than `sweeps`; a tolerance or a budget can stop
 /// earlier. What stopped is reported per step (StepReport::stopped_by).
@@ -67,9 +71,11 @@ struct Settings {
 Gradient gradient_of(const Settings& settings);
 MassModel mass_model_of(const Settings& settings);
 
-/// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) and
-/// NotBuiltError on a method that is planned but not built.
+/// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) or an
+/// instruction set that is not supported, and NotBuiltError on a method that is planned but not built.
 void validate(const Settings& settings);
+/// Throws InputError unless sweeps are at least 1, and tolerance and budget, if given, positive and finite.
+void validate(const StopRule& rule);
 
 std::string_view to_string(Method);
 std::string_view to_string(Precision);

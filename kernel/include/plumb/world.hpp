@@ -75,7 +75,7 @@ class World;
 class StateView {
  public:
   std::size_t size() const;
-  Vec3 operator[](std::uint32_t particle) const;
+  Vec3 operator[](std::uint32_t particle) const;  ///< throws InputError on an unknown particle
 
  private:
   friend class World;
@@ -94,7 +94,8 @@ class StateView {
 /// Not thread-safe: one thread at a time. The world keeps no reference to the scene.
 class World {
  public:
-  /// Throws InputError or NotBuiltError (see validate()) and leaves nothing behind.
+  /// Throws InputError (see validate(); also if numbers do not fit the precision or 32-bit places) or
+  /// NotBuiltError, and leaves nothing behind.
   explicit World(const Scene& scene, const Settings& settings = {});
   ~World();
   World(World&&) noexcept;
@@ -120,8 +121,9 @@ class World {
   std::uint32_t rod_count() const;
   double time() const;  ///< s
 
-  /// State in the scene's particle order, one by one, as views, or copied into `out`, which must hold
-  /// particle_count() elements. Velocities are those at the end of the step, second order accurate.
+  /// State in the scene's particle order, one by one, as views, or copied into `out`, which must have
+  /// particle_count() elements. Throws InputError on an unknown particle or an `out` of another size.
+  /// Velocities are those at the end of the step, second order accurate.
   StateView positions() const { return {*this, StateView::Field::position}; }
   StateView velocities() const { return {*this, StateView::Field::velocity}; }
   void copy_positions(std::span<Vec3> out) const;

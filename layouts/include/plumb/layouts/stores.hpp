@@ -18,7 +18,6 @@ concept ParticleStore = requires(const S& store, std::uint32_t i) {
   { store.offset(i) } -> std::same_as<std::uint32_t>;
   { store.component_stride() } -> std::same_as<std::uint32_t>;
   { store.elements() } -> std::same_as<std::uint32_t>;
-  { store.particles() } -> std::same_as<std::uint32_t>;
 };
 
 /// Array of structures: x y z 0 | x y z 0 | ... One particle is one quarter (float) or half (double) cache
@@ -29,7 +28,6 @@ class AosStore {
   std::uint32_t offset(std::uint32_t i) const { return 4 * i; }
   std::uint32_t component_stride() const { return 1; }
   std::uint32_t elements() const { return round_up(4 * particles_, lanes_); }
-  std::uint32_t particles() const { return particles_; }
 
  private:
   std::uint32_t particles_;
@@ -41,24 +39,22 @@ class AosStore {
 class SoaStore {
  public:
   SoaStore(std::uint32_t particles, std::uint32_t lanes, std::uint32_t element_bytes, std::uint32_t parts = 1)
-      : particles_(particles), parts_(parts) {
+      : parts_(parts) {
     // One spare vector so that a load shifted by one lane stays inside its stream.
     pitch_ = round_up((particles + parts - 1) / parts, lanes) + lanes;
     // Streams a multiple of 4 KiB apart fight for the same cache sets and make loads wait for unrelated
     // stores; 704 bytes is far from every small multiple of the line size modulo 4 KiB.
     constexpr std::uint32_t page = 4096, skew = 704;
-    if (pitch_ * element_bytes >= page) {
+    if (std::uint64_t{pitch_} * element_bytes >= page) {
       while ((std::uint64_t{pitch_} * element_bytes) % page != skew) pitch_ += lanes;
     }
   }
   std::uint32_t offset(std::uint32_t i) const { return (i % parts_) * 3 * pitch_ + i / parts_; }
   std::uint32_t component_stride() const { return pitch_; }
   std::uint32_t elements() const { return 3 * parts_ * pitch_; }
-  std::uint32_t particles() const { return particles_; }
   std::uint32_t streams() const { return 3 * parts_; }
 
  private:
-  std::uint32_t particles_;
   std::uint32_t parts_;
   std::uint32_t pitch_;
 };
@@ -73,7 +69,6 @@ class AosoaStore {
   std::uint32_t component_stride() const { return lanes_; }
   /// One spare row so that a load shifted by one lane from the last row stays inside the array.
   std::uint32_t elements() const { return (round_up(particles_, lanes_) / lanes_ + 1) * 3 * lanes_; }
-  std::uint32_t particles() const { return particles_; }
 
  private:
   std::uint32_t particles_;
