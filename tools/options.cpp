@@ -93,6 +93,9 @@ void add_solver_options(CLI::App& app, Settings& settings) {
               Method::featherstone},
              "How rods are kept at their length");
   add_count(app, "--substeps", settings.substeps, "Integrations per frame [1]");
+  add_number(
+      app, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
+      "Method direct: choose substeps so that the error grows by at most this share of the scene a second");
   CLI::Option* sweeps =
       add_count(app, "--sweeps", settings.stop.sweeps,
                 "Most passes over all rods in a substep [10; 10000 with --tolerance or --budget-us]");

@@ -18,6 +18,13 @@ namespace {
 
 using layouts::lane_width;
 
+// Of the control of substeps by accuracy: the share of the error allowed that is aimed at, and by how much
+// the substep may change at once.
+constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 1.5;
+constexpr int most_attempts = 8;
+constexpr std::uint32_t most_substeps = 1 << 20;
+constexpr double first_substep = 1e-3;  ///< s; short, since nothing is known yet
+
 template <class T>
 class DirectSimulation final : public Simulation {
  public:
@@ -29,6 +36,7 @@ class DirectSimulation final : public Simulation {
         executor_(settings.executor ? settings.executor : own_executor_.get()),
         team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
         stepper_(gradient_of(settings), scene.drag, isa_),
+        diagonal_(bounding_diagonal(scene)),
         places_(scene.particles.size()) {
     for (const Particle& particle : scene.particles) {
       fixed_.push_back(particle.fixed);
@@ -41,14 +49,13 @@ class DirectSimulation final : public Simulation {
   }
 
   StepReport step(double dt) override {
-    const double h = dt / settings_.substeps;
     DirectCounters counters;
     start_anchors(dt);
     team_.lead(uses_threads() ? executor_ : nullptr, [&] {
       std::atomic<std::size_t> next{0};
       team_.for_parts([&](unsigned part) {
         for (std::size_t g; (g = next.fetch_add(1, std::memory_order_relaxed)) < groups_.size();)
-          advance(groups_[g], h, part, counters);
+          advance(groups_[g], dt, part, counters);
       });
     });
     finish_anchors();
@@ -61,6 +68,7 @@ class DirectSimulation final : public Simulation {
     report.halvings = counters.halvings;
     report.fallbacks = counters.fallbacks;
     report.unsolved = counters.unsolved;
+    report.repeated_steps = counters.repeated;
     return report;
   }
 
@@ -125,6 +133,9 @@ class DirectSimulation final : public Simulation {
     std::size_t kind;  ///< of topology, into kinds_
     layouts::AlignedBuffer<T> velocity;
     bool anchors_changed = false;
+    // With accuracy:
+    std::unique_ptr<TreeState<T>> start = nullptr;  ///< of the step
+    double substep = first_substep;                 ///< s, that the last one thought best
   };
   /// What each thread needs for one topology.
   struct Crew {
@@ -176,6 +187,7 @@ class DirectSimulation final : public Simulation {
       const std::uint32_t trees = std::min(lanes, count - first);
       const auto g = static_cast<std::uint32_t>(groups_.size());
       Group& group = groups_.emplace_back(Group{TreeState<T>(topology, lanes), trees, kind, {}});
+      if (settings_.accuracy) group.start = std::make_unique<TreeState<T>>(topology, lanes);
       group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
       for (std::uint32_t lane = 0; lane < lanes; ++lane) {
         // Lanes without a tree repeat the last one; nobody looks at them.
@@ -222,12 +234,35 @@ class DirectSimulation final : public Simulation {
 
   bool uses_threads() const { return team_.size() > 1 && groups_.size() > 1; }
 
-  void advance(Group& group, double h, unsigned part, DirectCounters& counters) {
+  void advance(Group& group, double dt, unsigned part, DirectCounters& counters) {
     Crew& crew = crews_[group.kind][part];
     if (group.anchors_changed && gradient_of(settings_) == Gradient::mid)
       stepper_.project_velocities(group.state, crew.work);
-    for (std::uint32_t i = 0; i < settings_.substeps; ++i)
-      stepper_.advance(group.state, group.trees, h, crew.work, crew.alone, crew.alone_work, counters);
+    if (!settings_.accuracy) {
+      advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
+      return;
+    }
+    group.start->copy_motion(group.state);
+    for (int attempt = 1;; ++attempt) {
+      const double wanted = std::ceil(dt / group.substep);
+      const auto substeps = static_cast<std::uint32_t>(
+          std::clamp(wanted, double{1} * settings_.substeps, double{1} * most_substeps));
+      const double h = dt / substeps;
+      const double rate = advance(group, crew, h, substeps, counters) / (h * *settings_.accuracy * diagonal_);
+      // The error of a second-order step grows by h^2 a second.
+      group.substep = h * std::clamp(std::sqrt(safety / rate), slowest_change, fastest_change);
+      if (rate <= 1 || attempt == most_attempts || substeps == most_substeps) return;
+      group.state.copy_motion(*group.start);
+      counters.repeated.fetch_add(1, std::memory_order_relaxed);
+    }
+  }
+  /// The largest error estimate of the substeps.
+  double advance(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
+    double error = 0;
+    for (std::uint32_t i = 0; i < substeps; ++i)
+      error = std::max(error, stepper_.advance(group.state, group.trees, h, crew.work, crew.alone,
+                                               crew.alone_work, counters));
+    return error;
   }
 
   /// Gives fixed ends the velocity that takes them to their targets in `dt`.
@@ -282,6 +317,7 @@ class DirectSimulation final : public Simulation {
   Executor* executor_;
   Team team_;
   TreeStepper<T> stepper_;
+  double diagonal_;
   mutable std::vector<Group> groups_;
   mutable std::vector<std::vector<Crew>> crews_;  ///< per topology and thread
   mutable bool velocities_known_ = false;

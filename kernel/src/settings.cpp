@@ -34,6 +34,10 @@ void validate(const Settings& settings) {
       settings.method != Method::direct) {
     throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
   }
+  if (settings.accuracy && !(*settings.accuracy > 0 && std::isfinite(*settings.accuracy)))
+    refuse("accuracy must be positive and finite, got ", *settings.accuracy);
+  if (settings.accuracy && settings.method != Method::direct)
+    refuse("accuracy needs method direct: relaxation is set by substeps and sweeps");
   if (mass_model_of(settings) == MassModel::consistent && settings.method != Method::direct)
     refuse("mass consistent needs method direct: relaxation moves particles one by one");
 }

@@ -152,6 +152,22 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
 }
 
 template <class T>
+void TreeState<T>::copy_motion(const TreeState& from) {
+  const auto copy = [](auto& to, const auto& source) {
+    std::copy_n(source.data(), source.size(), to.data());
+  };
+  copy(x, from.x);
+  copy(u, from.u);
+  copy(acceleration, from.acceleration);
+  copy(mu, from.mu);
+  copy(pin_mu, from.pin_mu);
+  copy(pin_x, from.pin_x);
+  copy(u_step, from.u_step);
+  copy(mu_kick, from.mu_kick);
+  copy(smooth, from.smooth);
+}
+
+template <class T>
 Vec3 TreeState<T>::position(std::uint32_t i, std::uint32_t lane) const {
   return {x[at(3 * i, lane)], x[at(3 * i + 1, lane)], x[at(3 * i + 2, lane)]};
 }
@@ -176,6 +192,7 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
        {&active, &change, &ratio, &kick, &guess, &mu_scale, &u_delta, &u_before, &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
+  first.assign(lanes, 0);
   mu_start = AlignedBuffer<T>(n);
   pin_mu_start = AlignedBuffer<T>(p);
 }

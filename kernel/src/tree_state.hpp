@@ -41,6 +41,9 @@ struct TreeState {
                  const TreeMembers& members);
   void copy_lane(std::uint32_t lane, const TreeState& from, std::uint32_t from_lane);
 
+  /// Takes over what a substep changes from another state of the same trees.
+  void copy_motion(const TreeState& from);
+
   std::size_t at(std::uint32_t entry, std::uint32_t lane) const { return std::size_t{entry} * lanes + lane; }
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);
@@ -69,6 +72,7 @@ struct TreeWorkspace {
       change, ratio, kick, guess, mu_scale, u_delta, u_before, inverse_kick, push, jolt, mu_start,
       pin_mu_start;
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
+  std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from before
 };
 
 }  // namespace plumb::detail

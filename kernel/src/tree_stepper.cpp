@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "verlet.hpp"
 
@@ -170,15 +171,22 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Tre
 }
 
 template <class T>
-void TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
-                             TreeState<T>& alone, TreeWorkspace<T>& alone_work,
-                             DirectCounters& counters) const {
+double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
+                               TreeState<T>& alone, TreeWorkspace<T>& alone_work,
+                               DirectCounters& counters) const {
   begin(state, trees, h, gradient_, work);
   const bool all = solve(state, trees, gradient_, work, counters);
+  double error = 0;
+  for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.mu_kick[lane] == 0;
   accept(state, trees, h, gradient_, work);
+  for (std::uint32_t lane = 0; lane < trees; ++lane) {
+    const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes);
+    if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
+  }
   counters.substeps.fetch_add(trees, std::memory_order_relaxed);
   for (std::uint32_t lane = 0; !all && lane < trees; ++lane) {
     if (!work.failed[lane]) continue;
+    error = std::numeric_limits<double>::infinity();
     counters.substeps.fetch_sub(1, std::memory_order_relaxed);
     restore(state, lane, work);
     counters.halvings.fetch_add(1, std::memory_order_relaxed);
@@ -190,6 +198,7 @@ void TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h,
       counters.unsolved.fetch_add(1, std::memory_order_relaxed);
     }
   }
+  return error;
 }
 
 template <class T>

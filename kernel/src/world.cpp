@@ -116,6 +116,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   newton += other.newton;
   halvings += other.halvings;
   fallbacks += other.fallbacks;
+  repeated_steps += other.repeated_steps;
   unsolved += other.unsolved;
   return *this;
 }

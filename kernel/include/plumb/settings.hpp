@@ -59,7 +59,10 @@ struct Settings {
   Weights weights = Weights::mass;
   SweepOrder order = SweepOrder::gauss_seidel;
   double omega = 1;            ///< over-relaxation factor, in (0, 2)
-  std::uint32_t substeps = 1;  ///< h = dt / substeps
+  std::uint32_t substeps = 1;  ///< h = dt / substeps; the fewest if accuracy is set
+  /// For direct: picks substeps so that the estimated error grows by no more than this share of the scene's
+  /// diagonal per second.
+  std::optional<double> accuracy{};
   StopRule stop{};
   LayoutChoice layout = LayoutChoice::automatic;
   std::optional<Isa> isa{};      ///< none: best_isa()

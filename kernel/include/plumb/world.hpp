@@ -33,11 +33,12 @@ struct StepReport {
   std::uint32_t frozen_islands = 0;
 
   // Of islands solved directly:
-  std::uint64_t tree_substeps = 0;  ///< substeps that trees took, those after halvings included
-  std::uint64_t newton = 0;         ///< Newton steps, summed over trees
-  std::uint64_t halvings = 0;       ///< times a tree's substep did not converge and was cut in two
-  std::uint64_t fallbacks = 0;      ///< substeps taken with gradient new because nothing else converged
-  std::uint64_t unsolved = 0;       ///< substeps that not even that solved: the tree stayed where it was
+  std::uint64_t tree_substeps = 0;   ///< substeps that trees took, those after halvings included
+  std::uint64_t newton = 0;          ///< Newton steps, summed over trees
+  std::uint64_t halvings = 0;        ///< times a tree's substep did not converge and was cut in two
+  std::uint64_t fallbacks = 0;       ///< substeps taken with gradient new because nothing else converged
+  std::uint64_t repeated_steps = 0;  ///< steps of a group of trees done again, finer, to be accurate enough
+  std::uint64_t unsolved = 0;        ///< substeps that not even that solved: the tree stayed where it was
 
   StepReport& operator+=(const StepReport& other);
 };
