@@ -34,6 +34,13 @@ Integrator::Integrator(const Model& model, State start, Settings settings)
   velocity_change_ = project();
 }
 
+void Integrator::refuse_stretch(const WorstRod& worst) const {
+  throw Unreachable("rod " + std::to_string(worst.rod) + " cannot be kept at its length at t = " +
+                    text(time_, 6) + " s: it would be off by " + text(worst.stretch) +
+                    " of it. Rods drawn straight between fixed particles have no truth, nor have rods that "
+                    "contradict each other");
+}
+
 /// Newton on the lengths with the factors at hand, then one solve for the velocities; returns by how much
 /// these changed at most, in m/s.
 Real Integrator::project() {
@@ -53,11 +60,7 @@ Real Integrator::project() {
     for (std::size_t i = 0; i < change_.size(); ++i) state_.x[i] += change_[i];
   }
   const WorstRod worst = worst_stretch(model_, state_.x);
-  if (!(worst.stretch <= most_stretch)) {
-    throw Unreachable("rod " + std::to_string(worst.rod) +
-                      " cannot be kept at its length at t = " + text(time_, 6) + " s: it would be off by " +
-                      text(worst.stretch) + " of it (the rods around it leave no way to move)");
-  }
+  if (!(worst.stretch <= most_stretch)) refuse_stretch(worst);
   for (std::size_t r = 0; r < model_.rods.size(); ++r) {
     const ModelRod& rod = model_.rods[r];
     c_[r] = -dot(state_.x[rod.b] - state_.x[rod.a], state_.v[rod.b] - state_.v[rod.a]);
@@ -105,15 +108,19 @@ void Integrator::advance_to(Real t) {
     } else if (2 * h > left) {
       h = left / 2;  // rather than a short last step
     }
-    series_.evaluate(h, next_);
     // The series' own estimate looks at three coefficients; the rods, which it does not know of, look at all.
     // What redundant rods that contradict each other by rounding had before, they may keep.
     const Real most = allowed + 2 * worst_stretch(model_, state_.x).stretch;
-    for (int halvings = 0; halvings < 20 && !(worst_stretch(model_, next_.x).stretch <= most); ++halvings) {
-      h /= 2;
+    for (int halvings = 0;; ++halvings) {
       series_.evaluate(h, next_);
+      const WorstRod worst = worst_stretch(model_, next_.x);
+      if (worst.stretch <= most) break;
+      // A series too short for its step gains order digits from every halving. A rod that was left out as
+      // redundant and is not gains four: it is held straight, and nothing finite can hold it.
+      if (halvings == (solver_.redundant() > 0 ? 4 : 20)) refuse_stretch(worst);
+      h /= 2;
     }
-    if (!(h > 1e-12L * std::max(left, time_)) || !std::isfinite(h)) {
+    if (h != left && !(h > 1e-12L * std::max(left, time_))) {
       throw Unreachable("the motion cannot be followed beyond t = " + text(time_, 6) +
                         " s: steps there shrink to nothing");
     }

@@ -34,6 +34,7 @@ class Integrator {
   void expand();
   void finish_step(Real h);
   Real project();
+  [[noreturn]] void refuse_stretch(const WorstRod& worst) const;
 
   const Model& model_;
   Settings settings_;
