@@ -45,7 +45,7 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
   if (scene.drag == 0) {
     line("energy", "changes by at most " + short_number(result.energy_drift, 2) + " of its range");
   }
-  if (result.velocity_change > 0) {
+  if (result.velocity_change > 1e-15 * result.speed) {  // more than their rounding
     line("velocity", "initial velocities pulled on rods; changed by at most " +
                          short_number(result.velocity_change) + " m/s");
   }

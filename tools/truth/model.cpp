@@ -80,7 +80,8 @@ WorstRod worst_stretch(const Model& model, const std::vector<Point>& x) {
   for (std::size_t i = 0; i < model.rods.size(); ++i) {
     const ModelRod& rod = model.rods[i];
     const Real stretch = std::abs(norm(x[rod.b] - x[rod.a]) / rod.length - 1);
-    if (!(stretch <= worst.stretch)) worst = {stretch, i};
+    // Written so that what is not a number wins and stays.
+    if (!(stretch <= worst.stretch) && !std::isnan(worst.stretch)) worst = {stretch, i};
   }
   return worst;
 }

@@ -38,8 +38,9 @@ Accuracy compare(const Model& model, Real t, const State& a, const State& b) {
   Real position = 0, velocity = 0;
   for (std::size_t i = 0; i < a.x.size(); ++i) {
     const Real dx = norm(a.x[i] - b.x[i]), dv = norm(a.v[i] - b.v[i]);
-    if (!(dx <= position)) position = dx;  // so that what is not a number stays
-    if (!(dv <= velocity)) velocity = dv;
+    // Written so that what is not a number wins and stays.
+    if (!(dx <= position) && !std::isnan(position)) position = dx;
+    if (!(dv <= velocity) && !std::isnan(velocity)) velocity = dv;
   }
   return {static_cast<double>(t), static_cast<double>(position / model.diagonal),
           static_cast<double>(velocity / model.speed)};
