@@ -14,6 +14,7 @@ void add_run_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_scale_command(CLI::App& app, Action& action);
 void add_thesis_command(CLI::App& app, Action& action);
+void add_truth_command(CLI::App& app, Action& action);
 
 /// Exit statuses.
 inline constexpr int fine = 0;

@@ -68,6 +68,30 @@ CLI::Option* add_seconds(CLI::App& app, const std::string& name, double& target,
       help);
 }
 
+CLI::Option* add_positive(CLI::App& app, const std::string& name, double& target, const std::string& help) {
+  return add_number(
+      app, name, "T",
+      [name, &target](double value) {
+        if (!(value > 0)) throw CLI::ValidationError(name, "must be positive");
+        target = value;
+      },
+      help);
+}
+
+CLI::Option* add_save_at(CLI::App& app, std::vector<double>& times, const std::string& help) {
+  CLI::Option* option = app.add_option_function<std::string>(
+      "--save-at",
+      [&times](const std::string& text) {
+        for (const std::string& item : CLI::detail::split(text, ',')) {
+          const auto t = scenes::parse_fraction(item);
+          if (!t) throw CLI::ValidationError("--save-at", "'" + item + "' is not a finite number");
+          times.push_back(*t);
+        }
+      },
+      help);
+  return option->type_name("T1,T2,...");
+}
+
 void add_layout_options(CLI::App& app, Settings& settings) {
   add_choice(app, "--layout", settings.layout,
              {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa},

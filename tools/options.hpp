@@ -42,6 +42,12 @@ CLI::Option* add_count(CLI::App& app, const std::string& name, unsigned& target,
 /// A positive number of seconds, as a decimal or a fraction such as 1/60.
 CLI::Option* add_seconds(CLI::App& app, const std::string& name, double& target, const std::string& help);
 
+/// A positive number, without a unit.
+CLI::Option* add_positive(CLI::App& app, const std::string& name, double& target, const std::string& help);
+
+/// --save-at: times in seconds, separated by commas.
+CLI::Option* add_save_at(CLI::App& app, std::vector<double>& times, const std::string& help);
+
 /// --layout, --precision, --threads and --isa: how a scene lies in memory and what works on it.
 void add_layout_options(CLI::App& app, Settings& settings);
 

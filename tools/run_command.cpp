@@ -139,18 +139,8 @@ void add_run_command(CLI::App& app, Action& action) {
   add_seconds(*command, "--dt", o.plan.dt, "Length of a frame [1/60]");
   add_solver_options(*command, o.plan.settings);
   add_layout_options(*command, o.plan.settings);
-  command
-      ->add_option_function<std::string>(
-          "--save-at",
-          [&o](const std::string& text) {
-            for (const std::string& item : CLI::detail::split(text, ',')) {
-              const auto t = scenes::parse_fraction(item);
-              if (!t) throw CLI::ValidationError("--save-at", "'" + item + "' is not a finite number");
-              o.save_at.push_back(*t);
-            }
-          },
-          "Times for the trajectory, each the end of a frame or 0; without it every frame")
-      ->type_name("T1,T2,...");
+  add_save_at(*command, o.save_at,
+              "Times for the trajectory, each the end of a frame or 0; without it every frame");
   command->add_option("--trajectory", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file")
       ->type_name("OUT.csv");
   command->add_option("--truth", o.truth, "Compare positions with this trajectory")->type_name("TRUTH.csv");

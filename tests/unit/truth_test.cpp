@@ -1,0 +1,104 @@
+// What a truth refuses, and what it says then.
+#include "truth/truth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "plumb/error.hpp"
+#include "scenes/generators.hpp"
+#include "support/truths.hpp"
+
+namespace plumb::truth {
+namespace {
+
+template <class Error>
+std::string message_of(const Scene& scene, const Plan& plan) {
+  try {
+    solve(scene, plan);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_says(const std::string& message, const std::string& part) {
+  EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+TEST(Truth, SavesTheStartAndWhatIsAskedFor) {
+  const Scene scene = scenes::make_chain(3);
+  const Truth truth = solve(scene, {.save_at = {0, 0.05, 0.1}});
+  ASSERT_EQ(truth.frames.size(), 3u);
+  EXPECT_EQ(truth.frames[1].t, 0.05);
+  for (std::size_t i = 0; i < scene.particles.size(); ++i) {
+    const Vec3 moved = truth.frames[0].positions[i] - scene.particles[i].position;
+    EXPECT_LT(norm(moved), 1e-16) << "particle " << i;  // 0.1 and 0.2 - 0.1 are not the same double
+    EXPECT_EQ(truth.frames[0].velocities[i], (Vec3{}));
+  }
+  EXPECT_EQ(truth.accuracy.size(), 3u);
+  EXPECT_LT(truth.reached.worst(), 1e-16);
+  EXPECT_DOUBLE_EQ(truth.diagonal, bounding_diagonal(scene));
+}
+
+TEST(Truth, RefusesPlansThatMakeNoSense) {
+  const Scene scene = scenes::make_chain(2);
+  expect_says(message_of<InputError>(scene, {.save_at = {}}), "no times");
+  expect_says(message_of<InputError>(scene, {.save_at = {-1}}), "negative");
+  expect_says(message_of<InputError>(scene, {.save_at = {1, 0.5}}), "rise");
+  expect_says(message_of<InputError>(scene, {.save_at = {std::numeric_limits<double>::infinity()}}),
+              "finite");
+  for (const double tolerance : {0.0, 1e-16, 2.0, std::numeric_limits<double>::quiet_NaN()}) {
+    expect_says(message_of<InputError>(scene, {.save_at = {1}, .tolerance = tolerance}), "tolerance");
+  }
+}
+
+TEST(Truth, RefusesRodsOffTheirLengthAndNamesTheWorst) {
+  Scene scene = scenes::make_chain(3);
+  scene.rods[0].length = 0.1 * (1 + 1e-9);
+  scene.rods[1].length = 0.1 * (1 + 1e-6);
+  expect_says(message_of<InputError>(scene, {.save_at = {1}}), "rod 1 starts off its length, by 1e-06");
+}
+
+TEST(Truth, RefusesBadScenes) {
+  Scene scene = scenes::make_chain(3);
+  scene.particles[2].mass = -1;
+  expect_says(message_of<InputError>(scene, {.save_at = {1}}), "particle 2");
+}
+
+TEST(Truth, SaysUntilWhenAChaoticMotionIsKnown) {
+  const std::string message = message_of<Unreachable>(scenes::make_thesis5(), {.save_at = {1, 10}});
+  expect_says(message, "no solution to 1e-09");
+  // Five links double a rounding error about every tenth of a second.
+  const std::size_t at = message.find("beyond t = ");
+  ASSERT_NE(at, std::string::npos) << message;
+  const double until = std::stod(message.substr(at + 11));
+  EXPECT_GT(until, 2) << message;
+  EXPECT_LT(until, 8) << message;
+}
+
+// A row of rods drawn straight between two anchors cannot give way to first order: no finite pull holds it.
+TEST(Truth, RefusesRodsDrawnStraight) {
+  const std::string message = message_of<Unreachable>(scenes::make_net(4, 3), {.save_at = {0.1}});
+  expect_says(message, "cannot be kept at its length");
+}
+
+TEST(Truth, ProjectsVelocitiesThatPull) {
+  Scene scene;
+  scene.particles = {test::loose({0, 0, 0}, 1), test::loose({1, 0, 0}, 3)};
+  scene.particles[1].velocity = {4, 0, 2};
+  scene.rods = {{.a = 0, .b = 1}};
+  const Truth truth = solve(scene, {.save_at = {0}});
+  // Along the rod both take the velocity of the centre of mass, 3 m/s: the lighter one changes by all of it.
+  EXPECT_DOUBLE_EQ(truth.velocity_change, 3);
+  EXPECT_EQ(truth.frames[0].velocities[0], (Vec3{3, 0, 0}));
+  EXPECT_EQ(truth.frames[0].velocities[1], (Vec3{3, 0, 2}));
+}
+
+TEST(Truth, OfNothingIsNothing) {
+  EXPECT_TRUE(solve({}, {.save_at = {1}}).frames.front().positions.empty());
+}
+
+}  // namespace
+}  // namespace plumb::truth

@@ -1,0 +1,89 @@
+#include "truth/model.hpp"
+
+#include <algorithm>
+
+#include "plumb/error.hpp"
+#include "scenes/numbers.hpp"
+
+namespace plumb::truth {
+namespace {
+
+Point point_of(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// Adds a rod's mass to its ends. With s from 0 at a to 1 at b, a rod moves as (1-s) v_a + s v_b; its kinetic
+/// energy holds the moments of s over its mass.
+void add_rod(Model& model, const Rod& rod, MassModel kind, ModelRod& out) {
+  const Real mass = rod.mass, center = rod.center, first = mass * center;
+  Real second = first;  // lumped: all of it at s = 0 and s = 1
+  if (kind == MassModel::consistent) {
+    const Real own = rod.inertia ? *rod.inertia / (out.length * out.length) : mass / 12;
+    second = first * center + own;
+  }
+  out.at_b = second;
+  out.coupling = first - second;
+  model.mass[rod.a] += mass - 2 * first + second;
+  model.mass[rod.b] += second;
+  model.weight[rod.a] += mass - first;
+  model.weight[rod.b] += first;
+}
+
+}  // namespace
+
+Model make_model(const Scene& scene, MassModel mass) {
+  validate(scene);
+  Model model;
+  Real fastest = 0;
+  for (const Particle& particle : scene.particles) {
+    const Real own = particle.fixed ? 0 : particle.mass;
+    model.fixed.push_back(particle.fixed);
+    model.mass.push_back(own);
+    model.weight.push_back(own);
+    if (!particle.fixed) fastest = std::max(fastest, norm(point_of(particle.velocity)));
+  }
+  for (const Rod& rod : scene.rods) {
+    ModelRod out{.a = rod.a, .b = rod.b, .length = rod.length};
+    if (rod.length == 0) {
+      out.length =
+          norm(point_of(scene.particles[rod.b].position) - point_of(scene.particles[rod.a].position));
+    }
+    add_rod(model, rod, mass, out);
+    model.rods.push_back(out);
+  }
+  model.gravity = point_of(scene.gravity);
+  model.drag = scene.drag;
+  if (const double diagonal = bounding_diagonal(scene); diagonal > 0) model.diagonal = diagonal;
+  const Real speed = std::max(std::sqrt(norm(model.gravity) * model.diagonal), fastest);
+  if (speed > 0) model.speed = speed;
+  return model;
+}
+
+State start_of(const Scene& scene, const Model& model) {
+  State state;
+  for (const Particle& particle : scene.particles) {
+    state.x.push_back(point_of(particle.position));
+    state.v.push_back(particle.fixed ? Point{} : point_of(particle.velocity));
+  }
+  const WorstRod worst = worst_stretch(model, state.x);
+  if (!(worst.stretch <= largest_start_stretch)) {
+    throw InputError("rod " + std::to_string(worst.rod) + " starts off its length, by " +
+                     scenes::short_number(static_cast<double>(worst.stretch), 3) +
+                     " of it; a truth needs every rod within " + scenes::short_number(largest_start_stretch) +
+                     " (leave its length out, and it is the distance of its ends)");
+  }
+  return state;
+}
+
+WorstRod worst_stretch(const Model& model, const std::vector<Point>& x) {
+  WorstRod worst;
+  for (std::size_t i = 0; i < model.rods.size(); ++i) {
+    const ModelRod& rod = model.rods[i];
+    const Real stretch = std::abs(norm(x[rod.b] - x[rod.a]) / rod.length - 1);
+    // Written so that what is not a number wins and stays.
+    if (!(stretch <= worst.stretch) && !std::isnan(worst.stretch)) worst = {stretch, i};
+  }
+  return worst;
+}
+
+}  // namespace plumb::truth
