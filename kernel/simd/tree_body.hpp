@@ -349,7 +349,8 @@ void prepare(const TreeView<T>& tree) {
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         const std::size_t at = (3 * i + k) * lanes + lane;
-        tree.delta[at] = tree.ratio[lane] * tree.u[at] + tree.guess[lane] * tree.acceleration[at];
+        tree.delta[at] = tree.ratio[lane] * tree.u[at] + tree.guess[lane] * tree.acceleration[at] +
+                         tree.guess_before[lane] * tree.acceleration_before[at];
         tree.load[at] = tree.ratio[lane] * (tree.node[node * i * lanes + lane] * tree.u[at]) +
                         tree.kick[lane] * tree.force[at];
       }
@@ -388,11 +389,12 @@ void advance(const TreeView<T>& tree) {
       const bool active = tree.active[lane] != 0;
       const T delta = tree.delta[at], before = tree.ratio[lane] * tree.u[at];
       const T acceleration = tree.inverse_kick[lane] * (delta - before);
-      const T change = acceleration - tree.acceleration[at];
+      const T change = acceleration - tree.acceleration_before[at];
       tree.push[lane] += acceleration * acceleration;
       tree.jolt[lane] += change * change;
       tree.x[at] += active ? static_cast<double>(delta) : 0;
       tree.u[at] = active ? tree.u_delta[lane] * delta - tree.u_before[lane] * before : tree.u[at];
+      tree.acceleration_before[at] = active ? tree.acceleration[at] : tree.acceleration_before[at];
       tree.acceleration[at] = active ? acceleration : tree.acceleration[at];
     }
 }

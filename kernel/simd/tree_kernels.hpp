@@ -49,11 +49,13 @@ struct TreeView {
   const T* pin_delta = nullptr;   ///< its displacement in this substep, 3 per pin
   const T* pin_u = nullptr;       ///< and in the one before, 3 per pin
 
-  T* acceleration = nullptr;  ///< 3 per node, of the last substep, rods included (m/s^2)
+  T* acceleration_before = nullptr;  ///< of the one before
+  T* acceleration = nullptr;         ///< 3 per node, of the last substep, rods included (m/s^2)
 
   // Per lane:
   const T* ratio = nullptr;  ///< how many times u goes into a substep
   const T* kick = nullptr;   ///< s^2: how many times force does
+  const T* guess_before = nullptr;
   const T* guess = nullptr;  ///< s^2: how many times the last acceleration goes into the first guess of delta
   const T* mu_scale = nullptr;  ///< what the last multipliers are taken times, as a first guess
   const T* u_delta = nullptr;   ///< u becomes u_delta delta - u_before ratio u
@@ -62,7 +64,7 @@ struct TreeView {
   const T* active = nullptr;        ///< 1 to update a lane, 0 to leave it as it is
   T* change = nullptr;              ///< out: sum over nodes of |change of delta|^2
   T* push = nullptr;                ///< out: sum over nodes of |acceleration|^2
-  T* jolt = nullptr;                ///< out: sum over nodes of |change of acceleration|^2
+  T* jolt = nullptr;                ///< out: sum over nodes of |change of acceleration over two substeps|^2
 
   T* delta = nullptr;  ///< displacement being solved for, 3 per node
   T* mu = nullptr;     ///< multiplier per node; not read for node 0

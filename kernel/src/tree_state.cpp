@@ -45,6 +45,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   pin = AlignedBuffer<T>(tree_fields::pin * p);
   u = AlignedBuffer<T>(3 * n);
   acceleration = AlignedBuffer<T>(3 * n);
+  acceleration_before = AlignedBuffer<T>(3 * n);
   force = AlignedBuffer<T>(3 * n);
   pin_delta = AlignedBuffer<T>(3 * p);
   pin_u = AlignedBuffer<T>(3 * p);
@@ -131,6 +132,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(pin, from.pin);
   copy(u, from.u);
   copy(acceleration, from.acceleration);
+  copy(acceleration_before, from.acceleration_before);
   copy(force, from.force);
   copy(pin_delta, from.pin_delta);
   copy(pin_u, from.pin_u);
@@ -159,6 +161,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(x, from.x);
   copy(u, from.u);
   copy(acceleration, from.acceleration);
+  copy(acceleration_before, from.acceleration_before);
   copy(mu, from.mu);
   copy(pin_mu, from.pin_mu);
   copy(pin_x, from.pin_x);
@@ -188,8 +191,8 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   elimination = AlignedBuffer<T>(tree_fields::elimination * n);
   pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
-  for (auto* buffer :
-       {&active, &change, &ratio, &kick, &guess, &mu_scale, &u_delta, &u_before, &inverse_kick, &push, &jolt})
+  for (auto* buffer : {&active, &change, &ratio, &kick, &guess, &guess_before, &mu_scale, &u_delta, &u_before,
+                       &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
@@ -214,9 +217,11 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .pin_x = state.pin_x.data(),
           .pin_delta = state.pin_delta.data(),
           .pin_u = state.pin_u.data(),
+          .acceleration_before = state.acceleration_before.data(),
           .acceleration = state.acceleration.data(),
           .ratio = ratio.data(),
           .kick = kick.data(),
+          .guess_before = guess_before.data(),
           .guess = guess.data(),
           .mu_scale = mu_scale.data(),
           .u_delta = u_delta.data(),

@@ -50,7 +50,8 @@ struct TreeState {
 
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;
-  layouts::AlignedBuffer<T> node, pin, u, acceleration, force, pin_delta, pin_u, mu, pin_mu;
+  layouts::AlignedBuffer<T> node, pin, u, acceleration, acceleration_before, force, pin_delta, pin_u, mu,
+      pin_mu;
   layouts::AlignedBuffer<double> length2, pin_length2, x, pin_x, weight;  ///< weight: gravity per node, N
   std::vector<double> mass_unit;                                          ///< kg, per lane
   std::vector<double> scale2;   ///< m^2, per lane: mean squared length of a rod
@@ -69,8 +70,8 @@ struct TreeWorkspace {
   simd::TreeView<T> view(TreeState<T>& state);
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
-      change, ratio, kick, guess, mu_scale, u_delta, u_before, inverse_kick, push, jolt, mu_start,
-      pin_mu_start;
+      change, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before, inverse_kick, push, jolt,
+      mu_start, pin_mu_start;
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
   std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from before
 };

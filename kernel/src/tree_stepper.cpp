@@ -68,7 +68,11 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     const auto [ratio, kick, u_delta, u_before] = coefficients(state, lane, h, gradient);
     work.ratio[lane] = static_cast<T>(ratio);
     work.kick[lane] = static_cast<T>(kick);
-    work.guess[lane] = state.smooth[lane] ? static_cast<T>(kick) : T(0);
+    // The acceleration of gradient mid carries an undamped oscillation of period 2h; means of two are free of
+    // it.
+    const bool mean = gradient == Gradient::mid;
+    work.guess[lane] = state.smooth[lane] ? static_cast<T>(mean ? kick / 2 : kick) : T(0);
+    work.guess_before[lane] = state.smooth[lane] && mean ? static_cast<T>(kick / 2) : T(0);
     work.inverse_kick[lane] = static_cast<T>(1 / kick);
     work.u_delta[lane] = static_cast<T>(u_delta);
     work.u_before[lane] = static_cast<T>(u_before);
@@ -135,7 +139,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
   }
   kernels(state).advance(work.view(state));
   for (std::uint32_t lane = 0; lane < trees; ++lane)
-    if (!work.failed[lane]) state.smooth[lane] = work.jolt[lane] < smooth_jolt * work.push[lane];
+    if (!work.failed[lane]) state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];
 }
 
 template <class T>
@@ -180,7 +184,7 @@ double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double 
   for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.mu_kick[lane] == 0;
   accept(state, trees, h, gradient_, work);
   for (std::uint32_t lane = 0; lane < trees; ++lane) {
-    const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes);
+    const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
     if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
   }
   counters.substeps.fetch_add(trees, std::memory_order_relaxed);
