@@ -71,8 +71,8 @@ Packing pack_segments(const Piece& piece, const ShapeInfo& chain, std::uint32_t 
     const std::uint32_t rank = lane * rows + row;
     return rank < edges ? piece.edges[chain.edge_order[rank]] : none;
   };
-  const std::uint32_t per_stage =
-      std::max(fewest_vectors_per_stage, round_up(rows / 2 / most_stages_per_color, 8));
+  const std::uint32_t per_stage = std::max(
+      fewest_vectors_per_stage, round_up((rows / 2 + most_stages_per_color - 1) / most_stages_per_color, 8));
   for (const std::uint32_t parity : {0u, 1u})
     for (std::uint32_t first = parity; first + 1 < rows; first += 2 * per_stage) {
       builder.begin_stage();
