@@ -4,6 +4,7 @@
 //
 // scalar.cpp says what is computed and why; the operations and their order here are the same.
 
+#include <type_traits>
 #include <xsimd/xsimd.hpp>
 
 #include "kernels.hpp"
@@ -68,9 +69,21 @@ PLUMB_INLINE Triple<T> load_direction(const T* rod, Position at) {
           load_field<rod_fields>(rod, at, 2)};
 }
 
+/// The two ends of rods, where there are registers to keep them from the beginning of a projection to its
+/// end.
+template <class T>
+struct Ends {
+  Triple<T> a, b;
+};
+template <class T>
+struct NoEnds {};
+
 /// Neighbouring rods have neighbouring ends.
 struct RowAccess {
   static constexpr std::size_t unroll = 4;
+
+  template <class T>
+  using Kept = NoEnds<T>;
 
   template <class T>
   static PLUMB_INLINE Triple<T> load(const T* from, std::size_t stride) {
@@ -106,6 +119,9 @@ struct RowAccess {
 /// measured.
 struct GatherAccess {
   static constexpr std::size_t unroll = 1;
+
+  template <class T>
+  using Kept = NoEnds<T>;
 
   template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {
@@ -146,9 +162,42 @@ struct GatherAccess {
   }
 };
 
-/// Ends anywhere, each a record x y z 0: subtracted as records, then transposed in registers.
+/// Ends anywhere, each a record x y z 0, transposed in registers.
+///
+/// With 32 registers, both ends of a rod being relaxed are transposed and kept: new ones are made of them as
+/// columns and stored without being read again. With 16, it is faster to transpose only their difference and
+/// to add to the records in memory.
 struct RecordAccess {
   static constexpr std::size_t unroll = 2;
+
+  template <class T>
+  using Kept = std::conditional_t<parts<T> == 1, Ends<T>, NoEnds<T>>;
+
+  template <class T>
+  static PLUMB_INLINE Triple<T> load(const T* data, const std::uint32_t* addresses) {
+    Record<T> records[width<T>];
+    for (std::uint32_t lane = 0; lane < width<T>; ++lane) records[lane] = load_record(data + addresses[lane]);
+    Columns<T, width<T>> columns;
+    to_columns(records, columns);
+    return {Batch<T>(columns.x), Batch<T>(columns.y), Batch<T>(columns.z)};
+  }
+  template <class T>
+  static PLUMB_INLINE void store(const Triple<T>& value, T* data, const std::uint32_t* addresses) {
+    Record<T> records[width<T>];
+    to_records(Columns<T, width<T>>{value.x.data, value.y.data, value.z.data}, records);
+    for (std::uint32_t lane = 0; lane < width<T>; ++lane) store_record(records[lane], data + addresses[lane]);
+  }
+  template <class T>
+  static PLUMB_INLINE Ends<T> load_ends(const BlockView<T>& block, Position at) {
+    return {load(static_cast<const T*>(block.p), block.address_a + at.v * logical_width<T> + at.first),
+            load(static_cast<const T*>(block.p), block.address_b + at.v * logical_width<T> + at.first)};
+  }
+  template <class T>
+  static PLUMB_INLINE void store_ends(const BlockView<T>& block, Position at, const Triple<T>& a,
+                                      const Triple<T>& b) {
+    store(a, block.out, block.address_a + at.v * logical_width<T> + at.first);
+    store(b, block.out, block.address_b + at.v * logical_width<T> + at.first);
+  }
 
   template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {
@@ -191,38 +240,58 @@ void prepare(const BlockView<T>& block, Range range) {
   }
 }
 
-/// A projection between its two halves: twice the direction of the correction, and its size.
-template <class T>
+/// A projection between its two halves: twice the direction of the correction, its size, and the ends.
+template <class Access, class T>
 struct Correction {
   Triple<T> m;
   Batch<T> s;
+  [[no_unique_address]] typename Access::template Kept<T> kept;
 };
 
 template <class Access, Gradient gradient, bool uniform, class T>
-PLUMB_INLINE Correction<T> correction(const BlockView<T>& block, Position at, Batch<T> uniform_length2) {
-  const Triple<T> e = Access::difference(block, static_cast<const T*>(block.p), at);
+PLUMB_INLINE Correction<Access, T> correction(const BlockView<T>& block, Position at,
+                                              Batch<T> uniform_length2) {
+  using Kept = typename Access::template Kept<T>;
+  Kept kept;
+  Triple<T> e;
+  if constexpr (std::is_same_v<Kept, Ends<T>>) {
+    kept = Access::load_ends(block, at);
+    e = kept.b - kept.a;
+  } else {
+    e = Access::difference(block, static_cast<const T*>(block.p), at);
+  }
   const Triple<T> d2 = load_direction(block.rod, at);
   const Triple<T> sum = d2 + e;
   const Batch<T> c = load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) + dot(e, sum);
   const Batch<T> length2 = uniform ? uniform_length2 : load_field<weight_fields>(block.weight, at, 0);
   const Batch<T> divisor = length2 + Batch<T>(T(0.75)) * c;
   const Batch<T> s = c / xsimd::max(divisor, Batch<T>(T(0.25)) * length2);
-  if constexpr (gradient == Gradient::old) return {d2, s};
-  if constexpr (gradient == Gradient::mid) return {sum, s};
-  return {sum + e, s};
+  if constexpr (gradient == Gradient::old) return {d2, s, kept};
+  if constexpr (gradient == Gradient::mid) return {sum, s, kept};
+  return {sum + e, s, kept};
+}
+
+/// Moves the ends, or adds to the sums that stand for them (Jacobi).
+template <class Access, class T>
+PLUMB_INLINE void move(const BlockView<T>& block, Position at, const typename Access::template Kept<T>& kept,
+                       const Triple<T>& move_a, const Triple<T>& move_b) {
+  if constexpr (std::is_same_v<typename Access::template Kept<T>, Ends<T>>) {
+    if (block.out == block.p) return Access::store_ends(block, at, kept.a + move_a, kept.b - move_b);
+  }
+  Access::apply(block, at, move_a, move_b);
 }
 
 template <class Access, bool uniform, class T>
-PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction<T>& correction,
+PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction<Access, T>& correction,
                         Batch<T> uniform_share) {
   if constexpr (uniform) {
-    const Triple<T> move = (uniform_share * correction.s) * correction.m;
-    Access::apply(block, at, move, move);
+    const Triple<T> both = (uniform_share * correction.s) * correction.m;
+    move<Access>(block, at, correction.kept, both, both);
   } else {
     const Batch<T> share_a = load_field<weight_fields>(block.weight, at, 1);
     const Batch<T> share_b = load_field<weight_fields>(block.weight, at, 2);
-    Access::apply(block, at, (share_a * correction.s) * correction.m,
-                  (share_b * correction.s) * correction.m);
+    move<Access>(block, at, correction.kept, (share_a * correction.s) * correction.m,
+                 (share_b * correction.s) * correction.m);
   }
 }
 
@@ -230,7 +299,7 @@ PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction
 /// chain of dependent operations, and the processor's window alone holds only about two.
 template <class Access, Gradient gradient, bool uniform, std::size_t count, class T>
 PLUMB_INLINE void project(const BlockView<T>& block, std::size_t v, Batch<T> length2, Batch<T> share) {
-  Correction<T> begun[count];
+  Correction<Access, T> begun[count];
 #pragma GCC unroll 16
   for (std::size_t k = 0; k < count; ++k)
     begun[k] = correction<Access, gradient, uniform>(block, position<T>(v, k), length2);

@@ -326,77 +326,97 @@ PLUMB_INLINE void project_lanes(const TreeView<T>& tree, std::size_t lane) {
   substitute<true>(tree, at, root);
 }
 
-template <class T>
-void prepare(const TreeView<T>& tree) {
-  using namespace tree_fields;
-  const std::size_t lanes = tree.lanes;
-  const auto set_rod = [&](const double* from, const double* to, double length2, T* out, std::size_t lane) {
+/// The vector from `from` to `to` and the violation of its length, made in double.
+template <class V>
+struct RodVector {
+  Vec<V> d;
+  V violation;
+};
+template <class V, class T>
+PLUMB_INLINE RodVector<V> rod_vector(const double* from, const double* to, const double* length2,
+                                     std::size_t lanes) {
+  alignas(64) T rods[4][lanes_of<V>];
+#pragma GCC unroll 16
+  for (std::size_t lane = 0; lane < lanes_of<V>; ++lane) {
     const double dx = to[lane] - from[lane], dy = to[lane + lanes] - from[lane + lanes],
                  dz = to[lane + 2 * lanes] - from[lane + 2 * lanes];
-    out[lane] = static_cast<T>(dx);
-    out[lane + lanes] = static_cast<T>(dy);
-    out[lane + 2 * lanes] = static_cast<T>(dz);
-    out[lane + 3 * lanes] = static_cast<T>(0.5 * (((dx * dx + dy * dy) + dz * dz) - length2));
-  };
-  const auto guess = [&](T* mu, T* mu_start) {
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      mu_start[lane] = mu[lane];
-      mu[lane] = tree.mu_scale[lane] * mu[lane];
-    }
-  };
+    rods[0][lane] = static_cast<T>(dx);
+    rods[1][lane] = static_cast<T>(dy);
+    rods[2][lane] = static_cast<T>(dz);
+    rods[3][lane] = static_cast<T>(0.5 * (((dx * dx + dy * dy) + dz * dz) - length2[lane]));
+  }
+  return {{load<V>(rods[0]), load<V>(rods[1]), load<V>(rods[2])}, load<V>(rods[3])};
+}
+
+template <class V, class T>
+PLUMB_INLINE void prepare_rod(const At<V, T>& at, const double* from, const double* to, const double* length2,
+                              T* rods, std::size_t i) {
+  const RodVector<V> rod = rod_vector<V, T>(from, to, length2, at.lanes);
+  at.put3(rods, i * tree_fields::rod, rod.d);
+  at.put(rods, i * tree_fields::rod + 3, rod.violation);
+}
+
+template <class V, class T>
+PLUMB_INLINE void guess_multiplier(const At<V, T>& at, const V& scale, T* mu, T* start, std::size_t i) {
+  const V last = at.get(mu, i);
+  at.put(start, i, last);
+  at.put(mu, i, scale * last);
+}
+
+template <class V, class T>
+PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
+  using namespace tree_fields;
+  const At<V, T> at{tree.lanes, lane};
+  const V ratio = at.get(tree.ratio, 0), kick = at.get(tree.kick, 0), scale = at.get(tree.mu_scale, 0);
+  const V guess = at.get(tree.guess, 0), guess_before = at.get(tree.guess_before, 0);
+  const auto place = [&](const double* data, std::size_t entry) { return data + entry * tree.lanes + lane; };
   for (std::size_t i = 0; i < tree.nodes; ++i) {
-    guess(tree.mu + i * lanes, tree.mu_start + i * lanes);
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t lane = 0; lane < lanes; ++lane) {
-        const std::size_t at = (3 * i + k) * lanes + lane;
-        tree.delta[at] = tree.ratio[lane] * tree.u[at] + tree.guess[lane] * tree.acceleration[at] +
-                         tree.guess_before[lane] * tree.acceleration_before[at];
-        tree.load[at] = tree.ratio[lane] * (tree.node[node * i * lanes + lane] * tree.u[at]) +
-                        tree.kick[lane] * tree.force[at];
-      }
-    for (std::size_t pin_at = tree.pin_begin[i]; pin_at < tree.pin_begin[i + 1]; ++pin_at) {
-      guess(tree.pin_mu + pin_at * lanes, tree.pin_mu_start + pin_at * lanes);
-      for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t lane = 0; lane < lanes; ++lane)
-          tree.load[(3 * i + k) * lanes + lane] +=
-              tree.pin[pin * pin_at * lanes + lane] * tree.pin_u[(3 * pin_at + k) * lanes + lane];
-      for (std::size_t lane = 0; lane < lanes; ++lane)
-        set_rod(tree.pin_x + 3 * pin_at * lanes, tree.x + 3 * i * lanes,
-                tree.pin_length2[pin_at * lanes + lane], tree.pin_rod + rod * pin_at * lanes, lane);
+    guess_multiplier(at, scale, tree.mu, tree.mu_start, i);
+    const Vec<V> u = ratio * at.get3(tree.u, 3 * i);
+    at.put3(tree.delta, 3 * i,
+            (u + guess * at.get3(tree.acceleration, 3 * i)) +
+                guess_before * at.get3(tree.acceleration_before, 3 * i));
+    Vec<V> load = at.get(tree.node, node * i) * u + kick * at.get3(tree.force, 3 * i);
+    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+      guess_multiplier(at, scale, tree.pin_mu, tree.pin_mu_start, k);
+      load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
+      prepare_rod(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
+                  tree.pin_rod, k);
     }
-    if (i == 0) continue;
-    const std::size_t p = tree.parent[i];
-    for (std::size_t lane = 0; lane < lanes; ++lane)
-      set_rod(tree.x + 3 * p * lanes, tree.x + 3 * i * lanes, tree.length2[i * lanes + lane],
-              tree.rod + rod * i * lanes, lane);
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t lane = 0; lane < lanes; ++lane) {
-        const std::size_t mine = (3 * i + k) * lanes + lane, above = (3 * p + k) * lanes + lane;
-        const T coupling = tree.ratio[lane] * tree.node[(node * i + 1) * lanes + lane];
-        tree.load[mine] += coupling * tree.u[above];
-        tree.load[above] += coupling * tree.u[mine];
-      }
+    if (i > 0) {
+      const std::size_t p = tree.parent[i];
+      prepare_rod(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
+      const V coupling = at.get(tree.node, node * i + 1);
+      load = load + coupling * (ratio * at.get3(tree.u, 3 * p));
+      at.put3(tree.load, 3 * p, at.get3(tree.load, 3 * p) + coupling * u);
+    }
+    at.put3(tree.load, 3 * i, load);
   }
 }
 
-template <class T>
-void advance(const TreeView<T>& tree) {
-  const std::size_t lanes = tree.lanes;
-  for (std::size_t lane = 0; lane < lanes; ++lane) tree.push[lane] = tree.jolt[lane] = 0;
-  for (std::size_t i = 0; i < 3 * tree.nodes; ++i)
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t at = i * lanes + lane;
-      const bool active = tree.active[lane] != 0;
-      const T delta = tree.delta[at], before = tree.ratio[lane] * tree.u[at];
-      const T acceleration = tree.inverse_kick[lane] * (delta - before);
-      const T change = acceleration - tree.acceleration_before[at];
-      tree.push[lane] += acceleration * acceleration;
-      tree.jolt[lane] += change * change;
-      tree.x[at] += active ? static_cast<double>(delta) : 0;
-      tree.u[at] = active ? tree.u_delta[lane] * delta - tree.u_before[lane] * before : tree.u[at];
-      tree.acceleration_before[at] = active ? tree.acceleration[at] : tree.acceleration_before[at];
-      tree.acceleration[at] = active ? acceleration : tree.acceleration[at];
-    }
+template <class V, class T>
+PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
+  const At<V, T> at{tree.lanes, lane};
+  const V active = at.get(tree.active, 0), ratio = at.get(tree.ratio, 0), over = at.get(tree.inverse_kick, 0);
+  const V u_delta = at.get(tree.u_delta, 0), u_before = at.get(tree.u_before, 0);
+  V push(0), jolt(0);
+  for (std::size_t i = 0; i < 3 * std::size_t{tree.nodes}; ++i) {
+    const V delta = at.get(tree.delta, i), u = at.get(tree.u, i), before = ratio * u;
+    const V last = at.get(tree.acceleration, i), second_last = at.get(tree.acceleration_before, i);
+    const V acceleration = over * (delta - before), change = acceleration - second_last;
+    push = push + acceleration * acceleration;
+    jolt = jolt + change * change;
+    at.put(tree.acceleration_before, i, select_nonzero(active, last, second_last));
+    at.put(tree.acceleration, i, select_nonzero(active, acceleration, last));
+    at.put(tree.u, i, select_nonzero(active, u_delta * delta - u_before * before, u));
+    alignas(64) T moves[lanes_of<V>];
+    store(select_nonzero(active, delta, V(0)), moves);
+    double* const x = tree.x + i * tree.lanes + lane;
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < lanes_of<V>; ++k) x[k] += static_cast<double>(moves[k]);
+  }
+  at.put(tree.push, 0, push);
+  at.put(tree.jolt, 0, jolt);
 }
 
 }  // namespace

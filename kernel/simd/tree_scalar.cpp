@@ -8,6 +8,9 @@ namespace plumb::simd {
 namespace {
 
 template <class V>
+constexpr std::size_t lanes_of = 1;
+
+template <class V>
 inline V load(const V* from) {
   return *from;
 }
@@ -35,8 +38,16 @@ namespace plumb::simd {
 namespace {
 
 template <class T>
+void prepare(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < tree.lanes; ++lane) prepare_lanes<T>(tree, lane);
+}
+template <class T>
 void newton(const TreeView<T>& tree, T theta) {
   for (std::size_t lane = 0; lane < tree.lanes; ++lane) newton_lanes<T>(tree, lane, theta);
+}
+template <class T>
+void advance(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < tree.lanes; ++lane) advance_lanes<T>(tree, lane);
 }
 template <class T>
 void project(const TreeView<T>& tree) {

@@ -11,6 +11,9 @@ namespace {
 template <class T>
 using Batch = xsimd::batch<T, PLUMB_ARCH>;
 
+template <class V>
+constexpr std::size_t lanes_of = V::size;
+
 template <class V, class T>
 inline __attribute__((always_inline)) V load(const T* from) {
   return V::load_aligned(from);
@@ -38,9 +41,17 @@ namespace plumb::simd {
 namespace {
 
 template <class T>
+void prepare(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size) prepare_lanes<Batch<T>>(tree, lane);
+}
+template <class T>
 void newton(const TreeView<T>& tree, T theta) {
   for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size)
     newton_lanes<Batch<T>>(tree, lane, theta);
+}
+template <class T>
+void advance(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size) advance_lanes<Batch<T>>(tree, lane);
 }
 template <class T>
 void project(const TreeView<T>& tree) {

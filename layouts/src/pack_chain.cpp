@@ -10,6 +10,12 @@ namespace {
 // enough that a dozen positions (one per sweep in flight) stay in the first two cache levels.
 constexpr std::uint32_t vectors_per_position = 16;
 
+// Segments cut each colour into stages, because rods without weights of their own are found by the stage: the
+// anchor's rod and the padding of the last lane spoil only theirs. Every stage costs the start of a loop, and
+// multiples of 8 leave its unrolled body no remainder.
+constexpr std::uint32_t fewest_vectors_per_stage = 16;
+constexpr std::uint32_t most_stages_per_color = 8;
+
 /// True where the path comes back to a fixed vertex that it has listed before.
 bool repeats(const ShapeInfo& chain, std::uint32_t rank) {
   return rank + 1 == chain.vertex_order.size() && rank > 0 &&
@@ -65,13 +71,16 @@ Packing pack_segments(const Piece& piece, const ShapeInfo& chain, std::uint32_t 
     const std::uint32_t rank = lane * rows + row;
     return rank < edges ? piece.edges[chain.edge_order[rank]] : none;
   };
-  for (const std::uint32_t parity : {0u, 1u}) {
-    builder.begin_stage();
-    for (std::uint32_t row = parity; row + 1 < rows; row += 2)
-      builder.add_row(store.row_offset(row), store.row_offset(row + 1),
-                      [&](std::uint32_t lane) { return edge_in_row(row, lane); });
-    builder.end_stage();
-  }
+  const std::uint32_t per_stage = std::max(
+      fewest_vectors_per_stage, round_up((rows / 2 + most_stages_per_color - 1) / most_stages_per_color, 8));
+  for (const std::uint32_t parity : {0u, 1u})
+    for (std::uint32_t first = parity; first + 1 < rows; first += 2 * per_stage) {
+      builder.begin_stage();
+      for (std::uint32_t row = first; row + 1 < rows && row < first + 2 * per_stage; row += 2)
+        builder.add_row(store.row_offset(row), store.row_offset(row + 1),
+                        [&](std::uint32_t lane) { return edge_in_row(row, lane); });
+      builder.end_stage();
+    }
   builder.begin_stage();
   builder.add_row(store.row_offset(rows - 1), store.row_offset(0) + 1,
                   [&](std::uint32_t lane) { return lane + 1 < lanes ? edge_in_row(rows - 1, lane) : none; });

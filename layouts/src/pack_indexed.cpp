@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "packing_builder.hpp"
 #include "plumb/layouts/stores.hpp"
@@ -16,6 +17,19 @@ struct IndexedEdge {
   auto key() const { return std::make_tuple(color, uncommon, std::min(a, b), std::max(a, b), edge); }
 };
 
+/// Slots of an island: one for each vertex, and one more for each further edge at a fixed vertex. Edges of
+/// one colour may share a fixed vertex, and a kernel writes to both ends of an edge, be it only zero: with
+/// slots of their own, threads never write to the same place.
+std::uint32_t slots(const Graph& local) {
+  std::vector<std::uint32_t> fixed_ends(local.vertices, 0);
+  for (const Edge edge : local.edges)
+    for (const std::uint32_t end : {edge.a, edge.b})
+      if (local.movable[end] == 0) ++fixed_ends[end];
+  std::uint32_t count = local.vertices;
+  for (const std::uint32_t ends : fixed_ends) count += ends > 1 ? ends - 1 : 0;
+  return count;
+}
+
 template <ParticleStore Store>
 Packing pack_with(const Store& store, std::span<const IndexedPiece> pieces, Layout layout,
                   std::span<const std::uint8_t> common, std::uint32_t lanes, std::string_view shape) {
@@ -25,6 +39,7 @@ Packing pack_with(const Store& store, std::span<const IndexedPiece> pieces, Layo
   std::vector<IndexedEdge> edges;
   std::uint32_t slot = 0, colors = 0;
   std::vector<std::uint32_t> address;
+  std::vector<std::uint8_t> taken;
   for (const IndexedPiece& indexed : pieces) {
     address.assign(indexed.local.vertices, 0);
     for (std::uint32_t rank = 0; rank < indexed.local.vertices; ++rank) {
@@ -32,10 +47,18 @@ Packing pack_with(const Store& store, std::span<const IndexedPiece> pieces, Layo
       address[vertex] = store.offset(slot++);
       builder.add_slot(address[vertex], indexed.piece.vertices[vertex], indexed.piece.island);
     }
+    taken.assign(indexed.local.vertices, 0);
+    const auto address_for_edge = [&](std::uint32_t vertex) {
+      if (indexed.local.movable[vertex] != 0 || std::exchange(taken[vertex], 1) == 0) return address[vertex];
+      const std::uint32_t own = store.offset(slot++);
+      builder.add_slot(own, indexed.piece.vertices[vertex], indexed.piece.island, true);
+      return own;
+    };
     for (std::uint32_t i = 0; i < indexed.local.edges.size(); ++i) {
       const std::uint32_t edge = indexed.piece.edges[i];
-      edges.push_back({indexed.coloring.color_of_edge[i], common[edge] == 0,
-                       address[indexed.local.edges[i].a], address[indexed.local.edges[i].b], edge});
+      const std::uint32_t a = address_for_edge(indexed.local.edges[i].a);
+      const std::uint32_t b = address_for_edge(indexed.local.edges[i].b);
+      edges.push_back({indexed.coloring.color_of_edge[i], common[edge] == 0, a, b, edge});
     }
     colors = std::max(colors, indexed.coloring.colors);
   }
@@ -63,7 +86,7 @@ Packing pack_indexed(std::span<const IndexedPiece> pieces, Layout layout,
                      std::span<const std::uint8_t> common, std::uint32_t lanes, std::uint32_t element_bytes,
                      std::string_view shape) {
   std::uint32_t particles = 1;  // the dummy
-  for (const IndexedPiece& indexed : pieces) particles += indexed.local.vertices;
+  for (const IndexedPiece& indexed : pieces) particles += slots(indexed.local);
   switch (layout) {
     case Layout::aos:
       return pack_with(AosStore(particles, lanes), pieces, layout, common, lanes, shape);

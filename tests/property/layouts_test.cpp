@@ -93,6 +93,10 @@ TEST_P(Layouts, Chain) {
   expect_equal_bits(scenes::make_chain(1 + below(random, 2000), 0.1, 10));
 }
 
+TEST_P(Layouts, LongChain) {
+  expect_equal_bits(scenes::make_chain(8192 + below(random, 1000), 0.1));
+}
+
 TEST_P(Layouts, Net) {
   expect_equal_bits(scenes::make_net(3 + below(random, 30), 1 + below(random, 50)));
 }
@@ -120,7 +124,8 @@ TEST(LayoutChoices, AreDifferentLayouts) {
   EXPECT_EQ(layouts_of(World(scene, {.layout = LayoutChoice::aos, .threads = 1})), Set{"aos"});
   EXPECT_EQ(layouts_of(World(scene, {.layout = LayoutChoice::soa, .threads = 1})), Set{"soa"});
   EXPECT_EQ(layouts_of(World(scene, {.layout = LayoutChoice::aosoa, .threads = 1})), Set{"aosoa"});
-  EXPECT_EQ(layouts_of(World(scene, {.threads = 1})), (Set{"aos", "soa", "aosoa"}));
+  EXPECT_EQ(layouts_of(World(scene, {.threads = 1})), (Set{"aos", "aosoa"}));
+  EXPECT_EQ(layouts_of(World(scenes::make_chain(10000, 0.1), {.threads = 1})), Set{"soa"});
 }
 
 }  // namespace
