@@ -77,9 +77,10 @@ struct NodeBlock {
 };
 
 /// Numbers of one lane, or of all.
-template <class V, class T>
+template <class V, class T, std::size_t lanes>
 struct At {
-  std::size_t lanes, lane;
+  static constexpr std::size_t stride = lanes;
+  std::size_t lane;
 
   PLUMB_INLINE V get(const T* data, std::size_t entry) const { return load<V>(data + entry * lanes + lane); }
   PLUMB_INLINE Vec<V> get3(const T* data, std::size_t entry) const {
@@ -95,9 +96,8 @@ struct At {
   }
 };
 
-template <class V, class T>
-PLUMB_INLINE void add_below(const TreeView<T>& tree, const At<V, T>& at, std::size_t node,
-                            NodeBlock<V>& block) {
+template <class V, class T, class At>
+PLUMB_INLINE void add_below(const TreeView<T>& tree, const At& at, std::size_t node, NodeBlock<V>& block) {
   if (tree.below_slot[node] == no_slot) return;
   const std::size_t f = tree.below_slot[node] * tree_fields::below;
   block.rows.v0 = block.rows.v0 + at.get3(tree.below, f);
@@ -106,8 +106,8 @@ PLUMB_INLINE void add_below(const TreeView<T>& tree, const At<V, T>& at, std::si
   block.r = block.r + at.get3(tree.below, f + 9);
   block.diagonal = block.diagonal + at.get(tree.below, f + 12);
 }
-template <class V, class T>
-PLUMB_INLINE void put_below(const TreeView<T>& tree, const At<V, T>& at, std::size_t node,
+template <class V, class T, class At>
+PLUMB_INLINE void put_below(const TreeView<T>& tree, const At& at, std::size_t node,
                             const NodeBlock<V>& block) {
   const std::size_t f = tree.below_slot[node] * tree_fields::below;
   at.put3(tree.below, f, block.rows.v0);
@@ -131,8 +131,8 @@ struct Free {
   Vec<V> q;
 };
 
-template <bool linear, class V, class T>
-PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At<V, T>& at, std::size_t i, NodeBlock<V> block,
+template <bool linear, class V, class T, class At>
+PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_t i, NodeBlock<V> block,
                                const Vec<V>& delta, V theta) {
   using namespace tree_fields;
   for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
@@ -173,8 +173,8 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At<V, T>& at, std:
 }
 
 /// Tips to root.
-template <bool linear, class V, class T>
-PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At<V, T>& at, V theta) {
+template <bool linear, class V, class T, class At>
+PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   using namespace tree_fields;
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
     at.put(tree.below, slot, V(0));
@@ -257,9 +257,8 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At<V, T>& at, V the
 }
 
 /// Multipliers of a node's pins, the last eliminated first. `f` is the force from above.
-template <class V, class T>
-PLUMB_INLINE void pull_pins(const TreeView<T>& tree, const At<V, T>& at, std::size_t i, Vec<V> f,
-                            const V& active) {
+template <class V, class T, class At>
+PLUMB_INLINE void pull_pins(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active) {
   using namespace tree_fields;
   for (std::size_t k = tree.pin_begin[i + 1]; k-- > tree.pin_begin[i];) {
     const Vec<V> a = at.get3(tree.pin_elimination, k * pin_elimination);
@@ -272,8 +271,8 @@ PLUMB_INLINE void pull_pins(const TreeView<T>& tree, const At<V, T>& at, std::si
 }
 
 /// Root to tips: adds the solution to delta and mu.
-template <bool linear, class V, class T>
-PLUMB_INLINE void substitute(const TreeView<T>& tree, const At<V, T>& at, const Vec<V>& root) {
+template <bool linear, class V, class T, class At>
+PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>& root) {
   using namespace tree_fields;
   const V active = at.get(tree.active, 0);
   const auto update = [&](std::size_t i, const Vec<V>& change) {
@@ -312,16 +311,16 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At<V, T>& at, const 
   at.put(tree.change, 0, sum);
 }
 
-template <class V, class T>
+template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
-  const At<V, T> at{tree.lanes, lane};
+  const At<V, T, lanes> at{lane};
   const Vec<V> root = eliminate<false>(tree, at, V(theta));
   substitute<false>(tree, at, root);
 }
 
-template <class V, class T>
+template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void project_lanes(const TreeView<T>& tree, std::size_t lane) {
-  const At<V, T> at{tree.lanes, lane};
+  const At<V, T, lanes> at{lane};
   const Vec<V> root = eliminate<true>(tree, at, V(0));
   substitute<true>(tree, at, root);
 }
@@ -332,9 +331,8 @@ struct RodVector {
   Vec<V> d;
   V violation;
 };
-template <class V, class T>
-PLUMB_INLINE RodVector<V> rod_vector(const double* from, const double* to, const double* length2,
-                                     std::size_t lanes) {
+template <class V, class T, std::size_t lanes>
+PLUMB_INLINE RodVector<V> rod_vector(const double* from, const double* to, const double* length2) {
   alignas(64) T rods[4][lanes_of<V>];
 #pragma GCC unroll 16
   for (std::size_t lane = 0; lane < lanes_of<V>; ++lane) {
@@ -348,28 +346,28 @@ PLUMB_INLINE RodVector<V> rod_vector(const double* from, const double* to, const
   return {{load<V>(rods[0]), load<V>(rods[1]), load<V>(rods[2])}, load<V>(rods[3])};
 }
 
-template <class V, class T>
-PLUMB_INLINE void prepare_rod(const At<V, T>& at, const double* from, const double* to, const double* length2,
+template <class V, class At, class T>
+PLUMB_INLINE void prepare_rod(const At& at, const double* from, const double* to, const double* length2,
                               T* rods, std::size_t i) {
-  const RodVector<V> rod = rod_vector<V, T>(from, to, length2, at.lanes);
+  const RodVector<V> rod = rod_vector<V, T, At::stride>(from, to, length2);
   at.put3(rods, i * tree_fields::rod, rod.d);
   at.put(rods, i * tree_fields::rod + 3, rod.violation);
 }
 
-template <class V, class T>
-PLUMB_INLINE void guess_multiplier(const At<V, T>& at, const V& scale, T* mu, T* start, std::size_t i) {
+template <class V, class T, class At>
+PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, T* mu, T* start, std::size_t i) {
   const V last = at.get(mu, i);
   at.put(start, i, last);
   at.put(mu, i, scale * last);
 }
 
-template <class V, class T>
+template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
-  const At<V, T> at{tree.lanes, lane};
+  const At<V, T, lanes> at{lane};
   const V ratio = at.get(tree.ratio, 0), kick = at.get(tree.kick, 0), scale = at.get(tree.mu_scale, 0);
   const V guess = at.get(tree.guess, 0), guess_before = at.get(tree.guess_before, 0);
-  const auto place = [&](const double* data, std::size_t entry) { return data + entry * tree.lanes + lane; };
+  const auto place = [&](const double* data, std::size_t entry) { return data + entry * lanes + lane; };
   for (std::size_t i = 0; i < tree.nodes; ++i) {
     guess_multiplier(at, scale, tree.mu, tree.mu_start, i);
     const Vec<V> u = ratio * at.get3(tree.u, 3 * i);
@@ -380,12 +378,12 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
     for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
       guess_multiplier(at, scale, tree.pin_mu, tree.pin_mu_start, k);
       load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
-      prepare_rod(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
+      prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
                   tree.pin_rod, k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
-      prepare_rod(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
+      prepare_rod<V>(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
       const V coupling = at.get(tree.node, node * i + 1);
       load = load + coupling * (ratio * at.get3(tree.u, 3 * p));
       at.put3(tree.load, 3 * p, at.get3(tree.load, 3 * p) + coupling * u);
@@ -394,9 +392,9 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
   }
 }
 
-template <class V, class T>
+template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
-  const At<V, T> at{tree.lanes, lane};
+  const At<V, T, lanes> at{lane};
   const V active = at.get(tree.active, 0), ratio = at.get(tree.ratio, 0), over = at.get(tree.inverse_kick, 0);
   const V u_delta = at.get(tree.u_delta, 0), u_before = at.get(tree.u_before, 0);
   V push(0), jolt(0);
@@ -411,7 +409,7 @@ PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
     at.put(tree.u, i, select_nonzero(active, u_delta * delta - u_before * before, u));
     alignas(64) T moves[lanes_of<V>];
     store(select_nonzero(active, delta, V(0)), moves);
-    double* const x = tree.x + i * tree.lanes + lane;
+    double* const x = tree.x + i * lanes + lane;
 #pragma GCC unroll 16
     for (std::size_t k = 0; k < lanes_of<V>; ++k) x[k] += static_cast<double>(moves[k]);
   }

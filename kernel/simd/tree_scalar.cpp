@@ -39,19 +39,24 @@ namespace {
 
 template <class T>
 void prepare(const TreeView<T>& tree) {
-  for (std::size_t lane = 0; lane < tree.lanes; ++lane) prepare_lanes<T>(tree, lane);
+  if (tree.lanes == 1) return prepare_lanes<T, 1>(tree, 0);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane) prepare_lanes<T, logical_width<T>>(tree, lane);
 }
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {
-  for (std::size_t lane = 0; lane < tree.lanes; ++lane) newton_lanes<T>(tree, lane, theta);
+  if (tree.lanes == 1) return newton_lanes<T, 1>(tree, 0, theta);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
+    newton_lanes<T, logical_width<T>>(tree, lane, theta);
 }
 template <class T>
 void advance(const TreeView<T>& tree) {
-  for (std::size_t lane = 0; lane < tree.lanes; ++lane) advance_lanes<T>(tree, lane);
+  if (tree.lanes == 1) return advance_lanes<T, 1>(tree, 0);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane) advance_lanes<T, logical_width<T>>(tree, lane);
 }
 template <class T>
 void project(const TreeView<T>& tree) {
-  for (std::size_t lane = 0; lane < tree.lanes; ++lane) project_lanes<T>(tree, lane);
+  if (tree.lanes == 1) return project_lanes<T, 1>(tree, 0);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane) project_lanes<T, logical_width<T>>(tree, lane);
 }
 
 }  // namespace

@@ -42,20 +42,23 @@ namespace {
 
 template <class T>
 void prepare(const TreeView<T>& tree) {
-  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size) prepare_lanes<Batch<T>>(tree, lane);
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    prepare_lanes<Batch<T>, logical_width<T>>(tree, lane);
 }
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {
-  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size)
-    newton_lanes<Batch<T>>(tree, lane, theta);
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    newton_lanes<Batch<T>, logical_width<T>>(tree, lane, theta);
 }
 template <class T>
 void advance(const TreeView<T>& tree) {
-  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size) advance_lanes<Batch<T>>(tree, lane);
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    advance_lanes<Batch<T>, logical_width<T>>(tree, lane);
 }
 template <class T>
 void project(const TreeView<T>& tree) {
-  for (std::size_t lane = 0; lane < tree.lanes; lane += Batch<T>::size) project_lanes<Batch<T>>(tree, lane);
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    project_lanes<Batch<T>, logical_width<T>>(tree, lane);
 }
 
 }  // namespace
