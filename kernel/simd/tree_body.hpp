@@ -118,6 +118,11 @@ PLUMB_INLINE void put_below(const TreeView<T>& tree, const At& at, std::size_t n
 }
 
 template <class V>
+PLUMB_INLINE V trace(const Mat<V>& m) {
+  return (m.v0.x + m.v1.y) + m.v2.z;
+}
+
+template <class V>
 PLUMB_INLINE NodeBlock<V> empty_block() {
   const V zero(0);
   const Vec<V> none{zero, zero, zero};
@@ -149,7 +154,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   Free<V> node;
   node.h = inverse(block.rows);
   node.q = multiply(node.h, block.r);
-  const V size = (node.h.v0.x + node.h.v1.y) + node.h.v2.z;
+  const V size = trace(node.h);
   for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
     const Vec<V> d = at.get3(tree.pin_rod, k * rod), e = delta - at.get3(tree.pin_delta, 3 * k);
     Vec<V> a = d, b = d;
@@ -172,8 +177,8 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   return node;
 }
 
-/// Tips to root.
-template <bool linear, class V, class T, class At>
+/// Tips to root. `plain`: lumped masses and at most one pin, so that no rod can be redundant.
+template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   using namespace tree_fields;
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
@@ -185,7 +190,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
     add_below(tree, at, i, block);
     const Vec<V> delta = at.get3(tree.delta, 3 * i), above = at.get3(tree.delta, 3 * p);
     const Vec<V> d = at.get3(tree.rod, i * rod), e = delta - above;
-    const V coupling = at.get(tree.node, i * tree_fields::node + 1);
+    const V coupling = plain ? V(0) : at.get(tree.node, i * tree_fields::node + 1);
     const V mass = at.get(tree.node, i * tree_fields::node);
     block.diagonal = block.diagonal + mass;
     Vec<V> a = d, b = d;
@@ -197,9 +202,12 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
       b = d + e;
       c = at.get(tree.rod, i * rod + 3) + (c + V(T(0.5)) * dot(e, e));
       mu = at.get(tree.mu, i);
-      kappa = coupling + theta * mu;
-      block.diagonal = block.diagonal - theta * mu;
-      block.r = block.r + (at.get3(tree.load, 3 * i) - mass * delta - coupling * above + mu * a);
+      const V pull = theta * mu;
+      kappa = plain ? pull : coupling + pull;
+      block.diagonal = block.diagonal - pull;
+      Vec<V> r = at.get3(tree.load, 3 * i) - mass * delta;
+      if constexpr (!plain) r = r - coupling * above;
+      block.r = block.r + (r + mu * a);
     }
     if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
       at.put3(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 7, a);
@@ -207,34 +215,33 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
     }
     const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
-    const V size = (node.h.v0.x + node.h.v1.y) + node.h.v2.z;
     const V over =
-        reciprocal_or_zero(dot(b, u), (at.get(tree.node, i * tree_fields::node + 2) * size) * dot(b, b));
+        plain ? V(1) / dot(b, u)
+              : reciprocal_or_zero(
+                    dot(b, u), (at.get(tree.node, i * tree_fields::node + 2) * trace(node.h)) * dot(b, b));
     const V rho = (V(0) - c - dot(b, node.q)) * over;
     const Vec<V> n = over * (b + kappa * w);
-    const Vec<V> g = kappa * u + a;
     const Vec<V> q = node.q + rho * u;
 
     // delta_i = P delta_p + q with P = u n^T - kappa H, by columns.
     const std::size_t f = i * elimination;
-    const Mat<V> kh{kappa * node.h.v0, kappa * node.h.v1, kappa * node.h.v2};
-    at.put3(tree.elimination, f, n.x * u - kh.v0);
-    at.put3(tree.elimination, f + 3, n.y * u - kh.v1);
-    at.put3(tree.elimination, f + 6, n.z * u - kh.v2);
+    const Mat<V> columns{n.x * u - kappa * node.h.v0, n.y * u - kappa * node.h.v1,
+                         n.z * u - kappa * node.h.v2};
+    at.put3(tree.elimination, f, columns.v0);
+    at.put3(tree.elimination, f + 3, columns.v1);
+    at.put3(tree.elimination, f + 6, columns.v2);
     at.put3(tree.elimination, f + 9, q);
     at.put3(tree.elimination, f + 12, n);
     at.put(tree.elimination, f + 15, rho);
 
+    // What is above adds to its own: kappa P + a n^T, -(kappa q + (rho + mu) a).
     NodeBlock<V> up;
-    up.rows.v0 = g.x * n - kappa * Vec<V>{kh.v0.x, kh.v1.x, kh.v2.x};
-    up.rows.v1 = g.y * n - kappa * Vec<V>{kh.v0.y, kh.v1.y, kh.v2.y};
-    up.rows.v2 = g.z * n - kappa * Vec<V>{kh.v0.z, kh.v1.z, kh.v2.z};
-    up.r = Vec<V>{V(0), V(0), V(0)} - rho * g - kappa * node.q;
-    up.diagonal = V(0);
-    if constexpr (!linear) {
-      up.r = up.r - (coupling * delta + mu * a);
-      up.diagonal = V(0) - theta * mu;
-    }
+    up.rows.v0 = kappa * Vec<V>{columns.v0.x, columns.v1.x, columns.v2.x} + a.x * n;
+    up.rows.v1 = kappa * Vec<V>{columns.v0.y, columns.v1.y, columns.v2.y} + a.y * n;
+    up.rows.v2 = kappa * Vec<V>{columns.v0.z, columns.v1.z, columns.v2.z} + a.z * n;
+    up.r = Vec<V>{V(0), V(0), V(0)} - (kappa * q + (rho + mu) * a);
+    if constexpr (!linear && !plain) up.r = up.r - coupling * delta;
+    up.diagonal = V(0) - theta * mu;
     if (p + 1 == i) {
       carried = up;
     } else {
@@ -314,14 +321,15 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
   const At<V, T, lanes> at{lane};
-  const Vec<V> root = eliminate<false>(tree, at, V(theta));
+  const Vec<V> root = tree.is_plain ? eliminate<false, true>(tree, at, V(theta))
+                                    : eliminate<false, false>(tree, at, V(theta));
   substitute<false>(tree, at, root);
 }
 
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void project_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
-  const Vec<V> root = eliminate<true>(tree, at, V(0));
+  const Vec<V> root = eliminate<true, false>(tree, at, V(0));
   substitute<true>(tree, at, root);
 }
 
@@ -331,25 +339,19 @@ struct RodVector {
   Vec<V> d;
   V violation;
 };
-template <class V, class T, std::size_t lanes>
+template <class V, std::size_t lanes>
 PLUMB_INLINE RodVector<V> rod_vector(const double* from, const double* to, const double* length2) {
-  alignas(64) T rods[4][lanes_of<V>];
-#pragma GCC unroll 16
-  for (std::size_t lane = 0; lane < lanes_of<V>; ++lane) {
-    const double dx = to[lane] - from[lane], dy = to[lane + lanes] - from[lane + lanes],
-                 dz = to[lane + 2 * lanes] - from[lane + 2 * lanes];
-    rods[0][lane] = static_cast<T>(dx);
-    rods[1][lane] = static_cast<T>(dy);
-    rods[2][lane] = static_cast<T>(dz);
-    rods[3][lane] = static_cast<T>(0.5 * (((dx * dx + dy * dy) + dz * dz) - length2[lane]));
-  }
-  return {{load<V>(rods[0]), load<V>(rods[1]), load<V>(rods[2])}, load<V>(rods[3])};
+  const auto dx = load_wide<V>(to) - load_wide<V>(from),
+             dy = load_wide<V>(to + lanes) - load_wide<V>(from + lanes),
+             dz = load_wide<V>(to + 2 * lanes) - load_wide<V>(from + 2 * lanes);
+  return {{narrow<V>(dx), narrow<V>(dy), narrow<V>(dz)},
+          narrow<V>(0.5 * (((dx * dx + dy * dy) + dz * dz) - load_wide<V>(length2)))};
 }
 
 template <class V, class At, class T>
 PLUMB_INLINE void prepare_rod(const At& at, const double* from, const double* to, const double* length2,
                               T* rods, std::size_t i) {
-  const RodVector<V> rod = rod_vector<V, T, At::stride>(from, to, length2);
+  const RodVector<V> rod = rod_vector<V, At::stride>(from, to, length2);
   at.put3(rods, i * tree_fields::rod, rod.d);
   at.put(rods, i * tree_fields::rod + 3, rod.violation);
 }
@@ -371,15 +373,16 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
   for (std::size_t i = 0; i < tree.nodes; ++i) {
     guess_multiplier(at, scale, tree.mu, tree.mu_start, i);
     const Vec<V> u = ratio * at.get3(tree.u, 3 * i);
-    at.put3(tree.delta, 3 * i,
-            (u + guess * at.get3(tree.acceleration, 3 * i)) +
-                guess_before * at.get3(tree.acceleration_before, 3 * i));
+    if (tree.keeps_acceleration)
+      at.put3(tree.delta, 3 * i,
+              (u + guess * at.get3(tree.acceleration, 3 * i)) +
+                  guess_before * at.get3(tree.acceleration_before, 3 * i));
     Vec<V> load = at.get(tree.node, node * i) * u + kick * at.get3(tree.force, 3 * i);
     for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
       guess_multiplier(at, scale, tree.pin_mu, tree.pin_mu_start, k);
       load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
       prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
-                  tree.pin_rod, k);
+                     tree.pin_rod, k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
@@ -400,18 +403,16 @@ PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
   V push(0), jolt(0);
   for (std::size_t i = 0; i < 3 * std::size_t{tree.nodes}; ++i) {
     const V delta = at.get(tree.delta, i), u = at.get(tree.u, i), before = ratio * u;
-    const V last = at.get(tree.acceleration, i), second_last = at.get(tree.acceleration_before, i);
-    const V acceleration = over * (delta - before), change = acceleration - second_last;
-    push = push + acceleration * acceleration;
-    jolt = jolt + change * change;
-    at.put(tree.acceleration_before, i, select_nonzero(active, last, second_last));
-    at.put(tree.acceleration, i, select_nonzero(active, acceleration, last));
+    if (tree.keeps_acceleration) {
+      const V last = at.get(tree.acceleration, i), second_last = at.get(tree.acceleration_before, i);
+      const V acceleration = over * (delta - before), change = acceleration - second_last;
+      push = push + acceleration * acceleration;
+      jolt = jolt + change * change;
+      at.put(tree.acceleration_before, i, select_nonzero(active, last, second_last));
+      at.put(tree.acceleration, i, select_nonzero(active, acceleration, last));
+    }
     at.put(tree.u, i, select_nonzero(active, u_delta * delta - u_before * before, u));
-    alignas(64) T moves[lanes_of<V>];
-    store(select_nonzero(active, delta, V(0)), moves);
-    double* const x = tree.x + i * lanes + lane;
-#pragma GCC unroll 16
-    for (std::size_t k = 0; k < lanes_of<V>; ++k) x[k] += static_cast<double>(moves[k]);
+    add_wide(select_nonzero(active, delta, V(0)), tree.x + i * lanes + lane);
   }
   at.put(tree.push, 0, push);
   at.put(tree.jolt, 0, jolt);

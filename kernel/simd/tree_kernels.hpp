@@ -15,9 +15,9 @@ namespace plumb::simd {
 
 /// Numbers per node or pin in the arrays of TreeView.
 namespace tree_fields {
-inline constexpr std::uint32_t node = 3;          ///< mass_ii; mass_ip to the parent; smallest pivot
-inline constexpr std::uint32_t pin = 2;           ///< mass_if to the fixed end; smallest pivot
-inline constexpr std::uint32_t rod = 4;           ///< x_i - x_p as x, y, z; C = (|x_i - x_p|^2 - L^2)/2
+inline constexpr std::uint32_t node = 4;  ///< mass_ii; mass_ip to the parent; smallest pivot; 1/mass_ii
+inline constexpr std::uint32_t pin = 2;   ///< mass_if to the fixed end; smallest pivot
+inline constexpr std::uint32_t rod = 4;   ///< x_i - x_p as x, y, z; C = (|x_i - x_p|^2 - L^2)/2
 inline constexpr std::uint32_t elimination = 16;  ///< delta_i = P delta_p + q; mu_i = rho + n.delta_p
 inline constexpr std::uint32_t pin_elimination =
     11;                                     ///< a; y; rho; of the first of a node's pins: a, kappa of its rod
@@ -36,6 +36,7 @@ struct TreeView {
   const std::uint32_t* parent = nullptr;     ///< per node; not read for node 0
   const std::uint32_t* pin_begin = nullptr;  ///< nodes + 1, into the pins
 
+  bool is_plain = false;  ///< lumped masses and at most one pin: no rod can be redundant
   const T* node = nullptr;
   const T* pin = nullptr;
   const double* length2 = nullptr;      ///< m^2, per node, of the rod to its parent
@@ -49,6 +50,7 @@ struct TreeView {
   const T* pin_delta = nullptr;   ///< its displacement in this substep, 3 per pin
   const T* pin_u = nullptr;       ///< and in the one before, 3 per pin
 
+  bool keeps_acceleration = false;   ///< if not, the next two and what is made of them are left alone
   T* acceleration_before = nullptr;  ///< of the one before
   T* acceleration = nullptr;         ///< 3 per node, of the last substep, rods included (m/s^2)
 
@@ -88,6 +90,8 @@ struct TreeKernels {
   void (*prepare)(const TreeView<T>&);
   /// One Newton step on M delta = load + sum mu (d + theta B delta), C(delta) = 0.
   void (*newton)(const TreeView<T>&, T theta);
+  /// The same for lines with lumped masses and theta 0, in a fraction of the time.
+  void (*newton_line)(const TreeView<T>&);
   /// Ends it: moves x and u of active lanes, keeps their acceleration.
   void (*advance)(const TreeView<T>&);
   /// Moves delta, now taken as a velocity times a time, onto what no rod resists, adding what forces do:

@@ -8,15 +8,24 @@ namespace plumb::simd {
 namespace {
 
 template <class V>
-constexpr std::size_t lanes_of = 1;
-
-template <class V>
 inline V load(const V* from) {
   return *from;
 }
 template <class V>
 inline void store(V value, V* to) {
   *to = value;
+}
+template <class V>
+inline double load_wide(const double* from) {
+  return *from;
+}
+template <class V>
+inline V narrow(double value) {
+  return static_cast<V>(value);
+}
+template <class V>
+inline void add_wide(V value, double* to) {
+  *to += static_cast<double>(value);
 }
 /// a where `mask` is not 0, else b.
 template <class V>
@@ -34,6 +43,9 @@ inline V reciprocal_or_zero(V s, V floor) {
 
 #include "tree_body.hpp"
 
+// After what it builds on.
+#include "line_body.hpp"
+
 namespace plumb::simd {
 namespace {
 
@@ -49,6 +61,12 @@ void newton(const TreeView<T>& tree, T theta) {
     newton_lanes<T, logical_width<T>>(tree, lane, theta);
 }
 template <class T>
+void newton_line(const TreeView<T>& tree) {
+  if (tree.lanes == 1) return newton_line_lanes<T, 1>(tree, 0);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
+    newton_line_lanes<T, logical_width<T>>(tree, lane);
+}
+template <class T>
 void advance(const TreeView<T>& tree) {
   if (tree.lanes == 1) return advance_lanes<T, 1>(tree, 0);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane) advance_lanes<T, logical_width<T>>(tree, lane);
@@ -61,9 +79,9 @@ void project(const TreeView<T>& tree) {
 
 }  // namespace
 
-constinit const TreeKernels<float> tree_scalar_float{prepare<float>, newton<float>, advance<float>,
-                                                     project<float>};
-constinit const TreeKernels<double> tree_scalar_double{prepare<double>, newton<double>, advance<double>,
-                                                       project<double>};
+constinit const TreeKernels<float> tree_scalar_float{prepare<float>, newton<float>, newton_line<float>,
+                                                     advance<float>, project<float>};
+constinit const TreeKernels<double> tree_scalar_double{prepare<double>, newton<double>, newton_line<double>,
+                                                       advance<double>, project<double>};
 
 }  // namespace plumb::simd

@@ -1,6 +1,7 @@
 // Trees side by side in the lanes of one vector. Included once per instruction set with PLUMB_ARCH set to its
 // xsimd architecture and PLUMB_ISA to its name.
 #include <cstddef>
+#include <cstring>
 #include <xsimd/xsimd.hpp>
 
 #include "tree_kernels.hpp"
@@ -11,9 +12,6 @@ namespace {
 template <class T>
 using Batch = xsimd::batch<T, PLUMB_ARCH>;
 
-template <class V>
-constexpr std::size_t lanes_of = V::size;
-
 template <class V, class T>
 inline __attribute__((always_inline)) V load(const T* from) {
   return V::load_aligned(from);
@@ -21,6 +19,32 @@ inline __attribute__((always_inline)) V load(const T* from) {
 template <class T>
 inline __attribute__((always_inline)) void store(const Batch<T>& value, T* to) {
   value.store_aligned(to);
+}
+/// As many doubles as V has lanes, in two registers where V holds floats.
+template <class V>
+using Wide __attribute__((vector_size(V::size * sizeof(double)))) = double;
+template <class V>
+using Narrow __attribute__((vector_size(V::size * sizeof(typename V::value_type)))) = typename V::value_type;
+
+template <class V>
+inline __attribute__((always_inline)) Wide<V> load_wide(const double* from) {
+  Wide<V> value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+template <class V>
+inline __attribute__((always_inline)) V narrow(Wide<V> value) {
+  const Narrow<V> narrowed = __builtin_convertvector(value, Narrow<V>);
+  V result;
+  std::memcpy(&result, &narrowed, sizeof result);
+  return result;
+}
+template <class T>
+inline __attribute__((always_inline)) void add_wide(const Batch<T>& value, double* to) {
+  Narrow<Batch<T>> narrowed;
+  std::memcpy(&narrowed, &value, sizeof narrowed);
+  const Wide<Batch<T>> sum = load_wide<Batch<T>>(to) + __builtin_convertvector(narrowed, Wide<Batch<T>>);
+  std::memcpy(to, &sum, sizeof sum);
 }
 template <class T>
 inline __attribute__((always_inline)) Batch<T> select_nonzero(const Batch<T>& mask, const Batch<T>& a,
@@ -37,6 +61,9 @@ inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>
 
 #include "tree_body.hpp"
 
+// After what it builds on.
+#include "line_body.hpp"
+
 namespace plumb::simd {
 namespace {
 
@@ -49,6 +76,11 @@ template <class T>
 void newton(const TreeView<T>& tree, T theta) {
   for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
     newton_lanes<Batch<T>, logical_width<T>>(tree, lane, theta);
+}
+template <class T>
+void newton_line(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    newton_line_lanes<Batch<T>, logical_width<T>>(tree, lane);
 }
 template <class T>
 void advance(const TreeView<T>& tree) {

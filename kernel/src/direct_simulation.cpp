@@ -35,7 +35,7 @@ class DirectSimulation final : public Simulation {
                                                                  : make_tbb_executor(settings.threads)),
         executor_(settings.executor ? settings.executor : own_executor_.get()),
         team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
-        stepper_(gradient_of(settings), scene.drag, isa_),
+        stepper_(gradient_of(settings), scene.drag, settings.accuracy.has_value(), isa_),
         diagonal_(bounding_diagonal(scene)),
         places_(scene.particles.size()) {
     for (const Particle& particle : scene.particles) {

@@ -29,6 +29,9 @@ TreeTopology::TreeTopology(const layouts::Tree& tree)
       pin_begin(tree.pin_begin),
       below_slot(nodes, no_slot),
       holds_pins(nodes, 0) {
+  const std::uint32_t first_pins = pin_begin[1], last_pins = nodes > 1 ? pins - pin_begin[nodes - 1] : 0;
+  is_line = first_pins <= 1 && last_pins <= 1 && first_pins + last_pins == pins;
+  for (std::uint32_t i = 1; i < nodes; ++i) is_line = is_line && parent[i] + 1 == i;
   for (std::uint32_t i = nodes; i-- > 0;) {
     if (pin_begin[i] != pin_begin[i + 1]) holds_pins[i] = 1;
     if (i == 0) break;
@@ -113,11 +116,14 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     const T floor = topology->holds_pins[i] ? smallest_pivot<T> : T(0);
     node[at(tree_fields::node * i, lane)] = static_cast<T>(mass[i] / unit);
     node[at(tree_fields::node * i + 1, lane)] = static_cast<T>(coupling[i] / unit);
+    is_coupled = is_coupled || coupling[i] != 0;
     node[at(tree_fields::node * i + 2, lane)] = floor;
+    node[at(tree_fields::node * i + 3, lane)] = static_cast<T>(unit / mass[i]);
     put(weight, 3 * i, first_moment[i] * scene.gravity);
     set_force(i, lane, {});
     for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
       pin[at(tree_fields::pin * k, lane)] = static_cast<T>(pin_coupling[k] / unit);
+      is_coupled = is_coupled || pin_coupling[k] != 0;
       pin[at(tree_fields::pin * k + 1, lane)] = floor;
     }
   }
@@ -146,6 +152,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(pin_velocity, from.pin_velocity);
   copy(pin_last_velocity, from.pin_last_velocity);
   pins_move = from.pins_move;
+  is_coupled = from.is_coupled;
   mass_unit[lane] = from.mass_unit[from_lane];
   scale2[lane] = from.scale2[from_lane];
   u_step[lane] = from.u_step[from_lane];
@@ -207,6 +214,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .lanes = state.lanes,
           .parent = shape.parent.data(),
           .pin_begin = shape.pin_begin.data(),
+          .is_plain = !state.is_coupled && shape.pins <= 1,
           .node = state.node.data(),
           .pin = state.pin.data(),
           .length2 = state.length2.data(),
@@ -217,6 +225,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .pin_x = state.pin_x.data(),
           .pin_delta = state.pin_delta.data(),
           .pin_u = state.pin_u.data(),
+          .keeps_acceleration = keeps_acceleration,
           .acceleration_before = state.acceleration_before.data(),
           .acceleration = state.acceleration.data(),
           .ratio = ratio.data(),

@@ -19,6 +19,7 @@ struct TreeTopology {
   std::uint32_t nodes, pins;
   std::vector<std::uint32_t> parent, pin_begin, below_slot;
   std::uint32_t below_slots = 0;
+  bool is_line = false;                  ///< one node after the other, with at most one pin at either end
   std::vector<std::uint8_t> holds_pins;  ///< per node: whether it or something below it is pinned
 };
 
@@ -59,6 +60,7 @@ struct TreeState {
   std::vector<double> mu_kick;  ///< s^2, per lane: the kick when mu was found; 0: not yet
   std::vector<Vec3> pin_velocity, pin_last_velocity;  ///< m/s, per pin and lane: of fixed ends that move
   bool pins_move = false;
+  bool is_coupled = false;           ///< some rod's mass acts on both its ends at once
   std::vector<std::uint8_t> smooth;  ///< per lane: whether the last acceleration foretells the next
 };
 
@@ -72,6 +74,7 @@ struct TreeWorkspace {
   layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
       change, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before, inverse_kick, push, jolt,
       mu_start, pin_mu_start;
+  bool keeps_acceleration = true;    ///< for first guesses and estimates of error
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
   std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from before
 };

@@ -37,9 +37,10 @@ struct TreeStepper<T>::Coefficients {
 };
 
 template <class T>
-TreeStepper<T>::TreeStepper(Gradient gradient, double drag, Isa isa)
+TreeStepper<T>::TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa)
     : gradient_(gradient),
       drag_(drag),
+      estimates_(estimates),
       vector_(simd::tree_kernels<T>(isa)),
       scalar_(simd::tree_kernels<T>(Isa::scalar)) {}
 
@@ -52,13 +53,13 @@ template <class T>
 auto TreeStepper<T>::coefficients(const TreeState<T>& state, std::uint32_t lane, double h,
                                   Gradient gradient) const -> Coefficients {
   if (gradient == Gradient::mid) {
-    const double decay = std::exp(-drag_ * h / 2);
+    const double decay = drag_ > 0 ? std::exp(-drag_ * h / 2) : 1;
     return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
   }
   // From the middle of the last substep to that of this one; from its start if u is a velocity.
   const double last = state.u_step[lane], between = (h + last) / 2;
-  return {std::exp(-drag_ * between) * (last > 0 ? h / last : h), mean_decay(drag_ * between) * h * between,
-          1, 0};
+  return {(drag_ > 0 ? std::exp(-drag_ * between) : 1) * (last > 0 ? h / last : h),
+          mean_decay(drag_ * between) * h * between, 1, 0};
 }
 
 template <class T>
@@ -80,6 +81,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     work.active[lane] = lane < trees ? T(1) : T(0);
   }
   if (state.pins_move) set_pin_displacements(state, h);
+  work.keeps_acceleration = estimates_ || !is_line(state, gradient);
   kernels(state).prepare(work.view(state));
 }
 
@@ -104,11 +106,16 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
   const simd::TreeView<T> view = work.view(state);
   const simd::TreeKernels<T>& run = kernels(state);
   const double nodes = state.topology->nodes;
+  const bool line = is_line(state, gradient);
   std::uint64_t iterations = 0;
   std::uint32_t left = trees;
   bool all = true;
   for (int i = 0; i < most_iterations && left > 0; ++i) {
-    run.newton(view, static_cast<T>(theta_of(gradient)));
+    if (line) {
+      run.newton_line(view);
+    } else {
+      run.newton(view, static_cast<T>(theta_of(gradient)));
+    }
     iterations += left;
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
       if (work.active[lane] == 0) continue;
@@ -139,7 +146,8 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
   }
   kernels(state).advance(work.view(state));
   for (std::uint32_t lane = 0; lane < trees; ++lane)
-    if (!work.failed[lane]) state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];
+    if (!work.failed[lane] && work.keeps_acceleration)
+      state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];
 }
 
 template <class T>
@@ -184,6 +192,7 @@ double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double 
   for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.mu_kick[lane] == 0;
   accept(state, trees, h, gradient_, work);
   for (std::uint32_t lane = 0; lane < trees; ++lane) {
+    if (!estimates_) break;
     const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
     if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
   }

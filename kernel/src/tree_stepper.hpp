@@ -30,7 +30,8 @@ struct DirectCounters {
 template <class T>
 class TreeStepper {
  public:
-  TreeStepper(Gradient gradient, double drag, Isa isa);
+  /// `estimates`: whether advance() is to estimate errors.
+  TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa);
 
   /// One substep of every tree of a state. Returns an estimate of the position error it adds, in m: h^2/12
   /// times the change of acceleration, RMS over the particles of the worst tree; infinite where a tree had to
@@ -60,10 +61,15 @@ class TreeStepper {
                      DirectCounters& counters) const;
   void set_pin_displacements(TreeState<T>& state, double h) const;
   void project(TreeState<T>& state, TreeWorkspace<T>& work) const;
+  /// Whether multipliers alone are unknown, see simd/line_body.hpp.
+  static bool is_line(const TreeState<T>& state, Gradient gradient) {
+    return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
+  }
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;
   double drag_;
+  bool estimates_;
   const simd::TreeKernels<T>& vector_;
   const simd::TreeKernels<T>& scalar_;
 };

@@ -1,0 +1,149 @@
+// Newton on a line of rods with lumped masses and gradient old: only the multipliers are unknown, and their
+// matrix is tridiagonal. Included after tree_body.hpp.
+//
+// Rod k joins nodes k - 1 and k along d_k; the rod of node 0 and, beyond the last node, an absent rod have d
+// = 0 unless a pin holds them. Displacements follow from multipliers,
+//
+//   delta_k = w_k (load_k + mu_k d_k - mu_{k+1} d_{k+1}),
+//
+// and with b_k = d_k + delta_k - delta_{k-1} the changes nu of the multipliers solve
+//
+//   -w_{k-1} (b_k.d_{k-1}) nu_{k-1} + (w_{k-1} + w_k) (b_k.d_k) nu_k - w_k (b_k.d_{k+1}) nu_{k+1} = -C_k.
+
+namespace plumb::simd {
+namespace {
+
+/// A row of that matrix.
+template <class V>
+struct LineRow {
+  V below, diagonal, above, right;
+};
+
+/// A rod, what pulls along it, and the node at its end.
+template <class V>
+struct LineRod {
+  Vec<V> d;
+  V violation, mu;
+};
+template <class V>
+struct LineNode {
+  Vec<V> load, delta;
+  V w;
+};
+
+template <class V>
+PLUMB_INLINE LineRow<V> line_row(const LineRod<V>& last, const LineNode<V>& from, const LineRod<V>& rod,
+                                 const LineNode<V>& to, const LineRod<V>& next) {
+  const Vec<V> e = to.delta - from.delta, b = rod.d + e;
+  const V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e));
+  return {V(0) - from.w * dot(b, last.d), (from.w + to.w) * dot(b, rod.d), V(0) - to.w * dot(b, next.d),
+          V(0) - violation};
+}
+
+template <class V, class T, class At>
+PLUMB_INLINE LineRod<V> line_rod(const TreeView<T>& tree, const At& at, std::size_t i) {
+  return {at.get3(tree.rod, tree_fields::rod * i), at.get(tree.rod, tree_fields::rod * i + 3),
+          at.get(tree.mu, i)};
+}
+/// The pin at either end of a line, seen along it; no rod if there is none.
+template <class V, class T, class At>
+PLUMB_INLINE LineRod<V> line_pin(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
+                                 T direction) {
+  if (!present) return {{V(0), V(0), V(0)}, V(0), V(0)};
+  return {V(direction) * at.get3(tree.pin_rod, tree_fields::rod * k),
+          at.get(tree.pin_rod, tree_fields::rod * k + 3), at.get(tree.pin_mu, k)};
+}
+template <class V, class T, class At>
+PLUMB_INLINE LineNode<V> line_node(const TreeView<T>& tree, const At& at, std::size_t i,
+                                   const LineRod<V>& before, const LineRod<V>& after) {
+  const Vec<V> load = at.get3(tree.load, 3 * i);
+  const V w = at.get(tree.node, tree_fields::node * i + 3);
+  return {load, w * ((load + before.mu * before.d) - after.mu * after.d), w};
+}
+/// A fixed end.
+template <class V, class T, class At>
+PLUMB_INLINE LineNode<V> line_fixed(const TreeView<T>& tree, const At& at, std::size_t k, bool present) {
+  const Vec<V> none{V(0), V(0), V(0)};
+  return {none, present ? at.get3(tree.pin_delta, 3 * k) : none, V(0)};
+}
+
+/// Ends of a line of `nodes` nodes that runs from node 0 to the last.
+template <class T>
+struct LineEnds {
+  explicit LineEnds(const TreeView<T>& tree)
+      : first(tree.pin_begin[1] > 0),
+        last(tree.nodes > 1 && tree.pin_begin[tree.nodes] > tree.pin_begin[tree.nodes - 1]),
+        last_pin(tree.pin_begin[tree.nodes] - 1) {}
+  bool first, last;
+  std::size_t last_pin;
+};
+
+/// Adds nu to a multiplier of an active lane.
+template <class V, class T, class At>
+PLUMB_INLINE V move_multiplier(const At& at, const V& active, T* mu, std::size_t i, const V& nu) {
+  const V old = at.get(mu, i), moved = select_nonzero(active, old + nu, old);
+  at.put(mu, i, moved);
+  return moved;
+}
+
+/// One line per lane.
+template <class V, std::size_t lanes, class T>
+PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
+  const At<V, T, lanes> at{lane};
+  const LineEnds<T> ends(tree);
+  const std::size_t n = tree.nodes;
+  const V zero(0);
+  const Vec<V> none{zero, zero, zero};
+
+  // Rods 0 to n forwards: nu_k = right_k - above_k nu_{k+1}.
+  LineRod<V> last{none, zero, zero}, rod = line_pin<V>(tree, at, 0, ends.first, T(1));
+  LineNode<V> from = line_fixed<V>(tree, at, 0, ends.first);
+  V above = zero, right = zero;
+  for (std::size_t k = 0; k <= n; ++k) {
+    const LineRod<V> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
+                            : k + 1 == n ? line_pin<V>(tree, at, ends.last_pin, ends.last, T(-1))
+                                         : LineRod<V>{none, zero, zero};
+    const LineNode<V> to =
+        k < n ? line_node<V>(tree, at, k, rod, next) : line_fixed<V>(tree, at, ends.last_pin, ends.last);
+    const LineRow<V> row = line_row(last, from, rod, to, next);
+    const V over = reciprocal_or_zero(row.diagonal - row.below * above, zero);
+    above = row.above * over;
+    right = (row.right - row.below * right) * over;
+    at.put(tree.elimination, 2 * k, above);
+    at.put(tree.elimination, 2 * k + 1, right);
+    last = rod;
+    rod = next;
+    from = to;
+  }
+
+  // Back, moving multipliers and then the node between two of them.
+  const V active = at.get(tree.active, 0);
+  V nu = at.get(tree.elimination, 2 * n + 1), mu = zero;
+  Vec<V> d = line_pin<V>(tree, at, ends.last_pin, ends.last, T(-1)).d;
+  if (ends.last) mu = move_multiplier(at, active, tree.pin_mu, ends.last_pin, nu);
+  V sum = zero;
+  for (std::size_t k = n; k-- > 0;) {
+    const V nu_before = at.get(tree.elimination, 2 * k + 1) - at.get(tree.elimination, 2 * k) * nu;
+    const bool pin = k == 0;
+    const Vec<V> d_before =
+        pin ? line_pin<V>(tree, at, 0, ends.first, T(1)).d : at.get3(tree.rod, tree_fields::rod * k);
+    V mu_before = zero;
+    if (!pin) mu_before = move_multiplier(at, active, tree.mu, k, nu_before);
+    if (pin && ends.first) mu_before = move_multiplier(at, active, tree.pin_mu, 0, nu_before);
+    const V w = at.get(tree.node, tree_fields::node * k + 3);
+    const Vec<V> change = w * (nu_before * d_before - nu * d);
+    sum = sum + dot(change, change);
+    const Vec<V> delta = w * ((at.get3(tree.load, 3 * k) + mu_before * d_before) - mu * d);
+    const Vec<V> old = at.get3(tree.delta, 3 * k);
+    at.put3(tree.delta, 3 * k,
+            {select_nonzero(active, delta.x, old.x), select_nonzero(active, delta.y, old.y),
+             select_nonzero(active, delta.z, old.z)});
+    nu = nu_before;
+    mu = mu_before;
+    d = d_before;
+  }
+  at.put(tree.change, 0, sum);
+}
+
+}  // namespace
+}  // namespace plumb::simd
