@@ -112,10 +112,13 @@ void add_layout_options(CLI::App& app, Settings& settings) {
 }
 
 void add_solver_options(CLI::App& app, Settings& settings) {
-  add_choice(app, "--method", settings.method,
-             {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
-              Method::featherstone},
-             "How rods are kept at their length");
+  settings.method = Method::automatic;
+  CLI::Option* method = add_choice(
+      app, "--method", settings.method,
+      {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
+       Method::featherstone},
+      "How rods are kept at their length: one after the other, all at once, or the better of the two; "
+      "options of sweeps alone mean relax");
   add_count(app, "--substeps", settings.substeps, "Integrations per frame [1]");
   add_number(
       app, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
@@ -127,31 +130,40 @@ void add_solver_options(CLI::App& app, Settings& settings) {
   const auto lift_cap = [sweeps, &settings] {
     if (sweeps->count() == 0) settings.stop.sweeps = sweeps_when_stopped_otherwise;
   };
-  add_number(
+  CLI::Option* tolerance = add_number(
       app, "--tolerance", "T",
       [&settings, lift_cap](double value) {
         settings.stop.tolerance = value;
         lift_cap();
       },
       "Stop sweeping when no rod is stretched by more, relative to its length");
-  add_number(
+  CLI::Option* budget = add_number(
       app, "--budget-us", "U",
       [&settings, lift_cap](double value) {
         settings.stop.budget_us = value;
         lift_cap();
       },
       "Stop sweeping after this many microseconds a frame; results then depend on the clock");
-  add_choice(app, "--order", settings.order, {SweepOrder::gauss_seidel, SweepOrder::jacobi},
-             "Order of a sweep");
-  add_number(
+  CLI::Option* order = add_choice(app, "--order", settings.order,
+                                  {SweepOrder::gauss_seidel, SweepOrder::jacobi}, "Order of a sweep");
+  CLI::Option* omega = add_number(
       app, "--omega", "W", [&settings](double value) { settings.omega = value; },
       "Over-relaxation, between 0 and 2 [1]");
-  add_choice(app, "--weights", settings.weights, {Weights::mass, Weights::equal},
-             "Share of a correction each end takes: by inverse mass or half each");
+  CLI::Option* weights = add_choice(app, "--weights", settings.weights, {Weights::mass, Weights::equal},
+                                    "Share of a correction each end takes: by inverse mass or half each");
   add_choice(app, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
-             "Where a correction's direction is taken [new; direct: mid]");
+             "Where a correction's direction is taken [mid; relax: new]");
   add_choice(app, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
-             "How a rod's own mass acts: as points at its ends, or exactly [lumped; direct: consistent]");
+             "How a rod's own mass acts: as points at its ends, or exactly [consistent; relax: lumped]");
+  const std::vector<CLI::Option*> of_relaxation{sweeps, tolerance, budget, order, omega, weights};
+  app.parse_complete_callback([method, of_relaxation, &settings] {
+    for (const CLI::Option* option : of_relaxation) {
+      if (option->count() == 0) continue;
+      if (method->count() == 0) settings.method = Method::relax;
+      if (settings.method == Method::direct)
+        throw CLI::ValidationError(option->get_name(), "is of method relax; method direct has no sweeps");
+    }
+  });
 }
 
 CLI::Option* add_scene(CLI::App& app, std::string& spec) {

@@ -46,16 +46,31 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
   const WorldInfo& info = result.info;
   print_line("scene", options.scene + ": " + plural(info.particles, "particle") + ", " +
                           plural(info.rods, "rod") + ", " + plural(info.islands, "island"));
-  std::string stop = "at most " + plural(s.stop.sweeps, "sweep");
-  if (s.stop.tolerance) stop += ", tolerance " + short_number(*s.stop.tolerance);
-  if (s.stop.budget_us) stop += ", " + short_number(*s.stop.budget_us) + " µs a frame";
-  print_line("settings", std::string(to_string(s.order)) + ", gradient " +
-                             std::string(to_string(gradient_of(s))) + ", weights " +
-                             std::string(to_string(s.weights)) + ", omega " + short_number(s.omega) + ", " +
-                             std::string(to_string(s.precision)));
-  print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
-                          plural(s.substeps, "substep") + " each, " + stop + " (stopped by " +
-                          std::string(to_string(result.total.stopped_by)) + ")");
+  const bool relaxes = info.relaxed_rods > 0 || info.direct_rods == 0;
+  if (info.direct_rods > 0) {
+    print_line("direct", plural(info.direct_rods, "rod") + " solved all at once, gradient " +
+                             std::string(to_string(gradient_of(s))) + ", mass " +
+                             std::string(to_string(mass_model_of(s))) + ", " +
+                             std::string(to_string(s.precision)) +
+                             (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
+    print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
+                            plural(result.total.tree_substeps, "substep") + " of a tree, " +
+                            plural(result.total.newton, "Newton step") + ", " +
+                            plural(result.total.halvings, "halving") + ", " +
+                            plural(result.total.fallbacks, "fallback"));
+  }
+  if (relaxes) {
+    std::string stop = "at most " + plural(s.stop.sweeps, "sweep");
+    if (s.stop.tolerance) stop += ", tolerance " + short_number(*s.stop.tolerance);
+    if (s.stop.budget_us) stop += ", " + short_number(*s.stop.budget_us) + " µs a frame";
+    print_line("relax", plural(info.relaxed_rods, "rod") + ", " + std::string(to_string(s.order)) +
+                            ", gradient " + std::string(to_string(gradient_of(s))) + ", weights " +
+                            std::string(to_string(s.weights)) + ", omega " + short_number(s.omega) + ", " +
+                            std::string(to_string(s.precision)));
+    print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
+                            plural(s.substeps, "substep") + " each, " + stop + " (stopped by " +
+                            std::string(to_string(result.total.stopped_by)) + ")");
+  }
   print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
                             " (rod " + std::to_string(result.stretch.max_rod) + ")");
   const scenes::EnergyDrift& energy = result.energy;
@@ -125,6 +140,9 @@ int run(const RunOptions& options) {
   if (result.total.frozen_islands > 0)
     throw CheckFailed(plural(result.total.frozen_islands, "island") +
                       " went non-finite; put back to the last finite state and left standing");
+  if (result.total.unsolved > 0)
+    throw CheckFailed(plural(result.total.unsolved, "substep") +
+                      " could not be solved; the trees concerned stayed where they were");
   return fine;
 }
 
@@ -154,6 +172,7 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_flag("--quiet", o.quiet, "Print nothing but errors");
   command->footer(
       "Examples:\n"
+      "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
       "  plumb run thesis5 --sweeps 1000\n"
       "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
       "  plumb run chain:end_mass=10 --substeps 8 --gradient mid --tolerance 1e-6 --report r.json\n"

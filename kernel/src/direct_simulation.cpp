@@ -207,6 +207,7 @@ class DirectSimulation final : public Simulation {
   void fill_info(const Scene& scene) {
     info_.particles = static_cast<std::uint32_t>(scene.particles.size());
     info_.rods = static_cast<std::uint32_t>(scene.rods.size());
+    info_.direct_rods = info_.rods;
     info_.isa = isa_;
     info_.threads = team_.size();
     info_.parallel = uses_threads();

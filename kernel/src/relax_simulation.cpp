@@ -92,6 +92,7 @@ template <class T>
 void RelaxSimulation<T>::fill_info(const Scene& scene) {
   info_.particles = static_cast<std::uint32_t>(scene.particles.size());
   info_.rods = static_cast<std::uint32_t>(scene.rods.size());
+  info_.relaxed_rods = info_.rods;
   info_.isa = settings_.isa.value_or(best_isa());
   info_.threads = team_.size();
   info_.parallel = uses_threads();

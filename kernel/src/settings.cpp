@@ -36,10 +36,10 @@ void validate(const Settings& settings) {
   }
   if (settings.accuracy && !(*settings.accuracy > 0 && std::isfinite(*settings.accuracy)))
     refuse("accuracy must be positive and finite, got ", *settings.accuracy);
-  if (settings.accuracy && settings.method != Method::direct)
-    refuse("accuracy needs method direct: relaxation is set by substeps and sweeps");
-  if (mass_model_of(settings) == MassModel::consistent && settings.method != Method::direct)
-    refuse("mass consistent needs method direct: relaxation moves particles one by one");
+  if (settings.accuracy && settings.method == Method::relax)
+    refuse("accuracy needs method direct or auto: relaxation is set by substeps and sweeps");
+  if (mass_model_of(settings) == MassModel::consistent && settings.method == Method::relax)
+    refuse("mass consistent needs method direct or auto: relaxation moves particles one by one");
 }
 
 void validate(const StopRule& rule) {
@@ -54,12 +54,11 @@ void validate(const StopRule& rule) {
 }
 
 Gradient gradient_of(const Settings& settings) {
-  return settings.gradient.value_or(settings.method == Method::direct ? Gradient::mid : Gradient::new_);
+  return settings.gradient.value_or(settings.method == Method::relax ? Gradient::new_ : Gradient::mid);
 }
 
 MassModel mass_model_of(const Settings& settings) {
-  return settings.mass.value_or(settings.method == Method::direct ? MassModel::consistent
-                                                                  : MassModel::lumped);
+  return settings.mass.value_or(settings.method == Method::relax ? MassModel::lumped : MassModel::consistent);
 }
 
 // The names are those of the command line. No switch has a default, so that the compiler names a missing

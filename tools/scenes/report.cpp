@@ -52,8 +52,10 @@ Json settings_json(const RunPlan& plan) {
 
 Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
                  const Machine& machine) {
-  // What `auto` stands for while relaxation is the only method built (see Method).
-  const Method method = plan.settings.method == Method::automatic ? Method::relax : plan.settings.method;
+  // What `auto` picked, if it picked the same for all.
+  const Method method = result.info.direct_rods == 0    ? Method::relax
+                        : result.info.relaxed_rods == 0 ? Method::direct
+                                                        : plan.settings.method;
   const EnergyDrift& energy = result.energy;
   Json errors = Json::array();
   for (const PositionError& e : result.position_error) {
@@ -64,6 +66,8 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"method", text(to_string(method))},
       {"settings", settings_json(plan)},
       {"machine", machine_json(machine)},
+      {"relaxed_rods", result.info.relaxed_rods},
+      {"direct_rods", result.info.direct_rods},
       {"rods", result.info.rods},
       {"particles", result.info.particles},
       {"islands", result.info.islands},

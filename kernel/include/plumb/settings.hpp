@@ -11,7 +11,8 @@ namespace plumb {
 
 class Executor;
 
-/// How rods are kept at their length. Only `relax` is built; `automatic` means `relax` until another is.
+/// How rods are kept at their length. `relax`: one after the other (thesis §3.2). `direct`: all rods of an
+/// island at once, to rounding. `automatic` picks between the two for every island. The others are planned.
 enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
 
 /// Where on the way from the old to the new configuration a correction's direction is taken:
@@ -52,10 +53,10 @@ struct StopRule {
 };
 
 struct Settings {
-  Method method = Method::automatic;
+  Method method = Method::relax;
   Precision precision = Precision::double_;
-  std::optional<Gradient> gradient{};  ///< none: new_, the thesis's, for relax; mid for direct
-  std::optional<MassModel> mass{};     ///< none: lumped for relax, which has no other; consistent for direct
+  std::optional<Gradient> gradient{};  ///< none: new_, the thesis's, for relax; mid for direct and automatic
+  std::optional<MassModel> mass{};     ///< none: lumped for relax, which has no other; else consistent
   Weights weights = Weights::mass;
   SweepOrder order = SweepOrder::gauss_seidel;
   double omega = 1;            ///< over-relaxation factor, in (0, 2)

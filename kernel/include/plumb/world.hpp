@@ -61,7 +61,9 @@ struct WorldInfo {
   std::uint32_t islands = 0;
   Isa isa = Isa::scalar;
   unsigned threads = 1;
-  bool parallel = false;  ///< false: one thread, or the scene is below the size where threads win
+  bool parallel = false;           ///< false: one thread, or the scene is below the size where threads win
+  std::uint32_t relaxed_rods = 0;  ///< rods moved by method relax
+  std::uint32_t direct_rods = 0;   ///< rods moved by method direct
   std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
   bool skipped_drag = true;                   ///< no drag: no factor on displacements
   double projected_velocity =

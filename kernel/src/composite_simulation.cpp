@@ -1,0 +1,180 @@
+#include "composite_simulation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "choose_method.hpp"
+#include "plumb/layouts/islands.hpp"
+#include "plumb/measures.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// A scene of its own for the islands that one method moves.
+struct Part {
+  Method method = Method::relax;
+  Scene scene;
+  std::vector<std::uint32_t> particles;  ///< the whole scene's numbers, by the part's
+  std::unique_ptr<Simulation> simulation;
+};
+
+/// Where a particle is: in one part if it is movable, in every part that hangs from it if it is fixed.
+struct Home {
+  std::uint32_t part, particle;
+};
+
+class CompositeSimulation final : public Simulation {
+ public:
+  CompositeSimulation(const Scene& scene, std::vector<Part> parts, const Settings& settings)
+      : parts_(std::move(parts)), homes_(scene.particles.size()) {
+    for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+      Part& part = parts_[p];
+      for (std::uint32_t i = 0; i < part.particles.size(); ++i) homes_[part.particles[i]].push_back({p, i});
+      Settings own = settings;
+      own.method = part.method;
+      if (part.method == Method::relax) {
+        own.accuracy.reset();
+        own.mass.reset();
+      } else if (own.accuracy) {
+        // It is relative to the diagonal of the whole.
+        const double diagonal = bounding_diagonal(part.scene);
+        if (diagonal > 0) own.accuracy = *own.accuracy * bounding_diagonal(scene) / diagonal;
+      }
+      part.simulation = make_simulation(part.scene, own);
+      part.scene = {};
+    }
+    gather_info(scene);
+  }
+
+  StepReport step(double dt) override {
+    StepReport report;
+    for (Part& part : parts_) {
+      const std::uint64_t before = report.substeps;
+      report += part.simulation->step(dt);
+      report.substeps = std::max(before, report.substeps - before);
+    }
+    return report;
+  }
+
+  void set_stop_rule(const StopRule& rule) override {
+    for (Part& part : parts_) part.simulation->set_stop_rule(rule);
+  }
+  void set_weights(Weights weights) override {
+    for (Part& part : parts_) part.simulation->set_weights(weights);
+  }
+  void set_force(std::uint32_t particle, Vec3 force) override {
+    const Home home = homes_[particle].front();
+    parts_[home.part].simulation->set_force(home.particle, force);
+  }
+  void move_anchor(std::uint32_t particle, Vec3 target) override {
+    for (const Home home : homes_[particle]) parts_[home.part].simulation->move_anchor(home.particle, target);
+  }
+  Vec3 position(std::uint32_t particle) const override {
+    const Home home = homes_[particle].front();
+    return parts_[home.part].simulation->position(home.particle);
+  }
+  Vec3 velocity(std::uint32_t particle) const override {
+    const Home home = homes_[particle].front();
+    return parts_[home.part].simulation->velocity(home.particle);
+  }
+  std::uint64_t state_hash() const override {
+    std::uint64_t hash = 0xcbf29ce484222325;
+    for (const Part& part : parts_) hash = (hash ^ part.simulation->state_hash()) * 0x100000001b3;
+    return hash;
+  }
+  const WorldInfo& info() const override { return info_; }
+
+ private:
+  void gather_info(const Scene& scene) {
+    for (const Part& part : parts_) {
+      const WorldInfo& own = part.simulation->info();
+      info_.islands += own.islands;
+      info_.isa = own.isa;
+      info_.threads = own.threads;
+      info_.parallel = info_.parallel || own.parallel;
+      info_.relaxed_rods += own.relaxed_rods;
+      info_.direct_rods += own.direct_rods;
+      info_.skipped_per_rod_weights += own.skipped_per_rod_weights;
+      info_.skipped_drag = own.skipped_drag;
+      info_.projected_velocity = std::max(info_.projected_velocity, own.projected_velocity);
+      info_.blocks.insert(info_.blocks.end(), own.blocks.begin(), own.blocks.end());
+    }
+    info_.particles = static_cast<std::uint32_t>(scene.particles.size());
+    info_.rods = static_cast<std::uint32_t>(scene.rods.size());
+  }
+
+  std::vector<Part> parts_;
+  std::vector<std::vector<Home>> homes_;
+  WorldInfo info_;
+};
+
+/// The islands of a scene by method. Fixed particles that hold nothing go to the first part.
+std::vector<Part> split(const Scene& scene, const Settings& settings) {
+  std::vector<layouts::Edge> edges;
+  for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
+  std::vector<std::uint8_t> movable;
+  for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
+  const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
+  const layouts::Islands islands = layouts::find_islands(graph);
+
+  constexpr std::array methods{Method::direct, Method::relax};
+  std::array<std::vector<std::uint8_t>, methods.size()> has_particle, has_rod;
+  for (auto& flags : has_particle) flags.assign(scene.particles.size(), 0);
+  for (auto& flags : has_rod) flags.assign(scene.rods.size(), 0);
+  std::vector<std::uint8_t> placed(scene.particles.size(), 0);
+  std::size_t first_used = methods.size();
+  for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
+    const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
+    for (const std::uint32_t island : equal) {
+      const Method method = choose_method(scene, local, islands.edges(island), settings);
+      const auto m =
+          static_cast<std::size_t>(std::find(methods.begin(), methods.end(), method) - methods.begin());
+      first_used = std::min(first_used, m);
+      for (const std::uint32_t v : islands.vertices(island)) has_particle[m][v] = placed[v] = 1;
+      for (const std::uint32_t e : islands.edges(island)) has_rod[m][e] = 1;
+    }
+  }
+  if (first_used == methods.size()) first_used = 0;
+  for (std::size_t v = 0; v < placed.size(); ++v)
+    if (!placed[v]) has_particle[first_used][v] = 1;
+
+  std::vector<Part> parts;
+  std::vector<std::uint32_t> number(scene.particles.size());
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    Part part;
+    part.method = methods[m];
+    for (std::uint32_t v = 0; v < number.size(); ++v) {
+      if (!has_particle[m][v]) continue;
+      number[v] = static_cast<std::uint32_t>(part.particles.size());
+      part.particles.push_back(v);
+      part.scene.particles.push_back(scene.particles[v]);
+    }
+    if (part.particles.empty()) continue;
+    for (std::size_t e = 0; e < scene.rods.size(); ++e) {
+      if (!has_rod[m][e]) continue;
+      Rod rod = scene.rods[e];
+      rod.a = number[rod.a];
+      rod.b = number[rod.b];
+      part.scene.rods.push_back(rod);
+    }
+    part.scene.gravity = scene.gravity;
+    part.scene.drag = scene.drag;
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_composite_simulation(const Scene& scene, const Settings& settings) {
+  std::vector<Part> parts = split(scene, settings);
+  if (parts.size() == 1 && parts.front().method == Method::direct) {
+    Settings own = settings;
+    own.method = Method::direct;
+    return make_simulation(scene, own);
+  }
+  return std::make_unique<CompositeSimulation>(scene, std::move(parts), settings);
+}
+
+}  // namespace plumb::detail
