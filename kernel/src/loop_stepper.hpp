@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "loop_state.hpp"
+#include "plumb/settings.hpp"
+#include "tree_stepper.hpp"
+
+namespace plumb::detail {
+
+/// What a thread needs while it steps one island; belongs to it, so that a factorisation can be used again.
+struct LoopWorkspace {
+  explicit LoopWorkspace(std::shared_ptr<const LoopTopology> topology);
+
+  /// The factor of a system; made when first asked for.
+  struct Factor {
+    explicit Factor(const LoopSystem& system);
+    const LoopSystem* system;
+    SparseLdu ldu;
+    std::vector<double> values, smallest, right;
+  };
+  /// With couplings, or without if the topology does not have them.
+  Factor& factor(bool couples);
+
+  std::shared_ptr<const LoopTopology> topology;
+  std::unique_ptr<LoopSystem> coupled;  ///< if the topology's has no couplings and they were needed
+  std::unique_ptr<Factor> first, second;
+  std::vector<double> delta;      ///< m, 3 per vertex: of this substep
+  std::vector<double> load;       ///< 3 per node
+  std::vector<double> d, excess;  ///< 3 per rod, and (|d|^2 - L^2)/2
+  std::vector<double> mu_start, trial;
+  struct Saved {
+    std::vector<double> x, u, mu;
+    double u_step, mu_kick;
+  } saved;
+};
+
+/// Advances islands with loops (rings, ladders, trusses, nets) by substeps in which all rods are solved at
+/// once. The same schemes, and the same guard, as TreeStepper: see there.
+///
+/// Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers together
+/// (see LoopSystem); a factorisation serves for more than one iteration as long as they converge fast.
+///
+/// Rods that others make redundant are those whose pivot vanishes against what both ends could yield: they
+/// are left out where they are found, so that rods that fit together are all kept. Where rods do not fit
+/// together, nothing converges; the island then takes the whole substep with gradient new and slightly
+/// elastic rods, which minimises |change|^2/2 + sum C^2/(2 soft), a compromise that always exists, and is
+/// counted as unsolved.
+class LoopStepper {
+ public:
+  LoopStepper(Gradient gradient, double drag) : gradient_(gradient), drag_(drag) {}
+
+  /// Whether the systems of this stepper couple the ends of rods.
+  static bool couples(Gradient gradient, MassModel model) {
+    return gradient != Gradient::old || model == MassModel::consistent;
+  }
+
+  /// One substep. Allocates nothing, but the first time that gradient old with lumped masses falls back.
+  void advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
+
+  /// Takes from u, which must hold velocities, what pulls on rods.
+  void project_velocities(LoopState& state, LoopWorkspace& work) const;
+
+  /// Velocities at the end of the last substep (m/s) into work.delta, 3 per node. Those of gradient old fit
+  /// the rods (RATTLE, Andersen 1983).
+  void find_velocities(LoopState& state, LoopWorkspace& work) const;
+
+ private:
+  void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
+  bool solve(LoopState& state, Gradient gradient, LoopWorkspace& work, DirectCounters& counters) const;
+  void compromise(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
+  void accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
+  bool advance_part(LoopState& state, double h, int depth, LoopWorkspace& work,
+                    DirectCounters& counters) const;
+  void project(LoopState& state, double kick, LoopWorkspace& work) const;
+
+  Gradient gradient_;
+  double drag_;
+};
+
+}  // namespace plumb::detail
