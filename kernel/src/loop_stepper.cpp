@@ -11,6 +11,14 @@ namespace {
 constexpr int most_iterations = 36;
 constexpr int most_factors = 12;
 constexpr int most_halvings = 10;
+constexpr int most_attempts = 256;  ///< of one substep, all halves together
+/// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
+/// there is little hope that what did not work then works now.
+constexpr std::uint32_t calm_substeps = 16;
+constexpr int calm_halvings = 1;
+
+/// Of what loads do in a substep: how much rods may add before a solution is taken for one of rounding only.
+constexpr double energy_tolerance = 1e-6;
 
 /// Newton's last change, RMS over nodes relative to a rod, after which the next would be lost in rounding
 /// where convergence is quadratic, and what may be left where it is linear.
@@ -18,6 +26,9 @@ constexpr double converged_change = 1e-8, converged_rest = 1e-14;
 
 /// With an old factor the change must fall at least this fast, or a new one is made.
 constexpr double slow_rate = 0.1;
+/// With the factor of an earlier substep, at least this fast, or the substep begins again with one of its
+/// own.
+constexpr double lost_rate = 0.5;
 
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
@@ -58,6 +69,7 @@ LoopWorkspace::Factor::Factor(const LoopSystem& of)
 LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape) : topology(std::move(shape)) {
   const std::size_t n = topology->nodes, rods = topology->rods.size();
   first = std::make_unique<Factor>(topology->system);
+  projection = std::make_unique<Factor>(topology->system);
   delta.assign(3 * std::size_t{topology->vertices}, 0);
   load.assign(3 * n, 0);
   d.assign(3 * rods, 0);
@@ -110,11 +122,30 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   }
 }
 
-bool LoopStepper::solve(LoopState& state, Gradient gradient, LoopWorkspace& work,
-                        DirectCounters& counters) const {
+/// Gradient mid keeps energy as far as rods keep their lengths: delta . (M delta - load) is what they did,
+/// zero but for rounding. Where rods are nearly redundant, multipliers can be so large that it is not.
+bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work) const {
+  if (state.anchors_move) return true;
+  const LoopTopology& shape = *state.topology;
+  double done = 0, scale = 0;
+  const double least = 1e-6 * std::sqrt(state.scale2);
+  for (std::size_t i = 0; i < work.load.size(); ++i) {
+    done += work.delta[i] * (state.mass[i / 3] * work.delta[i] - work.load[i]);
+    scale += std::abs(work.load[i]) * (std::abs(work.delta[i]) + least);
+  }
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    for (std::uint32_t c = 0; c < 3; ++c)
+      done += 2 * state.coupling[k] * work.delta[3 * a + c] * work.delta[3 * b + c];
+  }
+  return std::abs(done) <= energy_tolerance * scale;
+}
+
+bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
+                          DirectCounters& counters) const {
   const double theta = theta_of(gradient);
   LoopWorkspace::Factor& factor = work.factor(theta > 0);
-  bool stale = true, converged = false;
+  bool stale = !carried, converged = false;
   double last = 0;
   int iterations = 0;
   for (int factors = 0; iterations < most_iterations;) {
@@ -122,19 +153,40 @@ bool LoopStepper::solve(LoopState& state, Gradient gradient, LoopWorkspace& work
     if (fresh) {
       if (factors++ == most_factors) break;
       factorize_newton(state, theta, 0, work, factor);
+      factor.theta = theta;
+      factor.h = h;
     }
     const double change = find_newton_change(state, theta, 0, work, factor);
     ++iterations;
     if (!(change <= hopeless_change)) break;
     apply_change(state, 1, work, factor);
-    const double rate = fresh ? change : change / last;
-    converged = change <= converged_change && change * rate <= (fresh ? 1.0 : converged_rest);
+    const double rate = last > 0 ? change / last : 1;
+    converged = change <= converged_change && (fresh || change * rate <= converged_rest);
     if (converged) break;
-    stale = rate > slow_rate;
+    if (carried && factors == 0 && last > 0 && rate > lost_rate) break;
+    stale = fresh ? change > slow_rate : last > 0 && rate > slow_rate;
     last = change;
   }
   counters.newton.fetch_add(static_cast<std::uint64_t>(iterations), std::memory_order_relaxed);
-  return converged;
+  if (converged) return true;
+  std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+  factor.h = 0;
+  return false;
+}
+
+bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+                        DirectCounters& counters) const {
+  const double theta = theta_of(gradient);
+  const LoopWorkspace::Factor& factor = work.factor(theta > 0);
+  for (const bool carried : {true, false}) {
+    if (carried && !(factor.h == h && factor.theta == theta)) continue;
+    begin(state, h, gradient, work);
+    if (!iterate(state, h, gradient, carried, work, counters)) continue;
+    if (gradient != Gradient::mid || keeps_energy(state, work)) return true;
+    std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+    break;
+  }
+  return false;
 }
 
 void LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
@@ -156,23 +208,24 @@ void LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWork
   state.u_step = 0;
 }
 
-bool LoopStepper::advance_part(LoopState& state, double h, int depth, LoopWorkspace& work,
+bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                                DirectCounters& counters) const {
-  for (const Gradient gradient : {gradient_, Gradient::new_}) {
-    if (gradient != gradient_ && depth < most_halvings) break;
-    begin(state, h, gradient, work);
-    if (solve(state, gradient, work, counters)) {
+  const Gradient wanted = state.calm > 0 ? Gradient::new_ : gradient_;
+  for (const Gradient gradient : {wanted, Gradient::new_}) {
+    if (attempts.left-- == 0) return false;
+    if (solve(state, h, gradient, work, counters)) {
       accept(state, h, gradient, work);
       counters.substeps.fetch_add(1, std::memory_order_relaxed);
       if (gradient != gradient_) counters.fallbacks.fetch_add(1, std::memory_order_relaxed);
+      if (gradient != wanted) attempts.fell_back = true;
       return true;
     }
-    std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+    if (wanted == Gradient::new_ || depth < attempts.halvings) break;
   }
-  if (depth == most_halvings) return false;
+  if (depth == attempts.halvings) return false;
   counters.halvings.fetch_add(1, std::memory_order_relaxed);
-  return advance_part(state, h / 2, depth + 1, work, counters) &&
-         advance_part(state, h / 2, depth + 1, work, counters);
+  return advance_part(state, h / 2, depth + 1, attempts, work, counters) &&
+         advance_part(state, h / 2, depth + 1, attempts, work, counters);
 }
 
 void LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {
@@ -182,13 +235,20 @@ void LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Direc
   std::copy(state.mu.begin(), state.mu.end(), saved.mu.begin());
   saved.u_step = state.u_step;
   saved.mu_kick = state.mu_kick;
-  if (advance_part(state, h, 0, work, counters)) return;
+  Attempts attempts =
+      state.calm > 0 ? Attempts{calm_halvings, 3 * calm_halvings} : Attempts{most_halvings, most_attempts};
+  if (advance_part(state, h, 0, attempts, work, counters)) {
+    if (state.calm > 0) --state.calm;
+    if (attempts.fell_back) state.calm = calm_substeps;
+    return;
+  }
   std::copy(saved.x.begin(), saved.x.end(), state.x.begin());
   std::copy(saved.u.begin(), saved.u.end(), state.u.begin());
   std::copy(saved.mu.begin(), saved.mu.end(), state.mu.begin());
   state.u_step = saved.u_step;
   state.mu_kick = saved.mu_kick;
   compromise(state, h, work, counters);
+  state.calm = calm_substeps;
 }
 
 void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
@@ -196,6 +256,7 @@ void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
   counters.unsolved.fetch_add(1, std::memory_order_relaxed);
   begin(state, h, Gradient::new_, work);
   LoopWorkspace::Factor& factor = work.factor(true);
+  factor.h = 0;
   const double soft = compromise_softness;
   double energy = elastic_energy(state, soft, work);
   std::uint64_t iterations = 0;
@@ -230,7 +291,7 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
     work.delta[3 * i + 2] = v.z;
   }
   measure_rods(state, work);
-  project_delta(state, kick, work, work.factor(false));
+  project_delta(state, kick, work, *work.projection);
 }
 
 void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) const {

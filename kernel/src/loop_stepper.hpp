@@ -19,6 +19,7 @@ struct LoopWorkspace {
     const LoopSystem* system;
     SparseLdu ldu;
     std::vector<double> values, smallest, right;
+    double theta = 0, h = 0;  ///< of the substep it was made for; h is 0 if it is not worth keeping
   };
   /// With couplings, or without if the topology does not have them.
   Factor& factor(bool couples);
@@ -26,9 +27,10 @@ struct LoopWorkspace {
   std::shared_ptr<const LoopTopology> topology;
   std::unique_ptr<LoopSystem> coupled;  ///< if the topology's has no couplings and they were needed
   std::unique_ptr<Factor> first, second;
-  std::vector<double> delta;      ///< m, 3 per vertex: of this substep
-  std::vector<double> load;       ///< 3 per node
-  std::vector<double> d, excess;  ///< 3 per rod, and (|d|^2 - L^2)/2
+  std::unique_ptr<Factor> projection;  ///< of its own, so that to ask for velocities changes nothing
+  std::vector<double> delta;           ///< m, 3 per vertex: of this substep
+  std::vector<double> load;            ///< 3 per node
+  std::vector<double> d, excess;       ///< 3 per rod, and (|d|^2 - L^2)/2
   std::vector<double> mu_start, trial;
   struct Saved {
     std::vector<double> x, u, mu;
@@ -40,13 +42,14 @@ struct LoopWorkspace {
 /// once. The same schemes, and the same guard, as TreeStepper: see there.
 ///
 /// Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers together
-/// (see LoopSystem); a factorisation serves for more than one iteration as long as they converge fast.
+/// (see LoopSystem); a factorisation serves for more than one iteration, and for later substeps, as long as
+/// they converge fast.
 ///
 /// Rods that others make redundant are those whose pivot vanishes against what both ends could yield: they
 /// are left out where they are found, so that rods that fit together are all kept. Where rods do not fit
 /// together, nothing converges; the island then takes the whole substep with gradient new and slightly
 /// elastic rods, which minimises |change|^2/2 + sum C^2/(2 soft), a compromise that always exists, and is
-/// counted as unsolved.
+/// counted as unsolved. After that, or a fallback, the next substeps are taken with gradient new.
 class LoopStepper {
  public:
   LoopStepper(Gradient gradient, double drag) : gradient_(gradient), drag_(drag) {}
@@ -68,10 +71,19 @@ class LoopStepper {
 
  private:
   void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
-  bool solve(LoopState& state, Gradient gradient, LoopWorkspace& work, DirectCounters& counters) const;
+  /// Newton with the factor of an earlier substep or not; if it does not converge, mu is as it was.
+  bool iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
+               DirectCounters& counters) const;
+  bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
+  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+             DirectCounters& counters) const;
   void compromise(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
   void accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
-  bool advance_part(LoopState& state, double h, int depth, LoopWorkspace& work,
+  struct Attempts {
+    int halvings, left;
+    bool fell_back = false;
+  };
+  bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     DirectCounters& counters) const;
   void project(LoopState& state, double kick, LoopWorkspace& work) const;
 
