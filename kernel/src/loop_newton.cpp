@@ -122,6 +122,16 @@ void apply_change(LoopState& state, double scale, LoopWorkspace& work, const Loo
     state.mu[k] += scale * factor.right[analysis.position(shape.nodes + k)];
 }
 
+double largest_misfit(const LoopState& state, const LoopWorkspace& work,
+                      const LoopWorkspace::Factor& factor) {
+  const LoopTopology& shape = *state.topology;
+  double largest = 0;
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
+    if (factor.ldu.left_out(factor.system->analysis.position(shape.nodes + k)))
+      largest = std::max(largest, std::abs(stretched(shape.rods[k], k, 0, work).c) / state.length2[k]);
+  return largest;
+}
+
 double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work) {
   const LoopTopology& shape = *state.topology;
   double sum = 0;

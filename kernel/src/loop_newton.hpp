@@ -17,6 +17,9 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
                           LoopWorkspace::Factor& factor);
 void apply_change(LoopState& state, double scale, LoopWorkspace& work, const LoopWorkspace::Factor& factor);
 
+/// Largest |C| / L^2, at work.delta, of the rods that the factor left out as redundant: whether they fit.
+double largest_misfit(const LoopState& state, const LoopWorkspace& work, const LoopWorkspace::Factor& factor);
+
 /// (M (delta - delta0), delta - delta0)/2 + sum C^2/(2 soft), but for a constant, with M delta0 = load.
 double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work);
 /// mu = -C/soft

@@ -61,11 +61,12 @@ struct LoopState {
   std::vector<double> mu;                       ///< per rod
   std::vector<Vec3> fixed_velocity, fixed_last_velocity;  ///< m/s, per fixed vertex
   bool anchors_move = false;
-  std::uint32_t calm = 0;  ///< substeps to be taken with gradient new
-  double mass_unit = 1;    ///< kg
-  double scale2 = 1;       ///< m^2: mean squared length of a rod
-  double u_step = 0;       ///< s
-  double mu_kick = 0;      ///< s^2: the kick when mu was found; 0: not yet
+  std::uint32_t calm = 0;       ///< substeps to be taken with gradient new
+  std::uint32_t next_calm = 0;  ///< how many that will be the next time
+  double mass_unit = 1;         ///< kg
+  double scale2 = 1;            ///< m^2: mean squared length of a rod
+  double u_step = 0;            ///< s
+  double mu_kick = 0;           ///< s^2: the kick when mu was found; 0: not yet
 };
 
 }  // namespace plumb::detail

@@ -13,8 +13,8 @@ constexpr int most_factors = 12;
 constexpr int most_halvings = 10;
 constexpr int most_attempts = 256;  ///< of one substep, all halves together
 /// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
-/// there is little hope that what did not work then works now.
-constexpr std::uint32_t calm_substeps = 16;
+/// there is little hope that what did not work then works now. Twice as many each time it does not.
+constexpr std::uint32_t calm_substeps = 16, most_calm_substeps = 1024;
 constexpr int calm_halvings = 1;
 
 /// Of what loads do in a substep: how much rods may add before a solution is taken for one of rounding only.
@@ -22,13 +22,20 @@ constexpr double energy_tolerance = 1e-6;
 
 /// Newton's last change, RMS over nodes relative to a rod, after which the next would be lost in rounding
 /// where convergence is quadratic, and what may be left where it is linear.
-constexpr double converged_change = 1e-8, converged_rest = 1e-14;
+constexpr double converged_change = 1e-8, converged_rest = 1e-17;
+
+/// Of redundant rods, as |C|/L^2: with more, the rods do not fit together.
+constexpr double most_misfit = 1e-8;
 
 /// With an old factor the change must fall at least this fast, or a new one is made.
 constexpr double slow_rate = 0.1;
 /// With the factor of an earlier substep, at least this fast, or the substep begins again with one of its
 /// own.
 constexpr double lost_rate = 0.5;
+
+/// Multiplications per number of a factor from which one of an earlier substep, with more iterations, is
+/// faster than a new one: a net of 16 x 16 particles has 30.
+constexpr double costly_factor = 30;
 
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
@@ -43,6 +50,12 @@ double theta_of(Gradient gradient) {
 
 double mean_decay(double z) {
   return z > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
+}
+
+void calm_down(LoopState& state) {
+  state.next_calm = std::max(state.next_calm, calm_substeps);
+  state.calm = state.next_calm;
+  state.next_calm = std::min(2 * state.next_calm, most_calm_substeps);
 }
 
 /// How many times u goes into a substep, and force (s^2).
@@ -65,6 +78,10 @@ LoopWorkspace::Factor::Factor(const LoopSystem& of)
       values(of.at(static_cast<std::uint32_t>(of.analysis.size() - 3 * std::size_t{of.nodes}))),
       smallest(of.analysis.size()),
       right(of.analysis.size()) {}
+
+bool LoopWorkspace::Factor::worth_carrying() const {
+  return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());
+}
 
 LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape) : topology(std::move(shape)) {
   const std::size_t n = topology->nodes, rods = topology->rods.size();
@@ -168,7 +185,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
     last = change;
   }
   counters.newton.fetch_add(static_cast<std::uint64_t>(iterations), std::memory_order_relaxed);
-  if (converged) return true;
+  if (converged && largest_misfit(state, work, factor) <= most_misfit) return true;
   std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
   factor.h = 0;
   return false;
@@ -179,7 +196,7 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
   const double theta = theta_of(gradient);
   const LoopWorkspace::Factor& factor = work.factor(theta > 0);
   for (const bool carried : {true, false}) {
-    if (carried && !(factor.h == h && factor.theta == theta)) continue;
+    if (carried && !(factor.worth_carrying() && factor.h == h && factor.theta == theta)) continue;
     begin(state, h, gradient, work);
     if (!iterate(state, h, gradient, carried, work, counters)) continue;
     if (gradient != Gradient::mid || keeps_energy(state, work)) return true;
@@ -238,8 +255,12 @@ void LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Direc
   Attempts attempts =
       state.calm > 0 ? Attempts{calm_halvings, 3 * calm_halvings} : Attempts{most_halvings, most_attempts};
   if (advance_part(state, h, 0, attempts, work, counters)) {
-    if (state.calm > 0) --state.calm;
-    if (attempts.fell_back) state.calm = calm_substeps;
+    if (attempts.fell_back)
+      calm_down(state);
+    else if (state.calm > 0)
+      --state.calm;
+    else
+      state.next_calm /= 2;
     return;
   }
   std::copy(saved.x.begin(), saved.x.end(), state.x.begin());
@@ -248,7 +269,7 @@ void LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Direc
   state.u_step = saved.u_step;
   state.mu_kick = saved.mu_kick;
   compromise(state, h, work, counters);
-  state.calm = calm_substeps;
+  calm_down(state);
 }
 
 void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,

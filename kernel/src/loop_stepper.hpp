@@ -19,7 +19,8 @@ struct LoopWorkspace {
     const LoopSystem* system;
     SparseLdu ldu;
     std::vector<double> values, smallest, right;
-    double theta = 0, h = 0;  ///< of the substep it was made for; h is 0 if it is not worth keeping
+    bool worth_carrying() const;  ///< into the next substep
+    double theta = 0, h = 0;      ///< of the substep it was made for; h is 0 if it is not worth keeping
   };
   /// With couplings, or without if the topology does not have them.
   Factor& factor(bool couples);

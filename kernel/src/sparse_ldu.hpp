@@ -66,6 +66,8 @@ class SparseLdu {
   std::uint32_t factorize(std::span<const double> values, std::span<const double> smallest);
   /// The solution in place of the right-hand side, both as position() says.
   void solve(std::span<double> x) const;
+  /// Whether the last factorisation left out the equation at a position.
+  bool left_out(std::uint32_t position) const { return inverse_[position] == 0; }
 
  private:
   void eliminate(const SparseAnalysis::Front& front, std::span<const double> smallest);
