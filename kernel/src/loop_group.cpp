@@ -23,7 +23,8 @@ void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands&
         fixed_in_[vertices[i]].push_back({number, i});
     }
     islands_.push_back({LoopState(topology, scene, model, vertices, islands.edges(island)),
-                        LoopWorkspace(topology), std::vector<double>(3 * std::size_t{topology->nodes})});
+                        LoopWorkspace(topology, gradient_),
+                        std::vector<double>(3 * std::size_t{topology->nodes})});
   }
 }
 

@@ -83,10 +83,11 @@ bool LoopWorkspace::Factor::worth_carrying() const {
   return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());
 }
 
-LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape) : topology(std::move(shape)) {
+LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape, Gradient gradient)
+    : topology(std::move(shape)) {
   const std::size_t n = topology->nodes, rods = topology->rods.size();
   first = std::make_unique<Factor>(topology->system);
-  projection = std::make_unique<Factor>(topology->system);
+  if (gradient != Gradient::mid) projection = std::make_unique<Factor>(topology->system);
   delta.assign(3 * std::size_t{topology->vertices}, 0);
   load.assign(3 * n, 0);
   d.assign(3 * rods, 0);
@@ -312,7 +313,9 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
     work.delta[3 * i + 2] = v.z;
   }
   measure_rods(state, work);
-  project_delta(state, kick, work, *work.projection);
+  LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
+  project_delta(state, kick, work, factor);
+  factor.h = 0;
 }
 
 void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) const {

@@ -11,7 +11,7 @@ namespace plumb::detail {
 
 /// What a thread needs while it steps one island; belongs to it, so that a factorisation can be used again.
 struct LoopWorkspace {
-  explicit LoopWorkspace(std::shared_ptr<const LoopTopology> topology);
+  LoopWorkspace(std::shared_ptr<const LoopTopology> topology, Gradient gradient);
 
   /// The factor of a system; made when first asked for.
   struct Factor {
@@ -28,10 +28,11 @@ struct LoopWorkspace {
   std::shared_ptr<const LoopTopology> topology;
   std::unique_ptr<LoopSystem> coupled;  ///< if the topology's has no couplings and they were needed
   std::unique_ptr<Factor> first, second;
-  std::unique_ptr<Factor> projection;  ///< of its own, so that to ask for velocities changes nothing
-  std::vector<double> delta;           ///< m, 3 per vertex: of this substep
-  std::vector<double> load;            ///< 3 per node
-  std::vector<double> d, excess;       ///< 3 per rod, and (|d|^2 - L^2)/2
+  std::unique_ptr<Factor>
+      projection;  ///< but for gradient mid, which projects only in steps, not when asked for velocities
+  std::vector<double> delta;      ///< m, 3 per vertex: of this substep
+  std::vector<double> load;       ///< 3 per node
+  std::vector<double> d, excess;  ///< 3 per rod, and (|d|^2 - L^2)/2
   std::vector<double> mu_start, trial;
   struct Saved {
     std::vector<double> x, u, mu;

@@ -134,7 +134,7 @@ TEST(Generators, RingHangsFromItsHighestParticle) {
   EXPECT_TRUE(scene.particles[0].fixed);
   EXPECT_EQ(scene.particles[0].position, Vec3{});
   EXPECT_NEAR(scene.particles[3].position.y, -1, 1e-15);  // a hexagon is as high as two of its sides
-  expect_lengths_match_positions(scene, 2e-16);
+  expect_lengths_match_positions(scene, 1e-15);
 }
 
 // A rigid body of n particles of which three are fixed needs 3 (n - 3) rods, and so has the triangular truss.

@@ -49,9 +49,9 @@ struct StopRule {
 
 struct Settings {
   Method method = Method::automatic;
-  Precision precision = Precision::double_;
-  std::optional<Gradient> gradient{};  ///< none: new_, the thesis's, for relax; mid for direct
-  std::optional<MassModel> mass{};     ///< none: lumped for relax, which has no other; consistent for direct
+  Precision precision = Precision::double_;  ///< islands with loops solved directly: double whatever this is
+  std::optional<Gradient> gradient{};        ///< none: new_, the thesis's, for relax; mid for direct
+  std::optional<MassModel> mass{};  ///< none: lumped for relax, which has no other; consistent for direct
   Weights weights = Weights::mass;
   SweepOrder order = SweepOrder::gauss_seidel;
   double omega = 1;            ///< over-relaxation factor, in (0, 2)
