@@ -47,6 +47,10 @@ struct LoopWorkspace {
 /// (see LoopSystem); a factorisation serves for more than one iteration, and for later substeps, as long as
 /// they converge fast.
 ///
+/// Costs of a factorisation and of a solution with it, for nets of 32, 64 and 128 particles squared on one
+/// thread of a Xeon at 2.5 GHz: 3.4 + 0.25, 34 + 2.3 and 370 + 12 ms for gradient old with lumped masses,
+/// where displacements couple through rods only; 18 + 1.4, 200 + 8.4 and 1500 + 45 ms otherwise.
+///
 /// Rods that others make redundant are those whose pivot vanishes against what both ends could yield: they
 /// are left out where they are found, so that rods that fit together are all kept. Where rods do not fit
 /// together, nothing converges; the island then takes the whole substep with gradient new and slightly
