@@ -1,9 +1,9 @@
 // Newton on one long line cut into as many segments as a logical vector has lanes (partitioned elimination,
 // Wang 1981; SPIKE, Polizzi and Sameh 2006). Included after line_body.hpp.
 //
-// Lane l holds nodes l s to l s + s - 1. Its rod 0 leads to the last node of lane l - 1, in lane 0 to the fixed
-// end, and stands where a line keeps its pin. All but the last rod of a segment are eliminated in every lane at
-// once, in terms of the last rod's nu and of that of the lane before,
+// Lane l holds nodes l s to l s + s - 1. Its rod 0 leads to the last node of lane l - 1, in lane 0 to the
+// fixed end, and stands where a line keeps its pin. All but the last rod of a segment are eliminated in every
+// lane at once, in terms of the last rod's nu and of that of the lane before,
 //
 //   nu_k = alpha_k + beta_k nu_last + gamma_k nu_last_before,
 //
@@ -29,6 +29,10 @@ struct Neighbors {
     return from(lane, values + lane, V(0));
   }
   template <class V>
+  PLUMB_INLINE V own(std::size_t lane) const {
+    return from(lane, values + lane + 1, V(0));
+  }
+  template <class V>
   PLUMB_INLINE V from_after(std::size_t lane) const {
     return from(lane, values + lane + 2, V(0));
   }
@@ -52,7 +56,8 @@ struct NeighborVec {
   }
   template <class V>
   PLUMB_INLINE Vec<V> from_before(std::size_t lane) const {
-    return {x.template from_before<V>(lane), y.template from_before<V>(lane), z.template from_before<V>(lane)};
+    return {x.template from_before<V>(lane), y.template from_before<V>(lane),
+            z.template from_before<V>(lane)};
   }
   template <class V>
   PLUMB_INLINE Vec<V> from_after(std::size_t lane) const {
@@ -94,16 +99,19 @@ PLUMB_INLINE LineRod<V> first_rod_after(const At& at, const SegmentEnds<T>& ends
 template <class V, class T, class At>
 PLUMB_INLINE void put_last_delta(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends) {
   const std::size_t s = tree.nodes - 1;
-  ends.last_delta.put(at.lane,
-                      line_node<V>(tree, at, s, line_rod<V>(tree, at, s), first_rod_after<V>(at, ends)).delta);
+  ends.last_delta.put(
+      at.lane, line_node<V>(tree, at, s, line_rod<V>(tree, at, s), first_rod_after<V>(at, ends)).delta);
 }
 
 template <class V, class T, class At>
-PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends, Separators<T>& rows) {
+PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends,
+                                    Separators<T>& rows) {
   const std::size_t s = tree.nodes, lane = at.lane;
   const V zero(0);
-  LineRod<V> last{ends.last_d.template from_before<V>(lane), zero, zero}, rod = line_pin<V>(tree, at, 0, true, T(1));
-  LineNode<V> from{{zero, zero, zero}, ends.last_delta.template from_before<V>(lane),
+  LineRod<V> last{ends.last_d.template from_before<V>(lane), zero, zero},
+      rod = line_pin<V>(tree, at, 0, true, T(1));
+  LineNode<V> from{{zero, zero, zero},
+                   ends.last_delta.template from_before<V>(lane),
                    ends.last_w.template from_before<V>(lane)};
   V above = zero, right = zero, fill = V(0) - V(1);
   for (std::size_t k = 0; k < s; ++k) {
@@ -177,14 +185,16 @@ PLUMB_INLINE void solve_separators(Separators<T>& rows, Neighbors<T>& nu) {
 }
 
 template <class V, class T, class At>
-PLUMB_INLINE V segment_nu(const TreeView<T>& tree, const At& at, std::size_t k, const V& own, const V& before) {
-  return (at.get(tree.elimination, segment_fields * k + 1) + at.get(tree.elimination, segment_fields * k) * own) +
+PLUMB_INLINE V segment_nu(const TreeView<T>& tree, const At& at, std::size_t k, const V& own,
+                          const V& before) {
+  return (at.get(tree.elimination, segment_fields * k + 1) +
+          at.get(tree.elimination, segment_fields * k) * own) +
          at.get(tree.elimination, segment_fields * k + 2) * before;
 }
 
 template <class V, class T, class At>
 PLUMB_INLINE void substitute_segment(const TreeView<T>& tree, const At& at, const SegmentEnds<T>& ends) {
-  const V own = ends.nu_last.template from_after<V>(at.lane - 1), before = ends.nu_last.template from_before<V>(at.lane);
+  const V own = ends.nu_last.template own<V>(at.lane), before = ends.nu_last.template from_before<V>(at.lane);
   V nu = ends.nu_first.template from_after<V>(at.lane);
   V mu = ends.first_mu.template from_after<V>(at.lane) + nu, sum(0);
   Vec<V> d = ends.first_d.template from_after<V>(at.lane);
@@ -220,7 +230,7 @@ PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_
   for_lanes([&](const auto& at) { close_separator<V>(tree, at, ends, rows); });
   solve_separators(rows, ends.nu_last);
   for_lanes([&](const auto& at) {
-    const V own = ends.nu_last.template from_after<V>(at.lane - 1);
+    const V own = ends.nu_last.template own<V>(at.lane);
     ends.nu_first.put(at.lane, segment_nu(tree, at, 0, own, ends.nu_last.template from_before<V>(at.lane)));
   });
   for_lanes([&](const auto& at) { substitute_segment<V>(tree, at, ends); });

@@ -4,12 +4,10 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <string>
 
-#include "plumb/error.hpp"
+#include "loop_group.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
-#include "refuse.hpp"
 #include "team.hpp"
 #include "tree_stepper.hpp"
 
@@ -36,6 +34,7 @@ class DirectSimulation final : public Simulation {
         executor_(settings.executor ? settings.executor : own_executor_.get()),
         team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
         stepper_(gradient_of(settings), scene.drag, settings.accuracy.has_value(), isa_),
+        loops_(scene, gradient_of(settings)),
         diagonal_(bounding_diagonal(scene)),
         places_(scene.particles.size()) {
     for (const Particle& particle : scene.particles) {
@@ -54,8 +53,15 @@ class DirectSimulation final : public Simulation {
     team_.lead(uses_threads() ? executor_ : nullptr, [&] {
       std::atomic<std::size_t> next{0};
       team_.for_parts([&](unsigned part) {
-        for (std::size_t g; (g = next.fetch_add(1, std::memory_order_relaxed)) < groups_.size();)
-          advance(groups_[g], dt, part, counters);
+        const std::size_t count = loops_.size() + groups_.size();
+        for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
+          if (i < loops_.size()) {
+            loops_.advance(static_cast<std::uint32_t>(i), dt / settings_.substeps, settings_.substeps,
+                           counters);
+          } else {
+            advance(groups_[i - loops_.size()], dt, part, counters);
+          }
+        }
       });
     });
     finish_anchors();
@@ -76,6 +82,7 @@ class DirectSimulation final : public Simulation {
   void set_weights(Weights weights) override { settings_.weights = weights; }
 
   void set_force(std::uint32_t particle, Vec3 force) override {
+    if (loops_.holds(particle)) return loops_.set_force(particle, force);
     const Place place = places_[particle];
     groups_[place.group].state.set_force(place.node, place.lane, force);
   }
@@ -91,12 +98,14 @@ class DirectSimulation final : public Simulation {
 
   Vec3 position(std::uint32_t particle) const override {
     if (fixed_[particle]) return fixed_position_[particle];
+    if (loops_.holds(particle)) return loops_.position(particle);
     const Place place = places_[particle];
     return groups_[place.group].state.position(place.node, place.lane);
   }
 
   Vec3 velocity(std::uint32_t particle) const override {
     if (fixed_[particle]) return {};
+    if (loops_.holds(particle)) return loops_.velocity(particle);
     find_velocities();
     const Place place = places_[particle];
     const Group& group = groups_[place.group];
@@ -117,6 +126,11 @@ class DirectSimulation final : public Simulation {
       const Vec3 p = position(i);
       for (const double value : {p.x, p.y, p.z}) add(value);
       if (fixed_[i]) continue;
+      if (loops_.holds(i)) {
+        const Vec3 u = loops_.displacement(i);
+        for (const double value : {u.x, u.y, u.z}) add(value);
+        continue;
+      }
       const TreeState<T>& state = groups_[places_[i].group].state;
       for (std::uint32_t c = 0; c < 3; ++c)
         add(static_cast<double>(state.u[state.at(3 * places_[i].node + c, places_[i].lane)]));
@@ -164,11 +178,10 @@ class DirectSimulation final : public Simulation {
     for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
       const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
-      if (!tree)
-        throw NotBuiltError("method direct: particle " +
-                            std::to_string(islands.vertices(equal.front()).front()) +
-                            " is part of a loop of rods; only trees are built yet");
-      add_kind(scene, islands, equal, *tree);
+      if (tree)
+        add_kind(scene, islands, equal, *tree);
+      else
+        loops_.add(scene, mass_model_of(settings_), islands, equal, local.view());
     }
   }
 
@@ -217,13 +230,18 @@ class DirectSimulation final : public Simulation {
   void set_initial_velocities(const Scene& scene) {
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
       if (fixed_[i]) continue;
+      const Vec3 v = scene.particles[i].velocity;
+      if (loops_.holds(i)) {
+        loops_.set_velocity(i, v);
+        continue;
+      }
       const Place place = places_[i];
       TreeState<T>& state = groups_[place.group].state;
-      const Vec3 v = scene.particles[i].velocity;
       const double velocity[3] = {v.x, v.y, v.z};
       for (std::uint32_t c = 0; c < 3; ++c)
         state.u[state.at(3 * place.node + c, place.lane)] = static_cast<T>(velocity[c]);
     }
+    loops_.project_velocities();
     for (Group& group : groups_) stepper_.project_velocities(group.state, crews_[group.kind][0].work);
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
       if (!fixed_[i])
@@ -233,7 +251,7 @@ class DirectSimulation final : public Simulation {
 
   // --- Stepping
 
-  bool uses_threads() const { return team_.size() > 1 && groups_.size() > 1; }
+  bool uses_threads() const { return team_.size() > 1 && groups_.size() + loops_.size() > 1; }
 
   void advance(Group& group, double dt, unsigned part, DirectCounters& counters) {
     Crew& crew = crews_[group.kind][part];
@@ -269,13 +287,16 @@ class DirectSimulation final : public Simulation {
   /// Gives fixed ends the velocity that takes them to their targets in `dt`.
   void start_anchors(double dt) {
     for (Group& group : groups_) group.anchors_changed = false;
-    for (const Anchor& anchor : anchors_)
+    for (const Anchor& anchor : anchors_) {
+      const Vec3 velocity = (1 / dt) * (anchor.target - fixed_position_[anchor.particle]);
+      loops_.set_anchor_velocity(anchor.particle, velocity);
       for (const Place& place : pins_of_[anchor.particle]) {
         Group& group = groups_[place.group];
-        group.state.pin_velocity[group.state.at(place.node, place.lane)] =
-            (1 / dt) * (anchor.target - fixed_position_[anchor.particle]);
+        group.state.pin_velocity[group.state.at(place.node, place.lane)] = velocity;
         group.state.pins_move = true;
       }
+    }
+    loops_.start_anchors();
     for (Group& group : groups_) {
       if (!group.state.pins_move) continue;
       group.anchors_changed = group.state.pin_velocity != group.state.pin_last_velocity;
@@ -283,6 +304,7 @@ class DirectSimulation final : public Simulation {
   }
 
   void finish_anchors() {
+    loops_.finish_anchors();
     for (Group& group : groups_) {
       TreeState<T>& state = group.state;
       if (!state.pins_move) continue;
@@ -293,6 +315,7 @@ class DirectSimulation final : public Simulation {
     }
     for (const Anchor& anchor : anchors_) {
       fixed_position_[anchor.particle] = anchor.target;
+      loops_.set_anchor_position(anchor.particle, anchor.target);
       for (const Place& place : pins_of_[anchor.particle]) {
         TreeState<T>& state = groups_[place.group].state;
         const double at[3] = {anchor.target.x, anchor.target.y, anchor.target.z};
@@ -318,6 +341,7 @@ class DirectSimulation final : public Simulation {
   Executor* executor_;
   Team team_;
   TreeStepper<T> stepper_;
+  LoopGroup loops_;
   double diagonal_;
   mutable std::vector<Group> groups_;
   mutable std::vector<std::vector<Crew>> crews_;  ///< per topology and thread

@@ -6,7 +6,7 @@
 
 namespace plumb::detail {
 
-/// Method direct. Throws NotBuiltError on islands with loops.
+/// Method direct: trees by TreeStepper, islands with loops by LoopStepper.
 std::unique_ptr<Simulation> make_direct_simulation(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb::detail

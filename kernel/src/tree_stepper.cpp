@@ -143,6 +143,8 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
     if (state.pins_move)
       for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
         state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
+    for (std::size_t i = lane; i < state.pin_velocity.size(); i += state.lanes)
+      state.pin_last_velocity[i] = state.pin_velocity[i];
   }
   kernels(state).advance(work.view(state));
   for (std::uint32_t lane = 0; lane < trees; ++lane)

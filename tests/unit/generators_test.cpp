@@ -126,6 +126,31 @@ TEST(Generators, EnsembleVariesOnlyWhenAsked) {
   }
 }
 
+TEST(Generators, RingHangsFromItsHighestParticle) {
+  const Scene scene = make_ring({.links = 6, .length = 0.5});
+  ASSERT_EQ(scene.particles.size(), 6u);
+  ASSERT_EQ(scene.rods.size(), 6u);
+  EXPECT_EQ(count_fixed(scene), 1u);
+  EXPECT_TRUE(scene.particles[0].fixed);
+  EXPECT_EQ(scene.particles[0].position, Vec3{});
+  EXPECT_NEAR(scene.particles[3].position.y, -1, 1e-15);  // a hexagon is as high as two of its sides
+  expect_lengths_match_positions(scene, 1e-15);
+}
+
+// A rigid body of n particles of which three are fixed needs 3 (n - 3) rods, and so has the triangular truss.
+TEST(Generators, TrussHasAsManyRodsAsItNeedsOrMore) {
+  const Scene scene = make_truss({.bays = 4});
+  ASSERT_EQ(scene.particles.size(), 15u);
+  EXPECT_EQ(count_fixed(scene), 3u);
+  EXPECT_EQ(scene.rods.size(), 3u * 12);
+  EXPECT_EQ(make_truss({.bays = 4, .braces = 2}).rods.size(), 3u * 12 + 3u * 4);
+  EXPECT_EQ(make_truss({.bays = 4, .chords = 2}).rods.size(), 2u * 8);  // in its plane
+  EXPECT_EQ(count_fixed(make_truss({.bays = 4, .fixed = 2})), 2u);
+  for (const std::uint32_t chords : {2u, 3u})
+    for (const std::uint32_t fixed : {1u, 2u})
+      EXPECT_NO_THROW(validate(make_truss({.bays = 4, .chords = chords, .braces = 2, .fixed = fixed})));
+}
+
 TEST(Generators, GraphHasTheDegreeAskedForAndIsNearlyConnected) {
   const Scene scene = make_graph({});
   ASSERT_EQ(scene.particles.size(), 1000u);
@@ -166,9 +191,9 @@ TEST(Generators, EveryListedDefaultCanBeWrittenOut) {
 }
 
 TEST(Generators, WhatIsWrongInASpecIsNamed) {
-  EXPECT_EQ(
-      message_of("rope"),
-      "no scene 'rope': there is no such file, and the generators are chain, thesis5, net, ensemble, graph");
+  EXPECT_EQ(message_of("rope"),
+            "no scene 'rope': there is no such file, and the generators are chain, thesis5, net, ensemble, "
+            "ring, truss, graph");
   EXPECT_EQ(message_of("chain:colour=3"),
             "scene 'chain:colour=3': no parameter 'colour'; known are links, length, mass, end_mass");
   EXPECT_EQ(message_of("thesis5:links=3"), "scene 'thesis5:links=3': no parameter 'links'; it takes none");
@@ -181,6 +206,9 @@ TEST(Generators, WhatIsWrongInASpecIsNamed) {
   EXPECT_EQ(message_of("chain:links"), "scene 'chain:links': expected key=value, found 'links'");
   EXPECT_EQ(message_of("chain:"), "scene 'chain:': expected key=value, found ''");
   EXPECT_EQ(message_of("chain:links=2,links=3"), "scene 'chain:links=2,links=3': links is given twice");
+  EXPECT_EQ(message_of("ring:links=2"), "scene 'ring:links=2': links must be at least 3");
+  EXPECT_EQ(message_of("truss:chords=4"), "scene 'truss:chords=4': chords must be 2 or 3");
+  EXPECT_EQ(message_of("truss:braces=0"), "scene 'truss:braces=0': braces must be 1 or 2");
   EXPECT_EQ(message_of("net:width=2"), "scene 'net:width=2': width must be at least 3");
 }
 

@@ -1,6 +1,10 @@
 #include "scenes/generators.hpp"
 
+#include <cmath>
+#include <limits>
+#include <numbers>
 #include <random>
+#include <string>
 
 #include "plumb/error.hpp"
 #include "scenes/require.hpp"
@@ -89,6 +93,65 @@ Scene make_ensemble(const EnsembleShape& shape) {
   for (std::uint32_t i = 0; i < shape.chains; ++i) {
     chain.end_mass = shape.end_mass * (1 + shape.vary * (2 * unit_double(random) - 1));
     append_chain(scene, chain, i * shape.spacing);
+  }
+  return scene;
+}
+
+Scene make_ring(const RingShape& shape) {
+  require_at_least(shape.links, 3, "links");
+  require_positive(shape.length, "length");
+  require_positive(shape.mass, "mass");
+  require_countable(shape.links);
+  Scene scene;
+  const double radius = shape.length / (2 * std::sin(std::numbers::pi / shape.links));
+  for (std::uint32_t i = 0; i < shape.links; ++i) {
+    const double angle = 2 * std::numbers::pi * i / shape.links;
+    const bool top = i == 0;
+    scene.particles.push_back({.position = {radius * std::sin(angle), radius * (std::cos(angle) - 1), 0},
+                               .velocity = {},
+                               .mass = top ? 0 : shape.mass,
+                               .fixed = top});
+    scene.rods.push_back({.a = i, .b = (i + 1) % shape.links, .length = shape.length});
+  }
+  return scene;
+}
+
+Scene make_truss(const TrussShape& shape) {
+  const std::uint32_t chords = shape.chords;
+  require_at_least(shape.bays, 1, "bays");
+  if (chords != 2 && chords != 3) throw InputError("chords must be 2 or 3");
+  if (shape.braces != 1 && shape.braces != 2) throw InputError("braces must be 1 or 2");
+  if (shape.fixed > chords) throw InputError("fixed must be at most the number of chords");
+  require_positive(shape.spacing, "spacing");
+  require_positive(shape.mass, "mass");
+  require_countable(std::uint64_t{chords} * (shape.bays + std::uint64_t{1}));
+  const std::uint32_t held = shape.fixed == 0 ? chords : shape.fixed;
+  const double s = shape.spacing;
+  const Vec3 section[3] = {
+      {0, 0, 0}, chords == 2 ? Vec3{0, -s, 0} : Vec3{0, 0, s}, {0, -s * std::sqrt(0.75), s / 2}};
+  Scene scene;
+  const auto tie = [&](std::uint32_t a, std::uint32_t b) {
+    if (!scene.particles[a].fixed || !scene.particles[b].fixed) scene.rods.push_back({.a = a, .b = b});
+  };
+  for (std::uint32_t station = 0; station <= shape.bays; ++station)
+    for (std::uint32_t k = 0; k < chords; ++k) {
+      const bool fixed = station == 0 && k < held;
+      scene.particles.push_back({.position = section[k] + Vec3{station * s, 0, 0},
+                                 .velocity = {},
+                                 .mass = fixed ? 0 : shape.mass,
+                                 .fixed = fixed});
+    }
+  for (std::uint32_t station = 0; station <= shape.bays; ++station) {
+    const std::uint32_t here = station * chords, next = here + chords;
+    for (std::uint32_t k = 0; k + 1 < chords; ++k) tie(here + k, here + k + 1);
+    if (chords == 3) tie(here + 2, here);
+    if (station == shape.bays) break;
+    for (std::uint32_t k = 0; k < chords; ++k) tie(here + k, next + k);
+    for (std::uint32_t k = 0; k < (chords == 2 ? 1 : 3); ++k) {
+      const std::uint32_t other = (k + 1) % chords;
+      tie(here + k, next + other);
+      if (shape.braces == 2) tie(here + other, next + k);
+    }
   }
   return scene;
 }

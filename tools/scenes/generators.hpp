@@ -36,6 +36,27 @@ struct EnsembleShape {
   std::uint64_t seed = 1;  ///< of that variation; without it every chain is the same
 };
 
+/// A ring in the x-y plane, a regular polygon of massless rods, hanging from a fixed particle at the origin,
+/// its highest. Particles and rods go around.
+struct RingShape {
+  std::uint32_t links = 24;
+  double length = 0.1;  ///< m, of one rod
+  double mass = 1;      ///< kg, of every movable particle
+};
+
+/// A truss along +x from x = 0, where its end is fixed: flat in the x-y plane with two chords, or with three
+/// around an equilateral triangle, upper side level, which is rigid. Particles station after station; rods
+/// within each station, then those to the next.
+struct TrussShape {
+  std::uint32_t bays = 10;
+  std::uint32_t chords = 3;  ///< 2 or 3
+  std::uint32_t braces = 1;  ///< diagonals per panel; with 2 the truss has more rods than it needs
+  std::uint32_t fixed =
+      0;  ///< particles of the first station that are; 0: all of them. With one less it swings.
+  double spacing = 0.1;  ///< m, of stations, and between chords
+  double mass = 1;       ///< kg, of every movable particle
+};
+
 /// A random graph in a cube: particles at random places, the nearest ones tied together.
 struct GraphShape {
   std::uint32_t particles = 1000;
@@ -50,6 +71,8 @@ Scene make_chain(std::uint32_t links, double length = 0.1, double end_mass = 1, 
 Scene make_net(const NetShape& shape);
 Scene make_net(std::uint32_t width, std::uint32_t height, double spacing = 0.1);
 Scene make_ensemble(const EnsembleShape& shape);
+Scene make_ring(const RingShape& shape);
+Scene make_truss(const TrussShape& shape);
 
 /// Connected but for rare stragglers, masses from 0.5 to 2 kg, about one particle in fifty fixed (the
 /// uppermost that no rod ties to another fixed one). Every rod is as long as its ends are apart. The same

@@ -83,6 +83,8 @@ const std::vector<Generator>& generators() {
   using C = ChainShape;
   using N = NetShape;
   using E = EnsembleShape;
+  using R = RingShape;
+  using T = TrussShape;
   using G = GraphShape;
   static const std::vector<Generator> list = {
       describe<C>(
@@ -103,6 +105,15 @@ const std::vector<Generator>& generators() {
                    {"spacing", &E::spacing},
                    {"vary", &E::vary},
                    {"seed", &E::seed}}),
+      describe<R>("ring", "a ring of massless rods hanging from one fixed particle", make_ring,
+                  {{"links", &R::links}, {"length", &R::length}, {"mass", &R::mass}}),
+      describe<T>("truss", "a truss along +x, fixed at one end; over-constrained with two braces", make_truss,
+                  {{"bays", &T::bays},
+                   {"chords", &T::chords},
+                   {"braces", &T::braces},
+                   {"fixed", &T::fixed},
+                   {"spacing", &T::spacing},
+                   {"mass", &T::mass}}),
       describe<G>("graph", "particles strewn over a cube, the nearest tied together, masses 0.5 to 2 kg",
                   make_graph,
                   {{"particles", &G::particles},

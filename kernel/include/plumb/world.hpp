@@ -38,7 +38,9 @@ struct StepReport {
   std::uint64_t halvings = 0;        ///< times a tree's substep did not converge and was cut in two
   std::uint64_t fallbacks = 0;       ///< substeps taken with gradient new because nothing else converged
   std::uint64_t repeated_steps = 0;  ///< steps of a group of trees done again, finer, to be accurate enough
-  std::uint64_t unsolved = 0;        ///< substeps that not even that solved: the tree stayed where it was
+  /// Substeps that not even that solved: the tree stayed where it was, an island with loops took its rods as
+  /// slightly elastic.
+  std::uint64_t unsolved = 0;
 
   StepReport& operator+=(const StepReport& other);
 };
@@ -105,7 +107,8 @@ class World {
   World& operator=(World&&) noexcept;
 
   /// Advances by dt seconds in Settings::substeps equal substeps. Throws InputError if dt is not positive and
-  /// finite. Allocates nothing after the first call, but to freeze an island.
+  /// finite. Allocates nothing after the first call, but to freeze an island, and when an island with loops
+  /// solved directly with gradient old and lumped masses has to fall back for the first time.
   StepReport step(double dt);
 
   /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws

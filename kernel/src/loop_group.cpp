@@ -1,0 +1,116 @@
+#include "loop_group.hpp"
+
+#include <algorithm>
+
+namespace plumb::detail {
+
+LoopGroup::LoopGroup(const Scene& scene, Gradient gradient)
+    : gradient_(gradient),
+      stepper_(gradient, scene.drag),
+      places_(scene.particles.size()),
+      fixed_in_(scene.particles.size()) {}
+
+void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands& islands,
+                    std::span<const std::uint32_t> equal, const layouts::Graph& local) {
+  const auto topology = std::make_shared<const LoopTopology>(local, LoopStepper::couples(gradient_, model));
+  for (const std::uint32_t island : equal) {
+    const auto vertices = islands.vertices(island);
+    const auto number = size();
+    for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+      if (i < topology->nodes)
+        places_[vertices[i]] = {number, i};
+      else
+        fixed_in_[vertices[i]].push_back({number, i});
+    }
+    islands_.push_back({LoopState(topology, scene, model, vertices, islands.edges(island)),
+                        LoopWorkspace(topology, gradient_),
+                        std::vector<double>(3 * std::size_t{topology->nodes})});
+  }
+}
+
+void LoopGroup::advance(std::uint32_t island, double h, std::uint32_t substeps, DirectCounters& counters) {
+  auto& [state, work, velocity, anchors_changed, velocity_known] = islands_[island];
+  velocity_known = false;
+  if (anchors_changed && gradient_ == Gradient::mid) stepper_.project_velocities(state, work);
+  for (std::uint32_t i = 0; i < substeps; ++i) stepper_.advance(state, h, work, counters);
+}
+
+Vec3 LoopGroup::position(std::uint32_t particle) const {
+  const Place place = places_[particle];
+  return islands_[place.island].state.position(place.vertex);
+}
+
+Vec3 LoopGroup::displacement(std::uint32_t particle) const {
+  const Place place = places_[particle];
+  const double* u = islands_[place.island].state.u.data() + 3 * std::size_t{place.vertex};
+  return {u[0], u[1], u[2]};
+}
+
+Vec3 LoopGroup::velocity(std::uint32_t particle) const {
+  const Place place = places_[particle];
+  Island& island = islands_[place.island];
+  if (!island.velocity_known) {
+    stepper_.find_velocities(island.state, island.work);
+    std::copy_n(island.work.delta.begin(), island.velocity.size(), island.velocity.begin());
+    island.velocity_known = true;
+  }
+  const double* v = island.velocity.data() + 3 * std::size_t{place.vertex};
+  return {v[0], v[1], v[2]};
+}
+
+void LoopGroup::set_force(std::uint32_t particle, Vec3 newton) {
+  const Place place = places_[particle];
+  islands_[place.island].state.set_force(place.vertex, newton);
+}
+
+void LoopGroup::set_velocity(std::uint32_t particle, Vec3 velocity) {
+  const Place place = places_[particle];
+  double* u = islands_[place.island].state.u.data() + 3 * std::size_t{place.vertex};
+  u[0] = velocity.x;
+  u[1] = velocity.y;
+  u[2] = velocity.z;
+}
+
+void LoopGroup::project_velocities() {
+  for (Island& island : islands_) {
+    island.velocity_known = false;
+    const bool rests =
+        std::all_of(island.state.u.begin(), island.state.u.end(), [](double u) { return u == 0; });
+    if (!rests) stepper_.project_velocities(island.state, island.work);
+  }
+}
+
+void LoopGroup::set_anchor_velocity(std::uint32_t particle, Vec3 velocity) {
+  for (const Place place : fixed_in_[particle]) {
+    LoopState& state = islands_[place.island].state;
+    state.fixed_velocity[place.vertex - state.topology->nodes] = velocity;
+    state.anchors_move = true;
+  }
+}
+
+void LoopGroup::start_anchors() {
+  for (Island& island : islands_)
+    island.anchors_changed = island.state.fixed_velocity != island.state.fixed_last_velocity;
+}
+
+void LoopGroup::set_anchor_position(std::uint32_t particle, Vec3 position) {
+  for (const Place place : fixed_in_[particle]) {
+    double* x = islands_[place.island].state.x.data() + 3 * std::size_t{place.vertex};
+    x[0] = position.x;
+    x[1] = position.y;
+    x[2] = position.z;
+  }
+}
+
+void LoopGroup::finish_anchors() {
+  for (Island& island : islands_) {
+    LoopState& state = island.state;
+    if (!state.anchors_move) continue;
+    state.anchors_move = std::any_of(state.fixed_velocity.begin(), state.fixed_velocity.end(),
+                                     [](Vec3 v) { return v != Vec3{}; });
+    state.fixed_last_velocity = state.fixed_velocity;
+    std::fill(state.fixed_velocity.begin(), state.fixed_velocity.end(), Vec3{});
+  }
+}
+
+}  // namespace plumb::detail

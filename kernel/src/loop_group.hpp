@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "loop_stepper.hpp"
+#include "plumb/layouts/islands.hpp"
+
+namespace plumb::detail {
+
+/// The islands with loops of a scene. Particles by their number in the scene.
+class LoopGroup {
+ public:
+  LoopGroup(const Scene& scene, Gradient gradient);
+
+  /// Takes islands that are `local` all alike.
+  void add(const Scene& scene, MassModel model, const layouts::Islands& islands,
+           std::span<const std::uint32_t> equal, const layouts::Graph& local);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(islands_.size()); }
+  bool holds(std::uint32_t particle) const { return places_[particle].island != nowhere; }
+
+  /// Different islands may be advanced at the same time.
+  void advance(std::uint32_t island, double h, std::uint32_t substeps, DirectCounters& counters);
+
+  Vec3 position(std::uint32_t particle) const;
+  Vec3 displacement(std::uint32_t particle) const;  ///< as it is stored, for a hash
+  Vec3 velocity(std::uint32_t particle) const;
+  void set_force(std::uint32_t particle, Vec3 newton);
+
+  /// Initial velocities (m/s), which project_velocities() then makes fit the rods.
+  void set_velocity(std::uint32_t particle, Vec3 velocity);
+  void project_velocities();
+
+  /// For every fixed particle that moves in the next step its velocity (m/s), and start_anchors(); after that
+  /// step where it is now, and finish_anchors().
+  void set_anchor_velocity(std::uint32_t particle, Vec3 velocity);
+  void start_anchors();
+  void set_anchor_position(std::uint32_t particle, Vec3 position);
+  void finish_anchors();
+
+ private:
+  static constexpr std::uint32_t nowhere = 0xffffffff;
+  struct Place {
+    std::uint32_t island = nowhere, vertex = 0;
+  };
+  struct Island {
+    LoopState state;
+    LoopWorkspace work;
+    std::vector<double> velocity;  ///< m/s, 3 per node; at the end of the last step if known
+    bool anchors_changed = false, velocity_known = false;
+  };
+
+  Gradient gradient_;
+  LoopStepper stepper_;
+  mutable std::vector<Island> islands_;
+  std::vector<Place> places_;                 ///< of movable particles
+  std::vector<std::vector<Place>> fixed_in_;  ///< of fixed ones
+};
+
+}  // namespace plumb::detail

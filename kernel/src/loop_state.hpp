@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "plumb/layouts/graph.hpp"
+#include "plumb/scene.hpp"
+#include "sparse_ldu.hpp"
+
+namespace plumb::detail {
+
+/// One rod of an island, from a movable node to another or to a fixed vertex.
+struct LoopRod {
+  std::uint32_t a, b;  ///< vertices; a is movable
+};
+
+/// The linear system of an island, for displacements of nodes and multipliers of rods:
+///
+///   [ M - theta Lambda   -A^T ]        M: mass matrix; Lambda: Laplacian of the multipliers
+///   [ B                  soft ]        A, B: +direction at a, -direction at b of every rod
+///
+/// Values: one per node, its diagonal; then per rod the coupling of its ends, what -A^T has at b (3) and at a
+/// (3), what B has at a (3) and at b (3), and soft.
+struct LoopSystem {
+  LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples);
+
+  static constexpr std::uint32_t per_rod = 14;
+  std::size_t at(std::uint32_t rod) const { return nodes + std::size_t{per_rod} * rod; }
+
+  std::uint32_t nodes;
+  bool couples;  ///< whether ends of a rod meet other than through it
+  SparseAnalysis analysis;
+};
+
+/// What equal islands share. Vertices: the movable ones (nodes), then the fixed ones.
+struct LoopTopology {
+  LoopTopology(const layouts::Graph& island, bool couples);
+
+  std::uint32_t nodes, vertices;
+  std::vector<LoopRod> rods;
+  LoopSystem system;
+};
+
+/// The numbers of one island that outlive a step. In double, whatever the precision of the world.
+///
+/// `u` is a velocity (m/s) if `u_step` is 0, and otherwise the displacement of the last substep, of length
+/// u_step (s). Masses are in units of the mean one, multipliers in those units.
+struct LoopState {
+  LoopState(std::shared_ptr<const LoopTopology> topology, const Scene& scene, MassModel model,
+            std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> edges);
+
+  Vec3 position(std::uint32_t vertex) const { return {x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2]}; }
+  void set_force(std::uint32_t node, Vec3 newton);
+
+  std::shared_ptr<const LoopTopology> topology;
+  std::vector<double> x;                        ///< m, 3 per vertex
+  std::vector<double> u, force, weight;         ///< 3 per node; force and weight (gravity) by unit of mass
+  std::vector<double> mass, coupling, length2;  ///< per node; per rod; m^2, per rod
+  std::vector<double> mu;                       ///< per rod
+  std::vector<Vec3> fixed_velocity, fixed_last_velocity;  ///< m/s, per fixed vertex
+  bool anchors_move = false;
+  std::uint32_t calm = 0;       ///< substeps to be taken with gradient new
+  std::uint32_t next_calm = 0;  ///< how many that will be the next time
+  double mass_unit = 1;         ///< kg
+  double scale2 = 1;            ///< m^2: mean squared length of a rod
+  double u_step = 0;            ///< s
+  double mu_kick = 0;           ///< s^2: the kick when mu was found; 0: not yet
+};
+
+}  // namespace plumb::detail
