@@ -92,6 +92,9 @@ struct TreeKernels {
   void (*newton)(const TreeView<T>&, T theta);
   /// The same for lines with lumped masses and theta 0, in a fraction of the time.
   void (*newton_line)(const TreeView<T>&);
+  /// The same for one long line cut into as many segments as there are lanes; node 0 of every lane has a pin,
+  /// which in lanes after the first is the rod to the last node of the lane before.
+  void (*newton_segments)(const TreeView<T>&);
   /// Ends it: moves x and u of active lanes, keeps their acceleration.
   void (*advance)(const TreeView<T>&);
   /// Moves delta, now taken as a velocity times a time, onto what no rod resists, adding what forces do:

@@ -45,6 +45,7 @@ inline V reciprocal_or_zero(V s, V floor) {
 
 // After what it builds on.
 #include "line_body.hpp"
+#include "segment_body.hpp"
 
 namespace plumb::simd {
 namespace {
@@ -67,6 +68,12 @@ void newton_line(const TreeView<T>& tree) {
     newton_line_lanes<T, logical_width<T>>(tree, lane);
 }
 template <class T>
+void newton_segments(const TreeView<T>& tree) {
+  newton_segments_lanes<T>(tree, [](auto&& f) {
+    for (std::size_t lane = 0; lane < logical_width<T>; ++lane) f(At<T, T, logical_width<T>>{lane});
+  });
+}
+template <class T>
 void advance(const TreeView<T>& tree) {
   if (tree.lanes == 1) return advance_lanes<T, 1>(tree, 0);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane) advance_lanes<T, logical_width<T>>(tree, lane);
@@ -79,9 +86,11 @@ void project(const TreeView<T>& tree) {
 
 }  // namespace
 
-constinit const TreeKernels<float> tree_scalar_float{prepare<float>, newton<float>, newton_line<float>,
-                                                     advance<float>, project<float>};
-constinit const TreeKernels<double> tree_scalar_double{prepare<double>, newton<double>, newton_line<double>,
-                                                       advance<double>, project<double>};
+constinit const TreeKernels<float> tree_scalar_float{prepare<float>,     newton<float>,
+                                                     newton_line<float>, newton_segments<float>,
+                                                     advance<float>,     project<float>};
+constinit const TreeKernels<double> tree_scalar_double{prepare<double>,     newton<double>,
+                                                       newton_line<double>, newton_segments<double>,
+                                                       advance<double>,     project<double>};
 
 }  // namespace plumb::simd

@@ -63,6 +63,7 @@ inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>
 
 // After what it builds on.
 #include "line_body.hpp"
+#include "segment_body.hpp"
 
 namespace plumb::simd {
 namespace {
@@ -81,6 +82,13 @@ template <class T>
 void newton_line(const TreeView<T>& tree) {
   for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
     newton_line_lanes<Batch<T>, logical_width<T>>(tree, lane);
+}
+template <class T>
+void newton_segments(const TreeView<T>& tree) {
+  newton_segments_lanes<Batch<T>>(tree, [](auto&& f) {
+    for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+      f(At<Batch<T>, T, logical_width<T>>{lane});
+  });
 }
 template <class T>
 void advance(const TreeView<T>& tree) {

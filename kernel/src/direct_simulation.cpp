@@ -141,11 +141,18 @@ class DirectSimulation final : public Simulation {
   const WorldInfo& info() const override { return info_; }
 
  private:
+  /// One line in segments: how it is cut, and itself for what happens rarely.
+  struct Line {
+    LineSegments segments;
+    TreeState<T> whole;
+    TreeWorkspace<T> work;
+  };
   struct Group {
     TreeState<T> state;
     std::uint32_t trees;
     std::size_t kind;  ///< of topology, into kinds_
     layouts::AlignedBuffer<T> velocity;
+    std::unique_ptr<Line> line = nullptr;  ///< if state is one line in segments
     bool anchors_changed = false;
     // With accuracy:
     std::unique_ptr<TreeState<T>> start = nullptr;  ///< of the step
@@ -213,8 +220,26 @@ class DirectSimulation final : public Simulation {
           for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
             pins_of_[members.vertices[tree.pins[k].vertex]].push_back({g, k, lane});
         }
+        if (lanes == 1) cut(g, tree, members);
       }
     }
+  }
+
+  /// A long line moves in segments if nothing but its multipliers is unknown.
+  void cut(std::uint32_t g, const layouts::Tree& tree, const TreeMembers& members) {
+    Group& group = groups_[g];
+    if (!TreeStepper<T>::is_line(group.state, gradient_of(settings_)) ||
+        !LineSegments::fits(*group.state.topology, lane_width<T>))
+      return;
+    const LineSegments segments(tree.nodes(), lane_width<T>);
+    TreeState<T> state = segments.cut(group.state);
+    group.line = std::make_unique<Line>(
+        Line{segments, std::move(group.state), TreeWorkspace<T>(*state.topology, state.lanes)});
+    group.state = std::move(state);
+    if (group.start) group.start = std::make_unique<TreeState<T>>(group.state.topology, group.state.lanes);
+    group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
+    for (std::uint32_t i = 0; i < tree.nodes(); ++i)
+      places_[members.vertices[tree.vertex[i]]] = {g, segments.entry(i), segments.lane(i)};
   }
 
   void fill_info(const Scene& scene) {
@@ -242,7 +267,16 @@ class DirectSimulation final : public Simulation {
         state.u[state.at(3 * place.node + c, place.lane)] = static_cast<T>(velocity[c]);
     }
     loops_.project_velocities();
-    for (Group& group : groups_) stepper_.project_velocities(group.state, crews_[group.kind][0].work);
+    for (Group& group : groups_) {
+      TreeWorkspace<T>& work = crews_[group.kind][0].work;
+      if (group.line) {
+        group.line->segments.gather(group.state, group.line->whole);
+        stepper_.project_velocities(group.line->whole, work);
+        group.line->segments.scatter(group.line->whole, group.state);
+      } else {
+        stepper_.project_velocities(group.state, work);
+      }
+    }
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
       if (!fixed_[i])
         info_.projected_velocity =
@@ -279,8 +313,11 @@ class DirectSimulation final : public Simulation {
   double advance(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
     double error = 0;
     for (std::uint32_t i = 0; i < substeps; ++i)
-      error = std::max(error, stepper_.advance(group.state, group.trees, h, crew.work, crew.alone,
-                                               crew.alone_work, counters));
+      error = std::max(error, group.line
+                                  ? stepper_.advance(group.line->segments, group.state, h, group.line->work,
+                                                     group.line->whole, crew.alone_work, counters)
+                                  : stepper_.advance(group.state, group.trees, h, crew.work, crew.alone,
+                                                     crew.alone_work, counters));
     return error;
   }
 
@@ -329,6 +366,12 @@ class DirectSimulation final : public Simulation {
     if (velocities_known_) return;
     for (Group& group : groups_) {
       TreeWorkspace<T>& work = crews_[group.kind][0].work;
+      if (group.line) {
+        group.line->segments.gather(group.state, group.line->whole);
+        stepper_.find_velocities(group.line->whole, work);
+        group.line->segments.scatter_nodes(work.velocity, group.velocity);
+        continue;
+      }
       stepper_.find_velocities(group.state, work);
       std::copy_n(work.velocity.data(), group.velocity.size(), group.velocity.data());
     }

@@ -217,6 +217,46 @@ double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double 
 }
 
 template <class T>
+double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
+                               TreeWorkspace<T>& work, TreeState<T>& alone, TreeWorkspace<T>& alone_work,
+                               DirectCounters& counters) const {
+  const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {
+    double sum = 0;
+    for (std::uint32_t lane = 0; lane < state.lanes; ++lane) sum += static_cast<double>(lanes[lane]);
+    return sum / alone.topology->nodes;
+  };
+  segments.link(state);
+  begin(state, state.lanes, h, gradient_, work);
+  segments.trim(work);
+  const simd::TreeView<T> view = work.view(state);
+  double change = 0;
+  bool converged = false;
+  for (int i = 0; i < most_iterations && !converged && change <= hopeless_change; ++i) {
+    vector_.newton_segments(view);
+    change = std::sqrt(total(work.change) / state.scale2[0]);
+    converged = change <= converged_change<T>;
+    counters.newton.fetch_add(1, std::memory_order_relaxed);
+  }
+  if (converged) {
+    const bool first = state.mu_kick[0] == 0;
+    std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
+    accept(state, state.lanes, h, gradient_, work);
+    counters.substeps.fetch_add(1, std::memory_order_relaxed);
+    return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt)) : 0;
+  }
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore(state, lane, work);
+  counters.halvings.fetch_add(1, std::memory_order_relaxed);
+  segments.gather(state, alone);
+  if (advance_alone(alone, h / 2, 1, alone_work, counters) &&
+      advance_alone(alone, h / 2, 1, alone_work, counters)) {
+    segments.scatter(alone, state);
+  } else {
+    counters.unsolved.fetch_add(1, std::memory_order_relaxed);
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+template <class T>
 void TreeStepper<T>::project(TreeState<T>& state, TreeWorkspace<T>& work) const {
   // Guesses are of no use here, and what the last step left must stay.
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));

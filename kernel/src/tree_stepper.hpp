@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "line_segments.hpp"
 #include "plumb/settings.hpp"
 #include "tree_state.hpp"
 
@@ -39,12 +40,21 @@ class TreeStepper {
   double advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
                  TreeState<T>& alone, TreeWorkspace<T>& alone_work, DirectCounters& counters) const;
 
+  /// The same for one line in segments.
+  double advance(const LineSegments& segments, TreeState<T>& state, double h, TreeWorkspace<T>& work,
+                 TreeState<T>& alone, TreeWorkspace<T>& alone_work, DirectCounters& counters) const;
+
   /// Takes from u, which must hold velocities, what pulls on rods.
   void project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
   /// Velocities of all lanes at the end of the last substep (m/s) into work.velocity. Those of gradient old
   /// fit the rods (RATTLE, Andersen 1983).
   void find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
+
+  /// Whether multipliers alone are unknown, see simd/line_body.hpp.
+  static bool is_line(const TreeState<T>& state, Gradient gradient) {
+    return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
+  }
 
  private:
   struct Coefficients;
@@ -61,10 +71,6 @@ class TreeStepper {
                      DirectCounters& counters) const;
   void set_pin_displacements(TreeState<T>& state, double h) const;
   void project(TreeState<T>& state, TreeWorkspace<T>& work) const;
-  /// Whether multipliers alone are unknown, see simd/line_body.hpp.
-  static bool is_line(const TreeState<T>& state, Gradient gradient) {
-    return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
-  }
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;

@@ -1,0 +1,132 @@
+#include "line_segments.hpp"
+
+#include <algorithm>
+
+namespace plumb::detail {
+namespace {
+
+using namespace simd;
+
+/// Nodes per lane from which segments are faster than the line as a whole.
+constexpr std::uint32_t shortest_segment = 4;
+
+/// The topology of a segment: a line with a pin at its first node.
+layouts::Tree segment_tree(std::uint32_t nodes) {
+  layouts::Tree tree;
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    tree.vertex.push_back(i);
+    tree.parent.push_back(i == 0 ? 0 : i - 1);
+    tree.edge.push_back(i);
+    tree.pin_begin.push_back(i == 0 ? 0 : 1);
+  }
+  tree.pin_begin.push_back(1);
+  tree.pins.push_back({nodes, nodes});
+  return tree;
+}
+
+}  // namespace
+
+bool LineSegments::fits(const TreeTopology& topology, std::uint32_t lanes) {
+  return topology.is_line && topology.pins == 1 && topology.pin_begin[1] == 1 &&
+         topology.nodes >= shortest_segment * lanes;
+}
+
+LineSegments::LineSegments(std::uint32_t nodes, std::uint32_t lanes)
+    : nodes_(nodes), lanes_(lanes), length_((nodes + lanes - 1) / lanes) {}
+
+template <class T>
+TreeState<T> LineSegments::cut(const TreeState<T>& whole) const {
+  TreeState<T> segments(std::make_shared<const TreeTopology>(segment_tree(length_)), lanes_);
+  for_numbers(tree_fields::node,
+              [&](std::size_t from, std::size_t to) { segments.node[to] = whole.node[from]; });
+  for_numbers(3, [&](std::size_t from, std::size_t to) { segments.weight[to] = whole.weight[from]; });
+  for_numbers(1, [&](std::size_t from, std::size_t to) { segments.length2[to] = whole.length2[from]; });
+  segments.pin_length2[0] = whole.pin_length2[0];
+  for (std::uint32_t lane = 1; lane < lanes_; ++lane)
+    if (lane * length_ < nodes_) segments.pin_length2[lane] = whole.length2[std::size_t{lane} * length_];
+  std::fill(segments.mass_unit.begin(), segments.mass_unit.end(), whole.mass_unit[0]);
+  std::fill(segments.scale2.begin(), segments.scale2.end(), whole.scale2[0]);
+  for_numbers(3, [&](std::size_t from, std::size_t to) { segments.force[to] = whole.force[from]; });
+  scatter(whole, segments);
+  return segments;
+}
+
+template <class T>
+void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) const {
+  for_numbers(3, [&](std::size_t to, std::size_t from) {
+    whole.x[to] = segments.x[from];
+    whole.u[to] = segments.u[from];
+    whole.acceleration[to] = segments.acceleration[from];
+    whole.acceleration_before[to] = segments.acceleration_before[from];
+    whole.force[to] = segments.force[from];
+  });
+  for_numbers(1, [&](std::size_t to, std::size_t from) {
+    whole.mu[to] = entry(static_cast<std::uint32_t>(to)) > 0 ? segments.mu[from] : segments.pin_mu[from];
+  });
+  whole.pin_mu[0] = segments.pin_mu[0];
+  for (std::uint32_t c = 0; c < 3; ++c) whole.pin_x[c] = segments.pin_x[c * lanes_];
+  whole.pin_velocity[0] = segments.pin_velocity[0];
+  whole.pin_last_velocity[0] = segments.pin_last_velocity[0];
+  whole.pins_move = segments.pins_move;
+  whole.u_step[0] = segments.u_step[0];
+  whole.mu_kick[0] = segments.mu_kick[0];
+  whole.smooth[0] = segments.smooth[0];
+}
+
+template <class T>
+void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) const {
+  for_numbers(3, [&](std::size_t from, std::size_t to) {
+    segments.x[to] = whole.x[from];
+    segments.u[to] = whole.u[from];
+    segments.acceleration[to] = whole.acceleration[from];
+    segments.acceleration_before[to] = whole.acceleration_before[from];
+  });
+  for_numbers(1, [&](std::size_t from, std::size_t to) {
+    (entry(static_cast<std::uint32_t>(from)) > 0 ? segments.mu[to] : segments.pin_mu[to]) = whole.mu[from];
+  });
+  segments.pin_mu[0] = whole.pin_mu[0];
+  for (std::uint32_t c = 0; c < 3; ++c) segments.pin_x[c * lanes_] = whole.pin_x[c];
+  segments.pin_velocity[0] = whole.pin_velocity[0];
+  segments.pin_last_velocity[0] = whole.pin_last_velocity[0];
+  segments.pins_move = whole.pins_move;
+  std::fill(segments.u_step.begin(), segments.u_step.end(), whole.u_step[0]);
+  std::fill(segments.mu_kick.begin(), segments.mu_kick.end(), whole.mu_kick[0]);
+  std::fill(segments.smooth.begin(), segments.smooth.end(), whole.smooth[0]);
+}
+
+template <class T>
+void LineSegments::scatter_nodes(const layouts::AlignedBuffer<T>& whole,
+                                 layouts::AlignedBuffer<T>& segments) const {
+  for_numbers(3, [&](std::size_t from, std::size_t to) { segments[to] = whole[from]; });
+}
+
+template <class T>
+void LineSegments::link(TreeState<T>& segments) const {
+  for (std::uint32_t c = 0; c < 3; ++c)
+    for (std::uint32_t lane = 1; lane < lanes_; ++lane)
+      segments.pin_x[c * lanes_ + lane] =
+          segments.x[(std::size_t{3} * (length_ - 1) + c) * lanes_ + lane - 1];
+}
+
+template <class T>
+void LineSegments::trim(TreeWorkspace<T>& work) const {
+  for (std::uint32_t i = nodes_; i < length_ * lanes_; ++i) {
+    T* const rods = entry(i) > 0 ? work.rod.data() : work.pin_rod.data();
+    for (std::uint32_t c = 0; c < tree_fields::rod; ++c)
+      rods[(std::size_t{tree_fields::rod} * entry(i) + c) * lanes_ + lane(i)] = 0;
+  }
+}
+
+#define PLUMB_INSTANTIATE(T)                                                                              \
+  template TreeState<T> LineSegments::cut(const TreeState<T>&) const;                                     \
+  template void LineSegments::gather(const TreeState<T>&, TreeState<T>&) const;                           \
+  template void LineSegments::scatter(const TreeState<T>&, TreeState<T>&) const;                          \
+  template void LineSegments::scatter_nodes(const layouts::AlignedBuffer<T>&, layouts::AlignedBuffer<T>&) \
+      const;                                                                                              \
+  template void LineSegments::link(TreeState<T>&) const;                                                  \
+  template void LineSegments::trim(TreeWorkspace<T>&) const;
+PLUMB_INSTANTIATE(float)
+PLUMB_INSTANTIATE(double)
+#undef PLUMB_INSTANTIATE
+
+}  // namespace plumb::detail
