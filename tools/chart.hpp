@@ -21,10 +21,7 @@ struct Chart {
   std::vector<Series> series;
 };
 
-/// Throws InputError if gnuplot, which draws the charts, does not run here.
-void require_gnuplot();
-
-/// The chart as SVG text. Throws InputError with gnuplot's own words if it fails.
+/// The chart as SVG text, drawn by gnuplot. Throws InputError with its own words if it fails.
 std::string draw_svg(const Chart& chart);
 
 }  // namespace plumb::tools

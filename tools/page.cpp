@@ -74,7 +74,10 @@ void Section::add_table(const Table& table) {
 }
 
 void Section::add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart) {
-  const std::string svg = draw_svg(chart);
+  add_svg(folder, file, draw_svg(chart));
+}
+
+void Section::add_svg(const std::filesystem::path& folder, const std::string& file, const std::string& svg) {
   scenes::write_file(folder / (file + ".svg"), svg);
   body_ += "<figure>\n" + inline_svg(svg, file) + "</figure>\n";
 }
@@ -94,6 +97,11 @@ void Section::publish(const std::filesystem::path& folder) const {
   std::string page = page_head;
   for (const auto& file : files) page += scenes::read_file(file);
   scenes::write_file(folder / "index.html", page + "</body>\n</html>\n");
+}
+
+void Section::publish_alone(const std::filesystem::path& folder) const {
+  make_folder(folder);
+  scenes::write_file(folder / (name_ + ".html"), page_head + body_ + "</section>\n</body>\n</html>\n");
 }
 
 void make_folder(const std::filesystem::path& folder) {

@@ -23,9 +23,13 @@ class Section {
   void add_table(const Table& table);
   /// Also written as its own file, FOLDER/`file`.svg.
   void add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart);
+  /// The same for what is drawn already.
+  void add_svg(const std::filesystem::path& folder, const std::string& file, const std::string& svg);
 
   /// Writes the section into `folder`/sections and index.html anew from all the sections there.
   void publish(const std::filesystem::path& folder) const;
+  /// The section alone as a page of its own, `folder`/NAME.html.
+  void publish_alone(const std::filesystem::path& folder) const;
 
  private:
   std::string name_;

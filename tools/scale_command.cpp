@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "gnuplot.hpp"
 #include "page.hpp"
 #include "plumb/error.hpp"
 #include "plumb/world.hpp"

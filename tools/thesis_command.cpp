@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "gnuplot.hpp"
 #include "page.hpp"
 #include "progress.hpp"
 #include "scenes/files.hpp"
