@@ -396,6 +396,24 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
 }
 
 template <class V, std::size_t lanes, class T>
+PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane) {
+  using namespace tree_fields;
+  const At<V, T, lanes> at{lane};
+  V largest(0);
+  const auto consider = [&](const V& mu, const V& w) {
+    const V pull = mu * w;
+    largest = larger(largest, larger(pull, V(0) - pull));
+  };
+  for (std::size_t i = 0; i < tree.nodes; ++i) {
+    const V w = at.get(tree.node, node * i + 3);
+    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
+      consider(at.get(tree.pin_mu, k), w + w);
+    if (i > 0) consider(at.get(tree.mu, i), w + at.get(tree.node, node * tree.parent[i] + 3));
+  }
+  at.put(tree.stiffness, 0, largest);
+}
+
+template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const V active = at.get(tree.active, 0), ratio = at.get(tree.ratio, 0), over = at.get(tree.inverse_kick, 0);

@@ -65,6 +65,7 @@ struct TreeView {
   const T* inverse_kick = nullptr;  ///< 1/s^2
   const T* active = nullptr;        ///< 1 to update a lane, 0 to leave it as it is
   T* change = nullptr;              ///< out: sum over nodes of |change of delta|^2
+  T* stiffness = nullptr;           ///< out
   T* push = nullptr;                ///< out: sum over nodes of |acceleration|^2
   T* jolt = nullptr;                ///< out: sum over nodes of |change of acceleration over two substeps|^2
 
@@ -95,6 +96,8 @@ struct TreeKernels {
   /// The same for one long line cut into as many segments as there are lanes; node 0 of every lane has a pin,
   /// which in lanes after the first is the rod to the last node of the lane before.
   void (*newton_segments)(const TreeView<T>&);
+  /// Into stiffness: the largest |mu| (w_i + w_p) of a lane's rods, of pins 2 |mu| w_i.
+  void (*find_stiffness)(const TreeView<T>&);
   /// Ends it: moves x and u of active lanes, keeps their acceleration.
   void (*advance)(const TreeView<T>&);
   /// Moves delta, now taken as a velocity times a time, onto what no rod resists, adding what forces do:

@@ -32,6 +32,10 @@ template <class V>
 inline V select_nonzero(V mask, V a, V b) {
   return mask != 0 ? a : b;
 }
+template <class V>
+inline V larger(V a, V b) {
+  return a > b ? a : b;
+}
 /// 1/s, or 0 if |s| is not above `floor`: a rod or pin that others make redundant then pulls nothing.
 template <class V>
 inline V reciprocal_or_zero(V s, V floor) {
@@ -74,6 +78,12 @@ void newton_segments(const TreeView<T>& tree) {
   });
 }
 template <class T>
+void find_stiffness(const TreeView<T>& tree) {
+  if (tree.lanes == 1) return find_stiffness_lanes<T, 1>(tree, 0);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
+    find_stiffness_lanes<T, logical_width<T>>(tree, lane);
+}
+template <class T>
 void advance(const TreeView<T>& tree) {
   if (tree.lanes == 1) return advance_lanes<T, 1>(tree, 0);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane) advance_lanes<T, logical_width<T>>(tree, lane);
@@ -86,11 +96,11 @@ void project(const TreeView<T>& tree) {
 
 }  // namespace
 
-constinit const TreeKernels<float> tree_scalar_float{prepare<float>,     newton<float>,
-                                                     newton_line<float>, newton_segments<float>,
-                                                     advance<float>,     project<float>};
-constinit const TreeKernels<double> tree_scalar_double{prepare<double>,     newton<double>,
-                                                       newton_line<double>, newton_segments<double>,
-                                                       advance<double>,     project<double>};
+constinit const TreeKernels<float> tree_scalar_float{
+    prepare<float>,        newton<float>,  newton_line<float>, newton_segments<float>,
+    find_stiffness<float>, advance<float>, project<float>};
+constinit const TreeKernels<double> tree_scalar_double{
+    prepare<double>,        newton<double>,  newton_line<double>, newton_segments<double>,
+    find_stiffness<double>, advance<double>, project<double>};
 
 }  // namespace plumb::simd

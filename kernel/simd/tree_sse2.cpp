@@ -3,10 +3,11 @@
 
 namespace plumb::simd {
 
-constinit const TreeKernels<float> tree_sse2_float{prepare<float>,         newton<float>,  newton_line<float>,
-                                                   newton_segments<float>, advance<float>, project<float>};
-constinit const TreeKernels<double> tree_sse2_double{prepare<double>,     newton<double>,
-                                                     newton_line<double>, newton_segments<double>,
-                                                     advance<double>,     project<double>};
+constinit const TreeKernels<float> tree_sse2_float{
+    prepare<float>,        newton<float>,  newton_line<float>, newton_segments<float>,
+    find_stiffness<float>, advance<float>, project<float>};
+constinit const TreeKernels<double> tree_sse2_double{
+    prepare<double>,        newton<double>,  newton_line<double>, newton_segments<double>,
+    find_stiffness<double>, advance<double>, project<double>};
 
 }  // namespace plumb::simd

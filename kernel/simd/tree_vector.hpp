@@ -52,6 +52,10 @@ inline __attribute__((always_inline)) Batch<T> select_nonzero(const Batch<T>& ma
   return xsimd::select(mask != Batch<T>(T(0)), a, b);
 }
 template <class T>
+inline __attribute__((always_inline)) Batch<T> larger(const Batch<T>& a, const Batch<T>& b) {
+  return xsimd::select(a > b, a, b);
+}
+template <class T>
 inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>& s, const Batch<T>& floor) {
   return xsimd::select(xsimd::abs(s) > floor, Batch<T>(T(1)) / s, Batch<T>(T(0)));
 }
@@ -89,6 +93,11 @@ void newton_segments(const TreeView<T>& tree) {
     for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
       f(At<Batch<T>, T, logical_width<T>>{lane});
   });
+}
+template <class T>
+void find_stiffness(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    find_stiffness_lanes<Batch<T>, logical_width<T>>(tree, lane);
 }
 template <class T>
 void advance(const TreeView<T>& tree) {

@@ -176,6 +176,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(u_step, from.u_step);
   copy(mu_kick, from.mu_kick);
   copy(smooth, from.smooth);
+  frequency2 = from.frequency2;
 }
 
 template <class T>
@@ -200,7 +201,7 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
   for (auto* buffer : {&active, &change, &ratio, &kick, &guess, &guess_before, &mu_scale, &u_delta, &u_before,
-                       &inverse_kick, &push, &jolt})
+                       &inverse_kick, &stiffness, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
@@ -239,6 +240,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .inverse_kick = inverse_kick.data(),
           .active = active.data(),
           .change = change.data(),
+          .stiffness = stiffness.data(),
           .push = push.data(),
           .jolt = jolt.data(),
           .delta = delta.data(),

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int most_iterations = 12;
 constexpr int most_halvings = 10;
+constexpr double most_pieces = 1024;
 
 /// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
 /// rounding: convergence is quadratic.
@@ -23,6 +24,11 @@ constexpr double hopeless_change = 30;
 /// Below this (change of acceleration)^2 over acceleration^2, starting Newton from the last acceleration
 /// pays; above, it starts farther off than without.
 constexpr double smooth_jolt = 0.05;
+
+/// Gradient old breaks where h times the highest frequency is above 2. A substep is cut into pieces below the
+/// first of these before it is tried, by the tensions of the last one, and does not count as solved above the
+/// second.
+constexpr double aimed_frequency = 1.0, highest_frequency = 1.6;
 
 double theta_of(Gradient gradient) {
   return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
@@ -165,7 +171,8 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Tre
   for (const Gradient gradient : {gradient_, Gradient::new_}) {
     if (gradient != gradient_ && depth < most_halvings) break;
     begin(state, 1, h, gradient, work);
-    if (solve(state, 1, gradient, work, counters)) {
+    if (solve(state, 1, gradient, work, counters) &&
+        (gradient != Gradient::old || is_stable(state, 1, h, work))) {
       accept(state, 1, h, gradient, work);
       counters.substeps.fetch_add(1, std::memory_order_relaxed);
       if (gradient != gradient_) {
@@ -185,11 +192,50 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Tre
 }
 
 template <class T>
+std::uint32_t TreeStepper<T>::pieces(const TreeState<T>& state, double h) const {
+  if (gradient_ != Gradient::old) return 1;
+  return static_cast<std::uint32_t>(
+      std::clamp(std::ceil(h * std::sqrt(state.frequency2) / aimed_frequency), 1.0, most_pieces));
+}
+
+template <class T>
+bool TreeStepper<T>::is_stable(TreeState<T>& state, std::uint32_t lanes, double h,
+                               TreeWorkspace<T>& work) const {
+  kernels(state).find_stiffness(work.view(state));
+  double largest = 0;
+  bool stable = true;
+  for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+    if (work.failed[lane]) continue;
+    // omega^2 = 2 w T/L summed over both rods of a particle, T/L = -mu/kick.
+    const double frequency2 =
+        2 * static_cast<double>(work.stiffness[lane]) / static_cast<double>(work.kick[lane]);
+    largest = std::max(largest, frequency2);
+    if (h * h * frequency2 <= highest_frequency * highest_frequency) continue;
+    work.failed[lane] = 1;
+    stable = false;
+  }
+  state.frequency2 = largest;
+  return stable;
+}
+
+template <class T>
 double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
                                TreeState<T>& alone, TreeWorkspace<T>& alone_work,
                                DirectCounters& counters) const {
+  double error = 0;
+  const std::uint32_t count = pieces(state, h);
+  for (std::uint32_t i = 0; i < count; ++i)
+    error += advance_piece(state, trees, h / count, work, alone, alone_work, counters);
+  return error;
+}
+
+template <class T>
+double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, double h,
+                                     TreeWorkspace<T>& work, TreeState<T>& alone,
+                                     TreeWorkspace<T>& alone_work, DirectCounters& counters) const {
   begin(state, trees, h, gradient_, work);
-  const bool all = solve(state, trees, gradient_, work, counters);
+  bool all = solve(state, trees, gradient_, work, counters);
+  if (gradient_ == Gradient::old) all = is_stable(state, trees, h, work) && all;
   double error = 0;
   for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.mu_kick[lane] == 0;
   accept(state, trees, h, gradient_, work);
@@ -220,6 +266,17 @@ template <class T>
 double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
                                TreeWorkspace<T>& work, TreeState<T>& alone, TreeWorkspace<T>& alone_work,
                                DirectCounters& counters) const {
+  double error = 0;
+  const std::uint32_t count = pieces(state, h);
+  for (std::uint32_t i = 0; i < count; ++i)
+    error += advance_piece(segments, state, h / count, work, alone, alone_work, counters);
+  return error;
+}
+
+template <class T>
+double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>& state, double h,
+                                     TreeWorkspace<T>& work, TreeState<T>& alone,
+                                     TreeWorkspace<T>& alone_work, DirectCounters& counters) const {
   const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {
     double sum = 0;
     for (std::uint32_t lane = 0; lane < state.lanes; ++lane) sum += static_cast<double>(lanes[lane]);
@@ -237,9 +294,9 @@ double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state
     converged = change <= converged_change<T>;
     counters.newton.fetch_add(1, std::memory_order_relaxed);
   }
-  if (converged) {
+  std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
+  if (converged && is_stable(state, state.lanes, h, work)) {
     const bool first = state.mu_kick[0] == 0;
-    std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
     accept(state, state.lanes, h, gradient_, work);
     counters.substeps.fetch_add(1, std::memory_order_relaxed);
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt)) : 0;
