@@ -141,6 +141,9 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
       const V mu = at.get(tree.pin_mu, k);
       block.r = block.r + mu * a - at.get(tree.pin, k * pin) * at.get3(tree.pin_delta, 3 * k);
       block.diagonal = block.diagonal - theta * mu;
+    } else {
+      block.r =
+          block.r + at.get(tree.pin, k * pin) * (at.get3(tree.pin_u, 3 * k) - at.get3(tree.pin_delta, 3 * k));
     }
   }
   block.rows.v0.x = block.rows.v0.x + block.diagonal;
@@ -379,7 +382,7 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
       guess_multiplier(at, scale, tree.pin_mu, tree.pin_mu_start, k);
       load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
       prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
-                  tree.pin_rod, k);
+                     tree.pin_rod, k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];

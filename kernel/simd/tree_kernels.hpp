@@ -91,7 +91,8 @@ struct TreeKernels {
   /// Ends it: moves x and u of active lanes, keeps their acceleration.
   void (*advance)(const TreeView<T>&);
   /// Moves delta, now taken as a velocity times a time, onto what no rod resists, adding what forces do:
-  /// M delta' = M delta + kick force + J^T lambda, J delta' = pin_delta at fixed ends. Exact in one call.
+  /// M delta' = M delta + kick force + J^T lambda, J delta' = 0, where fixed ends go from pin_u to pin_delta.
+  /// Exact in one call.
   void (*project)(const TreeView<T>&);
 };
 

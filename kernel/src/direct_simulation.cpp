@@ -21,6 +21,8 @@ using layouts::lane_width;
 // Of the control of substeps by accuracy: the share of the error allowed that is aimed at, and by how much
 // the substep may change at once.
 constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 1.5;
+/// Relative to the velocity of an anchor: below, it differs by the rounding of its path only.
+constexpr double unchanged = 1e-9;
 constexpr int most_attempts = 8;
 constexpr std::uint32_t most_substeps = 1 << 20;
 constexpr double first_substep = 1e-3;  ///< s; short, since nothing is known yet
@@ -277,7 +279,10 @@ class DirectSimulation final : public Simulation {
       }
     for (Group& group : groups_) {
       if (!group.state.pins_move) continue;
-      group.anchors_changed = group.state.pin_velocity != group.state.pin_last_velocity;
+      const TreeState<T>& state = group.state;
+      group.anchors_changed =
+          !std::equal(state.pin_velocity.begin(), state.pin_velocity.end(), state.pin_last_velocity.begin(),
+                      [](Vec3 a, Vec3 b) { return norm(a - b) <= unchanged * norm(a); });
     }
   }
 
@@ -289,6 +294,8 @@ class DirectSimulation final : public Simulation {
                                     [](Vec3 v) { return v != Vec3{}; });
       state.pin_last_velocity = state.pin_velocity;
       std::fill(state.pin_velocity.begin(), state.pin_velocity.end(), Vec3{});
+      std::fill_n(state.pin_delta.data(), state.pin_delta.size(), T(0));
+      std::fill_n(state.pin_u.data(), state.pin_u.size(), T(0));
     }
     for (const Anchor& anchor : anchors_) {
       fixed_position_[anchor.particle] = anchor.target;

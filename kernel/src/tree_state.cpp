@@ -165,6 +165,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(mu, from.mu);
   copy(pin_mu, from.pin_mu);
   copy(pin_x, from.pin_x);
+  copy(pin_last_velocity, from.pin_last_velocity);
   copy(u_step, from.u_step);
   copy(mu_kick, from.mu_kick);
   copy(smooth, from.smooth);

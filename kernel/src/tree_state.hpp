@@ -57,7 +57,8 @@ struct TreeState {
   std::vector<double> scale2;   ///< m^2, per lane: mean squared length of a rod
   std::vector<double> u_step;   ///< s, per lane
   std::vector<double> mu_kick;  ///< s^2, per lane: the kick when mu was found; 0: not yet
-  std::vector<Vec3> pin_velocity, pin_last_velocity;  ///< m/s, per pin and lane: of fixed ends that move
+  /// m/s, per pin and lane: of fixed ends, in this step and in the last substep.
+  std::vector<Vec3> pin_velocity, pin_last_velocity;
   bool pins_move = false;
   std::vector<std::uint8_t> smooth;  ///< per lane: whether the last acceleration foretells the next
 };

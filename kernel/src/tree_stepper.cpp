@@ -79,22 +79,29 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     work.mu_scale[lane] = state.mu_kick[lane] > 0 ? static_cast<T>(kick / state.mu_kick[lane]) : T(0);
     work.active[lane] = lane < trees ? T(1) : T(0);
   }
-  if (state.pins_move) set_pin_displacements(state, h);
+  if (state.pins_move) set_pin_displacements(state, h, work);
   kernels(state).prepare(work.view(state));
 }
 
 template <class T>
-void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h) const {
-  const std::size_t lanes = state.lanes;
+void TreeStepper<T>::put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const {
+  const std::size_t lanes = state.lanes, first = i / lanes * 3 * lanes + i % lanes;
+  state.pin_delta[first] = static_cast<T>(delta.x);
+  state.pin_delta[first + lanes] = static_cast<T>(delta.y);
+  state.pin_delta[first + 2 * lanes] = static_cast<T>(delta.z);
+  state.pin_u[first] = static_cast<T>(u.x);
+  state.pin_u[first + lanes] = static_cast<T>(u.y);
+  state.pin_u[first + 2 * lanes] = static_cast<T>(u.z);
+}
+
+template <class T>
+void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
+                                           const TreeWorkspace<T>& work) const {
   for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
-    const std::size_t first = i / lanes * 3 * lanes + i % lanes;
-    const Vec3 now = h * state.pin_velocity[i], last = h * state.pin_last_velocity[i];
-    state.pin_delta[first] = static_cast<T>(now.x);
-    state.pin_delta[first + lanes] = static_cast<T>(now.y);
-    state.pin_delta[first + 2 * lanes] = static_cast<T>(now.z);
-    state.pin_u[first] = static_cast<T>(last.x);
-    state.pin_u[first + lanes] = static_cast<T>(last.y);
-    state.pin_u[first + 2 * lanes] = static_cast<T>(last.z);
+    // What comes before goes into the load as the tree's own u does, drag included.
+    const std::size_t lane = i % state.lanes;
+    const double ratio = static_cast<double>(work.ratio[lane]), step = state.u_step[lane];
+    put_pins(state, i, h * state.pin_velocity[i], ratio * (step > 0 ? step : 1) * state.pin_last_velocity[i]);
   }
 }
 
@@ -133,9 +140,11 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
     if (work.failed[lane]) continue;
     state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
     state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
-    if (state.pins_move)
-      for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
-        state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
+    if (!state.pins_move) continue;
+    for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
+      state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
+    for (std::size_t i = lane; i < state.pin_velocity.size(); i += state.lanes)
+      state.pin_last_velocity[i] = state.pin_velocity[i];
   }
   kernels(state).advance(work.view(state));
   for (std::uint32_t lane = 0; lane < trees; ++lane)
@@ -206,12 +215,14 @@ double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double 
 }
 
 template <class T>
-void TreeStepper<T>::project(TreeState<T>& state, TreeWorkspace<T>& work) const {
+void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity,
+                             TreeWorkspace<T>& work) const {
   // Guesses are of no use here, and what the last step left must stay.
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
   std::fill_n(work.mu_scale.data(), work.mu_scale.size(), T(1));
   const simd::TreeView<T> view = work.view(state);
-  set_pin_displacements(state, 1);
+  for (std::size_t i = 0; i < pin_velocity.size(); ++i)
+    put_pins(state, i, pin_velocity[i], state.pin_last_velocity[i]);
   kernels(state).prepare(view);
   std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
   kernels(state).project(view);
@@ -224,8 +235,9 @@ void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& w
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
-  project(state, work);
+  project(state, state.pin_velocity, work);
   std::copy_n(work.delta.data(), state.u.size(), state.u.data());
+  state.pin_last_velocity = state.pin_velocity;
 }
 
 template <class T>
@@ -243,7 +255,7 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     work.active[lane] = displacements ? T(1) : T(0);
   }
   if (any) {
-    project(state, work);
+    project(state, state.pin_last_velocity, work);
     std::copy_n(work.delta.data(), state.u.size(), work.velocity.data());
   }
 }

@@ -180,12 +180,13 @@ class Dense {
     return matrix.fullPivLu().solve(right);
   }
 
-  /// delta' of M delta' = M delta + kick force + J^T lambda, J delta' = that of pins.
+  /// delta' of M delta' = M delta + kick force + J^T lambda, J delta' = 0, pins from pin_u to pin_delta.
   Vector project() const {
     Matrix matrix = Matrix::Zero(n_ + constraints(), n_ + constraints());
     Vector right = Vector::Zero(n_ + constraints());
     matrix.topLeftCorner(n_, n_) = mass_;
-    right.head(n_) = mass_ * all(tree_.delta) + Real{tree_.kick[0]} * all(tree_.force);
+    right.head(n_) = mass_ * all(tree_.delta) + pinned(tree_.pin_u) - pinned(tree_.pin_delta) +
+                     Real{tree_.kick[0]} * all(tree_.force);
     for (Eigen::Index c = 0; c < constraints(); ++c) {
       put_rod(matrix, c, -rod(c), rod(c));
       if (c >= rods_) right[n_ + c] = rod(c).dot(at(tree_.pin_delta, c - rods_));
