@@ -129,6 +129,7 @@ template <class V>
 struct Free {
   Mat<V> h;  ///< columns
   Vec<V> q;
+  V residual;  ///< sum over its pins of C^2
 };
 
 template <bool linear, class V, class T, class At>
@@ -152,6 +153,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   Free<V> node;
   node.h = inverse(block.rows);
   node.q = multiply(node.h, block.r);
+  node.residual = V(0);
   const V size = (node.h.v0.x + node.h.v1.y) + node.h.v2.z;
   for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
     const Vec<V> d = at.get3(tree.pin_rod, k * rod), e = delta - at.get3(tree.pin_delta, 3 * k);
@@ -161,6 +163,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
       a = d + theta * e;
       b = d + e;
       c = at.get(tree.pin_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
+      node.residual = node.residual + c * c;
     }
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
     const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.pin, k * pin + 1) * size) * dot(b, b));
@@ -182,6 +185,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
     at.put(tree.below, slot, V(0));
   NodeBlock<V> carried = empty_block<V>();  // from i + 1 if i is its parent
+  V residual(0);
   for (std::size_t i = tree.nodes; i-- > 1;) {
     const std::size_t p = tree.parent[i];
     NodeBlock<V> block = carried;
@@ -209,6 +213,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
       at.put(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 10, kappa);
     }
     const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
+    if constexpr (!linear) residual = residual + (node.residual + c * c);
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
     const V size = (node.h.v0.x + node.h.v1.y) + node.h.v2.z;
     const V over =
@@ -256,7 +261,9 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   } else {
     block.r = block.r + (at.get3(tree.load, 0) - mass * delta);
   }
-  return free_node<linear>(tree, at, 0, block, delta, theta).q;
+  const Free<V> root = free_node<linear>(tree, at, 0, block, delta, theta);
+  if constexpr (!linear) at.put(tree.residual, 0, residual + root.residual);
+  return root.q;
 }
 
 /// Multipliers of a node's pins, the last eliminated first. `f` is the force from above.

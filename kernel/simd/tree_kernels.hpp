@@ -63,6 +63,7 @@ struct TreeView {
   const T* inverse_kick = nullptr;  ///< 1/s^2
   const T* active = nullptr;        ///< 1 to update a lane, 0 to leave it as it is
   T* change = nullptr;              ///< out: sum over nodes of |change of delta|^2
+  T* residual = nullptr;            ///< out: sum over rods of C^2, before the change
   T* push = nullptr;                ///< out: sum over nodes of |acceleration|^2
   T* jolt = nullptr;                ///< out: sum over nodes of |change of acceleration over two substeps|^2
 

@@ -192,8 +192,8 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   elimination = AlignedBuffer<T>(tree_fields::elimination * n);
   pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
-  for (auto* buffer : {&active, &change, &ratio, &kick, &guess, &guess_before, &mu_scale, &u_delta, &u_before,
-                       &inverse_kick, &push, &jolt})
+  for (auto* buffer : {&active, &change, &residual, &ratio, &kick, &guess, &guess_before, &mu_scale, &u_delta,
+                       &u_before, &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
@@ -230,6 +230,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .inverse_kick = inverse_kick.data(),
           .active = active.data(),
           .change = change.data(),
+          .residual = residual.data(),
           .push = push.data(),
           .jolt = jolt.data(),
           .delta = delta.data(),

@@ -71,8 +71,8 @@ struct TreeWorkspace {
   simd::TreeView<T> view(TreeState<T>& state);
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
-      change, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before, inverse_kick, push, jolt,
-      mu_start, pin_mu_start;
+      change, residual, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before, inverse_kick, push,
+      jolt, mu_start, pin_mu_start;
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
   std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from before
 };

@@ -17,6 +17,12 @@ constexpr int most_halvings = 10;
 template <class T>
 constexpr double converged_change = sizeof(T) == 8 ? 1e-7 : 1e-4;
 
+/// Violation that the last iteration may find: root of the sum of C^2 relative to the square of a rod. What
+/// a sound solve leaves is as small as its change; rods that stay violated although nothing changes any more
+/// contradict each other, or are lost in rounding.
+template <class T>
+constexpr double solved_residual = 30 * converged_change<T>;
+
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
@@ -120,7 +126,8 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
       if (work.active[lane] == 0) continue;
       const double change = std::sqrt(work.change[lane] / (nodes * state.scale2[lane]));
-      const bool converged = change <= converged_change<T>;
+      const double left_over = std::sqrt(work.residual[lane]) / state.scale2[lane];
+      const bool converged = change <= converged_change<T> && left_over <= solved_residual<T>;
       if (!converged && change <= hopeless_change && i + 1 < most_iterations) continue;
       work.active[lane] = 0;
       work.failed[lane] = !converged;
