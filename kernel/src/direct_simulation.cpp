@@ -240,7 +240,7 @@ class DirectSimulation final : public Simulation {
     Crew& crew = crews_[group.kind][part];
     if (group.anchors_changed && gradient_of(settings_) == Gradient::mid)
       stepper_.project_velocities(group.state, crew.work);
-    if (!settings_.accuracy) {
+    if (!settings_.accuracy || diagonal_ == 0) {  // one particle has no length for an error to be relative to
       advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
       return;
     }

@@ -63,6 +63,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   u_step.assign(lanes, 0);
   mu_kick.assign(lanes, 0);
   smooth.assign(lanes, 0);
+  known.assign(lanes, 0);
 }
 
 template <class T>
@@ -151,6 +152,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   u_step[lane] = from.u_step[from_lane];
   mu_kick[lane] = from.mu_kick[from_lane];
   smooth[lane] = from.smooth[from_lane];
+  known[lane] = from.known[from_lane];
 }
 
 template <class T>
@@ -169,6 +171,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(u_step, from.u_step);
   copy(mu_kick, from.mu_kick);
   copy(smooth, from.smooth);
+  copy(known, from.known);
 }
 
 template <class T>

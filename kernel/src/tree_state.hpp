@@ -59,6 +59,7 @@ struct TreeState {
   std::vector<double> mu_kick;  ///< s^2, per lane: the kick when mu was found; 0: not yet
   /// m/s, per pin and lane: of fixed ends, in this step and in the last substep.
   std::vector<Vec3> pin_velocity, pin_last_velocity;
+  std::vector<std::uint8_t> known;  ///< per lane: substeps taken, up to the two that accelerations are from
   bool pins_move = false;
   std::vector<std::uint8_t> smooth;  ///< per lane: whether the last acceleration foretells the next
 };
@@ -74,7 +75,7 @@ struct TreeWorkspace {
       change, residual, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before, inverse_kick, push,
       jolt, mu_start, pin_mu_start;
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
-  std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from before
+  std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from two substeps before
 };
 
 }  // namespace plumb::detail

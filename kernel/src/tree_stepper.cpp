@@ -147,6 +147,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
     if (work.failed[lane]) continue;
     state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
     state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
+    state.known[lane] = static_cast<std::uint8_t>(std::min(state.known[lane] + 1, 2));
     if (!state.pins_move) continue;
     for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
       state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
@@ -197,7 +198,7 @@ double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double 
   begin(state, trees, h, gradient_, work);
   const bool all = solve(state, trees, gradient_, work, counters);
   double error = 0;
-  for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.mu_kick[lane] == 0;
+  for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.known[lane] < 2;
   accept(state, trees, h, gradient_, work);
   for (std::uint32_t lane = 0; lane < trees; ++lane) {
     const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
@@ -238,12 +239,23 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& pin_v
 }
 
 template <class T>
+void TreeStepper<T>::take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                                 layouts::AlignedBuffer<T>& to) const {
+  for (std::size_t lane = 0; lane < state.lanes; ++lane) {
+    bool finite = true;
+    for (std::size_t i = lane; i < to.size(); i += state.lanes)
+      finite = finite && std::isfinite(work.delta[i]);
+    for (std::size_t i = lane; finite && i < to.size(); i += state.lanes) to[i] = work.delta[i];
+  }
+}
+
+template <class T>
 void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
   project(state, state.pin_velocity, work);
-  std::copy_n(work.delta.data(), state.u.size(), state.u.data());
+  take_finite(state, work, state.u);
   state.pin_last_velocity = state.pin_velocity;
 }
 
@@ -263,7 +275,7 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
   }
   if (any) {
     project(state, state.pin_last_velocity, work);
-    std::copy_n(work.delta.data(), state.u.size(), work.velocity.data());
+    take_finite(state, work, work.velocity);
   }
 }
 

@@ -66,6 +66,9 @@ class TreeStepper {
   void put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
   /// work.velocity onto what no rod resists when fixed ends go at pin_velocity, into work.delta.
   void project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity, TreeWorkspace<T>& work) const;
+  /// What was projected, where it could be.
+  void take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                   layouts::AlignedBuffer<T>& to) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;
