@@ -37,7 +37,8 @@ PLUMB_INLINE LineRow<V> line_row(const LineRod<V>& last, const LineNode<V>& from
   const Vec<V> e = to.delta - from.delta, b = rod.d + e;
   const V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e));
   return {V(0) - from.w * dot(b, last.d), (from.w + to.w) * dot(b, rod.d), V(0) - to.w * dot(b, next.d),
-          V(0) - violation};
+          // A rod that is not there is never violated.
+          select_nonzero(dot(rod.d, rod.d), V(0) - violation, V(0))};
 }
 
 template <class V, class T, class At>
@@ -98,7 +99,7 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   // Rods 0 to n forwards: nu_k = right_k - above_k nu_{k+1}.
   LineRod<V> last{none, zero, zero}, rod = line_pin<V>(tree, at, 0, ends.first, T(1));
   LineNode<V> from = line_fixed<V>(tree, at, 0, ends.first);
-  V above = zero, right = zero;
+  V above = zero, right = zero, residual = zero;
   for (std::size_t k = 0; k <= n; ++k) {
     const LineRod<V> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
                             : k + 1 == n ? line_pin<V>(tree, at, ends.last_pin, ends.last, T(-1))
@@ -107,6 +108,7 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
         k < n ? line_node<V>(tree, at, k, rod, next) : line_fixed<V>(tree, at, ends.last_pin, ends.last);
     const LineRow<V> row = line_row(last, from, rod, to, next);
     const V over = reciprocal_or_zero(row.diagonal - row.below * above, zero);
+    residual = residual + row.right * row.right;
     above = row.above * over;
     right = (row.right - row.below * right) * over;
     at.put(tree.elimination, 2 * k, above);
@@ -143,6 +145,7 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
     d = d_before;
   }
   at.put(tree.change, 0, sum);
+  at.put(tree.residual, 0, residual);
 }
 
 }  // namespace

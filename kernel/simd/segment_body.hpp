@@ -113,11 +113,12 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
   LineNode<V> from{{zero, zero, zero},
                    ends.last_delta.template from_before<V>(lane),
                    ends.last_w.template from_before<V>(lane)};
-  V above = zero, right = zero, fill = V(0) - V(1);
+  V above = zero, right = zero, fill = V(0) - V(1), residual = zero;
   for (std::size_t k = 0; k < s; ++k) {
     const LineRod<V> next = k + 1 < s ? line_rod<V>(tree, at, k + 1) : first_rod_after<V>(at, ends);
     const LineNode<V> to = line_node<V>(tree, at, k, rod, next);
     const LineRow<V> row = line_row(last, from, rod, to, next);
+    residual = residual + row.right * row.right;
     if (k + 1 == s) {
       store(row.below, rows.lower + lane);
       store(row.diagonal, rows.diagonal + lane);
@@ -136,6 +137,7 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
     rod = next;
     from = to;
   }
+  at.put(tree.residual, 0, residual);
   V alpha = zero, beta = V(1), gamma = zero;
   for (std::size_t k = s - 1; k-- > 0;) {
     const V c = at.get(tree.elimination, segment_fields * k);

@@ -134,6 +134,7 @@ template <class V>
 struct Free {
   Mat<V> h;  ///< columns
   Vec<V> q;
+  V residual;  ///< sum over its pins of C^2
 };
 
 template <bool linear, class V, class T, class At>
@@ -146,6 +147,9 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
       const V mu = at.get(tree.pin_mu, k);
       block.r = block.r + mu * a - at.get(tree.pin, k * pin) * at.get3(tree.pin_delta, 3 * k);
       block.diagonal = block.diagonal - theta * mu;
+    } else {
+      block.r =
+          block.r + at.get(tree.pin, k * pin) * (at.get3(tree.pin_u, 3 * k) - at.get3(tree.pin_delta, 3 * k));
     }
   }
   block.rows.v0.x = block.rows.v0.x + block.diagonal;
@@ -154,6 +158,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   Free<V> node;
   node.h = inverse(block.rows);
   node.q = multiply(node.h, block.r);
+  node.residual = V(0);
   const V size = trace(node.h);
   for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
     const Vec<V> d = at.get3(tree.pin_rod, k * rod), e = delta - at.get3(tree.pin_delta, 3 * k);
@@ -163,6 +168,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
       a = d + theta * e;
       b = d + e;
       c = at.get(tree.pin_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
+      node.residual = node.residual + c * c;
     }
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
     const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.pin, k * pin + 1) * size) * dot(b, b));
@@ -184,6 +190,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
     at.put(tree.below, slot, V(0));
   NodeBlock<V> carried = empty_block<V>();  // from i + 1 if i is its parent
+  V residual(0);
   for (std::size_t i = tree.nodes; i-- > 1;) {
     const std::size_t p = tree.parent[i];
     NodeBlock<V> block = carried;
@@ -214,6 +221,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
       at.put(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 10, kappa);
     }
     const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
+    if constexpr (!linear) residual = residual + (node.residual + c * c);
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
     const V over =
         plain ? V(1) / dot(b, u)
@@ -260,7 +268,9 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   } else {
     block.r = block.r + (at.get3(tree.load, 0) - mass * delta);
   }
-  return free_node<linear>(tree, at, 0, block, delta, theta).q;
+  const Free<V> root = free_node<linear>(tree, at, 0, block, delta, theta);
+  if constexpr (!linear) at.put(tree.residual, 0, residual + root.residual);
+  return root.q;
 }
 
 /// Multipliers of a node's pins, the last eliminated first. `f` is the force from above.

@@ -66,6 +66,7 @@ struct TreeView {
   const T* active = nullptr;        ///< 1 to update a lane, 0 to leave it as it is
   T* change = nullptr;              ///< out: sum over nodes of |change of delta|^2
   T* stiffness = nullptr;           ///< out
+  T* residual = nullptr;            ///< out: sum over rods of C^2, before the change
   T* push = nullptr;                ///< out: sum over nodes of |acceleration|^2
   T* jolt = nullptr;                ///< out: sum over nodes of |change of acceleration over two substeps|^2
 
@@ -101,7 +102,8 @@ struct TreeKernels {
   /// Ends it: moves x and u of active lanes, keeps their acceleration.
   void (*advance)(const TreeView<T>&);
   /// Moves delta, now taken as a velocity times a time, onto what no rod resists, adding what forces do:
-  /// M delta' = M delta + kick force + J^T lambda, J delta' = pin_delta at fixed ends. Exact in one call.
+  /// M delta' = M delta + kick force + J^T lambda, J delta' = 0, where fixed ends go from pin_u to pin_delta.
+  /// Exact in one call.
   void (*project)(const TreeView<T>&);
 };
 

@@ -19,6 +19,8 @@ using layouts::lane_width;
 // Of the control of substeps by accuracy: the share of the error allowed that is aimed at, and by how much
 // the substep may change at once.
 constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 1.5;
+/// Relative to the velocity of an anchor: below, it differs by the rounding of its path only.
+constexpr double unchanged = 1e-9;
 constexpr int most_attempts = 8;
 constexpr std::uint32_t most_substeps = 1 << 20;
 constexpr double first_substep = 1e-3;  ///< s; short, since nothing is known yet
@@ -291,7 +293,7 @@ class DirectSimulation final : public Simulation {
     Crew& crew = crews_[group.kind][part];
     if (group.anchors_changed && gradient_of(settings_) == Gradient::mid)
       stepper_.project_velocities(group.state, crew.work);
-    if (!settings_.accuracy) {
+    if (!settings_.accuracy || diagonal_ == 0) {  // one particle has no length for an error to be relative to
       advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
       return;
     }
@@ -336,7 +338,10 @@ class DirectSimulation final : public Simulation {
     loops_.start_anchors();
     for (Group& group : groups_) {
       if (!group.state.pins_move) continue;
-      group.anchors_changed = group.state.pin_velocity != group.state.pin_last_velocity;
+      const TreeState<T>& state = group.state;
+      group.anchors_changed =
+          !std::equal(state.pin_velocity.begin(), state.pin_velocity.end(), state.pin_last_velocity.begin(),
+                      [](Vec3 a, Vec3 b) { return norm(a - b) <= unchanged * norm(a); });
     }
   }
 
@@ -349,6 +354,8 @@ class DirectSimulation final : public Simulation {
                                     [](Vec3 v) { return v != Vec3{}; });
       state.pin_last_velocity = state.pin_velocity;
       std::fill(state.pin_velocity.begin(), state.pin_velocity.end(), Vec3{});
+      std::fill_n(state.pin_delta.data(), state.pin_delta.size(), T(0));
+      std::fill_n(state.pin_u.data(), state.pin_u.size(), T(0));
     }
     for (const Anchor& anchor : anchors_) {
       fixed_position_[anchor.particle] = anchor.target;

@@ -71,6 +71,7 @@ void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) con
   whole.u_step[0] = segments.u_step[0];
   whole.mu_kick[0] = segments.mu_kick[0];
   whole.smooth[0] = segments.smooth[0];
+  whole.known[0] = segments.known[0];
 }
 
 template <class T>
@@ -91,6 +92,7 @@ void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) co
   segments.pins_move = whole.pins_move;
   std::fill(segments.u_step.begin(), segments.u_step.end(), whole.u_step[0]);
   std::fill(segments.mu_kick.begin(), segments.mu_kick.end(), whole.mu_kick[0]);
+  std::fill(segments.known.begin(), segments.known.end(), whole.known[0]);
   std::fill(segments.smooth.begin(), segments.smooth.end(), whole.smooth[0]);
 }
 

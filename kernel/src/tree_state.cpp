@@ -66,6 +66,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   u_step.assign(lanes, 0);
   mu_kick.assign(lanes, 0);
   smooth.assign(lanes, 0);
+  known.assign(lanes, 0);
 }
 
 template <class T>
@@ -158,6 +159,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   u_step[lane] = from.u_step[from_lane];
   mu_kick[lane] = from.mu_kick[from_lane];
   smooth[lane] = from.smooth[from_lane];
+  known[lane] = from.known[from_lane];
 }
 
 template <class T>
@@ -177,6 +179,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(mu_kick, from.mu_kick);
   copy(smooth, from.smooth);
   frequency2 = from.frequency2;
+  copy(known, from.known);
 }
 
 template <class T>
@@ -200,8 +203,8 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   elimination = AlignedBuffer<T>(tree_fields::elimination * n);
   pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
-  for (auto* buffer : {&active, &change, &ratio, &kick, &guess, &guess_before, &mu_scale, &u_delta, &u_before,
-                       &inverse_kick, &stiffness, &push, &jolt})
+  for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
+                       &mu_scale, &u_delta, &u_before, &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
@@ -241,6 +244,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .active = active.data(),
           .change = change.data(),
           .stiffness = stiffness.data(),
+          .residual = residual.data(),
           .push = push.data(),
           .jolt = jolt.data(),
           .delta = delta.data(),

@@ -58,7 +58,9 @@ struct TreeState {
   std::vector<double> scale2;   ///< m^2, per lane: mean squared length of a rod
   std::vector<double> u_step;   ///< s, per lane
   std::vector<double> mu_kick;  ///< s^2, per lane: the kick when mu was found; 0: not yet
-  std::vector<Vec3> pin_velocity, pin_last_velocity;  ///< m/s, per pin and lane: of fixed ends that move
+  /// m/s, per pin and lane: of fixed ends, in this step and in the last substep.
+  std::vector<Vec3> pin_velocity, pin_last_velocity;
+  std::vector<std::uint8_t> known;  ///< per lane: substeps taken, up to the two that accelerations are from
   bool pins_move = false;
   bool is_coupled = false;  ///< some rod's mass acts on both its ends at once
   double frequency2 = 0;  ///< 1/s^2, of the fastest transverse wave of all lanes, squared; gradient old only
@@ -73,11 +75,11 @@ struct TreeWorkspace {
   simd::TreeView<T> view(TreeState<T>& state);
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
-      change, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before, inverse_kick, stiffness, push,
-      jolt, mu_start, pin_mu_start;
+      change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before,
+      inverse_kick, push, jolt, mu_start, pin_mu_start;
   bool keeps_acceleration = true;    ///< for first guesses and estimates of error
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
-  std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from before
+  std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from two substeps before
 };
 
 }  // namespace plumb::detail

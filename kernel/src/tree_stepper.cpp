@@ -18,6 +18,12 @@ constexpr double most_pieces = 1024;
 template <class T>
 constexpr double converged_change = sizeof(T) == 8 ? 1e-7 : 1e-4;
 
+/// Violation that the last iteration may find: root of the sum of C^2 relative to the square of a rod. What
+/// a sound solve leaves is as small as its change; rods that stay violated although nothing changes any more
+/// contradict each other, or are lost in rounding.
+template <class T>
+constexpr double solved_residual = 30 * converged_change<T>;
+
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
@@ -62,6 +68,10 @@ auto TreeStepper<T>::coefficients(const TreeState<T>& state, std::uint32_t lane,
     const double decay = drag_ > 0 ? std::exp(-drag_ * h / 2) : 1;
     return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
   }
+  if (gradient_ == Gradient::mid) {  // falls back from a velocity in mid-flight, not from a start
+    const double decay = drag_ > 0 ? std::exp(-drag_ * h) : 1;
+    return {decay * h, mean_decay(drag_ * h) * h * h, 1, 0};
+  }
   // From the middle of the last substep to that of this one; from its start if u is a velocity.
   const double last = state.u_step[lane], between = (h + last) / 2;
   return {(drag_ > 0 ? std::exp(-drag_ * between) : 1) * (last > 0 ? h / last : h),
@@ -86,23 +96,30 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     work.mu_scale[lane] = state.mu_kick[lane] > 0 ? static_cast<T>(kick / state.mu_kick[lane]) : T(0);
     work.active[lane] = lane < trees ? T(1) : T(0);
   }
-  if (state.pins_move) set_pin_displacements(state, h);
+  if (state.pins_move) set_pin_displacements(state, h, work);
   work.keeps_acceleration = estimates_ || !is_line(state, gradient);
   kernels(state).prepare(work.view(state));
 }
 
 template <class T>
-void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h) const {
-  const std::size_t lanes = state.lanes;
+void TreeStepper<T>::put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const {
+  const std::size_t lanes = state.lanes, first = i / lanes * 3 * lanes + i % lanes;
+  state.pin_delta[first] = static_cast<T>(delta.x);
+  state.pin_delta[first + lanes] = static_cast<T>(delta.y);
+  state.pin_delta[first + 2 * lanes] = static_cast<T>(delta.z);
+  state.pin_u[first] = static_cast<T>(u.x);
+  state.pin_u[first + lanes] = static_cast<T>(u.y);
+  state.pin_u[first + 2 * lanes] = static_cast<T>(u.z);
+}
+
+template <class T>
+void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
+                                           const TreeWorkspace<T>& work) const {
   for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
-    const std::size_t first = i / lanes * 3 * lanes + i % lanes;
-    const Vec3 now = h * state.pin_velocity[i], last = h * state.pin_last_velocity[i];
-    state.pin_delta[first] = static_cast<T>(now.x);
-    state.pin_delta[first + lanes] = static_cast<T>(now.y);
-    state.pin_delta[first + 2 * lanes] = static_cast<T>(now.z);
-    state.pin_u[first] = static_cast<T>(last.x);
-    state.pin_u[first + lanes] = static_cast<T>(last.y);
-    state.pin_u[first + 2 * lanes] = static_cast<T>(last.z);
+    // What comes before goes into the load as the tree's own u does, drag included.
+    const std::size_t lane = i % state.lanes;
+    const double ratio = static_cast<double>(work.ratio[lane]), step = state.u_step[lane];
+    put_pins(state, i, h * state.pin_velocity[i], ratio * (step > 0 ? step : 1) * state.pin_last_velocity[i]);
   }
 }
 
@@ -126,7 +143,8 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
       if (work.active[lane] == 0) continue;
       const double change = std::sqrt(work.change[lane] / (nodes * state.scale2[lane]));
-      const bool converged = change <= converged_change<T>;
+      const double left_over = std::sqrt(work.residual[lane]) / state.scale2[lane];
+      const bool converged = change <= converged_change<T> && left_over <= solved_residual<T>;
       if (!converged && change <= hopeless_change && i + 1 < most_iterations) continue;
       work.active[lane] = 0;
       work.failed[lane] = !converged;
@@ -146,9 +164,10 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
     if (work.failed[lane]) continue;
     state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
     state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
-    if (state.pins_move)
-      for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
-        state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
+    state.known[lane] = static_cast<std::uint8_t>(std::min(state.known[lane] + 1, 2));
+    if (!state.pins_move) continue;
+    for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
+      state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
     for (std::size_t i = lane; i < state.pin_velocity.size(); i += state.lanes)
       state.pin_last_velocity[i] = state.pin_velocity[i];
   }
@@ -168,8 +187,9 @@ void TreeStepper<T>::restore(TreeState<T>& state, std::uint32_t lane, TreeWorksp
 template <class T>
 bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, TreeWorkspace<T>& work,
                                    DirectCounters& counters) const {
+  const bool last = depth == most_halvings;
   for (const Gradient gradient : {gradient_, Gradient::new_}) {
-    if (gradient != gradient_ && depth < most_halvings) break;
+    if (gradient != gradient_ && !last) break;
     begin(state, 1, h, gradient, work);
     if (solve(state, 1, gradient, work, counters) &&
         (gradient != Gradient::old || is_stable(state, 1, h, work))) {
@@ -184,8 +204,9 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Tre
       return true;
     }
     restore(state, 0, work);
+    if (gradient == Gradient::new_) break;
   }
-  if (depth == most_halvings) return false;
+  if (last) return false;
   counters.halvings.fetch_add(1, std::memory_order_relaxed);
   return advance_alone(state, h / 2, depth + 1, work, counters) &&
          advance_alone(state, h / 2, depth + 1, work, counters);
@@ -237,7 +258,7 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, d
   bool all = solve(state, trees, gradient_, work, counters);
   if (gradient_ == Gradient::old) all = is_stable(state, trees, h, work) && all;
   double error = 0;
-  for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.mu_kick[lane] == 0;
+  for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.known[lane] < 2;
   accept(state, trees, h, gradient_, work);
   for (std::uint32_t lane = 0; lane < trees; ++lane) {
     if (!estimates_) break;
@@ -291,12 +312,14 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
   for (int i = 0; i < most_iterations && !converged && change <= hopeless_change; ++i) {
     vector_.newton_segments(view);
     change = std::sqrt(total(work.change) / state.scale2[0]);
-    converged = change <= converged_change<T>;
+    converged =
+        change <= converged_change<T> &&
+        std::sqrt(total(work.residual) * alone.topology->nodes) / state.scale2[0] <= solved_residual<T>;
     counters.newton.fetch_add(1, std::memory_order_relaxed);
   }
   std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
   if (converged && is_stable(state, state.lanes, h, work)) {
-    const bool first = state.mu_kick[0] == 0;
+    const bool first = state.known[0] < 2;
     accept(state, state.lanes, h, gradient_, work);
     counters.substeps.fetch_add(1, std::memory_order_relaxed);
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt)) : 0;
@@ -314,12 +337,14 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
 }
 
 template <class T>
-void TreeStepper<T>::project(TreeState<T>& state, TreeWorkspace<T>& work) const {
+void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity,
+                             TreeWorkspace<T>& work) const {
   // Guesses are of no use here, and what the last step left must stay.
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
   std::fill_n(work.mu_scale.data(), work.mu_scale.size(), T(1));
   const simd::TreeView<T> view = work.view(state);
-  set_pin_displacements(state, 1);
+  for (std::size_t i = 0; i < pin_velocity.size(); ++i)
+    put_pins(state, i, pin_velocity[i], state.pin_last_velocity[i]);
   kernels(state).prepare(view);
   std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
   kernels(state).project(view);
@@ -328,12 +353,24 @@ void TreeStepper<T>::project(TreeState<T>& state, TreeWorkspace<T>& work) const 
 }
 
 template <class T>
+void TreeStepper<T>::take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                                 layouts::AlignedBuffer<T>& to) const {
+  for (std::size_t lane = 0; lane < state.lanes; ++lane) {
+    bool finite = true;
+    for (std::size_t i = lane; i < to.size(); i += state.lanes)
+      finite = finite && std::isfinite(work.delta[i]);
+    for (std::size_t i = lane; finite && i < to.size(); i += state.lanes) to[i] = work.delta[i];
+  }
+}
+
+template <class T>
 void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
-  project(state, work);
-  std::copy_n(work.delta.data(), state.u.size(), state.u.data());
+  project(state, state.pin_velocity, work);
+  take_finite(state, work, state.u);
+  state.pin_last_velocity = state.pin_velocity;
 }
 
 template <class T>
@@ -351,8 +388,8 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     work.active[lane] = displacements ? T(1) : T(0);
   }
   if (any) {
-    project(state, work);
-    std::copy_n(work.delta.data(), state.u.size(), work.velocity.data());
+    project(state, state.pin_last_velocity, work);
+    take_finite(state, work, work.velocity);
   }
 }
 

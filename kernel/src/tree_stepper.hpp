@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "line_segments.hpp"
 #include "plumb/settings.hpp"
@@ -44,7 +46,8 @@ class TreeStepper {
   double advance(const LineSegments& segments, TreeState<T>& state, double h, TreeWorkspace<T>& work,
                  TreeState<T>& alone, TreeWorkspace<T>& alone_work, DirectCounters& counters) const;
 
-  /// Takes from u, which must hold velocities, what pulls on rods.
+  /// Takes from u, which must hold velocities, what pulls on rods, and adds what the mass of rods passes on
+  /// from fixed ends that change their velocity.
   void project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
   /// Velocities of all lanes at the end of the last substep (m/s) into work.velocity. Those of gradient old
@@ -78,8 +81,14 @@ class TreeStepper {
   void restore(TreeState<T>& state, std::uint32_t lane, TreeWorkspace<T>& work) const;
   bool advance_alone(TreeState<T>& state, double h, int depth, TreeWorkspace<T>& work,
                      DirectCounters& counters) const;
-  void set_pin_displacements(TreeState<T>& state, double h) const;
-  void project(TreeState<T>& state, TreeWorkspace<T>& work) const;
+  /// Of this substep and the one before.
+  void set_pin_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
+  void put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
+  /// work.velocity onto what no rod resists when fixed ends go at pin_velocity, into work.delta.
+  void project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity, TreeWorkspace<T>& work) const;
+  /// What was projected, where it could be.
+  void take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                   layouts::AlignedBuffer<T>& to) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;

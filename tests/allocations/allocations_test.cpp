@@ -221,6 +221,33 @@ TEST_F(Allocations, AreNoneOnceAnIslandIsFrozen) {
     }
 }
 
+// Trees that are solved directly: in lanes and alone, cut steps, repeated ones and moved anchors included.
+TEST_F(Allocations, AreNoneInStepsOfMethodDirect) {
+  const Scene lanes = scenes::make_ensemble({.chains = 20, .links = 6, .end_mass = 100, .vary = 0.5});
+  const Scene alone = scenes::make_chain(20, 0.1, 100);
+  for (const Scene& scene : {lanes, alone})
+    for (const Precision precision : {Precision::single, Precision::double_})
+      for (const Gradient gradient : {Gradient::new_, Gradient::old, Gradient::mid})
+        for (const bool controlled : {false, true}) {
+          Settings settings{
+              .method = Method::direct, .precision = precision, .gradient = gradient, .threads = 1};
+          if (controlled) settings.accuracy = 1e-3;
+          World world(scene, settings);
+          world.step(1.0 / 60);
+          world.move_anchor(0, {0, 0.01, 0});
+          EXPECT_EQ(allocations_in([&] {
+                      test::run(world, 1.0 / 60, 20);
+                      world.set_force(3, {1, 2, 3});
+                      world.step(1.0 / 20);
+                      test::run(world, 1.0 / 90, 5);
+                      world.velocity(1);
+                      world.state_hash();
+                    }),
+                    0u)
+              << to_string(precision) << ", " << to_string(gradient) << (controlled ? ", accuracy" : "");
+        }
+}
+
 TEST_F(Allocations, AreNoneInReading) {
   const Scene scene = scenes::make_chain(100);
   World world(scene, {.threads = 1});

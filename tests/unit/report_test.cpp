@@ -57,11 +57,14 @@ TEST(Report, HasEveryField) {
                                                  "position_error", "stopped_by",
                                                  "skipped",        "mid_guarded",
                                                  "frozen_islands", "projected_velocity",
-                                                 "state_hash"}));
+                                                 "state_hash",     "relaxed_rods",
+                                                 "direct_rods",    "tree_substeps",
+                                                 "halvings",       "fallbacks",
+                                                 "repeated_steps", "unsolved"}));
   EXPECT_EQ(keys(report["settings"]),
             (std::set<std::string>{"method", "duration", "dt", "substeps", "sweeps", "tolerance", "budget_us",
-                                   "order", "omega", "weights", "gradient", "mass", "layout", "precision",
-                                   "threads", "isa"}));
+                                   "accuracy", "order", "omega", "weights", "gradient", "mass", "layout",
+                                   "precision", "threads", "isa"}));
   EXPECT_EQ(keys(report["machine"]),
             (std::set<std::string>{"cpu", "isa", "threads", "compiler", "flags", "commit"}));
   EXPECT_EQ(keys(report["stretch"]), (std::set<std::string>{"rms", "max", "max_rod"}));
@@ -69,7 +72,7 @@ TEST(Report, HasEveryField) {
 
   EXPECT_EQ(report["scene"], "chain:links=5,end_mass=10");
   EXPECT_EQ(report["method"], "relax");
-  EXPECT_EQ(report["settings"]["method"], "auto");
+  EXPECT_EQ(report["settings"]["method"], "relax");
   EXPECT_EQ(report["settings"]["isa"], "auto");
   EXPECT_TRUE(report["settings"]["tolerance"].is_null());
   EXPECT_EQ(report["rods"], 5);

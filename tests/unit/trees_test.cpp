@@ -1,0 +1,88 @@
+#include "plumb/layouts/trees.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "plumb/layouts/islands.hpp"
+
+namespace plumb::layouts {
+namespace {
+
+using Ids = std::vector<std::uint32_t>;
+
+TEST(Trees, AChainIsNumberedFromItsPin) {
+  // [3] - 2 - 0 - 1, edges in no order: the root is the vertex at the pin.
+  const LocalGraph g{{{0, 1}, {3, 2}, {2, 0}}, {1, 1, 1, 0}};
+  const auto tree = find_tree(g.view());
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->vertex, (Ids{2, 0, 1}));
+  EXPECT_EQ(tree->parent, (Ids{0, 0, 1}));
+  EXPECT_EQ((Ids{tree->edge[1], tree->edge[2]}), (Ids{2, 0}));
+  EXPECT_EQ(tree->pin_begin, (Ids{0, 1, 1, 1}));
+  ASSERT_EQ(tree->pins.size(), 1u);
+  EXPECT_EQ(tree->pins[0].vertex, 3u);
+  EXPECT_EQ(tree->pins[0].edge, 1u);
+}
+
+TEST(Trees, AFreeChainIsNumberedFromAnEnd) {
+  const LocalGraph g{{{0, 1}, {0, 2}, {2, 3}}, {1, 1, 1, 1}};  // 1 - 0 - 2 - 3
+  const auto tree = find_tree(g.view());
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->vertex, (Ids{1, 0, 2, 3}));
+  EXPECT_EQ(tree->parent, (Ids{0, 0, 1, 2}));
+  EXPECT_TRUE(tree->pins.empty());
+}
+
+TEST(Trees, OneVertexIsATree) {
+  const LocalGraph loose{{}, {1}};
+  const auto tree = find_tree(loose.view());
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->vertex, (Ids{0}));
+  EXPECT_EQ(tree->pin_begin, (Ids{0, 0}));
+
+  const LocalGraph held{{{1, 0}, {0, 2}, {3, 0}}, {1, 0, 0, 0}};
+  const auto pinned = find_tree(held.view());
+  ASSERT_TRUE(pinned);
+  EXPECT_EQ(pinned->pin_begin, (Ids{0, 3}));
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(pinned->pins[k].vertex, k + 1);
+    EXPECT_EQ(pinned->pins[k].edge, k) << "in the order of edges";
+  }
+}
+
+// Branches: depth first, the edge with the smallest number first, so that most parents precede their child.
+TEST(Trees, BranchesAreNumberedDepthFirst) {
+  //        [5]
+  //         |
+  //   1 --- 0 --- 3 --- 4
+  //         |
+  //         2
+  const LocalGraph g{{{0, 1}, {0, 2}, {3, 0}, {3, 4}, {5, 0}}, {1, 1, 1, 1, 1, 0}};
+  const auto tree = find_tree(g.view());
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->vertex, (Ids{0, 1, 2, 3, 4}));
+  EXPECT_EQ(tree->parent, (Ids{0, 0, 0, 0, 3}));
+}
+
+// Fixed vertices do not move, so rods that meet there close nothing: not even two to the same one.
+TEST(Trees, PinsCloseNoCycle) {
+  const LocalGraph between{{{0, 1}, {2, 0}, {1, 2}}, {1, 1, 0}};
+  const auto tree = find_tree(between.view());
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->nodes(), 2u);
+  EXPECT_EQ(tree->pin_begin, (Ids{0, 1, 2}));
+}
+
+TEST(Trees, CyclesAreNone) {
+  const LocalGraph ring{{{0, 1}, {1, 2}, {2, 0}}, {1, 1, 1}};
+  EXPECT_FALSE(find_tree(ring.view()));
+  const LocalGraph hung{{{3, 0}, {0, 1}, {1, 2}, {2, 0}}, {1, 1, 1, 0}};
+  EXPECT_FALSE(find_tree(hung.view()));
+  const LocalGraph twice{{{0, 1}, {1, 0}}, {1, 1}};
+  EXPECT_FALSE(find_tree(twice.view()));
+}
+
+}  // namespace
+}  // namespace plumb::layouts
