@@ -44,6 +44,7 @@ class DirectSimulation final : public Simulation {
       fixed_position_.push_back(particle.position);
     }
     pins_of_.resize(scene.particles.size());
+    anchor_of_.assign(scene.particles.size(), no_anchor);
     make_groups(scene);
     fill_info(scene);
     set_initial_velocities(scene);
@@ -86,16 +87,18 @@ class DirectSimulation final : public Simulation {
   void set_force(std::uint32_t particle, Vec3 force) override {
     if (loops_.holds(particle)) return loops_.set_force(particle, force);
     const Place place = places_[particle];
-    groups_[place.group].state.set_force(place.node, place.lane, force);
+    Group& group = groups_[place.group];
+    if (gradient_of(settings_) == Gradient::old) keep_velocities(group, place.lane);
+    group.state.set_force(place.node, place.lane, force);
   }
 
   void move_anchor(std::uint32_t particle, Vec3 target) override {
-    for (Anchor& anchor : anchors_)
-      if (anchor.particle == particle) {
-        anchor.target = target;
-        return;
-      }
-    anchors_.push_back({particle, target});
+    if (anchor_of_[particle] == no_anchor) {
+      anchor_of_[particle] = static_cast<std::uint32_t>(anchors_.size());
+      anchors_.push_back({particle, target});
+    } else {
+      anchors_[anchor_of_[particle]].target = target;
+    }
   }
 
   Vec3 position(std::uint32_t particle) const override {
@@ -366,7 +369,20 @@ class DirectSimulation final : public Simulation {
         for (std::uint32_t c = 0; c < 3; ++c) state.pin_x[state.at(3 * place.node + c, place.lane)] = at[c];
       }
     }
+    for (const Anchor& anchor : anchors_) anchor_of_[anchor.particle] = no_anchor;
     anchors_.clear();
+  }
+
+  /// A displacement stands for the velocity of now under the force that made it. Before that force changes it
+  /// gives way to the velocity, in all lanes of a line in segments.
+  void keep_velocities(Group& group, std::uint32_t lane) {
+    TreeState<T>& state = group.state;
+    if (state.u_step[lane] == 0) return;
+    find_velocities();
+    for (std::uint32_t l = group.line ? 0 : lane; l < (group.line ? state.lanes : lane + 1); ++l) {
+      for (std::size_t i = l; i < state.u.size(); i += state.lanes) state.u[i] = group.velocity[i];
+      state.u_step[l] = 0;
+    }
   }
 
   void find_velocities() const {
@@ -400,6 +416,8 @@ class DirectSimulation final : public Simulation {
   std::vector<std::vector<Place>> pins_of_;  ///< of fixed ones; node is the pin
   std::vector<std::uint8_t> fixed_;
   std::vector<Vec3> fixed_position_;
+  static constexpr std::uint32_t no_anchor = 0xffffffff;
+  std::vector<std::uint32_t> anchor_of_;  ///< per particle, into anchors_
   std::vector<Anchor> anchors_;
   WorldInfo info_;
 };

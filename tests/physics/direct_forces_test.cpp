@@ -46,8 +46,7 @@ void expect_sets_in(Gradient gradient) {
 TEST(DirectForces, SetInWhenTheyAreSet) {
   expect_sets_in(Gradient::mid);
 }
-// Not yet: the new force acts for half a substep too long, from the middle of the one before: first order.
-TEST(DirectForces, DISABLED_SetInWhenTheyAreSetWithGradientOld) {
+TEST(DirectForces, SetInWhenTheyAreSetWithGradientOld) {
   expect_sets_in(Gradient::old);
 }
 

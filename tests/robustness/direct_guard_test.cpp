@@ -254,9 +254,5 @@ TEST(DirectGuard, StepsOfAnyLength) {
 }
 
 // Loops are refused, with a particle of theirs.
-TEST(DirectGuard, LoopsAreRefused) {
-  EXPECT_THROW(World(scenes::make_net(3, 3), test::direct(Gradient::mid)), NotBuiltError);
-}
-
 }  // namespace
 }  // namespace plumb
