@@ -11,7 +11,10 @@ namespace {
 
 constexpr int most_iterations = 12;
 constexpr int most_halvings = 10;
-constexpr double most_pieces = 256;
+/// Solves of one substep after which the rest of it is left to gradient new: a tree that cannot be solved
+/// must not hold up the others.
+constexpr int most_attempts = 200;
+constexpr double most_pieces = 64;
 
 /// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
 /// rounding: convergence is quadratic. For mid tighter: what is left of every substep adds up in the energy
@@ -189,9 +192,9 @@ void TreeStepper<T>::restore(TreeState<T>& state, std::uint32_t lane, TreeWorksp
 }
 
 template <class T>
-bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, TreeWorkspace<T>& work,
-                                   DirectCounters& counters) const {
-  const bool last = depth == most_halvings;
+bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int& attempts,
+                                   TreeWorkspace<T>& work, DirectCounters& counters) const {
+  const bool last = depth == most_halvings || --attempts <= 0;
   for (const Gradient gradient : {gradient_, Gradient::new_}) {
     if (gradient != gradient_ && !last) break;
     begin(state, 1, h, gradient, work);
@@ -212,8 +215,19 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Tre
   }
   if (last) return false;
   counters.halvings.fetch_add(1, std::memory_order_relaxed);
-  return advance_alone(state, h / 2, depth + 1, work, counters) &&
-         advance_alone(state, h / 2, depth + 1, work, counters);
+  return advance_alone(state, h / 2, depth + 1, attempts, work, counters) &&
+         advance_alone(state, h / 2, depth + 1, attempts, work, counters);
+}
+
+template <class T>
+bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work,
+                                    DirectCounters& counters) const {
+  counters.halvings.fetch_add(1, std::memory_order_relaxed);
+  int attempts = most_attempts;
+  const bool solved = advance_alone(state, h / 2, 1, attempts, work, counters) &&
+                      advance_alone(state, h / 2, 1, attempts, work, counters);
+  if (!solved) counters.unsolved.fetch_add(1, std::memory_order_relaxed);
+  return solved;
 }
 
 template <class T>
@@ -275,13 +289,10 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, d
     error = std::numeric_limits<double>::infinity();
     counters.substeps.fetch_sub(1, std::memory_order_relaxed);
     restore(state, lane, work);
-    counters.halvings.fetch_add(1, std::memory_order_relaxed);
     alone.copy_lane(0, state, lane);
-    if (advance_alone(alone, h / 2, 1, alone_work, counters) &&
-        advance_alone(alone, h / 2, 1, alone_work, counters)) {
+    if (advance_halves(alone, h, alone_work, counters)) {
       state.copy_lane(lane, alone, 0);
     } else {
-      counters.unsolved.fetch_add(1, std::memory_order_relaxed);
       state.frequency2 = 0;  // made of multipliers that solve nothing
     }
   }
@@ -330,13 +341,10 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt)) : 0;
   }
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore(state, lane, work);
-  counters.halvings.fetch_add(1, std::memory_order_relaxed);
   segments.gather(state, alone);
-  if (advance_alone(alone, h / 2, 1, alone_work, counters) &&
-      advance_alone(alone, h / 2, 1, alone_work, counters)) {
+  if (advance_halves(alone, h, alone_work, counters)) {
     segments.scatter(alone, state);
   } else {
-    counters.unsolved.fetch_add(1, std::memory_order_relaxed);
     state.frequency2 = 0;
   }
   return std::numeric_limits<double>::infinity();

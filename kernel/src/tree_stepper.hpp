@@ -79,8 +79,10 @@ class TreeStepper {
   void accept(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
               TreeWorkspace<T>& work) const;
   void restore(TreeState<T>& state, std::uint32_t lane, TreeWorkspace<T>& work) const;
-  bool advance_alone(TreeState<T>& state, double h, int depth, TreeWorkspace<T>& work,
+  /// A tree alone, by recursive halving.
+  bool advance_alone(TreeState<T>& state, double h, int depth, int& attempts, TreeWorkspace<T>& work,
                      DirectCounters& counters) const;
+  bool advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work, DirectCounters& counters) const;
   /// Of this substep and the one before.
   void set_pin_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
   void put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
