@@ -71,7 +71,8 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
   for (const BlockInfo& b : info.blocks) {
     table.add_row({b.shape, b.layout, std::to_string(b.islands), std::to_string(b.particles),
                    std::to_string(b.rods), std::to_string(b.colors), std::to_string(b.bytes),
-                   short_number(b.bytes_per_projection, 3), short_number(100 * b.uniform_fraction, 4) + " %"});
+                   short_number(b.bytes_per_projection, 3),
+                   short_number(100 * b.uniform_fraction, 4) + " %"});
   }
   std::fputs(table.to_text().c_str(), stdout);
 }
@@ -99,6 +100,11 @@ int info(const InfoOptions& options) {
     file->commit();
   }
   print_info(options, scene, facts, world.info());
+  Settings automatic = options.settings;
+  automatic.method = Method::automatic;
+  const WorldInfo picked = World(scene, automatic).info();
+  std::printf("\nmethod auto solves %u rods directly and relaxes %u\n", picked.direct_rods,
+              picked.relaxed_rods);
   return fine;
 }
 
