@@ -17,11 +17,13 @@ namespace {
 using layouts::lane_width;
 
 // Of the control of substeps by accuracy: the share of the error allowed that is aimed at, and by how much
-// the substep may change at once.
-constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 1.5;
+// the substep may change at once: at least doubled, or two substeps a step would never become one.
+constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;
 constexpr int most_attempts = 8;
 constexpr std::uint32_t most_substeps = 1 << 20;
-constexpr double first_substep = 1e-3;  ///< s; short, since nothing is known yet
+/// Of the first step, when nothing is known yet. The estimate sees if they are too few; the step is then done
+/// again.
+constexpr std::uint32_t first_substeps = 4;
 
 template <class T>
 class DirectSimulation final : public Simulation {
@@ -156,7 +158,7 @@ class DirectSimulation final : public Simulation {
     bool anchors_changed = false;
     // With accuracy:
     std::unique_ptr<TreeState<T>> start = nullptr;  ///< of the step
-    double substep = first_substep;                 ///< s, that the last one thought best
+    double substep = 0;                             ///< s, that the last one thought best; 0: none yet
   };
   /// What each thread needs for one topology.
   struct Crew {
@@ -296,6 +298,7 @@ class DirectSimulation final : public Simulation {
       return;
     }
     group.start->copy_motion(group.state);
+    if (group.substep == 0) group.substep = dt / first_substeps;
     for (int attempt = 1;; ++attempt) {
       const double wanted = std::ceil(dt / group.substep);
       const auto substeps = static_cast<std::uint32_t>(
