@@ -8,6 +8,25 @@
 
 namespace plumb::bench {
 
+/// The worst of many ratios that share a goal.
+struct Worst {
+  double value = 0;
+  std::string where{};
+  int count = 0, met = 0;
+
+  void add(double ratio, bool is_met, bool is_worse, const std::string& name) {
+    if (count == 0 || is_worse) {
+      value = ratio;
+      where = name;
+    }
+    ++count;
+    met += is_met;
+  }
+  std::string text() const {
+    return std::to_string(met) + " of " + std::to_string(count) + " meet it; worst: " + where;
+  }
+};
+
 /// Goals beside what was measured.
 class Goals {
  public:

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <limits>
+
+#include "plumb/measures.hpp"
+#include "plumb/world.hpp"
 
 namespace plumb::bench {
 namespace {
@@ -143,24 +147,32 @@ std::vector<Answer> search(const Problem& problem, const std::vector<Target>& ta
       const auto found = search_relaxed(problem, target, relax_cap * candidates.front().ms, direct);
       if (found) candidates.push_back(*found);
     }
+    std::vector<Trial> mid;
+    std::copy_if(direct.begin(), direct.end(), std::back_inserter(mid),
+                 [](const Trial& trial) { return gradient_of(trial.setting.settings) == Gradient::mid; });
     const std::size_t fixed_end = candidates.size();
+    take_cheapest(mid, target, 3, candidates);
+    const std::size_t mid_end = candidates.size();
     take_cheapest(with_accuracy, target, 3, candidates);
     const std::size_t accuracy_end = candidates.size();
     take_cheapest(with_substeps, target, 3, candidates);
     time_again(problem, candidates, limits.retime_s);
-    for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
-      std::vector<Trial> same;
-      std::copy_if(direct.begin(), direct.end(), std::back_inserter(same),
-                   [&](const Trial& trial) { return gradient_of(trial.setting.settings) == gradient; });
-      take_cheapest(same, target, 2, answer.others);
-    }
+    const auto improve = [](std::optional<Trial>& best, const Trial& trial) {
+      if (!best || trial.ms < best->ms) best = trial;
+    };
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       const Trial& trial = candidates[i];
-      auto& best = i >= accuracy_end                                ? answer.automatic_substeps
-                   : i >= fixed_end                                 ? answer.automatic
-                   : trial.setting.settings.method == Method::relax ? answer.relaxed
-                                                                    : answer.fixed;
-      if (!best || trial.ms < best->ms) best = trial;
+      if (i >= accuracy_end) {
+        improve(answer.automatic_substeps, trial);
+      } else if (i >= mid_end) {
+        improve(answer.automatic, trial);
+      } else if (trial.setting.settings.method == Method::relax) {
+        improve(answer.relaxed, trial);
+      } else {
+        improve(answer.fixed, trial);
+        answer.others.push_back(trial);
+        if (i >= fixed_end) improve(answer.mid, trial);
+      }
     }
     answers.push_back(answer);
   }
@@ -168,6 +180,9 @@ std::vector<Answer> search(const Problem& problem, const std::vector<Target>& ta
 }
 
 namespace {
+
+/// By how many times the work of a run is extrapolated at most; beyond, a target is out of reach.
+constexpr double farthest = 1e5;
 
 /// A family of ever more expensive relaxations.
 struct Path {
@@ -185,8 +200,8 @@ struct Path {
   }
   /// Until a run takes `most_s` or comes within `error`.
   void go_on(const Problem& problem, double error, double most_s) {
-    while (!is_broken() && (trials.empty() || (trials.back().error > error &&
-                                               2e-3 * trials.back().ms * problem.duration <= most_s)))
+    while (trials.empty() ||
+           (!(trials.back().error <= error) && 2e-3 * trials.back().ms * problem.duration <= most_s))
       go_on(problem);
   }
   Effort effort(double error) const {
@@ -200,8 +215,8 @@ struct Path {
     }
     // Steeper than second order does not last; flatter than this leads nowhere.
     effort.slope = std::min(effort.slope, 2.0);
-    effort.ms =
-        effort.slope < 0.05 ? never : effort.ms * std::pow(effort.last.error / error, 1 / effort.slope);
+    const double factor = effort.slope > 0 ? std::pow(effort.last.error / error, 1 / effort.slope) : never;
+    effort.ms = factor > farthest ? never : effort.ms * factor;
     return effort;
   }
 };
@@ -219,30 +234,89 @@ Effort relax_effort(const Problem& problem, double error, bool over_relaxed, dou
       paths.push_back({relaxed(Gradient::mid, omega, Precision::double_, substeps, 1), true});
   }
   for (Path& path : paths) path.go_on(problem, error, first_s);
-  std::sort(paths.begin(), paths.end(),
-            [&](const Path& a, const Path& b) { return a.effort(error).ms < b.effort(error).ms; });
-  Effort best{.ms = never};
-  for (std::size_t i = 0; i < std::min<std::size_t>(paths.size(), 3); ++i) {
-    if (!std::isfinite(paths[i].effort(error).ms)) break;
-    paths[i].go_on(problem, error, most_s);
-    const Effort effort = paths[i].effort(error);
-    if (effort.ms < best.ms) best = effort;
-  }
-  return best;
+  // What seems out of reach by what it has come to.
+  const auto is_better = [&](const Path& a, const Path& b) {
+    const double ms_a = a.effort(error).ms, ms_b = b.effort(error).ms;
+    return ms_a != ms_b ? ms_a < ms_b : a.trials.back().error < b.trials.back().error;
+  };
+  std::sort(paths.begin(), paths.end(), is_better);
+  paths.resize(std::min<std::size_t>(paths.size(), 4));
+  for (Path& path : paths) path.go_on(problem, error, most_s);
+  return std::min_element(paths.begin(), paths.end(), is_better)->effort(error);
 }
 
 std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s) {
   const Target target{.name = "", .stretch = never, .error = error};
   std::vector<Trial> trials, candidates;
   for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
-    const Setting setting{.settings = {.method = Method::direct, .gradient = gradient, .threads = 1}};
-    follow(problem, {target}, most_s, setting, trials, double_substeps);
+    for (const std::uint32_t frames : frame_rates) {
+      const Setting setting{.settings = {.method = Method::direct, .gradient = gradient, .threads = 1},
+                            .frames = frames};
+      follow(problem, {target}, most_s, setting, trials, double_substeps);
+    }
   }
   take_cheapest(trials, target, 2, candidates);
   if (candidates.empty()) return {};
   time_again(problem, candidates, 0.3);
   return *std::min_element(candidates.begin(), candidates.end(),
                            [](const Trial& a, const Trial& b) { return a.ms < b.ms; });
+}
+
+namespace {
+
+/// One frame from where `scene` is: its stretch as error, and ms.
+Trial run_frame(const Scene& scene, const Setting& setting) {
+  World world(scene, setting.settings);
+  const auto start = std::chrono::steady_clock::now();
+  world.step(1.0 / setting.frames);
+  const std::chrono::duration<double> s = std::chrono::steady_clock::now() - start;
+  std::vector<Vec3> positions(world.particle_count());
+  world.copy_positions(positions);
+  const double stretch = measure_stretch(scene, positions).max;
+  return {.setting = setting, .error = stretch, .stretch = stretch, .ms = 1e3 * s.count()};
+}
+
+}  // namespace
+
+FrameEffort frame_effort(const Problem& problem, double stretch, double most_s) {
+  Scene scene = problem.scene;
+  const Setting direct{.settings = {.method = Method::direct, .gradient = Gradient::mid, .threads = 1}};
+  World world(scene, direct.settings);
+  for (std::uint32_t i = 0; i < problem.duration * direct.frames; ++i) world.step(1.0 / direct.frames);
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+    scene.particles[i].position = world.position(i);
+    scene.particles[i].velocity = world.velocity(i);
+  }
+  for (Rod& rod : scene.rods)
+    if (rod.length == 0)
+      rod.length = norm(problem.scene.particles[rod.b].position - problem.scene.particles[rod.a].position);
+  FrameEffort out{.direct_ms = never};
+  for (int i = 0; i < 10; ++i) {
+    const Trial trial = run_frame(scene, direct);
+    out.direct_ms = std::min(out.direct_ms, trial.ms);
+    out.direct_stretch = trial.error;
+  }
+  for (Effort* effort : {&out.plain, &out.over}) {
+    std::vector<Path> paths;
+    for (const double omega : omegas)
+      if ((omega != 1) == (effort == &out.over))
+        paths.push_back({relaxed(Gradient::mid, omega, Precision::double_, 1, 64), true});
+    // The most promising goes on alone.
+    for (const double until_s : {most_s / 8, most_s}) {
+      for (Path& path : paths) {
+        while (path.trials.empty() ||
+               (path.trials.back().error > stretch && 2e-3 * path.trials.back().ms <= until_s)) {
+          path.trials.push_back(run_frame(scene, path.next));
+          path.next.settings.stop.sweeps *= 2;
+        }
+      }
+      std::sort(paths.begin(), paths.end(),
+                [&](const Path& a, const Path& b) { return a.effort(stretch).ms < b.effort(stretch).ms; });
+      paths.resize(1);
+    }
+    *effort = paths.front().effort(stretch);
+  }
+  return out;
 }
 
 }  // namespace plumb::bench

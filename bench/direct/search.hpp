@@ -11,6 +11,7 @@ namespace plumb::bench {
 struct Answer {
   Target target;
   std::optional<Trial> fixed{};      ///< direct, gradient and substeps or accuracy chosen
+  std::optional<Trial> mid{};        ///< the cheapest of those with gradient mid, which automatic takes
   std::optional<Trial> relaxed{};    ///< relax; none if nothing within `relax_cap` times `fixed` met it
   std::optional<Trial> automatic{};  ///< method automatic with accuracy
   std::optional<Trial> automatic_substeps{};  ///< method automatic with substeps
@@ -48,6 +49,14 @@ struct Effort {
 /// of sweeps, and along which sweeps double at the fewest substeps that can do; each until a run takes
 /// `first_s`, then the most promising until one takes `most_s`, and extrapolated from there.
 Effort relax_effort(const Problem& problem, double error, bool over_relaxed, double first_s, double most_s);
+
+/// What it takes to bring all rods of one frame of 1/60 s, one substep, within `stretch` of their length, in
+/// the middle of the problem's motion: gradient mid, double. ms per frame.
+struct FrameEffort {
+  double direct_ms = 0, direct_stretch = 0;
+  Effort plain{}, over{};  ///< `last.error` is the stretch that its last run left
+};
+FrameEffort frame_effort(const Problem& problem, double stretch, double most_s);
 
 /// The cheapest direct setting, in double, with that error.
 std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s);

@@ -83,6 +83,7 @@ Trial run_trial(const Problem& problem, const Setting& setting, double most_stre
     if (!(stretch <= trial.stretch)) trial.stretch = stretch;
     if (trial.stretch <= most_stretch && s <= most_s) continue;
     trial.finished = false;
+    trial.ms = 1e3 * s / (i + 1) * setting.frames;
     trial.error = trial.stretch = std::numeric_limits<double>::infinity();
     return trial;
   }
