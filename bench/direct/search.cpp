@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array gradients{Gradient::new_, Gradient::old, Gradient::mid};
 constexpr std::array omegas{1.0, 1.5, 1.8, 1.9, 1.95};
-constexpr std::array<std::uint32_t, 3> frame_rates{60, 30, 20};
+constexpr std::array<std::uint32_t, 3> frame_rates{20, 30, 60};
 constexpr std::uint32_t most_substeps = 1u << 16;
 constexpr double never = std::numeric_limits<double>::infinity();
 /// Below this error float is not tried.
@@ -24,13 +24,15 @@ constexpr double float_error = 1e-4;
 /// Follows a sequence of ever finer settings, as long as the hardest target is not met and runs stay short.
 template <class Next>
 void follow(const Problem& problem, const std::vector<Target>& targets, double most_s, Setting setting,
-            std::vector<Trial>& trials, Next&& refine) {
+            std::vector<Trial>& trials, Next&& refine, double most_ms = never) {
   for (;;) {
     const Trial trial = run_trial(problem, setting, never);
     trials.push_back(trial);
     const bool all_met =
         std::all_of(targets.begin(), targets.end(), [&](const Target& t) { return t.is_met(trial); });
-    if (all_met || 2e-3 * trial.ms * problem.duration > most_s || !refine(setting.settings)) return;
+    if (all_met || trial.ms > most_ms || 2e-3 * trial.ms * problem.duration > most_s ||
+        !refine(setting.settings))
+      return;
   }
 }
 
@@ -248,11 +250,13 @@ Effort relax_effort(const Problem& problem, double error, bool over_relaxed, dou
 std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s) {
   const Target target{.name = "", .stretch = never, .error = error};
   std::vector<Trial> trials, candidates;
-  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
-    for (const std::uint32_t frames : frame_rates) {
+  double least_ms = never;  // dearer settings need not be refined
+  for (const std::uint32_t frames : frame_rates) {
+    for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
       const Setting setting{.settings = {.method = Method::direct, .gradient = gradient, .threads = 1},
                             .frames = frames};
-      follow(problem, {target}, most_s, setting, trials, double_substeps);
+      follow(problem, {target}, most_s, setting, trials, double_substeps, least_ms);
+      if (target.is_met(trials.back())) least_ms = std::min(least_ms, trials.back().ms);
     }
   }
   take_cheapest(trials, target, 2, candidates);

@@ -34,9 +34,9 @@ std::vector<Vec3> end_of(const Problem& problem, std::uint32_t substeps) {
 
 }  // namespace
 
-void find_truth(Problem& problem, double tolerance, double most_s) {
+void find_truth(Problem& problem, double tolerance, double most_s, std::uint32_t substeps) {
   std::vector<Vec3> coarse, extrapolated;
-  for (std::uint32_t substeps = 8;; substeps *= 2) {
+  for (;; substeps *= 2) {
     const auto start = Clock::now();
     const std::vector<Vec3> fine = end_of(problem, substeps);
     const double s = seconds_since(start);
@@ -97,7 +97,7 @@ Trial run_trial(const Problem& problem, const Setting& setting, double most_stre
 void time_again(const Problem& problem, std::vector<Trial>& trials, double budget_s) {
   double round_s = 1e-6;
   for (const Trial& trial : trials) round_s += 1e-3 * trial.ms * problem.duration;
-  const int rounds = static_cast<int>(std::clamp(budget_s / round_s, 3.0, 60.0));
+  const int rounds = static_cast<int>(std::clamp(budget_s / round_s, round_s > 1 ? 2.0 : 3.0, 60.0));
   std::vector<double> least(trials.size(), std::numeric_limits<double>::infinity());
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t k = 0; k < trials.size(); ++k) {
