@@ -36,6 +36,7 @@ std::vector<Vec3> end_of(const Problem& problem, std::uint32_t substeps) {
 
 void find_truth(Problem& problem, double tolerance, double most_s, std::uint32_t substeps) {
   std::vector<Vec3> coarse, extrapolated;
+  problem.truth_error = std::numeric_limits<double>::infinity();
   for (;; substeps *= 2) {
     const auto start = Clock::now();
     const std::vector<Vec3> fine = end_of(problem, substeps);
@@ -43,12 +44,11 @@ void find_truth(Problem& problem, double tolerance, double most_s, std::uint32_t
     if (!coarse.empty()) {
       std::vector<Vec3> better(fine.size());
       for (std::size_t i = 0; i < fine.size(); ++i) better[i] = fine[i] + (1.0 / 3) * (fine[i] - coarse[i]);
-      problem.truth_error = extrapolated.empty() ? std::numeric_limits<double>::infinity()
-                                                 : rms_distance(better, extrapolated) / problem.diagonal;
+      if (!extrapolated.empty()) problem.truth_error = rms_distance(better, extrapolated) / problem.diagonal;
       extrapolated = better;
     }
     coarse = fine;
-    if (!extrapolated.empty() && (problem.truth_error <= tolerance || 2 * s > most_s)) break;
+    if (std::isfinite(problem.truth_error) && (problem.truth_error <= tolerance || 2 * s > most_s)) break;
   }
   problem.truth = extrapolated;
 }

@@ -23,7 +23,7 @@ struct Problem {
 
 /// Finds the truth: method direct with gradient old, every run with twice the substeps of the one before,
 /// extrapolated by Richardson, until two extrapolations lie within `tolerance` or a run takes longer than
-/// `most_s`. The first has `substeps` in a frame.
+/// `most_s`, three at least. The first has `substeps` in a frame.
 void find_truth(Problem& problem, double tolerance, double most_s, std::uint32_t substeps = 8);
 
 /// RMS distance of positions to the truth, relative to the diagonal.
