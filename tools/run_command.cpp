@@ -49,7 +49,7 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
   const bool relaxes = info.relaxed_rods > 0 || info.direct_rods == 0;
   if (info.direct_rods > 0) {
     print_line("direct", plural(info.direct_rods, "rod") + " solved all at once, gradient " +
-                             std::string(to_string(gradient_of(s))) + ", mass " +
+                             std::string(to_string(info.direct_gradient)) + ", mass " +
                              std::string(to_string(mass_model_of(s))) + ", " +
                              std::string(to_string(s.precision)) +
                              (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
@@ -60,11 +60,13 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
                             plural(result.total.fallbacks, "fallback"));
   }
   if (relaxes) {
+    Settings relaxed = s;
+    relaxed.method = Method::relax;
     std::string stop = "at most " + plural(s.stop.sweeps, "sweep");
     if (s.stop.tolerance) stop += ", tolerance " + short_number(*s.stop.tolerance);
     if (s.stop.budget_us) stop += ", " + short_number(*s.stop.budget_us) + " µs a frame";
     print_line("relax", plural(info.relaxed_rods, "rod") + ", " + std::string(to_string(s.order)) +
-                            ", gradient " + std::string(to_string(gradient_of(s))) + ", weights " +
+                            ", gradient " + std::string(to_string(gradient_of(relaxed))) + ", weights " +
                             std::string(to_string(s.weights)) + ", omega " + short_number(s.omega) + ", " +
                             std::string(to_string(s.precision)));
     print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +

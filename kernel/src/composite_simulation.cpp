@@ -36,7 +36,10 @@ class CompositeSimulation final : public Simulation {
       if (part.method == Method::relax) {
         own.accuracy.reset();
         own.mass.reset();
-      } else if (own.accuracy) {
+      } else {
+        own.gradient = choose_gradient(part.scene, settings);
+      }
+      if (own.accuracy) {
         // It is relative to the diagonal of the whole.
         const double diagonal = bounding_diagonal(part.scene);
         if (diagonal > 0) own.accuracy = *own.accuracy * bounding_diagonal(scene) / diagonal;
@@ -95,6 +98,7 @@ class CompositeSimulation final : public Simulation {
       info_.parallel = info_.parallel || own.parallel;
       info_.relaxed_rods += own.relaxed_rods;
       info_.direct_rods += own.direct_rods;
+      if (part.method == Method::direct) info_.direct_gradient = own.direct_gradient;
       info_.skipped_per_rod_weights += own.skipped_per_rod_weights;
       info_.skipped_drag = own.skipped_drag;
       info_.projected_velocity = std::max(info_.projected_velocity, own.projected_velocity);
@@ -172,6 +176,7 @@ std::unique_ptr<Simulation> make_composite_simulation(const Scene& scene, const 
   if (parts.size() == 1 && parts.front().method == Method::direct) {
     Settings own = settings;
     own.method = Method::direct;
+    own.gradient = choose_gradient(scene, settings);
     return make_simulation(scene, own);
   }
   return std::make_unique<CompositeSimulation>(scene, std::move(parts), settings);

@@ -17,13 +17,15 @@ namespace {
 using layouts::lane_width;
 
 // Of the control of substeps by accuracy: the share of the error allowed that is aimed at, and by how much
-// the substep may change at once.
-constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 1.5;
+// the substep may change at once: at least doubled, or two substeps a step would never become one.
+constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;
 /// Relative to the velocity of an anchor: below, it differs by the rounding of its path only.
 constexpr double unchanged = 1e-9;
 constexpr int most_attempts = 8;
 constexpr std::uint32_t most_substeps = 1 << 20;
-constexpr double first_substep = 1e-3;  ///< s; short, since nothing is known yet
+/// Of the first step, when nothing is known yet. The estimate sees if they are too few; the step is then done
+/// again.
+constexpr std::uint32_t first_substeps = 4;
 
 template <class T>
 class DirectSimulation final : public Simulation {
@@ -161,7 +163,7 @@ class DirectSimulation final : public Simulation {
     bool anchors_changed = false;
     // With accuracy:
     std::unique_ptr<TreeState<T>> start = nullptr;  ///< of the step
-    double substep = first_substep;                 ///< s, that the last one thought best
+    double substep = 0;                             ///< s, that the last one thought best; 0: none yet
   };
   /// What each thread needs for one topology.
   struct Crew {
@@ -251,6 +253,7 @@ class DirectSimulation final : public Simulation {
     info_.particles = static_cast<std::uint32_t>(scene.particles.size());
     info_.rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.direct_rods = info_.rods;
+    info_.direct_gradient = gradient_of(settings_);
     info_.isa = isa_;
     info_.threads = team_.size();
     info_.parallel = uses_threads();
@@ -301,6 +304,7 @@ class DirectSimulation final : public Simulation {
       return;
     }
     group.start->copy_motion(group.state);
+    if (group.substep == 0) group.substep = dt / first_substeps;
     for (int attempt = 1;; ++attempt) {
       const double wanted = std::ceil(dt / group.substep);
       const auto substeps = static_cast<std::uint32_t>(

@@ -58,9 +58,10 @@ TEST(Report, HasEveryField) {
                                                  "skipped",        "mid_guarded",
                                                  "frozen_islands", "projected_velocity",
                                                  "state_hash",     "relaxed_rods",
-                                                 "direct_rods",    "tree_substeps",
-                                                 "halvings",       "fallbacks",
-                                                 "repeated_steps", "unsolved"}));
+                                                 "direct_rods",    "direct_gradient",
+                                                 "tree_substeps",  "halvings",
+                                                 "fallbacks",      "repeated_steps",
+                                                 "unsolved"}));
   EXPECT_EQ(keys(report["settings"]),
             (std::set<std::string>{"method", "duration", "dt", "substeps", "sweeps", "tolerance", "budget_us",
                                    "accuracy", "order", "omega", "weights", "gradient", "mass", "layout",

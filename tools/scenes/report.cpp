@@ -68,6 +68,8 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"machine", machine_json(machine)},
       {"relaxed_rods", result.info.relaxed_rods},
       {"direct_rods", result.info.direct_rods},
+      {"direct_gradient",
+       result.info.direct_rods > 0 ? text(to_string(result.info.direct_gradient)) : Json(nullptr)},
       {"rods", result.info.rods},
       {"particles", result.info.particles},
       {"islands", result.info.islands},

@@ -66,6 +66,7 @@ struct WorldInfo {
   bool parallel = false;           ///< false: one thread, or the scene is below the size where threads win
   std::uint32_t relaxed_rods = 0;  ///< rods moved by method relax
   std::uint32_t direct_rods = 0;   ///< rods moved by method direct
+  Gradient direct_gradient = Gradient::mid;   ///< the one that method direct takes
   std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
   bool skipped_drag = true;                   ///< no drag: no factor on displacements
   double projected_velocity =

@@ -1,0 +1,303 @@
+#include "direct/newton_cost.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include "check.hpp"
+#include "flush_denormals.hpp"
+#include "line_segments.hpp"
+#include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/trees.hpp"
+#include "scenes/generators.hpp"
+#include "tree_stepper.hpp"
+
+namespace plumb::bench {
+namespace {
+
+using namespace detail;
+
+constexpr double substep = 1.0 / 480;  // s
+constexpr double sample_s = 1e-3;
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The equal chains of a scene as trees, `lanes` at a time, as DirectSimulation holds them.
+template <class T>
+struct Trees {
+  Trees(const Scene& scene, std::uint32_t width) {
+    std::vector<layouts::Edge> edges;
+    for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
+    std::vector<std::uint8_t> movable;
+    for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
+    const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
+    const layouts::Islands islands = layouts::find_islands(graph);
+    const auto equal = layouts::group_equal_islands(graph, islands).front();
+    const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
+    const auto tree = layouts::find_tree(local.view());
+    topology = std::make_shared<const TreeTopology>(*tree);
+    for (std::size_t first = 0; first < equal.size(); first += width) {
+      TreeState<T>& state = states.emplace_back(topology, width);
+      for (std::uint32_t lane = 0; lane < width; ++lane) {
+        const std::uint32_t island = equal[first + lane];
+        state.fill_lane(lane, scene, MassModel::consistent, *tree,
+                        {islands.vertices(island), islands.edges(island)});
+      }
+    }
+  }
+  std::shared_ptr<const TreeTopology> topology;
+  std::vector<TreeState<T>> states;
+};
+
+/// Something that can make substeps, and call its Newton kernel alone.
+class Contestant {
+ public:
+  virtual ~Contestant() = default;
+  virtual void step(DirectCounters& counters) = 0;
+  virtual void call_kernel() = 0;
+  /// What repeated calls change for good: multipliers, by rounding.
+  virtual void save() = 0;
+  virtual void restore() = 0;
+  virtual double rods_per_kernel() const = 0;
+  virtual double rods_per_newton() const = 0;
+  virtual double rods() const = 0;
+  virtual std::vector<double> positions() const = 0;
+  NewtonCost cost;
+};
+
+template <class T>
+struct Multipliers {
+  std::vector<T> mu, pin_mu;
+  void take(const TreeState<T>& state) {
+    mu.assign(state.mu.data(), state.mu.data() + state.mu.size());
+    pin_mu.assign(state.pin_mu.data(), state.pin_mu.data() + state.pin_mu.size());
+  }
+  void give_back(TreeState<T>& state) const {
+    std::copy(mu.begin(), mu.end(), state.mu.data());
+    std::copy(pin_mu.begin(), pin_mu.end(), state.pin_mu.data());
+  }
+};
+
+template <class T>
+class InLanes final : public Contestant {
+ public:
+  void save() override { saved_.take(trees_.states.back()); }
+  void restore() override { saved_.give_back(trees_.states.back()); }
+
+  InLanes(const Scene& scene, Gradient gradient, Isa isa, std::uint32_t lanes)
+      : gradient_(gradient),
+        kernels_(simd::tree_kernels<T>(isa)),
+        stepper_(gradient, 0, false, isa),
+        trees_(scene, lanes),
+        work_(*trees_.topology, lanes),
+        alone_(trees_.topology, 1),
+        alone_work_(*trees_.topology, 1) {}
+
+  void step(DirectCounters& counters) override {
+    for (TreeState<T>& state : trees_.states)
+      stepper_.advance(state, state.lanes, substep, work_, alone_, alone_work_, counters);
+  }
+  void call_kernel() override {
+    TreeState<T>& state = trees_.states.back();  // which the workspace was last used for
+    if (TreeStepper<T>::is_line(state, gradient_)) {
+      kernels_.newton_line(work_.view(state));
+    } else {
+      kernels_.newton(work_.view(state), gradient_ == Gradient::mid ? T(0.5) : T(0));
+    }
+  }
+  double rods_per_kernel() const override { return rods_per_newton() * trees_.states.front().lanes; }
+  double rods_per_newton() const override { return trees_.topology->nodes; }
+  double rods() const override { return rods_per_kernel() * static_cast<double>(trees_.states.size()); }
+  std::vector<double> positions() const override {
+    std::vector<double> out;
+    for (const TreeState<T>& state : trees_.states)
+      for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
+        for (std::uint32_t i = 0; i < 3 * trees_.topology->nodes; ++i)
+          out.push_back(state.x[state.at(i, lane)]);
+    return out;
+  }
+
+ private:
+  Gradient gradient_;
+  const simd::TreeKernels<T>& kernels_;
+  TreeStepper<T> stepper_;
+  Trees<T> trees_;
+  TreeWorkspace<T> work_;
+  TreeState<T> alone_;
+  TreeWorkspace<T> alone_work_;
+  Multipliers<T> saved_;
+};
+
+template <class T>
+class InSegments final : public Contestant {
+ public:
+  void save() override { saved_.take(state_); }
+  void restore() override { saved_.give_back(state_); }
+
+  InSegments(const Scene& scene, Isa isa)
+      : kernels_(simd::tree_kernels<T>(isa)),
+        stepper_(Gradient::old, 0, false, isa),
+        trees_(scene, 1),
+        segments_(trees_.topology->nodes, layouts::lane_width<T>),
+        state_(segments_.cut(trees_.states.front())),
+        work_(*state_.topology, state_.lanes),
+        alone_work_(*trees_.topology, 1) {}
+
+  void step(DirectCounters& counters) override {
+    stepper_.advance(segments_, state_, substep, work_, trees_.states.front(), alone_work_, counters);
+  }
+  void call_kernel() override { kernels_.newton_segments(work_.view(state_)); }
+  double rods_per_kernel() const override { return rods(); }
+  double rods_per_newton() const override { return rods(); }
+  double rods() const override { return trees_.topology->nodes; }
+  std::vector<double> positions() const override {
+    std::vector<double> out;
+    for (std::uint32_t i = 0; i < trees_.topology->nodes; ++i)
+      for (std::uint32_t c = 0; c < 3; ++c)
+        out.push_back(state_.x[state_.at(3 * segments_.entry(i) + c, segments_.lane(i))]);
+    return out;
+  }
+
+ private:
+  const simd::TreeKernels<T>& kernels_;
+  TreeStepper<T> stepper_;
+  Trees<T> trees_;
+  LineSegments segments_;
+  TreeState<T> state_;
+  TreeWorkspace<T> work_;
+  TreeWorkspace<T> alone_work_;
+  Multipliers<T> saved_;
+};
+
+template <class C, class... Args>
+void enter(std::vector<std::unique_ptr<Contestant>>& all, const NewtonCost& cost, Args&&... args) {
+  all.push_back(std::make_unique<C>(std::forward<Args>(args)...));
+  all.back()->cost = cost;
+}
+
+/// All by turns, as many substeps each.
+void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
+  const FlushDenormals flush;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  DirectCounters ignored;
+  std::vector<int> calls;
+  double slowest = 0;
+  for (auto& one : all) {
+    for (int i = 0; i < 4; ++i) one->step(ignored);
+    slowest = std::max(slowest, seconds_of([&] { one->step(ignored); }));
+    one->save();
+    calls.push_back(static_cast<int>(std::ceil(sample_s / seconds_of([&] { one->call_kernel(); }))));
+    one->restore();
+    one->cost.substep_ns = one->cost.newton_ns = one->cost.kernel_ns = never;
+  }
+  const int steps = static_cast<int>(std::ceil(sample_s / slowest));
+  for (std::uint32_t round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Contestant& one = *all[i];
+      DirectCounters counters;
+      const double step_s = seconds_of([&] {
+        for (int k = 0; k < steps; ++k) one.step(counters);
+      });
+      if (counters.unsolved != 0) throw CheckFailed("a substep was not solved");
+      one.cost.halvings += counters.halvings;
+      const double newton_rods = static_cast<double>(counters.newton) * one.rods_per_newton();
+      NewtonCost& cost = one.cost;
+      cost.substep_ns = std::min(cost.substep_ns, 1e9 * step_s / (steps * one.rods()));
+      cost.newton_ns = std::min(cost.newton_ns, 1e9 * step_s / newton_rods);
+      cost.newton_per_substep = newton_rods / (steps * one.rods());
+      one.save();
+      const double kernel_s = seconds_of([&] {
+        for (int k = 0; k < calls[i]; ++k) one.call_kernel();
+      });
+      one.restore();
+      cost.kernel_ns = std::min(cost.kernel_ns, 1e9 * kernel_s / (calls[i] * one.rods_per_kernel()));
+    }
+  }
+}
+
+std::vector<NewtonCost> costs_of(const std::vector<std::unique_ptr<Contestant>>& all) {
+  std::vector<NewtonCost> costs;
+  for (const auto& one : all) costs.push_back(one->cost);
+  return costs;
+}
+
+/// All but the baseline must have moved to the same bits as the first of them.
+void check_same(const std::vector<std::unique_ptr<Contestant>>& all, std::size_t first) {
+  for (std::size_t i = first; i < all.size(); ++i)
+    if (all[i]->positions() != all[first]->positions())
+      throw CheckFailed("instruction sets ended in different bits");
+}
+
+template <class T>
+void measure_lanes(Precision precision, Gradient gradient, std::uint32_t rounds,
+                   std::vector<NewtonCost>& costs) {
+  const Scene scene = scenes::make_ensemble({.chains = 256, .links = 32, .end_mass = 10});
+  std::vector<std::unique_ptr<Contestant>> all;
+  NewtonCost cost{.precision = precision, .gradient = gradient, .links = 32, .alone = true};
+  enter<InLanes<T>>(all, cost, scene, gradient, Isa::scalar, 1u);
+  cost.alone = false;
+  for (const Isa isa : all_isas()) {
+    if (!is_supported(isa)) continue;
+    cost.isa = isa;
+    enter<InLanes<T>>(all, cost, scene, gradient, isa, layouts::lane_width<T>);
+  }
+  hold(all, rounds);
+  check_same(all, 0);
+  const auto more = costs_of(all);
+  costs.insert(costs.end(), more.begin(), more.end());
+}
+
+template <class T>
+void measure_long_chain(Precision precision, std::uint32_t links, std::uint32_t rounds,
+                        std::vector<NewtonCost>& costs) {
+  const Scene scene = scenes::make_chain({.links = links, .end_mass = 10});
+  std::vector<std::unique_ptr<Contestant>> all;
+  NewtonCost cost{.precision = precision, .gradient = Gradient::old, .links = links, .alone = true};
+  enter<InLanes<T>>(all, cost, scene, Gradient::old, Isa::scalar, 1u);
+  cost.alone = false;
+  for (const Isa isa : all_isas()) {
+    if (!is_supported(isa)) continue;
+    cost.isa = isa;
+    enter<InSegments<T>>(all, cost, scene, isa);
+  }
+  hold(all, rounds);
+  check_same(all, 1);
+  const auto more = costs_of(all);
+  costs.insert(costs.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+std::vector<NewtonCost> measure_lanes(std::uint32_t rounds) {
+  std::vector<NewtonCost> costs;
+  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
+    measure_lanes<float>(Precision::single, gradient, rounds, costs);
+    measure_lanes<double>(Precision::double_, gradient, rounds, costs);
+  }
+  return costs;
+}
+
+std::vector<NewtonCost> measure_long_chain(std::uint32_t links, std::uint32_t rounds) {
+  std::vector<NewtonCost> costs;
+  measure_long_chain<float>(Precision::single, links, rounds, costs);
+  measure_long_chain<double>(Precision::double_, links, rounds, costs);
+  return costs;
+}
+
+const NewtonCost* find_cost(const std::vector<NewtonCost>& costs, Precision precision, Gradient gradient,
+                            bool alone, Isa isa) {
+  for (const NewtonCost& cost : costs)
+    if (cost.precision == precision && cost.gradient == gradient && cost.alone == alone &&
+        (alone || cost.isa == isa))
+      return &cost;
+  return nullptr;
+}
+
+}  // namespace plumb::bench

@@ -1,0 +1,370 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "direct/goal.hpp"
+#include "direct/peers.hpp"
+#include "direct/search.hpp"
+#include "direct/sections.hpp"
+#include "scenes/generators.hpp"
+#include "scenes/numbers.hpp"
+#include "scenes/trajectory.hpp"
+#include "sheet.hpp"
+
+namespace plumb::bench {
+namespace {
+
+using scenes::plain_number;
+using scenes::short_number;
+
+constexpr std::uint32_t ensemble_chains = 64;
+
+const std::vector<Target> usual_targets{
+    {"5 %, 5 %", 0.05, 0.05}, {"1 %, 1 %", 0.01, 0.01}, {"1 %, 0.1 %", 0.01, 0.001}};
+const Target finest_target{"1 %, 1e-6", 0.01, 1e-6};
+
+std::string number(double value) {
+  return value == 0 || !std::isfinite(value) ? "" : plain_number(value);
+}
+std::string ratio(double above, double below) {
+  return number(below > 0 ? above / below : 0);
+}
+
+/// An answer with what is compared with it.
+struct Row {
+  std::string scene;
+  Answer answer;
+  double ensemble_ms = 0;  ///< per chain and simulated second
+  std::string ensemble_setting{};
+  Peer peer{"", 0};
+  double truth_error = 0;
+  bool is_ensemble = false;  ///< the peer's time is that of a chain of many
+};
+
+Problem chain_problem(std::uint32_t links, double end_mass) {
+  Problem problem{.name = "N" + std::to_string(links) + " r" + short_number(end_mass),
+                  .scene = scenes::make_chain({.links = links, .end_mass = end_mass})};
+  problem.diagonal = bounding_diagonal(problem.scene);
+  return problem;
+}
+
+/// Tests hold some truths from Taylor series; the one computed here must agree.
+void compare_with_file(const Problem& problem, std::uint32_t links, double end_mass, std::string& notes) {
+  const std::filesystem::path path =
+      std::filesystem::path(PLUMB_BENCH_TRUTHS) /
+      ("chain_N" + std::to_string(links) + "_r" + short_number(end_mass) + ".csv");
+  if (!std::filesystem::exists(path)) return;
+  for (const Frame& frame : scenes::read_trajectory(path))
+    if (frame.t == problem.duration)
+      notes += problem.name + ": " + short_number(position_error(problem, frame.positions), 2) + ". ";
+}
+
+/// The answers' best direct settings again, for many equal chains at once, timed by turns.
+void time_ensembles(const Scene& ensemble, double chains, std::vector<Row>& rows, std::size_t first,
+                    double budget_s) {
+  Problem problem{.name = "", .scene = ensemble};
+  for (std::size_t i = first; i < rows.size(); ++i) {
+    Row& row = rows[i];
+    if (!row.answer.fixed) continue;
+    std::vector<Trial> trials{*row.answer.fixed};
+    // In lanes the other gradient may be the cheaper one.
+    for (const Trial& other : row.answer.others) trials.push_back(other);
+    for (Trial& trial : trials) trial.ms *= chains / 4;
+    time_again(problem, trials, budget_s);
+    for (const Trial& trial : trials) {
+      const double ms = trial.ms / chains;
+      if (row.ensemble_ms != 0 && ms >= row.ensemble_ms) continue;
+      row.ensemble_ms = ms;
+      row.ensemble_setting = trial.setting.name();
+    }
+  }
+}
+
+Sheet answer_sheet(const std::vector<Row>& rows) {
+  Sheet sheet({"scene", "stretch, error", "ms", "setting", "its error", "its stretch", "peer, elsewhere",
+               "peer's ms", "peer / this", "ms per chain, many", "peer / that", "relaxed, ms"});
+  for (const Row& row : rows) {
+    const Trial* best = row.answer.best();
+    if (!best) {
+      sheet.add_row({row.scene, row.answer.target.name, "not met", "", "", "", "", "", "", "", "", ""});
+      continue;
+    }
+    const Answer& a = row.answer;
+    sheet.add_row({row.scene, a.target.name, number(best->ms), best->setting.name(),
+                   short_number(best->error, 2), short_number(best->stretch, 2), std::string(row.peer.name),
+                   number(row.peer.ms), row.is_ensemble ? "" : ratio(row.peer.ms, best->ms),
+                   number(row.ensemble_ms), ratio(row.peer.ms, row.ensemble_ms),
+                   a.relaxed ? number(a.relaxed->ms)
+                   : a.fixed ? "> " + number(relax_cap * a.fixed->ms)
+                             : ""});
+  }
+  return sheet;
+}
+
+Sheet automatic_sheet(const std::vector<Row>& rows) {
+  Sheet sheet({"scene", "stretch, error", "best fixed, ms", "of gradient mid", "automatic, accuracy",
+               "setting", "ratio", "automatic, substeps", "setting ", "ratio "});
+  for (const Row& row : rows) {
+    const Trial* best = row.answer.best();
+    if (!best) continue;
+    std::vector<std::string> cells{row.scene, row.answer.target.name, number(best->ms),
+                                   row.answer.mid ? number(row.answer.mid->ms) : "none"};
+    for (const auto* trial : {&row.answer.automatic, &row.answer.automatic_substeps}) {
+      cells.push_back(*trial ? number((*trial)->ms) : "none");
+      cells.push_back(*trial ? (*trial)->setting.name() : "");
+      cells.push_back(*trial ? ratio((*trial)->ms, best->ms) : "");
+    }
+    sheet.add_row(cells);
+  }
+  return sheet;
+}
+
+void add_goals(const std::vector<Row>& rows, Goals& goals) {
+  Worst one, many, automatic;
+  for (const Row& row : rows) {
+    const std::string name = row.scene + ", " + row.answer.target.name;
+    const Trial* best = row.answer.best();
+    if (!best) continue;
+    const auto add = [&](Worst& worst, double ratio, double goal) {
+      worst.add(ratio, ratio >= goal, ratio < worst.value, name);
+    };
+    if (row.peer.ms > 0 && !row.is_ensemble) add(one, row.peer.ms / best->ms, 5);
+    if (row.peer.ms > 0 && row.ensemble_ms > 0) add(many, row.peer.ms / row.ensemble_ms, 20);
+    const double ratio = row.answer.automatic ? row.answer.automatic->ms / best->ms : INFINITY;
+    automatic.add(ratio, ratio <= 1.3, ratio > automatic.value, name);
+    if (row.scene == "N1000 r1000" && row.answer.target.error == 0.001)
+      goals.at_most(name + ": ms per simulated second", best->ms, 20);
+  }
+  goals.at_least("peer / one chain (" + one.text() + ")", one.value, 5);
+  goals.at_least("peer / one chain of many (" + many.text() + ")", many.value, 20);
+  goals.at_most("automatic with accuracy / best fixed (" + automatic.text() + ")", automatic.value, 1.3);
+}
+
+void append_csv(std::string& csv, const char* section, const std::string& scene, const std::string& target,
+                const char* what, double ms, const std::string& setting) {
+  csv += std::string(section) + ",\"" + scene + "\",\"" + target + "\"," + what + "," + short_number(ms) +
+         ",ms per simulated second," + setting + "\n";
+}
+
+void append_csv(std::string& csv, const std::vector<Row>& rows) {
+  for (const Row& row : rows) {
+    const auto add = [&](const char* what, double ms, const std::string& setting) {
+      append_csv(csv, "targets", row.scene, row.answer.target.name, what, ms, setting);
+    };
+    const auto add_trial = [&](const char* what, const std::optional<Trial>& trial) {
+      if (trial) add(what, trial->ms, trial->setting.name());
+    };
+    add_trial("direct", row.answer.fixed);
+    add_trial("relax", row.answer.relaxed);
+    add_trial("automatic_accuracy", row.answer.automatic);
+    add_trial("automatic_substeps", row.answer.automatic_substeps);
+    if (row.ensemble_ms > 0) add("per_chain_of_many", row.ensemble_ms, row.ensemble_setting);
+    if (row.peer.ms > 0) add("peer_elsewhere", row.peer.ms, std::string(row.peer.name));
+  }
+}
+
+/// Direct against plain and over-relaxed relaxation at one error.
+struct Comparison {
+  std::string scene;
+  double error = 0;
+  double truth_error = 0;
+  std::optional<Trial> direct{};
+  Effort plain{}, over{};
+};
+
+Comparison compare(const Problem& problem, double error, const Plan& plan, double direct_s) {
+  Comparison c{.scene = problem.name, .error = error, .truth_error = problem.truth_error};
+  c.direct = direct_effort(problem, error, direct_s);
+  const double first_s = plan.full ? 0.3 : 0.03, most_s = plan.full ? 10 : 0.5;
+  c.plain = relax_effort(problem, error, false, first_s, most_s);
+  c.over = relax_effort(problem, error, true, first_s, most_s);
+  return c;
+}
+
+std::string effort_text(const Effort& effort) {
+  if (!std::isfinite(effort.ms)) return "out of reach";
+  return (effort.extrapolated ? "~ " : "") + plain_number(effort.ms);
+}
+std::string effort_setting(const Effort& effort) {
+  std::string out = effort.last.setting.name() + ": " + short_number(effort.last.error, 2);
+  if (effort.extrapolated) out += ", slope " + short_number(effort.slope, 2);
+  return out;
+}
+
+Sheet comparison_sheet(const std::vector<Comparison>& comparisons) {
+  Sheet sheet({"scene", "error", "direct, ms", "setting", "relaxed, plain", "last run", "over-relaxed",
+               "last run ", "plain / direct", "over-relaxed / direct", "truth known to"});
+  for (const Comparison& c : comparisons) {
+    const double ms = c.direct ? c.direct->ms : 0;
+    sheet.add_row({c.scene, short_number(c.error), number(ms),
+                   c.direct ? c.direct->setting.name() : "not met", effort_text(c.plain),
+                   effort_setting(c.plain), effort_text(c.over), effort_setting(c.over),
+                   ratio(c.plain.ms, ms), ratio(c.over.ms, ms), short_number(c.truth_error, 2)});
+  }
+  return sheet;
+}
+
+void append_csv(std::string& csv, const char* section, const Comparison& c) {
+  const std::string target = short_number(c.error);
+  if (c.direct) append_csv(csv, section, c.scene, target, "direct", c.direct->ms, c.direct->setting.name());
+  for (const Effort* effort : {&c.plain, &c.over}) {
+    const std::string name = effort == &c.plain ? "relax" : "over_relaxed";
+    append_csv(csv, section, c.scene, target, (name + (effort->extrapolated ? "_extrapolated" : "")).c_str(),
+               effort->ms, effort->last.setting.name());
+  }
+}
+
+// Between its two corners a net's upper row begins straight, and no finite pull holds it.
+
+/// A net that hangs from one corner only, and folds.
+Scene folding_net(std::uint32_t side) {
+  Scene scene = scenes::make_net(side, side);
+  Particle& corner = scene.particles[side - 1];
+  corner.fixed = false;
+  corner.mass = 1;
+  return scene;
+}
+
+/// A net that is held along one side, level at first.
+Scene level_net(std::uint32_t side) {
+  Scene scene = scenes::make_net(side, side);
+  for (std::uint32_t i = 0; i < side; ++i) scene.particles[i].fixed = true;
+  std::erase_if(scene.rods, [&](const Rod& rod) { return rod.a < side && rod.b < side; });
+  for (Particle& particle : scene.particles)
+    particle.position = {particle.position.x, 0, particle.position.y};
+  return scene;
+}
+
+std::string frame_text(const FrameEffort& frame) {
+  Sheet sheet({"one frame of N1000 r1000, 1 s on", "ms", "setting: stretch left"});
+  sheet.add_row({"direct", number(frame.direct_ms), "mid double: " + short_number(frame.direct_stretch, 2)});
+  sheet.add_row({"relaxed, plain", effort_text(frame.plain), effort_setting(frame.plain)});
+  sheet.add_row({"over-relaxed", effort_text(frame.over), effort_setting(frame.over)});
+  return sheet.to_markdown();
+}
+
+constexpr const char* comparison_text =
+    "Relaxation in double by paths along which substeps or sweeps double; `~` where the dearest run did not "
+    "come that far, and the time is extrapolated at the slope of its last two doublings (error as work to "
+    "the power -slope, at most 2).\n\n";
+
+double over(double above, const std::optional<Trial>& below) {
+  return below ? above / below->ms : 0;
+}
+
+}  // namespace
+
+Section targets_section(const Plan& plan) {
+  Section out;
+  std::vector<Row> rows;
+  std::string notes;
+  std::optional<Comparison> longest;
+  FrameEffort frame;
+  for (const std::uint32_t links : {5u, 20u, 100u, 1000u}) {
+    for (const double end_mass : {1.0, 10.0, 1000.0}) {
+      Problem problem = chain_problem(links, end_mass);
+      std::fprintf(stderr, "%s\n", problem.name.c_str());
+      const bool finest = links == 1000 && end_mass == 1000;
+      find_truth(problem, finest ? 1e-8 : 1e-6, plan.full ? 30 : finest ? 4 : 0.5);
+      compare_with_file(problem, links, end_mass, notes);
+      const std::size_t first = rows.size();
+      const PeerRow* peers = find_peer(links, end_mass);
+      for (const Answer& answer : search(problem, usual_targets, {.retime_s = 0.15})) {
+        const Peer peer = peers ? peers->targets[rows.size() - first] : Peer{"", 0};
+        rows.push_back(
+            {.scene = problem.name, .answer = answer, .peer = peer, .truth_error = problem.truth_error});
+      }
+      const Scene many =
+          scenes::make_ensemble({.chains = ensemble_chains, .links = links, .end_mass = end_mass});
+      time_ensembles(many, ensemble_chains, rows, first, 0.15);
+      if (!finest) continue;
+      for (const Answer& answer : search(problem, {finest_target}, {.trial_s = 1, .relax = false}))
+        rows.push_back({.scene = problem.name, .answer = answer, .truth_error = problem.truth_error});
+      longest = compare(problem, finest_target.error, plan, 1);
+      frame = frame_effort(problem, finest_target.error, plan.full ? 20 : 2);
+    }
+  }
+  {
+    std::fprintf(stderr, "1000 chains of 32 links\n");
+    Problem problem = chain_problem(32, 10);
+    problem.name = "N32 r10, 1000 of them";
+    find_truth(problem, 1e-6, 0.5);
+    const std::size_t first = rows.size();
+    for (const Answer& answer : search(problem, usual_targets, {.retime_s = 0.1}))
+      rows.push_back({.scene = problem.name,
+                      .answer = answer,
+                      .peer = peer_ensemble,
+                      .truth_error = problem.truth_error,
+                      .is_ensemble = true});
+    time_ensembles(scenes::make_ensemble({.chains = 1000, .links = 32, .end_mass = 10}), 1000, rows, first,
+                   0.5);
+  }
+  Goals goals;
+  add_goals(rows, goals);
+  if (longest) {
+    goals.at_least("N1000 r1000, 1e-6 at 1 s: plain relaxation / direct",
+                   over(longest->plain.ms, longest->direct), 1000);
+    goals.at_least("N1000 r1000, 1e-6 at 1 s: over-relaxed / direct", over(longest->over.ms, longest->direct),
+                   400);
+    goals.at_least("N1000 r1000, a frame's rods to 1e-6: plain relaxation / direct",
+                   frame.plain.ms / frame.direct_ms, 1000);
+    goals.at_least("N1000 r1000, a frame's rods to 1e-6: over-relaxed / direct",
+                   frame.over.ms / frame.direct_ms, 400);
+  }
+  double truth_error = 0;
+  for (const Row& row : rows) truth_error = std::max(truth_error, row.truth_error);
+  append_csv(out.csv, rows);
+  append_csv(out.csv, "targets", *longest);
+  out.text =
+      "\n## Time to an error\n\nChains of N links, last particle r times as heavy, straight to the side at "
+      "first; one simulated second. Targets are the largest stretch at any frame's end and the RMS distance "
+      "to the truth after that second, relative to the chain's length. ms per simulated second, stepping "
+      "alone, least of several runs; the cheapest setting found among method direct (gradients old and mid, "
+      "float and double, frames per second x substeps or accuracy) and relaxation, which is tried up to " +
+      short_number(relax_cap) +
+      " times what direct takes. Peers' times were measured elsewhere, on another machine (Zen 5, 3.75 GHz): "
+      "their ratios are not of one run. `many`: " +
+      std::to_string(ensemble_chains) +
+      " equal chains in one world (1000 in the last rows, where the peer's time is that of the same scene "
+      "per chain, at 1.1 % RMS stretch and with no error known).\n\nTruths are extrapolated from direct "
+      "runs with doubling substeps and known to " +
+      short_number(truth_error, 2) + " at worst; they differ from those of Taylor series by: " + notes +
+      "\n\n" + answer_sheet(rows).to_markdown() + "\n" + goals.to_markdown() +
+      "\n### Relaxation to 1e-6\n\n" + comparison_text + comparison_sheet({*longest}).to_markdown() + "\n" +
+      frame_text(frame) +
+      "\n## Automatic\n\nMethod automatic is given frames, precision and either an accuracy or substeps; "
+      "gradient and method are its own choice.\n\n" +
+      automatic_sheet(rows).to_markdown();
+  return out;
+}
+
+Section loops_section(const Plan& plan) {
+  Section out;
+  std::vector<Comparison> comparisons;
+  Goals goals;
+  const auto add = [&](const std::string& name, const Scene& scene, double goal) {
+    std::fprintf(stderr, "%s\n", name.c_str());
+    Problem problem{.name = name, .scene = scene, .duration = 0.5};
+    problem.diagonal = bounding_diagonal(scene);
+    find_truth(problem, 1e-6, plan.full ? 120 : 4, 2);
+    comparisons.push_back(compare(problem, 1e-4, plan, plan.full ? 60 : 2));
+    const Comparison& c = comparisons.back();
+    append_csv(out.csv, "loops", c);
+    const double relaxed_ms = std::min(c.plain.ms, c.over.ms);
+    goals.at_least(name + " to 1e-4: cheapest relaxation / direct", over(relaxed_ms, c.direct), goal);
+  };
+  add("ring of 24", scenes::make_ring({.links = 24}), 0);
+  add("truss of 100 bays", scenes::make_truss({.bays = 100}), 50);
+  add("truss of 100 bays, swinging", scenes::make_truss({.bays = 100, .fixed = 2}), 50);
+  if (plan.full) add("net 16 x 16, one corner", folding_net(16), 0);
+  add("net 32 x 32, one side", level_net(32), 0);
+  if (plan.full) add("net 64 x 64, one side", level_net(64), 0);
+  if (plan.full) add("net 128 x 128, one side", level_net(128), 10);
+  out.text = "\n## Loops\n\nTo a position error of 1e-4 of the diagonal at 0.5 s. " +
+             std::string(comparison_text) + comparison_sheet(comparisons).to_markdown() + "\n" +
+             goals.to_markdown();
+  return out;
+}
+
+}  // namespace plumb::bench
