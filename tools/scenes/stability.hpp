@@ -19,8 +19,8 @@ struct StabilityMethod {
   Method method = Method::relax;
   std::optional<Gradient> gradient{};
 };
-/// All that can be asked for. The last is `auto`, which stands for relax-new until it is more (see Method),
-/// so that the default grid leaves it out.
+/// All that can be asked for. The last is `auto`; the default grid leaves it out, as it is one of the others on
+/// every chain.
 const std::vector<StabilityMethod>& all_stability_methods();
 std::vector<StabilityMethod> default_stability_methods();
 
