@@ -1,0 +1,138 @@
+#include <gtest/gtest.h>
+
+#include "scenes/generators.hpp"
+#include "scenes/spec.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+Settings automatic() {
+  return {.method = Method::automatic};
+}
+
+// What bench_direct measured: trees and thin loops are cheaper solved directly, wide nets relaxed.
+TEST(Automatic, PicksByShape) {
+  const auto direct_rods = [](const char* spec) {
+    const Scene scene = scenes::load_scene(spec);
+    const WorldInfo& info = World(scene, automatic()).info();
+    EXPECT_EQ(info.direct_rods + info.relaxed_rods, scene.rods.size()) << spec;
+    return info.direct_rods;
+  };
+  EXPECT_EQ(direct_rods("chain:links=2000"), 2000u);
+  EXPECT_EQ(direct_rods("ensemble:chains=20,links=8"), 160u);
+  EXPECT_GT(direct_rods("ring"), 0u);
+  EXPECT_GT(direct_rods("truss:bays=30"), 0u);
+  EXPECT_EQ(direct_rods("net:width=40,height=40"), 0u);
+}
+
+// Relaxation cannot represent the mass of a rod, so a net of heavy rods is solved directly.
+TEST(Automatic, SolvesRodsWithMassDirectly) {
+  Scene scene = scenes::load_scene("net:width=14,height=14");
+  EXPECT_EQ(World(scene, automatic()).info().direct_rods, 0u);
+  scene.rods.front().mass = 0.5;
+  EXPECT_EQ(World(scene, automatic()).info().relaxed_rods, 0u);
+  Settings lumped = automatic();
+  lumped.mass = MassModel::lumped;
+  EXPECT_EQ(World(scene, lumped).info().direct_rods, 0u);
+}
+
+TEST(Automatic, TakesTheCheaperGradientWhereAnAccuracyIsAsked) {
+  Settings settings = automatic();
+  Scene scene = scenes::make_chain(5);
+  EXPECT_EQ(World(scene, settings).info().direct_gradient, Gradient::mid);
+  settings.accuracy = 1e-2;
+  EXPECT_EQ(World(scene, settings).info().direct_gradient, Gradient::old);
+  scene.rods.front().mass = 1;
+  EXPECT_EQ(World(scene, settings).info().direct_gradient, Gradient::mid);
+  settings.gradient = Gradient::new_;
+  EXPECT_EQ(World(scene, settings).info().direct_gradient, Gradient::new_);
+}
+
+/// A chain and a net that hang from one and the same fixed particle, and a fixed particle that holds nothing.
+struct Mixed {
+  Scene scene;
+  std::uint32_t chain_begin, chain_end;
+};
+Mixed mixed() {
+  Mixed out{scenes::load_scene("net:width=15,height=15"), 0, 0};
+  Scene& scene = out.scene;
+  std::uint32_t fixed = 0;
+  while (!scene.particles[fixed].fixed) ++fixed;
+  std::uint32_t last = fixed;
+  out.chain_begin = static_cast<std::uint32_t>(scene.particles.size());
+  for (int i = 1; i <= 6; ++i) {
+    scene.particles.push_back(test::movable(scene.particles[fixed].position + Vec3{0, 0, 0.1 * i}));
+    scene.rods.push_back({.a = last, .b = static_cast<std::uint32_t>(scene.particles.size() - 1)});
+    last = scene.rods.back().b;
+  }
+  out.chain_end = last + 1;
+  scene.particles.push_back(test::fixed({5, 5, 5}));
+  return out;
+}
+
+// Islands that move by different methods do not notice each other: each part is what it would be in a world
+// of its own, bit for bit, with forces and a moved anchor that both hang from.
+TEST(Automatic, PartsMoveAsTheyDoAlone) {
+  const Mixed both = mixed();
+  World world(both.scene, automatic());
+  EXPECT_EQ(world.info().direct_rods, 6u);
+  EXPECT_EQ(world.info().relaxed_rods, both.scene.rods.size() - 6);
+  EXPECT_EQ(world.info().islands, 2u);
+
+  Scene net = scenes::load_scene("net:width=15,height=15");
+  std::uint32_t fixed = 0;
+  while (!net.particles[fixed].fixed) ++fixed;
+  World relaxed(net, {.method = Method::relax});
+  Scene chain;
+  chain.particles.push_back(net.particles[fixed]);
+  for (std::uint32_t i = both.chain_begin; i < both.chain_end; ++i) {
+    chain.particles.push_back(both.scene.particles[i]);
+    chain.rods.push_back({.a = i - both.chain_begin, .b = i - both.chain_begin + 1});
+  }
+  World direct(chain, {.method = Method::direct});
+
+  for (int i = 0; i < 20; ++i) {
+    if (i == 7) {
+      const Vec3 target = net.particles[fixed].position + Vec3{0.02, 0, 0.01};
+      world.move_anchor(fixed, target);
+      relaxed.move_anchor(fixed, target);
+      direct.move_anchor(0, target);
+      world.set_force(both.chain_end - 1, {1, 2, 3});
+      direct.set_force(6, {1, 2, 3});
+    }
+    for (World* each : {&world, &relaxed, &direct}) each->step(1.0 / 60);
+  }
+  for (std::uint32_t i = 0; i < net.particles.size(); ++i) {
+    EXPECT_EQ(world.position(i), relaxed.position(i));
+    EXPECT_EQ(world.velocity(i), relaxed.velocity(i));
+  }
+  for (std::uint32_t i = both.chain_begin; i < both.chain_end; ++i) {
+    EXPECT_EQ(world.position(i), direct.position(i - both.chain_begin + 1));
+    EXPECT_EQ(world.velocity(i), direct.velocity(i - both.chain_begin + 1));
+  }
+  EXPECT_EQ(world.position(both.chain_end), (Vec3{5, 5, 5}));
+}
+
+// A long line moves in segments. With a side branch of next to no mass it is a tree, which the general kernel
+// solves as a whole, and the same motion: 1e-12 of the mass moves it by less than the tolerances.
+TEST(Automatic, SegmentsAreTheWholeLine) {
+  for (const std::uint32_t links : {64u, 65u, 100u, 333u}) {
+    const Scene line = scenes::make_chain(links, 0.1, 10);
+    Scene tree = line;
+    tree.particles.push_back(test::movable(line.particles[1].position + Vec3{0, 0, 0.1}, 1e-12));
+    tree.rods.push_back({.a = 1, .b = links + 1});
+    const Settings old{.method = Method::direct, .gradient = Gradient::old, .substeps = 8};
+    World segments(line, old), whole(tree, old);
+    test::run(segments, 1.0 / 60, 15);
+    test::run(whole, 1.0 / 60, 15);
+    for (std::uint32_t i = 0; i <= links; ++i) {
+      EXPECT_LE(norm(segments.position(i) - whole.position(i)), 1e-8) << links << ", particle " << i;
+      EXPECT_LE(norm(segments.velocity(i) - whole.velocity(i)), 1e-6) << links << ", particle " << i;
+    }
+    EXPECT_LE(test::stretch_of(line, segments).max, 1e-10);
+  }
+}
+
+}  // namespace
+}  // namespace plumb
