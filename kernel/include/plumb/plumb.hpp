@@ -14,6 +14,7 @@
 
 #include "plumb/error.hpp"
 #include "plumb/executor.hpp"
+#include "plumb/inertia.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+
+#include "plumb/vec3.hpp"
+
+namespace plumb {
+
+/// A symmetric 3x3 tensor of inertia, kg m².
+struct Inertia {
+  double xx = 0, yy = 0, zz = 0;
+  double xy = 0, xz = 0, yz = 0;
+};
+
+/// What a rigid body weighs: mass in kg, centre of mass in m, inertia about that centre in the axes given.
+struct MassProperties {
+  double mass = 0;
+  Vec3 center{};
+  Inertia inertia{};
+};
+
+/// A particle for its mass alone.
+struct PointMass {
+  Vec3 position{};  ///< m
+  double mass = 0;  ///< kg
+};
+
+/// Of a set of points: centre by thesis eq. 2.2, inertia by eq. 2.13 and 4.1, about the centre. A set without
+/// mass has its centre at the origin. Throws InputError on a mass that is negative or anything not finite,
+/// with the number of the point.
+MassProperties mass_properties(std::span<const PointMass> points);
+
+/// Of solids of even density, centred on the origin, by the integrals of thesis eq. 4.2 to 4.4. Lengths in m,
+/// mass in kg; the axis of cylinders and capsules is x. Throw InputError on a size that is not positive and
+/// finite, or a mass that is negative or not finite.
+MassProperties solid_cylinder(double mass, double radius, double length);
+MassProperties solid_box(double mass, Vec3 size);
+MassProperties solid_sphere(double mass, double radius);
+/// A cylinder of `length` with half a sphere on either end.
+MassProperties solid_capsule(double mass, double radius, double length);
+
+/// The inertia about another point, `offset` (m) away from the centre of mass (parallel axes).
+Inertia inertia_about(const MassProperties& body, Vec3 offset);
+
+}  // namespace plumb
