@@ -60,7 +60,7 @@ double position_error(const Problem& problem, const std::vector<Vec3>& positions
 std::string Setting::name() const {
   const Gradient gradient = gradient_of(settings);
   std::string out(to_string(settings.method));
-  if (settings.method != Method::automatic) out += " " + std::string(to_string(gradient));
+  if (settings.method != Method::automatic) out.append(1, ' ').append(to_string(gradient));
   if (settings.method == Method::relax && settings.omega != 1) out += " w" + short_number(settings.omega);
   out += settings.precision == Precision::single ? " float " : " double ";
   out += std::to_string(frames) + " x ";
