@@ -12,6 +12,7 @@
 #include "line_segments.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
+#include "scene_graph.hpp"
 #include "scenes/generators.hpp"
 #include "tree_stepper.hpp"
 
@@ -33,11 +34,8 @@ double seconds_of(const std::function<void()>& work) {
 template <class T>
 struct Trees {
   Trees(const Scene& scene, std::uint32_t width) {
-    std::vector<layouts::Edge> edges;
-    for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
-    std::vector<std::uint8_t> movable;
-    for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
-    const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
+    const SceneGraph owner(scene);
+    const layouts::Graph graph = owner.view();
     const layouts::Islands islands = layouts::find_islands(graph);
     const auto equal = layouts::group_equal_islands(graph, islands).front();
     const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());

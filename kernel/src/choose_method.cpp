@@ -41,13 +41,17 @@ std::size_t widest_layer(const layouts::Graph& island) {
 
 }  // namespace
 
-Method choose_method(const Scene& scene, const layouts::LocalGraph& island,
-                     std::span<const std::uint32_t> rods, const Settings& settings) {
-  if (layouts::find_tree(island.view())) return Method::direct;
+bool is_for_direct(const layouts::Graph& island) {
+  return layouts::find_tree(island).has_value() || widest_layer(island) <= thin_layer;
+}
+
+Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
+                     const Settings& settings) {
+  if (shape_is_for_direct) return Method::direct;
   const bool carries_mass =
       mass_model_of(settings) == MassModel::consistent &&
       std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });
-  return carries_mass || widest_layer(island.view()) <= thin_layer ? Method::direct : Method::relax;
+  return carries_mass ? Method::direct : Method::relax;
 }
 
 Gradient choose_gradient(const Scene& scene, const Settings& settings) {

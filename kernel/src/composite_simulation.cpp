@@ -7,6 +7,7 @@
 #include "choose_method.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/measures.hpp"
+#include "scene_graph.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -115,11 +116,8 @@ class CompositeSimulation final : public Simulation {
 
 /// The islands of a scene by method. Fixed particles that hold nothing go to the first part.
 std::vector<Part> split(const Scene& scene, const Settings& settings) {
-  std::vector<layouts::Edge> edges;
-  for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
-  std::vector<std::uint8_t> movable;
-  for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
-  const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
+  const SceneGraph owner(scene);
+  const layouts::Graph graph = owner.view();
   const layouts::Islands islands = layouts::find_islands(graph);
 
   constexpr std::array methods{Method::direct, Method::relax};
@@ -129,9 +127,10 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   std::vector<std::uint8_t> placed(scene.particles.size(), 0);
   std::size_t first_used = methods.size();
   for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
-    const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
+    const bool shape_is_for_direct =
+        is_for_direct(layouts::local_graph(graph, islands, equal.front()).view());
     for (const std::uint32_t island : equal) {
-      const Method method = choose_method(scene, local, islands.edges(island), settings);
+      const Method method = choose_method(scene, shape_is_for_direct, islands.edges(island), settings);
       const auto m =
           static_cast<std::size_t>(std::find(methods.begin(), methods.end(), method) - methods.begin());
       first_used = std::min(first_used, m);

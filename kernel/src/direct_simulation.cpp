@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 
 #include "loop_group.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
+#include "scene_graph.hpp"
+#include "state_hash.hpp"
 #include "team.hpp"
 #include "tree_stepper.hpp"
 
@@ -123,26 +124,19 @@ class DirectSimulation final : public Simulation {
   }
 
   std::uint64_t state_hash() const override {
-    std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a, over the bits of every number in the scene's order
-    const auto add = [&](double value) {
-      const auto bits = std::bit_cast<std::uint64_t>(value);
-      for (unsigned byte = 0; byte < sizeof bits; ++byte)
-        hash = (hash ^ ((bits >> (8 * byte)) & 0xff)) * 0x100000001b3;
-    };
+    StateHash hash;
     for (std::uint32_t i = 0; i < places_.size(); ++i) {
-      const Vec3 p = position(i);
-      for (const double value : {p.x, p.y, p.z}) add(value);
+      hash.add<double>(position(i));
       if (fixed_[i]) continue;
       if (loops_.holds(i)) {
-        const Vec3 u = loops_.displacement(i);
-        for (const double value : {u.x, u.y, u.z}) add(value);
+        hash.add<double>(loops_.displacement(i));
         continue;
       }
       const TreeState<T>& state = groups_[places_[i].group].state;
       for (std::uint32_t c = 0; c < 3; ++c)
-        add(static_cast<double>(state.u[state.at(3 * places_[i].node + c, places_[i].lane)]));
+        hash.add(static_cast<double>(state.u[state.at(3 * places_[i].node + c, places_[i].lane)]));
     }
-    return hash;
+    return hash.value();
   }
 
   const WorldInfo& info() const override { return info_; }
@@ -182,11 +176,8 @@ class DirectSimulation final : public Simulation {
   // --- Compiling
 
   void make_groups(const Scene& scene) {
-    std::vector<layouts::Edge> edges;
-    for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
-    std::vector<std::uint8_t> movable;
-    for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
-    const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
+    const SceneGraph owner(scene);
+    const layouts::Graph graph = owner.view();
     const layouts::Islands islands = layouts::find_islands(graph);
     info_.islands = islands.count();
     for (const auto& equal : layouts::group_equal_islands(graph, islands)) {

@@ -1,7 +1,6 @@
 #include "relax_simulation.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +9,8 @@
 #include "plumb/measures.hpp"
 #include "project_velocities.hpp"
 #include "refuse.hpp"
+#include "scene_graph.hpp"
+#include "state_hash.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -66,11 +67,8 @@ RelaxSimulation<T>::RelaxSimulation(const Scene& scene, const Settings& settings
 
 template <class T>
 void RelaxSimulation<T>::make_blocks(const Scene& scene) {
-  std::vector<layouts::Edge> edges;
-  for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
-  std::vector<std::uint8_t> movable;
-  for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
-  const layouts::Graph graph{static_cast<std::uint32_t>(movable.size()), edges, movable};
+  const SceneGraph owner(scene);
+  const layouts::Graph graph = owner.view();
   Plan plan =
       plan_blocks(graph, settings_.layout, common_rods(scene, constants_), layouts::lane_width<T>, sizeof(T));
   info_.islands = plan.islands;
@@ -317,24 +315,13 @@ Vec3 RelaxSimulation<T>::velocity(std::uint32_t particle) const {
 
 template <class T>
 std::uint64_t RelaxSimulation<T>::state_hash() const {
-  using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-  std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a, over the bits of every number in the scene's order
-  const auto add = [&](double value) {
-    const auto bits = std::bit_cast<Bits>(static_cast<T>(value));
-    for (unsigned byte = 0; byte < sizeof bits; ++byte)
-      hash = (hash ^ ((bits >> (8 * byte)) & 0xff)) * 0x100000001b3;
-  };
+  StateHash hash;
   for (std::uint32_t particle = 0; particle < info_.particles; ++particle) {
     const Place place = places_.first(particle);
     const Block<T>& block = blocks_[place.block];
-    for (const T* field : {block.x(), block.displacement(0)}) {
-      const Vec3 v = block.read(field, place.slot);
-      add(v.x);
-      add(v.y);
-      add(v.z);
-    }
+    for (const T* field : {block.x(), block.displacement(0)}) hash.add<T>(block.read(field, place.slot));
   }
-  return hash;
+  return hash.value();
 }
 
 template class RelaxSimulation<float>;

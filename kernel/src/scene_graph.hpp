@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "plumb/layouts/graph.hpp"
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// A scene's particles and rods as layouts see them.
+struct SceneGraph {
+  explicit SceneGraph(const Scene& scene) {
+    edges.reserve(scene.rods.size());
+    for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
+    movable.reserve(scene.particles.size());
+    for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
+  }
+
+  /// Valid while this object lives.
+  layouts::Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
+
+  std::vector<layouts::Edge> edges;
+  std::vector<std::uint8_t> movable;
+};
+
+}  // namespace plumb::detail
