@@ -113,12 +113,12 @@ void add_layout_options(CLI::App& app, Settings& settings) {
 
 void add_solver_options(CLI::App& app, Settings& settings) {
   settings.method = Method::automatic;
-  CLI::Option* method = add_choice(
-      app, "--method", settings.method,
-      {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
-       Method::featherstone},
-      "How rods are kept at their length: one after the other, all at once, or the better of the two; "
-      "options of sweeps alone mean relax");
+  CLI::Option* method = add_choice(app, "--method", settings.method,
+                                   {Method::automatic, Method::relax, Method::direct, Method::springs,
+                                    Method::multipliers, Method::featherstone},
+                                   "How rods are kept at their length: the better of one after the other "
+                                   "(relax) and all at once (direct), "
+                                   "or the thesis's other methods; options of sweeps alone mean relax");
   add_count(app, "--substeps", settings.substeps, "Integrations per frame [1]");
   add_number(
       app, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
@@ -155,13 +155,32 @@ void add_solver_options(CLI::App& app, Settings& settings) {
              "Where a correction's direction is taken [mid; relax: new]");
   add_choice(app, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly [consistent; relax: lumped]");
+  add_choice(
+      app, "--integrator", settings.integrator,
+      {Integrator::explicit_euler, Integrator::semi_implicit_euler, Integrator::rk2, Integrator::rk4,
+       Integrator::implicit_euler, Integrator::adaptive_implicit_euler},
+      "Of springs, multipliers and featherstone [rk4; springs: semi-implicit-euler]; the last two are of "
+      "springs");
+  add_choice(app, "--springs", settings.springs.model, {SpringModel::rigid_rods, SpringModel::particles},
+             "What springs join: rigid rods at their joints, or particles");
+  add_positive(app, "--stiffness", settings.springs.stiffness, "Of every spring, N/m [10000]");
+  add_number(
+      app, "--damping-ratio", "D", [&settings](double value) { settings.springs.damping_ratio = value; },
+      "Of every spring, relative to critical [0.1]");
+  add_choice(app, "--stabilization", settings.multipliers.stabilization,
+             {Stabilization::none, Stabilization::baumgarte, Stabilization::projection},
+             "What multipliers do against drift");
+  add_positive(app, "--baumgarte-rate", settings.multipliers.baumgarte_rate,
+               "At which baumgarte lets violations decay, 1/s [10]");
   const std::vector<CLI::Option*> of_relaxation{sweeps, tolerance, budget, order, omega, weights};
   app.parse_complete_callback([method, of_relaxation, &settings] {
     for (const CLI::Option* option : of_relaxation) {
       if (option->count() == 0) continue;
       if (method->count() == 0) settings.method = Method::relax;
-      if (settings.method == Method::direct)
-        throw CLI::ValidationError(option->get_name(), "is of method relax; method direct has no sweeps");
+      if (settings.method != Method::relax && settings.method != Method::automatic)
+        throw CLI::ValidationError(
+            option->get_name(),
+            "is of method relax; method " + std::string(to_string(settings.method)) + " has no sweeps");
     }
   });
 }

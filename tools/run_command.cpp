@@ -40,13 +40,32 @@ void print_line(const char* name, const std::string& text) {
   std::printf("%-9s %s\n", name, text.c_str());
 }
 
+void print_method(const scenes::RunResult& result, const scenes::RunPlan& plan) {
+  const Settings& s = plan.settings;
+  std::string text = "integrator " + std::string(to_string(integrator_of(s)));
+  if (s.method == Method::springs)
+    text += ", " + std::string(to_string(s.springs.model)) + ", stiffness " +
+            short_number(s.springs.stiffness) + " N/m, damping ratio " +
+            short_number(s.springs.damping_ratio);
+  if (s.method == Method::multipliers)
+    text += ", stabilization " + std::string(to_string(s.multipliers.stabilization));
+  print_line("method", std::string(to_string(s.method)) + ", " + text + ", mass " +
+                           std::string(to_string(mass_model_of(s))) +
+                           (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
+  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
+                          plural(s.substeps, "substep") + " each");
+}
+
 void print_summary(const RunOptions& options, const scenes::RunResult& result,
                    const scenes::Machine& machine) {
   const Settings& s = options.plan.settings;
   const WorldInfo& info = result.info;
   print_line("scene", options.scene + ": " + plural(info.particles, "particle") + ", " +
                           plural(info.rods, "rod") + ", " + plural(info.islands, "island"));
-  const bool relaxes = info.relaxed_rods > 0 || info.direct_rods == 0;
+  const bool family =
+      s.method == Method::automatic || s.method == Method::relax || s.method == Method::direct;
+  const bool relaxes = family && (info.relaxed_rods > 0 || info.direct_rods == 0);
+  if (!family) print_method(result, options.plan);
   if (info.direct_rods > 0) {
     print_line("direct", plural(info.direct_rods, "rod") + " solved all at once, gradient " +
                              std::string(to_string(info.direct_gradient)) + ", mass " +

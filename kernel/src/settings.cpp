@@ -21,6 +21,22 @@ void validate_isa(Isa isa) {
   refuse("this machine or build does not run instruction set ", to_string(isa), "; it runs ", list);
 }
 
+bool has_accuracy(const Settings& settings) {
+  return settings.method == Method::automatic || settings.method == Method::direct ||
+         (settings.method == Method::springs &&
+          integrator_of(settings) == Integrator::adaptive_implicit_euler);
+}
+
+void validate_integrator(const Settings& settings) {
+  const Integrator integrator = integrator_of(settings);
+  const bool implicit =
+      integrator == Integrator::implicit_euler || integrator == Integrator::adaptive_implicit_euler;
+  if (implicit && settings.method != Method::springs)
+    refuse("integrator ", to_string(integrator), " needs method springs");
+  if (integrator == Integrator::adaptive_implicit_euler && !settings.accuracy)
+    refuse("integrator adaptive-implicit-euler needs an accuracy");
+}
+
 }  // namespace
 
 void validate(const Settings& settings) {
@@ -30,14 +46,17 @@ void validate(const Settings& settings) {
   }
   validate(settings.stop);
   if (settings.isa) validate_isa(*settings.isa);
-  if (settings.method != Method::automatic && settings.method != Method::relax &&
-      settings.method != Method::direct) {
-    throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
-  }
   if (settings.accuracy && !(*settings.accuracy > 0 && std::isfinite(*settings.accuracy)))
     refuse("accuracy must be positive and finite, got ", *settings.accuracy);
-  if (settings.accuracy && settings.method == Method::relax)
-    refuse("accuracy needs method direct or auto: relaxation is set by substeps and sweeps");
+  if (settings.accuracy && !has_accuracy(settings))
+    refuse("accuracy needs method direct or auto, or springs with integrator adaptive-implicit-euler");
+  validate_integrator(settings);
+  if (!(settings.springs.stiffness > 0 && std::isfinite(settings.springs.stiffness)))
+    refuse("stiffness must be positive and finite, got ", settings.springs.stiffness, " N/m");
+  if (!(settings.springs.damping_ratio >= 0 && std::isfinite(settings.springs.damping_ratio)))
+    refuse("damping ratio must be 0 or more and finite, got ", settings.springs.damping_ratio);
+  if (!(settings.multipliers.baumgarte_rate > 0 && std::isfinite(settings.multipliers.baumgarte_rate)))
+    refuse("baumgarte rate must be positive and finite, got ", settings.multipliers.baumgarte_rate, " 1/s");
   if (mass_model_of(settings) == MassModel::consistent && settings.method == Method::relax)
     refuse("mass consistent needs method direct or auto: relaxation moves particles one by one");
 }
@@ -55,6 +74,11 @@ void validate(const StopRule& rule) {
 
 Gradient gradient_of(const Settings& settings) {
   return settings.gradient.value_or(settings.method == Method::relax ? Gradient::new_ : Gradient::mid);
+}
+
+Integrator integrator_of(const Settings& settings) {
+  return settings.integrator.value_or(settings.method == Method::springs ? Integrator::semi_implicit_euler
+                                                                         : Integrator::rk4);
 }
 
 MassModel mass_model_of(const Settings& settings) {
@@ -130,6 +154,46 @@ std::string_view to_string(SweepOrder order) {
       return "gauss-seidel";
     case SweepOrder::jacobi:
       return "jacobi";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::explicit_euler:
+      return "explicit-euler";
+    case Integrator::semi_implicit_euler:
+      return "semi-implicit-euler";
+    case Integrator::rk2:
+      return "rk2";
+    case Integrator::rk4:
+      return "rk4";
+    case Integrator::implicit_euler:
+      return "implicit-euler";
+    case Integrator::adaptive_implicit_euler:
+      return "adaptive-implicit-euler";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(SpringModel model) {
+  switch (model) {
+    case SpringModel::rigid_rods:
+      return "rods";
+    case SpringModel::particles:
+      return "particles";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Stabilization stabilization) {
+  switch (stabilization) {
+    case Stabilization::none:
+      return "none";
+    case Stabilization::baumgarte:
+      return "baumgarte";
+    case Stabilization::projection:
+      return "projection";
   }
   return "unknown";
 }

@@ -44,6 +44,12 @@ Json settings_json(const RunPlan& plan) {
           {"weights", text(to_string(s.weights))},
           {"gradient", text(to_string(gradient_of(s)))},
           {"mass", text(to_string(mass_model_of(s)))},
+          {"integrator", text(to_string(integrator_of(s)))},
+          {"springs", text(to_string(s.springs.model))},
+          {"stiffness", s.springs.stiffness},
+          {"damping_ratio", s.springs.damping_ratio},
+          {"stabilization", text(to_string(s.multipliers.stabilization))},
+          {"baumgarte_rate", s.multipliers.baumgarte_rate},
           {"layout", text(to_string(s.layout))},
           {"precision", text(to_string(s.precision))},
           {"threads", s.threads},
@@ -53,9 +59,11 @@ Json settings_json(const RunPlan& plan) {
 Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
                  const Machine& machine) {
   // What `auto` picked, if it picked the same for all.
-  const Method method = result.info.direct_rods == 0    ? Method::relax
+  const Method asked = plan.settings.method;
+  const Method method = asked != Method::automatic      ? asked
+                        : result.info.direct_rods == 0  ? Method::relax
                         : result.info.relaxed_rods == 0 ? Method::direct
-                                                        : plan.settings.method;
+                                                        : asked;
   const EnergyDrift& energy = result.energy;
   Json errors = Json::array();
   for (const PositionError& e : result.position_error) {

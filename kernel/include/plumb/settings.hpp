@@ -12,7 +12,9 @@ namespace plumb {
 class Executor;
 
 /// How rods are kept at their length. `relax`: one after the other (thesis §3.2). `direct`: all rods of an
-/// island at once, to rounding. `automatic` picks between the two for every island. The others are planned.
+/// island at once, to rounding. `automatic` picks between the two for every island. The others are those that
+/// the thesis compares with, in double and on one thread: stiff springs (§3.3), Lagrange multipliers (§3.4)
+/// and Featherstone's articulated bodies (§3.5).
 enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
 
 /// Where on the way from the old to the new configuration a correction's direction is taken:
@@ -20,6 +22,39 @@ enum class Method : std::uint8_t { automatic, relax, direct, springs, multiplier
 /// breaks when h > 2/omega_max), or the middle (second order, as in energy-momentum
 /// schemes; relaxed, it keeps energy to second order).
 enum class Gradient : std::uint8_t { new_, old, mid };
+
+/// How springs, multipliers and featherstone go through time: forward Euler (thesis eq. 3.13), Euler with the
+/// new velocities, the midpoint rule, classical Runge–Kutta; for springs also backward Euler, linearised
+/// (eq. 3.16–3.22), in equal steps or in steps that keep Settings::accuracy.
+enum class Integrator : std::uint8_t {
+  explicit_euler,
+  semi_implicit_euler,
+  rk2,
+  rk4,
+  implicit_euler,
+  adaptive_implicit_euler
+};
+
+/// What the springs of method springs hold together: rods, rigid bodies with an orientation each, at their
+/// joints (thesis §4.4.1), or particles at the rods' lengths (figure 3.13).
+enum class SpringModel : std::uint8_t { rigid_rods, particles };
+
+struct SpringSettings {
+  SpringModel model = SpringModel::rigid_rods;
+  double stiffness = 1e4;  ///< N/m, of every spring
+  /// Of every spring, relative to the critical damping of the two masses it joins: 2 sqrt(stiffness · reduced
+  /// mass).
+  double damping_ratio = 0.1;
+};
+
+/// What method multipliers does against drift, since accelerations alone are kept: nothing, Baumgarte's
+/// feedback, or a projection of positions and velocities after every substep.
+enum class Stabilization : std::uint8_t { none, baumgarte, projection };
+
+struct MultiplierSettings {
+  Stabilization stabilization = Stabilization::projection;
+  double baumgarte_rate = 10;  ///< 1/s, at which a violation decays, critically damped
+};
 
 /// Which share of a correction each end takes: by inverse mass (thesis eq. 4.7) or half each (eq. 4.6).
 enum class Weights : std::uint8_t { mass, equal };
@@ -61,10 +96,13 @@ struct Settings {
   SweepOrder order = SweepOrder::gauss_seidel;
   double omega = 1;            ///< over-relaxation factor, in (0, 2)
   std::uint32_t substeps = 1;  ///< h = dt / substeps; the fewest if accuracy is set
-  /// For direct: picks substeps so that the estimated error grows by no more than this share of the scene's
-  /// diagonal per second.
+  /// For direct, and for springs with adaptive_implicit_euler: picks substeps so that the estimated error
+  /// grows by no more than this share of the scene's diagonal per second.
   std::optional<double> accuracy{};
   StopRule stop{};
+  std::optional<Integrator> integrator{};  ///< none: semi_implicit_euler for springs, else rk4
+  SpringSettings springs{};
+  MultiplierSettings multipliers{};
   LayoutChoice layout = LayoutChoice::automatic;
   std::optional<Isa> isa{};      ///< none: best_isa()
   unsigned threads = 0;          ///< 0: as many as the executor offers; at most 64 are used
@@ -73,6 +111,7 @@ struct Settings {
 
 /// What settings that are not set stand for, which depends on the method.
 Gradient gradient_of(const Settings& settings);
+Integrator integrator_of(const Settings& settings);
 MassModel mass_model_of(const Settings& settings);
 
 /// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) or an
@@ -87,6 +126,9 @@ std::string_view to_string(Gradient);
 std::string_view to_string(MassModel);
 std::string_view to_string(Weights);
 std::string_view to_string(SweepOrder);
+std::string_view to_string(Integrator);
+std::string_view to_string(SpringModel);
+std::string_view to_string(Stabilization);
 std::string_view to_string(LayoutChoice);
 std::string_view to_string(Isa);
 

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "plumb/scene.hpp"
+#include "plumb/settings.hpp"
+
+namespace plumb::detail {
+
+/// Coordinates and velocities of a mechanical system, in coordinates of its own.
+struct MechanicalState {
+  Eigen::VectorXd q;
+  Eigen::VectorXd v;
+
+  bool finite() const { return q.allFinite() && v.allFinite(); }
+};
+
+/// What acts on an island from outside, by the island's particles. Anchors are its fixed particles; within a
+/// substep they move in straight lines.
+struct Drive {
+  std::vector<Vec3> forces;             ///< N, on movable particles
+  std::vector<Vec3> anchors;            ///< m, of fixed particles at the start of the substep
+  std::vector<Vec3> anchor_velocities;  ///< m/s
+
+  Vec3 anchor(std::uint32_t particle, double t) const {
+    return anchors[particle] + t * anchor_velocities[particle];
+  }
+};
+
+/// The equations of motion of one island by one of the thesis's other methods, in double precision.
+class MechanicalSystem {
+ public:
+  virtual ~MechanicalSystem() = default;
+
+  /// That of the scene.
+  virtual MechanicalState initial_state(const Drive& drive) const = 0;
+  /// The rates of the velocities, `t` seconds into the substep.
+  virtual void accelerations(const MechanicalState& state, const Drive& drive, double t,
+                             Eigen::VectorXd& out) = 0;
+  /// The rates of the coordinates; the velocities unless said otherwise.
+  virtual void rates(const MechanicalState& state, Eigen::VectorXd& out) const { out = state.v; }
+  /// Puts back what rounding or the method itself lets drift, at the end of a substep, `t` seconds after its
+  /// start.
+  virtual void settle(MechanicalState&, const Drive&, double /*t*/) {}
+  /// One substep of h seconds; by integrate() unless the system has a way of its own.
+  virtual void advance(MechanicalState& state, const Drive& drive, double h);
+
+  /// Of a movable particle.
+  virtual Vec3 position(const MechanicalState& state, std::uint32_t particle) const = 0;
+  virtual Vec3 velocity(const MechanicalState& state, std::uint32_t particle) const = 0;
+
+ protected:
+  explicit MechanicalSystem(Integrator integrator) : integrator_(integrator) {}
+  Integrator integrator() const { return integrator_; }
+
+ private:
+  Integrator integrator_;
+};
+
+/// One substep of h seconds by an explicit integrator. Throws std::logic_error on an implicit one.
+void integrate(Integrator integrator, MechanicalSystem& system, MechanicalState& state, const Drive& drive,
+               double h);
+
+/// The system of one island, by the settings' method. Throws InputError if the method cannot move it (loops
+/// under featherstone), NotBuiltError if there is none yet.
+std::unique_ptr<MechanicalSystem> make_system(const Scene& island, const Settings& settings);
+
+}  // namespace plumb::detail
