@@ -39,7 +39,7 @@ class DirectSimulation final : public Simulation {
         executor_(settings.executor ? settings.executor : own_executor_.get()),
         team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
         stepper_(gradient_of(settings), scene.drag, settings.accuracy.has_value(), isa_),
-        loops_(scene, gradient_of(settings)),
+        loops_(scene, gradient_of(settings), isa_),
         diagonal_(bounding_diagonal(scene)),
         places_(scene.particles.size()) {
     for (const Particle& particle : scene.particles) {

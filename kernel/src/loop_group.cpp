@@ -4,8 +4,9 @@
 
 namespace plumb::detail {
 
-LoopGroup::LoopGroup(const Scene& scene, Gradient gradient)
+LoopGroup::LoopGroup(const Scene& scene, Gradient gradient, Isa isa)
     : gradient_(gradient),
+      isa_(isa),
       stepper_(gradient, scene.drag),
       places_(scene.particles.size()),
       fixed_in_(scene.particles.size()) {}
@@ -23,7 +24,7 @@ void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands&
         fixed_in_[vertices[i]].push_back({number, i});
     }
     islands_.push_back({LoopState(topology, scene, model, vertices, islands.edges(island)),
-                        LoopWorkspace(topology, gradient_),
+                        LoopWorkspace(topology, gradient_, isa_),
                         std::vector<double>(3 * std::size_t{topology->nodes})});
   }
 }

@@ -13,7 +13,7 @@ namespace plumb::detail {
 /// The islands with loops of a scene. Particles by their number in the scene.
 class LoopGroup {
  public:
-  LoopGroup(const Scene& scene, Gradient gradient);
+  LoopGroup(const Scene& scene, Gradient gradient, Isa isa);
 
   /// Takes islands that are `local` all alike.
   void add(const Scene& scene, MassModel model, const layouts::Islands& islands,
@@ -54,6 +54,7 @@ class LoopGroup {
   };
 
   Gradient gradient_;
+  Isa isa_;
   LoopStepper stepper_;
   mutable std::vector<Island> islands_;
   std::vector<Place> places_;                 ///< of movable particles

@@ -72,9 +72,9 @@ Coefficients coefficients(const LoopState& state, double h, Gradient gradient, d
 
 }  // namespace
 
-LoopWorkspace::Factor::Factor(const LoopSystem& of)
+LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
     : system(&of),
-      ldu(of.analysis),
+      ldu(of.analysis, isa),
       values(of.at(static_cast<std::uint32_t>(of.analysis.size() - 3 * std::size_t{of.nodes}))),
       smallest(of.analysis.size()),
       right(of.analysis.size()) {}
@@ -83,11 +83,11 @@ bool LoopWorkspace::Factor::worth_carrying() const {
   return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());
 }
 
-LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape, Gradient gradient)
-    : topology(std::move(shape)) {
+LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape, Gradient gradient, Isa instructions)
+    : topology(std::move(shape)), isa(instructions) {
   const std::size_t n = topology->nodes, rods = topology->rods.size();
-  first = std::make_unique<Factor>(topology->system);
-  if (gradient != Gradient::mid) projection = std::make_unique<Factor>(topology->system);
+  first = std::make_unique<Factor>(topology->system, isa);
+  if (gradient != Gradient::mid) projection = std::make_unique<Factor>(topology->system, isa);
   delta.assign(3 * std::size_t{topology->vertices}, 0);
   load.assign(3 * n, 0);
   d.assign(3 * rods, 0);
@@ -103,7 +103,7 @@ LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   if (topology->system.couples || !couples) return *first;
   if (!second) {
     coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true);
-    second = std::make_unique<Factor>(*coupled);
+    second = std::make_unique<Factor>(*coupled, isa);
   }
   return *second;
 }

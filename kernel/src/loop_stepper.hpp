@@ -11,11 +11,11 @@ namespace plumb::detail {
 
 /// What a thread needs while it steps one island; belongs to it, so that a factorisation can be used again.
 struct LoopWorkspace {
-  LoopWorkspace(std::shared_ptr<const LoopTopology> topology, Gradient gradient);
+  LoopWorkspace(std::shared_ptr<const LoopTopology> topology, Gradient gradient, Isa isa);
 
   /// The factor of a system; made when first asked for.
   struct Factor {
-    explicit Factor(const LoopSystem& system);
+    Factor(const LoopSystem& system, Isa isa);
     const LoopSystem* system;
     SparseLdu ldu;
     std::vector<double> values, smallest, right;
@@ -26,6 +26,7 @@ struct LoopWorkspace {
   Factor& factor(bool couples);
 
   std::shared_ptr<const LoopTopology> topology;
+  Isa isa;
   std::unique_ptr<LoopSystem> coupled;  ///< if the topology's has no couplings and they were needed
   std::unique_ptr<Factor> first, second;
   std::unique_ptr<Factor>

@@ -166,10 +166,12 @@ SparseAnalysis::SparseAnalysis(const SparsePattern& pattern, std::span<const Spa
     front.row_begin = rows_.size();
     for (const Index j : s.below[i])
       for (Index part = 0; part < numbers_of(j); ++part) rows_.push_back(start[j] + part);
-    front.factor = numbers_;
+    front.stride = layouts::round_up(width, simd::logical_width<double>);
+    front.factor = padded_;
+    padded_ += std::size_t{front.pivots} * front.stride;
     numbers_ += std::size_t{front.pivots} * (2 * std::size_t{front.rows} - front.pivots);
     operations_ += operations_of(front.pivots, front.rows);
-    widest_ = std::max(widest_, front.rows);
+    widest_ = std::max(widest_, front.stride);
     for (Index j = first; j <= i; ++j) front_of[j] = static_cast<Index>(fronts_.size());
     fronts_.push_back(front);
     ++i;
@@ -207,7 +209,7 @@ SparseAnalysis::SparseAnalysis(const SparsePattern& pattern, std::span<const Spa
       const SparseEntry& entry = entries[e];
       const Index row = local[position_[entry.row] + entry.row_part];
       const Index column = local[position_[entry.column] + entry.column_part];
-      places_.push_back({row * front.rows + column, entry.value});
+      places_.push_back({row * front.stride + column, entry.value});
     }
     const std::size_t passed = front.rows - front.pivots;
     used += passed * passed;

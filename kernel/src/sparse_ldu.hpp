@@ -4,6 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "front_kernels.hpp"
+#include "plumb/layouts/aligned_buffer.hpp"
+
 namespace plumb::detail {
 
 /// The graph of a square matrix with a symmetric pattern: variables of one or more numbers each, and which of
@@ -40,41 +43,45 @@ class SparseAnalysis {
   };
   struct Front {
     std::uint32_t first, pivots, rows;  ///< rows: pivots and those that they fill
+    std::uint32_t stride;               ///< rows with padding
     std::uint32_t parent;
     std::size_t row_begin;    ///< into rows_: rows after the pivots
     std::size_t place_begin;  ///< into places_
-    std::size_t factor;       ///< into the factor: pivots x rows, then the rest x pivots
+    std::size_t factor;       ///< into L and U, pivots x stride
     std::uint32_t child_begin, child_end;
   };
 
   std::size_t size_ = 0, numbers_ = 0, stack_ = 0;
-  std::uint32_t widest_ = 0;
+  std::size_t padded_ = 0;    ///< numbers in L or U with padding
+  std::uint32_t widest_ = 0;  ///< stride
   double operations_ = 0;
   std::vector<Front> fronts_;
   std::vector<std::uint32_t> rows_, relative_, position_, children_;
   std::vector<Place> places_;
 };
 
-/// L D U of an unsymmetric matrix, no exchange of rows. Always the same operations in the same order.
+/// L U of an unsymmetric matrix, no exchange of rows. Always the same operations in the same order.
 /// Allocates when made, and never again.
 class SparseLdu {
  public:
-  explicit SparseLdu(const SparseAnalysis& analysis);
+  SparseLdu(const SparseAnalysis& analysis, Isa isa);
 
   /// `smallest` holds, per number of a vector, the pivot at or below which an equation follows from others:
   /// it is left out and its unknown stays 0. Returns how many were.
   std::uint32_t factorize(std::span<const double> values, std::span<const double> smallest);
   /// The solution in place of the right-hand side, both as position() says.
-  void solve(std::span<double> x) const;
+  void solve(std::span<double> x);
   /// Whether the last factorisation left out the equation at a position.
   bool left_out(std::uint32_t position) const { return inverse_[position] == 0; }
 
  private:
-  void eliminate(const SparseAnalysis::Front& front, std::span<const double> smallest);
+  simd::FrontView view(const SparseAnalysis::Front& front);
 
   const SparseAnalysis* analysis_;
-  std::vector<double> factor_, inverse_, front_, stack_;
-  std::uint32_t dropped_ = 0;
+  const simd::FrontKernels* kernels_;
+  layouts::AlignedBuffer<double> upper_, lower_, inverse_;
+  layouts::AlignedBuffer<double> block_, x_;  ///< of the front at work
+  std::vector<double> stack_;                 ///< what fronts pass on to their parents
 };
 
 }  // namespace plumb::detail

@@ -10,6 +10,7 @@
 
 #include "loop_group.hpp"
 #include "plumb/plumb.hpp"
+#include "scene_graph.hpp"
 #include "scenes/generators.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
@@ -128,14 +129,11 @@ TEST(Loops, RingInFreeFlightKeepsItsMomentum) {
 
 /// A scene of one island, solved as if it had loops.
 detail::LoopGroup as_loops(const Scene& scene, Gradient gradient, MassModel mass) {
-  std::vector<layouts::Edge> edges;
-  for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
-  std::vector<std::uint8_t> can_move;
-  for (const Particle& particle : scene.particles) can_move.push_back(!particle.fixed);
-  const layouts::Graph graph{static_cast<std::uint32_t>(can_move.size()), edges, can_move};
+  const detail::SceneGraph owner(scene);
+  const layouts::Graph graph = owner.view();
   const layouts::Islands islands = layouts::find_islands(graph);
   const layouts::LocalGraph local = layouts::local_graph(graph, islands, 0);
-  detail::LoopGroup group(scene, gradient);
+  detail::LoopGroup group(scene, gradient, best_isa());
   const std::uint32_t all[] = {0};
   group.add(scene, mass, islands, all, local.view());
   return group;

@@ -53,7 +53,7 @@ TEST(SparseLdu, SolvesRandomMatrices) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const Matrix matrix(1 + 7 * seed, seed);
     const SparseAnalysis analysis(matrix.pattern, matrix.entries);
-    SparseLdu ldu(analysis);
+    SparseLdu ldu(analysis, best_isa());
     const std::vector<double> smallest(analysis.size(), 0);
     std::vector<double> wanted(analysis.size()), right(analysis.size(), 0);
     for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = std::sin(1.0 + static_cast<double>(i));
@@ -75,7 +75,7 @@ TEST(SparseLdu, LeavesOutEquationsThatFollowFromOthers) {
   const std::vector<SparseEntry> entries = {
       {0, 0, 0, 0, 0}, {0, 0, 1, 0, 0}, {1, 0, 0, 0, 0}, {1, 0, 1, 0, 0}, {2, 0, 2, 0, 1}};
   const SparseAnalysis analysis(pattern, entries);
-  SparseLdu ldu(analysis);
+  SparseLdu ldu(analysis, Isa::scalar);
   const std::vector<double> values = {1, 2}, smallest(3, 1e-12);
   EXPECT_EQ(ldu.factorize(values, smallest), 1u);
   std::vector<double> x(3);

@@ -1,0 +1,27 @@
+// Columns of fronts side by side in the lanes of one vector. Included once per instruction set with
+// PLUMB_ARCH set to its xsimd architecture.
+#include <xsimd/xsimd.hpp>
+
+#include "front_kernels.hpp"
+
+namespace plumb::simd {
+namespace {
+
+using Batch = xsimd::batch<double, PLUMB_ARCH>;
+
+template <class V>
+inline __attribute__((always_inline)) V load(const double* from) {
+  return V::load_aligned(from);
+}
+template <class V>
+inline __attribute__((always_inline)) V broadcast(double value) {
+  return V(value);
+}
+inline __attribute__((always_inline)) void store(const Batch& value, double* to) {
+  value.store_aligned(to);
+}
+
+}  // namespace
+}  // namespace plumb::simd
+
+#include "front_body.hpp"
