@@ -27,7 +27,7 @@ std::string script_for(const Chart& chart) {
     s += "EOD\n";
     plot += (plot.empty() ? "plot " : ", ");
     plot += name + " using 1:2 with linespoints title " + quoted(series.name) + " lc rgb " +
-            quoted(series.color) + (series.dashed ? " dt 2 pt 7" : " dt 1 pt 7") + " lw 2 ps 0.5";
+            quoted(series.color) + (series.dashed ? " dt 2 pt 7" : " dt 1 pt 7") + " lw " + scenes::short_number(series.width) + " ps 0.5";
   }
   return s + (plot.empty() ? "set label 'no data' at graph 0.5,0.5\nplot [1:10] [1:10] NaN notitle" : plot) +
          "\n";

@@ -8,9 +8,10 @@ namespace plumb::tools {
 
 struct Series {
   std::string name;
-  std::vector<std::pair<double, double>> points;  ///< x, y; both positive, the axes are logarithmic
+  std::vector<std::pair<double, double>> points{};  ///< x, y; both positive, the axes are logarithmic
   std::string color = "#1f5fa8";
   bool dashed = false;
+  double width = 2;  ///< of lines, in pixels
 };
 
 /// A picture with two logarithmic axes.

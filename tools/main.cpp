@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
       "  plumb run tools/scenes/net.json --tolerance 1e-3 --report net-report.json\n"
       "  plumb info net:width=64,height=64\n"
       "  plumb thesis --out out\n"
+      "  plumb frontier --out out\n"
       "  plumb stability --out out\n"
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.5,1 --out truth.csv\n\n" +
       tools::generators_help() + "\n`plumb COMMAND --help` tells the options of a command.");
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
   tools::Action action;
   tools::add_run_command(app, action);
   tools::add_info_command(app, action);
+  tools::add_frontier_command(app, action);
   tools::add_thesis_command(app, action);
   tools::add_scale_command(app, action);
   tools::add_stability_command(app, action);

@@ -191,6 +191,17 @@ CLI::Option* add_scene(CLI::App& app, std::string& spec) {
       ->type_name("");
 }
 
+std::string typed_options(const CLI::App& command) {
+  std::string out;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || name == "--quiet") continue;
+    out += " " + name;
+    if (option->get_expected_max() > 0) out += " " + option->results().front();
+  }
+  return out;
+}
+
 std::string generators_help() {
   std::string out = "Scenes: a JSON file, or a generator with the parameters that differ from these:\n";
   for (const scenes::GeneratorHelp& help : scenes::list_generators()) {

@@ -58,6 +58,9 @@ void add_solver_options(CLI::App& app, Settings& settings);
 /// The scene argument, with its help.
 CLI::Option* add_scene(CLI::App& app, std::string& spec);
 
+/// The options that were given, as the user typed them, but for --quiet, which changes no results.
+std::string typed_options(const CLI::App& command);
+
 /// The generators with their parameters, for the end of a help text.
 std::string generators_help();
 

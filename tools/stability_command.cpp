@@ -190,18 +190,6 @@ int stability(StabilityOptions options) {
   return fine;
 }
 
-/// The options that were given, as the user typed them, but for those that do not change the results.
-std::string typed_options(const CLI::App& command) {
-  std::string out;
-  for (const CLI::Option* option : command.get_options()) {
-    const std::string name = option->get_name();
-    if (option->count() == 0 || name == "--quiet") continue;
-    out += " " + name;
-    if (option->get_expected_max() > 0) out += " " + option->results().front();
-  }
-  return out;
-}
-
 }  // namespace
 
 void add_stability_command(CLI::App& app, Action& action) {

@@ -48,6 +48,49 @@ Scene make_thesis5() {
   return make_chain({.links = 5, .end_mass = 2});
 }
 
+Scene make_rods5() {
+  Scene scene;
+  scene.particles.push_back({.position = {0, 0, 0}, .fixed = true});
+  for (std::uint32_t i = 1; i <= 5; ++i) {
+    scene.particles.push_back({.position = {0.2 * i, 0, 0}});
+    scene.rods.push_back({.a = i - 1, .b = i, .length = 0.2, .mass = i < 5 ? 5.0 : 10.0});
+  }
+  return scene;
+}
+
+Scene make_tree() {
+  Scene scene;
+  scene.particles = {{.position = {0, 0, 0}, .fixed = true},   {.position = {0.3, 0, 0}},
+                     {.position = {0.6, 0.1, 0}, .mass = 0.5}, {.position = {0.3, 0, 0.3}},
+                     {.position = {0.3, 0, -0.25}, .mass = 2}, {.position = {0.6, 0.3, 0.2}},
+                     {.position = {0.55, -0.2, 0.1}}};
+  scene.rods = {{.a = 0, .b = 1, .mass = 2},   {.a = 1, .b = 2, .mass = 1}, {.a = 1, .b = 3, .mass = 3},
+                {.a = 1, .b = 4, .mass = 0.5}, {.a = 2, .b = 5, .mass = 1}, {.a = 2, .b = 6, .mass = 4}};
+  return scene;
+}
+
+Scene make_humanoid() {
+  constexpr double inch = 0.0254, pound = 0.45359237;
+  struct Limb {
+    std::uint32_t joint;            ///< the particle that it hangs from
+    double length, mass, sideways;  ///< inches, pounds, sine of its angle
+  };
+  constexpr double spread = 0.5;
+  const Limb limbs[] = {{0, 10, 25, 0},       {1, 5, 5, 0},   {2, 28, 140, 0},
+                        {3, 5, 5, 0},         {4, 7, 35, 0},  {5, 30, 45, spread},
+                        {5, 30, 45, -spread}, {6, 30, 45, 0}, {7, 30, 45, 0}};
+  Scene scene;
+  scene.particles.push_back({.position = {0, 0, 0}, .fixed = true});
+  for (const Limb& limb : limbs) {
+    const double along = std::sqrt(1 - limb.sideways * limb.sideways);
+    const Vec3 way{along * limb.length * inch, 0, limb.sideways * limb.length * inch};
+    const auto end = static_cast<std::uint32_t>(scene.particles.size());
+    scene.particles.push_back({.position = scene.particles[limb.joint].position + way});
+    scene.rods.push_back({.a = limb.joint, .b = end, .mass = limb.mass * pound});
+  }
+  return scene;
+}
+
 Scene make_net(const NetShape& shape) {
   // With two columns the fixed corners would be neighbours, and a rod between fixed particles has no work to
   // do.
@@ -60,13 +103,15 @@ Scene make_net(const NetShape& shape) {
   scene.particles.reserve(std::size_t{shape.width} * shape.height);
   for (std::uint32_t row = 0; row < shape.height; ++row) {
     for (std::uint32_t column = 0; column < shape.width; ++column) {
-      const bool corner = row == 0 && (column == 0 || column + 1 == shape.width);
-      scene.particles.push_back({.position = {column * shape.spacing, 0 - row * shape.spacing, 0},
+      const bool fixed = row == 0 && (shape.level || column == 0 || column + 1 == shape.width);
+      const double x = column * shape.spacing, along = row * shape.spacing;
+      scene.particles.push_back({.position = shape.level ? Vec3{x, 0, along} : Vec3{x, 0 - along, 0},
                                  .velocity = {},
-                                 .mass = corner ? 0 : shape.mass,
-                                 .fixed = corner});
+                                 .mass = fixed ? 0 : shape.mass,
+                                 .fixed = fixed});
       const std::uint32_t id = row * shape.width + column;
-      if (column + 1 < shape.width) scene.rods.push_back({.a = id, .b = id + 1, .length = shape.spacing});
+      if (column + 1 < shape.width && !(shape.level && row == 0))
+        scene.rods.push_back({.a = id, .b = id + 1, .length = shape.spacing});
       if (row + 1 < shape.height)
         scene.rods.push_back({.a = id, .b = id + shape.width, .length = shape.spacing});
     }

@@ -22,6 +22,8 @@ struct NetShape {
   std::uint32_t height = 32;  ///< particles along y
   double spacing = 0.1;       ///< m
   double mass = 1;            ///< kg, of every movable particle
+  /// 1: held along its whole first row, and level at first, in the x-z plane.
+  std::uint32_t level = 0;
 };
 
 /// Separate chains side by side in z, each with a fixed root: particles and rods chain after chain.
@@ -82,5 +84,15 @@ Scene make_graph(const GraphShape& shape);
 
 /// The thesis's experiment (section 4.4): five links, the last particle of double mass.
 Scene make_thesis5();
+
+/// Five uniform rods of 0.2 m in a row, straight along +x from a fixed particle: 5 kg each, the last 10 kg.
+Scene make_rods5();
+
+/// Six uniform rods from a fixed particle, branching twice, with a point mass on two of the joints.
+Scene make_tree();
+
+/// The thesis's humanoid as a tree of uniform rods: nine limbs of the medium body (figure 4.9 and appendix B,
+/// inches and pounds), level along +x from the fixed top of the head, legs 30 degrees to either side.
+Scene make_humanoid();
 
 }  // namespace plumb::scenes

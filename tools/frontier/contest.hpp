@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "frontier/problem.hpp"
+#include "scenes/run.hpp"
+
+namespace plumb::frontier {
+
+/// Ever finer settings of one method.
+struct Path {
+  std::string family;  ///< of methods that are drawn as one
+  Settings settings{};
+  std::uint32_t frames = 60;  ///< a second
+  /// Makes the settings finer; false if they cannot be.
+  std::function<bool(Settings&)> refine{};
+};
+
+/// One way to move a scene, and what came of it.
+struct Point {
+  std::string family{}, setting{};
+  std::uint32_t frames = 60;
+  Settings settings{};
+  double ms = 0;         ///< of stepping, per simulated second: the least of the repetitions
+  double median_ms = 0;  ///< of the repetitions
+  std::uint32_t repetitions = 1;
+  double position_error = 0;  ///< at the end, RMS over particles, relative to the scene's diagonal
+  double stretch = 0;         ///< largest, over all rods and ends of frames
+  double energy_drift = 0;    ///< largest, relative to the scene's energy range
+  bool on_front = false;      ///< nothing measured is both faster and nearer to the truth
+  std::string picked{};       ///< by method auto
+};
+
+/// The families' names, in the order in which they are drawn.
+const std::vector<std::string>& all_families();
+
+/// Every path of a family through a problem.
+std::vector<Path> paths_of(const std::string& family, const Problem& problem);
+
+/// A setting in few words: method, options, frames a second x substeps (or accuracy) x sweeps.
+std::string name_of(const Settings& settings, std::uint32_t frames);
+/// What method auto took.
+std::string picked_by(const WorldInfo& info);
+
+struct Limits {
+  double path_s = 0.2;   ///< of wall-clock time for a path; its last run may take as much again
+  double contest_s = 3;  ///< for the repetitions
+};
+
+/// Runs every path, from coarse to fine, then times again, in turns, all that is on the front or nearly, and
+/// what each family needs for its own. Marks the front. Settings that do not stay finite, or whose rods
+/// stretch to twice their length, are left out.
+std::vector<Point> compete(const Problem& problem, const std::vector<std::string>& families,
+                           const Limits& limits);
+
+/// Of points given by time and error: which no other dominates. Errors below `floor`, what the truth is known
+/// to, count as equal.
+std::vector<bool> find_front(const std::vector<std::pair<double, double>>& time_and_error, double floor);
+
+/// Sets on_front.
+void mark_front(std::vector<Point>& points, double floor);
+
+}  // namespace plumb::frontier

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+
+#include "frontier/contest.hpp"
+#include "plumb/springs.hpp"
+#include "plumb/world.hpp"
+#include "scenes/numbers.hpp"
+
+namespace plumb::frontier {
+namespace {
+
+using scenes::short_number;
+
+constexpr std::uint32_t most_substeps = 1u << 16;
+constexpr double least_accuracy = 1e-10;
+
+bool double_substeps(Settings& settings) {
+  settings.substeps *= 2;
+  return settings.substeps <= most_substeps;
+}
+
+bool tighten(Settings& settings) {
+  settings.accuracy = *settings.accuracy / 3;
+  return *settings.accuracy >= least_accuracy;
+}
+
+/// Frames of 1/20 s for coarse answers, and of 1/60 s.
+void add(std::vector<Path>& out, const std::string& family, const Settings& settings) {
+  for (const std::uint32_t frames : {20u, 60u}) {
+    Path path{.family = family, .settings = settings, .frames = frames, .refine = double_substeps};
+    if (settings.accuracy) path.refine = tighten;
+    out.push_back(path);
+  }
+}
+
+std::vector<Path> relaxed(const std::string& family, bool over_relaxed) {
+  std::vector<Path> out;
+  for (const Precision precision : {Precision::double_, Precision::single})
+    for (const Gradient gradient : {Gradient::new_, Gradient::old, Gradient::mid})
+      for (const std::uint32_t sweeps : {1u, 4u, 16u, 64u}) {
+        if (over_relaxed && (sweeps < 4 || gradient == Gradient::new_)) continue;
+        if (precision == Precision::single && (sweeps > 4 || gradient == Gradient::new_)) continue;
+        out.push_back({.family = family,
+                       .settings = {.method = Method::relax,
+                                    .precision = precision,
+                                    .gradient = gradient,
+                                    .omega = over_relaxed ? (sweeps > 16 ? 1.9 : 1.7) : 1.0,
+                                    .stop = {.sweeps = sweeps},
+                                    .threads = 1},
+                       .refine = double_substeps});
+      }
+  return out;
+}
+
+std::vector<Path> direct(const std::string& family, Method method) {
+  std::vector<Path> out;
+  for (const Precision precision : {Precision::double_, Precision::single}) {
+    const bool automatic = method == Method::automatic;
+    for (const std::optional<Gradient> gradient :
+         {std::optional<Gradient>{}, std::optional{Gradient::old}, std::optional{Gradient::mid}}) {
+      if (gradient.has_value() == automatic) continue;
+      Settings settings{.method = method, .precision = precision, .gradient = gradient, .threads = 1};
+      add(out, family, settings);
+      settings.accuracy = 0.3;
+      add(out, family, settings);
+    }
+  }
+  return out;
+}
+
+/// So stiff that the substep is a fixed share of what the integrator allows, and the stiffer, the finer.
+Path sprung(const std::string& family, const Problem& problem, SpringModel model, Integrator integrator) {
+  Settings settings{.method = Method::springs, .integrator = integrator, .threads = 1};
+  settings.springs.model = model;
+  if (model == SpringModel::particles) settings.mass = MassModel::lumped;
+  const bool implicit = integrator == Integrator::implicit_euler;
+  // Of the time in which the stiffest oscillation turns by one radian.
+  const double share = implicit ? 20 : 0.5;
+  settings.springs.damping_ratio = implicit ? 1 : 0.05;
+  settings.springs.stiffness = 1;
+  const double unit = spring_stability(problem.scene, settings).frequency;  // rad/s at 1 N/m
+  const auto fit = [share, unit](Settings& s) {
+    s.springs.stiffness = std::pow(share * 60 * s.substeps / unit, 2);
+  };
+  fit(settings);
+  return {.family = family, .settings = settings, .refine = [fit](Settings& s) {
+            const bool finer = double_substeps(s);
+            fit(s);
+            return finer;
+          }};
+}
+
+std::vector<Path> multiplied(const std::string& family) {
+  std::vector<Path> out;
+  for (const Stabilization stabilization : {Stabilization::baumgarte, Stabilization::projection})
+    for (const Integrator integrator : {Integrator::semi_implicit_euler, Integrator::rk4}) {
+      Settings settings{.method = Method::multipliers, .integrator = integrator, .threads = 1};
+      settings.multipliers.stabilization = stabilization;
+      out.push_back({.family = family, .settings = settings, .refine = double_substeps});
+    }
+  return out;
+}
+
+std::vector<Path> reduced(const std::string& family) {
+  std::vector<Path> out;
+  for (const Integrator integrator : {Integrator::semi_implicit_euler, Integrator::rk2, Integrator::rk4})
+    out.push_back({.family = family,
+                   .settings = {.method = Method::featherstone, .integrator = integrator, .threads = 1},
+                   .refine = double_substeps});
+  return out;
+}
+
+}  // namespace
+
+const std::vector<std::string>& all_families() {
+  static const std::vector<std::string> list{"auto",    "direct",           "relax",       "over-relaxed",
+                                             "springs", "implicit springs", "multipliers", "featherstone"};
+  return list;
+}
+
+std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
+  if (family == "auto") return direct(family, Method::automatic);
+  if (family == "direct") return direct(family, Method::direct);
+  if (family == "relax") return relaxed(family, false);
+  if (family == "over-relaxed") return relaxed(family, true);
+  if (family == "springs")
+    return {sprung(family, problem, SpringModel::rigid_rods, Integrator::semi_implicit_euler),
+            sprung(family, problem, SpringModel::rigid_rods, Integrator::rk4),
+            sprung(family, problem, SpringModel::particles, Integrator::semi_implicit_euler),
+            sprung(family, problem, SpringModel::particles, Integrator::rk4)};
+  if (family == "implicit springs")
+    return {sprung(family, problem, SpringModel::rigid_rods, Integrator::implicit_euler),
+            sprung(family, problem, SpringModel::particles, Integrator::implicit_euler)};
+  if (family == "multipliers") return multiplied(family);
+  return problem.is_tree ? reduced(family) : std::vector<Path>{};
+}
+
+std::string name_of(const Settings& s, std::uint32_t frames) {
+  std::string out(to_string(s.method));
+  const auto word = [&](std::string_view text) { out.append(1, ' ').append(text); };
+  switch (s.method) {
+    case Method::automatic:
+      break;
+    case Method::relax:
+    case Method::direct:
+      word(to_string(gradient_of(s)));
+      if (s.method == Method::relax && s.omega != 1) word("w" + short_number(s.omega));
+      break;
+    case Method::springs:
+      word(to_string(s.springs.model));
+      word(to_string(integrator_of(s)));
+      word(short_number(s.springs.stiffness, 2) + " N/m");
+      break;
+    case Method::multipliers:
+      word(to_string(s.multipliers.stabilization));
+      word(to_string(integrator_of(s)));
+      break;
+    case Method::featherstone:
+      word(to_string(integrator_of(s)));
+      break;
+  }
+  if (s.precision == Precision::single) word("float");
+  word(std::to_string(frames) + " x");
+  word(s.accuracy ? "a" + short_number(*s.accuracy, 1) : std::to_string(s.substeps));
+  if (s.method == Method::relax) word("x " + std::to_string(s.stop.sweeps));
+  return out;
+}
+
+std::string picked_by(const WorldInfo& info) {
+  const std::string direct = "direct " + std::string(to_string(info.direct_gradient));
+  if (info.relaxed_rods == 0) return direct;
+  return info.direct_rods == 0 ? "relax" : "relax and " + direct;
+}
+
+}  // namespace plumb::frontier

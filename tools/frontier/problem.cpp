@@ -1,0 +1,95 @@
+#include "frontier/problem.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "plumb/world.hpp"
+#include "scenes/spec.hpp"
+#include "truth/truth.hpp"
+
+namespace plumb::frontier {
+namespace {
+
+/// Rods that close loops, above which Taylor series take too long.
+constexpr std::size_t most_loops = 40;
+/// Truths by extrapolation are refined until known to this.
+constexpr double wanted = 1e-8;
+
+bool has_many_loops(const Scene& scene) {
+  std::size_t movable = 0;
+  for (const Particle& particle : scene.particles) movable += !particle.fixed;
+  return scene.rods.size() > movable + most_loops;
+}
+
+void solve(Problem& problem) {
+  const truth::Truth result = truth::solve(problem.scene, {.save_at = {problem.duration}, .tolerance = 1e-9});
+  problem.truth = result.frames;
+  problem.truth_source = "Taylor series";
+  problem.truth_error = result.reached.worst();
+}
+
+std::vector<Vec3> relaxed_end(const Problem& problem, std::uint32_t substeps) {
+  World world(
+      problem.scene,
+      {.method = Method::relax, .gradient = Gradient::old, .substeps = substeps, .stop = {.sweeps = 4}});
+  for (double frame = 0; frame < std::round(60 * problem.duration); ++frame) world.step(1.0 / 60);
+  std::vector<Vec3> positions(world.particle_count());
+  world.copy_positions(positions);
+  return positions;
+}
+
+/// Gradient old is of second order however far its sweeps go, as what is left of one substep is passed on to
+/// the next.
+void extrapolate(Problem& problem, double most_s) {
+  using Clock = std::chrono::steady_clock;
+  const double diagonal = bounding_diagonal(problem.scene);
+  std::vector<Vec3> coarse, last;
+  problem.truth_error = std::numeric_limits<double>::infinity();
+  for (std::uint32_t substeps = 16;; substeps *= 2) {
+    const auto start = Clock::now();
+    const std::vector<Vec3> fine = relaxed_end(problem, substeps);
+    const double s = std::chrono::duration<double>(Clock::now() - start).count();
+    if (!coarse.empty()) {
+      std::vector<Vec3> better(fine.size());
+      for (std::size_t i = 0; i < fine.size(); ++i) better[i] = fine[i] + (1.0 / 3) * (fine[i] - coarse[i]);
+      if (!last.empty()) problem.truth_error = rms_distance(better, last) / diagonal;
+      last = std::move(better);
+    }
+    coarse = fine;
+    if (problem.truth_error <= wanted || (std::isfinite(problem.truth_error) && 2 * s > most_s)) break;
+  }
+  problem.truth = {{.t = problem.duration, .positions = last, .velocities = std::vector<Vec3>(last.size())}};
+  problem.truth_source = "extrapolated from relaxation";
+}
+
+}  // namespace
+
+std::vector<Problem> all_problems() {
+  std::vector<Problem> out;
+  for (const int links : {5, 20, 100, 1000})
+    for (const int mass : {1, 10, 1000})
+      out.push_back({.name = "N" + std::to_string(links) + "_r" + std::to_string(mass),
+                     .spec = "chain:links=" + std::to_string(links) + ",end_mass=" + std::to_string(mass)});
+  out.push_back({.name = "rods5", .spec = "rods5"});
+  out.push_back({.name = "tree", .spec = "tree"});
+  out.push_back({.name = "humanoid", .spec = "humanoid"});
+  out.push_back({.name = "ensemble", .spec = "ensemble:chains=256,links=32"});
+  out.push_back({.name = "ring", .spec = "ring", .is_tree = false});
+  out.push_back({.name = "truss", .spec = "truss:bays=20,fixed=2", .is_tree = false});
+  out.push_back(
+      {.name = "net32", .spec = "net:width=32,height=32,level=1", .duration = 0.5, .is_tree = false});
+  out.push_back(
+      {.name = "net128", .spec = "net:width=128,height=128,level=1", .duration = 0.5, .is_tree = false});
+  return out;
+}
+
+void prepare(Problem& problem, double most_s) {
+  problem.scene = scenes::load_scene(problem.spec);
+  if (has_many_loops(problem.scene))
+    extrapolate(problem, most_s);
+  else
+    solve(problem);
+}
+
+}  // namespace plumb::frontier

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plumb/measures.hpp"
+#include "plumb/scene.hpp"
+
+/// Run time against error, every method on the same scenes.
+namespace plumb::frontier {
+
+/// A scene, how long it runs, and where everything should then be.
+struct Problem {
+  std::string name{};   ///< for tables and files
+  std::string spec{};   ///< as scenes::load_scene reads it
+  double duration = 1;  ///< s, a whole number of frames of 1/20 s and of 1/60 s
+  bool is_tree = true;
+
+  Scene scene{};
+  std::vector<Frame> truth{};  ///< one frame, at the end
+  std::string truth_source{};
+  double truth_error = 0;  ///< relative to the diagonal: what the truth is known to
+};
+
+/// The default grid.
+std::vector<Problem> all_problems();
+
+/// Loads the scene and finds its truth: by Taylor series (plumb truth), or, where loops are too many for
+/// that, from relaxed runs with doubling substeps, extrapolated, until `most_s` are spent.
+void prepare(Problem& problem, double most_s);
+
+}  // namespace plumb::frontier
