@@ -12,6 +12,7 @@
 #include "plumb/plumb.hpp"
 #include "scenes/generators.hpp"
 #include "scenes/trajectory.hpp"
+#include "support/sanitizers.hpp"
 #include "support/truths.hpp"
 #include "support/worlds.hpp"
 
@@ -206,6 +207,7 @@ bool diverges(const Scene& scene, Settings settings, double h, std::uint32_t ste
 // vibration of damping ratio z grows by 2 z^2 1 % a step at 1 % beyond its limit, and the slowest of the
 // chain has a z of 0.05.
 TEST(SpringStability, LimitsAreWithinAPercent) {
+  if (test::sanitized) GTEST_SKIP() << "millions of steps, which others take as well";
   for (const std::uint32_t links : {1u, 5u})
     for (const SpringModel model : both_models)
       for (const Integrator integrator :
@@ -227,6 +229,7 @@ TEST(SpringStability, LimitsAreWithinAPercent) {
 // More links than whose eigenvalues are all found: semi-implicit Euler's limit is still exact, that of the
 // others comes from the fastest vibration.
 TEST(SpringStability, LimitsOfLongChains) {
+  if (test::sanitized) GTEST_SKIP() << "millions of steps, which others take as well";
   const Scene scene = weightless(60);
   for (const SpringModel model : both_models)
     for (const Integrator integrator :
