@@ -53,7 +53,11 @@ void print_method(const scenes::RunResult& result, const scenes::RunPlan& plan) 
                            std::string(to_string(mass_model_of(s))) +
                            (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
   print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
-                          plural(s.substeps, "substep") + " each");
+                          plural(s.substeps, "substep") + " each" +
+                          (s.accuracy ? ", " + plural(result.total.repeated_steps, "step") + " done again, " +
+                                            std::to_string(result.total.inaccurate_steps) +
+                                            " taken though not accurate enough"
+                                      : ""));
 }
 
 void print_summary(const RunOptions& options, const scenes::RunResult& result,
@@ -94,6 +98,9 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
   }
   print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
                             " (rod " + std::to_string(result.stretch.max_rod) + ")");
+  if (s.method == Method::springs && s.springs.model == SpringModel::rigid_rods)
+    print_line("gaps", "at joints at most " + short_number(result.total.largest_gap) + " m, RMS at most " +
+                           short_number(result.total.rms_gap) + " m");
   const scenes::EnergyDrift& energy = result.energy;
   print_line("energy", short_number(energy.initial) + " J at first, " + short_number(energy.final) +
                            " J at last, drift at most " +

@@ -118,6 +118,9 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   fallbacks += other.fallbacks;
   repeated_steps += other.repeated_steps;
   unsolved += other.unsolved;
+  largest_gap = std::max(largest_gap, other.largest_gap);
+  rms_gap = std::max(rms_gap, other.rms_gap);
+  inaccurate_steps += other.inaccurate_steps;
   return *this;
 }
 

@@ -61,7 +61,8 @@ TEST(Report, HasEveryField) {
                                                  "direct_rods",    "direct_gradient",
                                                  "tree_substeps",  "halvings",
                                                  "fallbacks",      "repeated_steps",
-                                                 "unsolved"}));
+                                                 "unsolved",       "largest_gap",
+                                                 "rms_gap",        "inaccurate_steps"}));
   EXPECT_EQ(keys(report["settings"]), (std::set<std::string>{"method",
                                                              "duration",
                                                              "dt",

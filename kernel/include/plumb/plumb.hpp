@@ -10,6 +10,7 @@
 /// scene.hpp     what is simulated           world.hpp     the compiled scene and its step
 /// settings.hpp  how it is simulated         measures.hpp  how wrong it is: stretch, energy, momentum, truth
 /// executor.hpp  whose threads do it         error.hpp     what is refused
+/// springs.hpp   which steps springs bear    inertia.hpp   what sets of points and solids weigh
 #pragma once
 
 #include "plumb/error.hpp"
@@ -18,5 +19,6 @@
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/springs.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/world.hpp"

@@ -37,10 +37,17 @@ struct StepReport {
   std::uint64_t newton = 0;          ///< Newton steps, summed over trees
   std::uint64_t halvings = 0;        ///< times a tree's substep did not converge and was cut in two
   std::uint64_t fallbacks = 0;       ///< substeps taken with gradient new because nothing else converged
-  std::uint64_t repeated_steps = 0;  ///< steps of a group of trees done again, finer, to be accurate enough
+  std::uint64_t repeated_steps = 0;  ///< steps (of a group of trees) done again, finer, to be accurate enough
   /// Substeps that not even that solved: the tree stayed where it was, an island with loops took its rods as
   /// slightly elastic.
   std::uint64_t unsolved = 0;
+
+  // Of method springs, at the end of a step; of several steps or islands the worst:
+  double largest_gap = 0;  ///< m between ends of rigid rods that should meet (thesis figure 4.5)
+  double rms_gap = 0;      ///< m, over the joints of an island
+  /// Steps of adaptive_implicit_euler taken at the shortest length allowed although that was not accurate
+  /// enough. Those done again, finer, count as repeated_steps.
+  std::uint64_t inaccurate_steps = 0;
 
   StepReport& operator+=(const StepReport& other);
 };
@@ -108,8 +115,9 @@ class World {
   World& operator=(World&&) noexcept;
 
   /// Advances by dt seconds in Settings::substeps equal substeps. Throws InputError if dt is not positive and
-  /// finite. Allocates nothing after the first call, but to freeze an island, and when an island with loops
-  /// solved directly with gradient old and lumped masses has to fall back for the first time.
+  /// finite. Methods relax, direct and auto allocate nothing after the first call, but to freeze an island,
+  /// and when an island with loops solved directly with gradient old and lumped masses has to fall back for
+  /// the first time.
   StepReport step(double dt);
 
   /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws

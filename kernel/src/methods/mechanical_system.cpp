@@ -4,6 +4,7 @@
 #include <string>
 
 #include "plumb/error.hpp"
+#include "springs.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -68,8 +69,13 @@ void MechanicalSystem::advance(MechanicalState& state, const Drive& drive, doubl
   integrate(integrator_, *this, state, drive, h);
 }
 
-std::unique_ptr<MechanicalSystem> make_system(const Scene&, const Settings& settings) {
-  throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
+std::unique_ptr<MechanicalSystem> make_system(const Scene& island, const Settings& settings) {
+  switch (settings.method) {
+    case Method::springs:
+      return make_springs(island, settings);
+    default:
+      throw NotBuiltError("method " + std::string(to_string(settings.method)) + " is not built yet");
+  }
 }
 
 }  // namespace plumb::detail

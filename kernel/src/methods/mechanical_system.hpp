@@ -7,6 +7,7 @@
 
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/world.hpp"
 
 namespace plumb::detail {
 
@@ -24,6 +25,7 @@ struct Drive {
   std::vector<Vec3> forces;             ///< N, on movable particles
   std::vector<Vec3> anchors;            ///< m, of fixed particles at the start of the substep
   std::vector<Vec3> anchor_velocities;  ///< m/s
+  double scene_diagonal = 0;            ///< m, of all islands together: what an accuracy is relative to
 
   Vec3 anchor(std::uint32_t particle, double t) const {
     return anchors[particle] + t * anchor_velocities[particle];
@@ -47,6 +49,9 @@ class MechanicalSystem {
   virtual void settle(MechanicalState&, const Drive&, double /*t*/) {}
   /// One substep of h seconds; by integrate() unless the system has a way of its own.
   virtual void advance(MechanicalState& state, const Drive& drive, double h);
+
+  /// Adds what has happened since the last report, and what the state is like: gaps of joints.
+  virtual void report(const MechanicalState&, const Drive&, StepReport&) {}
 
   /// Of a movable particle.
   virtual Vec3 position(const MechanicalState& state, std::uint32_t particle) const = 0;

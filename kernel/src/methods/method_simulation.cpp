@@ -9,6 +9,7 @@
 #include "plumb/measures.hpp"
 #include "project_velocities.hpp"
 #include "scene_graph.hpp"
+#include "springs.hpp"
 #include "state_hash.hpp"
 
 namespace plumb::detail {
@@ -37,6 +38,7 @@ class MethodSimulation final : public Simulation {
       anchors_.push_back(particle.position);
     }
     targets_ = anchors_;
+    diagonal_ = bounding_diagonal(scene);
     make_islands(scene);
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
       if (!fixed_[i])
@@ -57,7 +59,10 @@ class MethodSimulation final : public Simulation {
         for (std::size_t p = 0; p < island.particles.size(); ++p)
           island.drive.anchors[p] = island.drive.anchor(static_cast<std::uint32_t>(p), h);
       }
-      if (island.state.finite()) continue;
+      if (island.state.finite()) {
+        island.system->report(island.state, island.drive, report);
+        continue;
+      }
       std::swap(island.state, island.last);
       island.frozen = true;
       ++report.frozen_islands;
@@ -133,6 +138,7 @@ class MethodSimulation final : public Simulation {
     }
     island.drive.forces.resize(vertices.size());
     island.drive.anchor_velocities.resize(vertices.size());
+    island.drive.scene_diagonal = diagonal_;
     for (const Particle& particle : own.particles) island.drive.anchors.push_back(particle.position);
     island.system = make_system(own, settings_);
     island.state = island.system->initial_state(island.drive);
@@ -152,6 +158,7 @@ class MethodSimulation final : public Simulation {
   }
 
   Settings settings_;
+  double diagonal_ = 0;  ///< m, of the scene
   WorldInfo info_;
   std::vector<Island> islands_;
   std::vector<Home> homes_;
@@ -163,6 +170,7 @@ class MethodSimulation final : public Simulation {
 }  // namespace
 
 std::unique_ptr<Simulation> make_method_simulation(const Scene& scene, const Settings& settings) {
+  if (settings.method == Method::springs) require_spring_bodies(scene, settings);
   return std::make_unique<MethodSimulation>(scene, settings);
 }
 
