@@ -57,7 +57,10 @@ class MethodSimulation final : public Simulation {
         for (std::size_t p = 0; p < island.particles.size(); ++p)
           island.drive.anchors[p] = island.drive.anchor(static_cast<std::uint32_t>(p), h);
       }
-      if (island.state.finite()) continue;
+      if (island.state.finite()) {
+        island.system->place(island.state, island.drive);
+        continue;
+      }
       std::swap(island.state, island.last);
       island.frozen = true;
       ++report.frozen_islands;
@@ -134,8 +137,9 @@ class MethodSimulation final : public Simulation {
     island.drive.forces.resize(vertices.size());
     island.drive.anchor_velocities.resize(vertices.size());
     for (const Particle& particle : own.particles) island.drive.anchors.push_back(particle.position);
-    island.system = make_system(own, settings_);
+    island.system = make_system(own, settings_, {vertices, edges});
     island.state = island.system->initial_state(island.drive);
+    island.system->place(island.state, island.drive);
   }
 
   /// Gives fixed particles the velocity that takes them to their targets in `dt`.
