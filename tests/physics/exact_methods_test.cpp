@@ -28,7 +28,7 @@ class ExactMethods : public testing::TestWithParam<Method> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Both, ExactMethods, testing::Values(Method::multipliers),
+INSTANTIATE_TEST_SUITE_P(Both, ExactMethods, testing::Values(Method::multipliers, Method::featherstone),
                          [](const auto& method) { return std::string(to_string(method.param)); });
 
 // The stored truths are good to 1e-9; classical Runge-Kutta at this step errs by less than 1e-10 (its error
@@ -198,12 +198,13 @@ TEST_P(ExactMethods, BalanceForces) {
   EXPECT_LE(norm(world.velocity(1)), 1e-11);
 }
 
-// A force on one particle of a body in free flight: it gains the momentum of force times time.
+// A force on one particle of a body in free flight: it gains the momentum of force times time. In reduced
+// coordinates but for what the integrator errs, here below 1e-11.
 TEST_P(ExactMethods, TakeUpTheMomentumOfForces) {
   Scene scene = flying_tree(1);
   scene.gravity = {};
   for (std::uint32_t held = 0; held < scene.particles.size(); ++held) {
-    World world(scene, settings());
+    World world(scene, settings(Integrator::rk4, 20));
     const auto momentum = [&] {
       return measure_momentum(scene, test::positions_of(world), test::velocities_of(world),
                               MassModel::consistent)
@@ -212,7 +213,7 @@ TEST_P(ExactMethods, TakeUpTheMomentumOfForces) {
     const Vec3 first = momentum(), force{3, -2, 1};
     world.set_force(held, force);
     test::run(world, 0.01, 10);
-    EXPECT_LE(norm(momentum() - first - 0.1 * force), 1e-12 * norm(first)) << held;
+    EXPECT_LE(norm(momentum() - first - 0.1 * force), 2e-11 * norm(first)) << held;
   }
 }
 

@@ -83,8 +83,7 @@ TEST(BadSettings, AreRefusedByTheWorld) {
   EXPECT_EQ(refused({.stop = {.sweeps = 0}}), "sweeps must be at least 1, got 0");
   EXPECT_EQ(refused({.stop = {.tolerance = 0}}), "tolerance must be positive and finite, got 0");
   EXPECT_EQ(refused({.stop = {.budget_us = -1}}), "budget must be positive and finite, got -1 us");
-  for (const Method method : {Method::springs, Method::featherstone})
-    EXPECT_THROW(World(scene, {.method = method}), NotBuiltError) << to_string(method);
+  EXPECT_THROW(World(scene, {.method = Method::springs}), NotBuiltError);
   // No machine runs an instruction set that does not exist.
   std::string supported;
   for (const Isa isa : all_isas())

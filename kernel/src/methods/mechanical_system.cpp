@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "featherstone.hpp"
 #include "multipliers.hpp"
 #include "plumb/error.hpp"
 
@@ -66,10 +67,12 @@ void MechanicalSystem::advance(MechanicalState& state, const Drive& drive, doubl
 }
 
 std::unique_ptr<MechanicalSystem> make_system(const Scene& island, const Settings& settings,
-                                              const IslandNames&) {
+                                              const IslandNames& names) {
   switch (settings.method) {
     case Method::multipliers:
       return make_multipliers(island, settings);
+    case Method::featherstone:
+      return make_featherstone(island, settings, names);
     default:
       break;
   }
