@@ -93,7 +93,7 @@ class Featherstone final : public MechanicalSystem {
   void advance(MechanicalState& state, const Drive& drive, double h) override {
     if (anchor_ != Link::base && !(anchor_velocity_ == drive.anchor_velocities[anchor_])) {
       const Vec3 blow = drive.anchor_velocities[anchor_] - anchor_velocity_;
-      body_->accelerations(state.q, VectorXd::Zero(body_->speeds()), {.base_acceleration = blow}, change_);
+      body_->accelerations(state.q, rest_, {.base_acceleration = blow}, change_);
       state.v += change_;
       anchor_velocity_ = drive.anchor_velocities[anchor_];
     }
@@ -128,6 +128,8 @@ class Featherstone final : public MechanicalSystem {
     make_body(island, mass_model_of(settings), tree);
     forces_.resize(particles_.size());
     motions_.resize(particles_.size());
+    rest_.setZero(body_->speeds());
+    change_ = rest_;
     set_start(island, mass_model_of(settings));
   }
 
@@ -194,8 +196,7 @@ class Featherstone final : public MechanicalSystem {
     }
     std::vector<Vec3> impulses;
     for (const std::uint32_t particle : particles_) impulses.push_back(momentum[particle]);
-    const VectorXd rest = start_.v;
-    body_->accelerations(start_.q, rest, {.forces = impulses}, start_.v);
+    body_->accelerations(start_.q, rest_, {.forces = impulses}, start_.v);
   }
 
   /// By link; false if there are none.
@@ -221,7 +222,7 @@ class Featherstone final : public MechanicalSystem {
   std::vector<Vec3> forces_;
   std::vector<LinkMotion> motions_;
   std::vector<Vec3> positions_, velocities_;  ///< by the island's particle, as last placed
-  VectorXd change_;
+  VectorXd rest_, change_;                    ///< no speeds; what a blow of the anchor makes of them
 };
 
 }  // namespace
