@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "flush_denormals.hpp"
 #include "mechanical_system.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/measures.hpp"
@@ -45,6 +46,7 @@ class MethodSimulation final : public Simulation {
   }
 
   StepReport step(double dt) override {
+    const FlushDenormals flush;
     StepReport report;
     report.substeps = settings_.substeps;
     start_anchors(dt);
