@@ -29,9 +29,8 @@ Mat3 rotation(const Quaternion& q) {
           {s * (v.x * v.y - q.w * v.z), 1 - s * (v.x * v.x + v.z * v.z), s * (v.y * v.z + q.w * v.x)},
           {s * (v.x * v.z + q.w * v.y), s * (v.y * v.z - q.w * v.x), 1 - s * (v.x * v.x + v.y * v.y)}};
 }
-/// Where it takes x.
-Vec3 first_axis(const Quaternion& q) {
-  const double s = 2 / norm2(q);
+/// Where it takes x; `s` is 2 / norm2(q).
+Vec3 first_axis(const Quaternion& q, double s) {
   const Vec3 v = q.v;
   return {1 - s * (v.y * v.y + v.z * v.z), s * (v.x * v.y + q.w * v.z), s * (v.x * v.z - q.w * v.y)};
 }
@@ -84,6 +83,7 @@ ArticulatedBody::ArticulatedBody(std::vector<Link> links) : links_(std::move(lin
                       .parent = link.parent,
                       .slot = none,
                       .general = none,
+                      .joint = link.joint,
                       .follows = false});
     coordinates_ += count_coordinates(link.joint);
     speeds_ += count_speeds(link.joint);
@@ -354,7 +354,8 @@ void ArticulatedBody::accelerations(const VectorXd& q, const VectorXd& v, const 
     if (!load.forces.empty()) tip.force -= load.forces[i];
     const double length = node.tip;
     RodWork& work = rods_[i];
-    const Vec3 u = first_axis(load_quaternion(&q[node.q])), turn = cross(load3(&v[node.v]), u);
+    const Quaternion turned = load_quaternion(&q[node.q]);
+    const Vec3 u = first_axis(turned, 2 / norm2(turned)), turn = cross(load3(&v[node.v]), u);
     const double speed2 = dot(turn, turn);
     const Vec3 y = length * (tip.mass * u);
     const double along = length * dot(u, y);
@@ -408,10 +409,9 @@ void ArticulatedBody::accelerations(const VectorXd& q, const VectorXd& v, const 
 
 void ArticulatedBody::rates(const VectorXd& q, const VectorXd& v, VectorXd& out) const {
   out.resize(coordinates_);
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    const Node& node = nodes_[i];
-    if (links_[i].joint != Joint::spherical) {
-      for (std::uint32_t k = 0; k < count_coordinates(links_[i].joint); ++k) out[node.q + k] = v[node.v + k];
+  for (const Node& node : nodes_) {
+    if (node.joint != Joint::spherical) {
+      for (std::uint32_t k = 0; k < count_coordinates(node.joint); ++k) out[node.q + k] = v[node.v + k];
       continue;
     }
     // Half the quaternion (0, omega) times q.
@@ -423,17 +423,13 @@ void ArticulatedBody::rates(const VectorXd& q, const VectorXd& v, VectorXd& out)
 }
 
 void ArticulatedBody::settle(VectorXd& q, VectorXd& v) const {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    const Node& node = nodes_[i];
-    if (links_[i].joint != Joint::spherical) continue;
-    Quaternion now = load_quaternion(&q[node.q]);
-    const double over = 1 / std::sqrt(norm2(now));
+  for (const Node& node : nodes_) {
+    if (node.joint != Joint::spherical) continue;
+    const double over = 1 / std::sqrt(norm2(load_quaternion(&q[node.q])));
     for (std::uint32_t k = 0; k < 4; ++k) q[node.q + k] *= over;
-    Vec3 axis;
-    if (node.general == none)
-      axis = first_axis(now);
-    else
-      axis = rotation(now) * general_[node.general].slender;
+    const Quaternion now = load_quaternion(&q[node.q]);
+    const Vec3 axis =
+        node.general == none ? first_axis(now, 2) : rotation(now) * general_[node.general].slender;
     const Vec3 omega = load3(&v[node.v]);
     store3(&v[node.v], omega - dot(omega, axis) * axis);
   }

@@ -95,7 +95,8 @@ class ArticulatedBody {
     std::uint32_t parent;
     std::uint32_t slot;     ///< of a rod with children that do not follow at once
     std::uint32_t general;  ///< none: a rod
-    bool follows;           ///< a rod whose parent is the rod just before it
+    Joint joint;
+    bool follows;  ///< a rod whose parent is the rod just before it
   };
   /// Inertia and bias force as felt at a point that turns nothing: f = mass a + force.
   struct PointLoad {
