@@ -141,6 +141,18 @@ TEST_P(ExactMethods, ConserveTheEnergyOfHangingTrees) {
   }
 }
 
+// A particle without rods falls as a stone does.
+TEST_P(ExactMethods, MoveLooseParticles) {
+  Scene scene;
+  scene.particles = {test::movable({1, 2, 3}, 0.5, {0.3, -0.1, 2})};
+  World world(scene, settings());
+  world.set_force(0, {2, 0, 0});
+  test::run(world, 0.1, 5);
+  const Vec3 pull = scene.gravity + Vec3{4, 0, 0};  // constant: exact by Runge-Kutta
+  EXPECT_LE(norm(world.position(0) - Vec3{1, 2, 3} - 0.5 * Vec3{0.3, -0.1, 2} - 0.125 * pull), 1e-14);
+  EXPECT_LE(norm(world.velocity(0) - Vec3{0.3, -0.1, 2} - 0.5 * pull), 1e-14);
+}
+
 // Drag lets both momenta decay as exp(-ct), whatever the rods do.
 TEST_P(ExactMethods, LetMomentaDecayUnderDrag) {
   Scene scene = flying_tree(2);
