@@ -192,11 +192,6 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_option("--truth", o.truth, "Compare positions with this trajectory")->type_name("TRUTH.csv");
   command->add_option("--report", o.report, "Write settings, machine, time and errors to this file")
       ->type_name("OUT.json");
-  command
-      ->add_option_function<std::string>(
-          "--vtk", [](const std::string&) { throw NotBuiltError("--vtk is not built yet"); },
-          "Write frames for ParaView (not built yet)")
-      ->type_name("DIR");
   command->add_flag("--quiet", o.quiet, "Print nothing but errors");
   command->footer(
       "Examples:\n"

@@ -248,6 +248,29 @@ TEST_F(Allocations, AreNoneInStepsOfMethodDirect) {
         }
 }
 
+// On trees; Eigen's sparse factorisation, which islands with loops go through, takes memory each time.
+TEST_F(Allocations, AreNoneInStepsOfMultipliersAndFeatherstone) {
+  Scene scene = scenes::make_chain(20);
+  scene.rods.push_back({.a = 5, .b = 21});
+  scene.particles.push_back(test::movable({0.5, 0.2, 0}));
+  scene.drag = 0.1;
+  for (const Method method : {Method::multipliers, Method::featherstone})
+    for (const Integrator integrator :
+         {Integrator::explicit_euler, Integrator::semi_implicit_euler, Integrator::rk2, Integrator::rk4}) {
+      World world(scene, {.method = method, .substeps = 4, .integrator = integrator, .threads = 1});
+      world.step(1.0 / 60);
+      world.move_anchor(0, {0, 0.01, 0});
+      EXPECT_EQ(allocations_in([&] {
+                  world.step(1.0 / 60);
+                  world.set_force(3, {1, 2, 3});
+                  world.step(1.0 / 90);
+                  world.state_hash();
+                }),
+                0u)
+          << to_string(method) << ", " << to_string(integrator);
+    }
+}
+
 TEST_F(Allocations, AreNoneInReading) {
   const Scene scene = scenes::make_chain(100);
   World world(scene, {.threads = 1});

@@ -83,8 +83,6 @@ TEST(BadSettings, AreRefusedByTheWorld) {
   EXPECT_EQ(refused({.stop = {.sweeps = 0}}), "sweeps must be at least 1, got 0");
   EXPECT_EQ(refused({.stop = {.tolerance = 0}}), "tolerance must be positive and finite, got 0");
   EXPECT_EQ(refused({.stop = {.budget_us = -1}}), "budget must be positive and finite, got -1 us");
-  for (const Method method : {Method::multipliers, Method::featherstone})
-    EXPECT_THROW(World(scene, {.method = method}), NotBuiltError) << to_string(method);
   // No machine runs an instruction set that does not exist.
   std::string supported;
   for (const Isa isa : all_isas())
@@ -93,6 +91,43 @@ TEST(BadSettings, AreRefusedByTheWorld) {
             "this machine or build does not run instruction set unknown; it runs " + supported);
   for (const Isa isa : all_isas())
     EXPECT_EQ(refused({.isa = isa}).empty(), is_supported(isa)) << to_string(isa);
+}
+
+// Method featherstone moves trees that hang from one point. What it cannot move is named by the scene's own
+// numbers, here behind a chain that it can.
+TEST(BadScenes, ThatFeatherstoneCannotMoveAreRefused) {
+  const auto refused = [](const Scene& scene) {
+    return refusal([&] { World world(scene, {.method = Method::featherstone}); });
+  };
+  Scene scene = scenes::make_chain(3);
+  const auto add = [&](Vec3 position, bool fixed) {
+    scene.particles.push_back(fixed ? test::fixed(position) : test::movable(position));
+  };
+  for (int i = 0; i < 4; ++i) add({1.0 * i, 0, 1}, false);  // 4 to 7
+  for (std::uint32_t i = 4; i < 7; ++i) scene.rods.push_back({.a = i + 1, .b = i});
+  EXPECT_EQ(refused(scene), "");
+
+  Scene loop = scene;
+  loop.rods.push_back({.a = 6, .b = 4});
+  EXPECT_EQ(refused(loop),
+            "rod 6: closes a loop (particles 6 and 4 are joined by other rods already), which method "
+            "featherstone cannot move; use method direct");
+
+  add({0, 1, 1}, true);  // 8
+  add({1, 1, 1}, true);  // 9
+  scene.rods.push_back({.a = 8, .b = 5});
+  EXPECT_EQ(refused(scene), "") << "one way to the ground";
+  Scene twice = scene;
+  twice.rods.push_back({.a = 7, .b = 9});
+  EXPECT_EQ(refused(twice),
+            "rod 7: ties to fixed particle 9 what rod 6 ties to fixed particle 8 already, and method "
+            "featherstone needs one way to the ground; use method direct");
+  twice.rods.back().b = 8;
+  EXPECT_EQ(refused(twice),
+            "rod 7: ties to fixed particle 8 what rod 6 ties to fixed particle 8 already, and method "
+            "featherstone needs one way to the ground; use method direct");
+  for (const Scene& other : {loop, twice})
+    EXPECT_NO_THROW(World(other, {.method = Method::multipliers})) << "multipliers move anything";
 }
 
 // What float cannot hold is no position for a world of floats.

@@ -11,10 +11,4 @@ class InputError : public std::invalid_argument {
   explicit InputError(const std::string& what) : std::invalid_argument(what) {}
 };
 
-/// A request for something this build does not hold yet, such as a method that is planned but not built.
-class NotBuiltError : public std::runtime_error {
- public:
-  explicit NotBuiltError(const std::string& what) : std::runtime_error(what) {}
-};
-
 }  // namespace plumb

@@ -115,7 +115,7 @@ Integrator integrator_of(const Settings& settings);
 MassModel mass_model_of(const Settings& settings);
 
 /// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) or an
-/// instruction set that is not supported, and NotBuiltError on a method that is planned but not built.
+/// instruction set that is not supported.
 void validate(const Settings& settings);
 /// Throws InputError unless sweeps are at least 1, and tolerance and budget, if given, positive and finite.
 void validate(const StopRule& rule);

@@ -107,8 +107,8 @@ class StateView {
 /// Not thread-safe: one thread at a time. The world keeps no reference to the scene.
 class World {
  public:
-  /// Throws InputError (see validate(); also if numbers do not fit the precision or 32-bit places) or
-  /// NotBuiltError, and leaves nothing behind.
+  /// Throws InputError (see validate(); also if numbers do not fit the precision or 32-bit places, or if the
+  /// method cannot move the scene), and leaves nothing behind.
   explicit World(const Scene& scene, const Settings& settings = {});
   ~World();
   World(World&&) noexcept;

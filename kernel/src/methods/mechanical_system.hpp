@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "plumb/scene.hpp"
@@ -32,6 +33,11 @@ struct Drive {
   }
 };
 
+/// Rates of coordinates and velocities at one instant.
+struct MechanicalSlope {
+  Eigen::VectorXd q, v;
+};
+
 /// The equations of motion of one island by one of the thesis's other methods, in double precision.
 class MechanicalSystem {
  public:
@@ -53,6 +59,9 @@ class MechanicalSystem {
   /// Adds what has happened since the last report, and what the state is like: gaps of joints.
   virtual void report(const MechanicalState&, const Drive&, StepReport&) {}
 
+  /// Called before particles are asked for, with the state after a step and the drive as it is then; not for
+  /// a state that is not finite.
+  virtual void place(const MechanicalState&, const Drive&) {}
   /// Of a movable particle.
   virtual Vec3 position(const MechanicalState& state, std::uint32_t particle) const = 0;
   virtual Vec3 velocity(const MechanicalState& state, std::uint32_t particle) const = 0;
@@ -62,15 +71,26 @@ class MechanicalSystem {
   Integrator integrator() const { return integrator_; }
 
  private:
+  friend void integrate(Integrator integrator, MechanicalSystem& system, MechanicalState& state,
+                        const Drive& drive, double h);
+
   Integrator integrator_;
+  MechanicalSlope slopes_[4];  ///< of integrate(), kept so that a substep allocates nothing
+  MechanicalState stage_;
 };
 
 /// One substep of h seconds by an explicit integrator. Throws std::logic_error on an implicit one.
 void integrate(Integrator integrator, MechanicalSystem& system, MechanicalState& state, const Drive& drive,
                double h);
 
-/// The system of one island, by the settings' method. Throws InputError if the method cannot move it (loops
-/// under featherstone), NotBuiltError if there is none yet.
-std::unique_ptr<MechanicalSystem> make_system(const Scene& island, const Settings& settings);
+/// The scene's numbers of an island's particles and rods, to name them to the user.
+struct IslandNames {
+  std::span<const std::uint32_t> particles, rods;
+};
+
+/// The system of one island, by the settings' method: springs, multipliers or featherstone. Throws InputError
+/// if the method cannot move it (loops under featherstone).
+std::unique_ptr<MechanicalSystem> make_system(const Scene& island, const Settings& settings,
+                                              const IslandNames& names);
 
 }  // namespace plumb::detail

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "flush_denormals.hpp"
 #include "mechanical_system.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/measures.hpp"
@@ -47,6 +48,7 @@ class MethodSimulation final : public Simulation {
   }
 
   StepReport step(double dt) override {
+    const FlushDenormals flush;
     StepReport report;
     report.substeps = settings_.substeps;
     start_anchors(dt);
@@ -61,6 +63,7 @@ class MethodSimulation final : public Simulation {
       }
       if (island.state.finite()) {
         island.system->report(island.state, island.drive, report);
+        island.system->place(island.state, island.drive);
         continue;
       }
       std::swap(island.state, island.last);
@@ -140,8 +143,9 @@ class MethodSimulation final : public Simulation {
     island.drive.anchor_velocities.resize(vertices.size());
     island.drive.scene_diagonal = diagonal_;
     for (const Particle& particle : own.particles) island.drive.anchors.push_back(particle.position);
-    island.system = make_system(own, settings_);
+    island.system = make_system(own, settings_, {vertices, edges});
     island.state = island.system->initial_state(island.drive);
+    island.system->place(island.state, island.drive);
   }
 
   /// Gives fixed particles the velocity that takes them to their targets in `dt`.

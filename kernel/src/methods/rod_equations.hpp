@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "plumb/layouts/trees.hpp"
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// The movable particles of an island as nodes, and its rods as rows of the constraint Jacobian J (thesis
+/// §3.1.7): row r is d_r on the columns of node a and -d_r on those of node b, d_r = x_a - x_b. The mass
+/// matrix M has a number per node, and couples the two ends of rods whose mass is consistent.
+struct RodEquations {
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  struct Row {
+    std::uint32_t a;      ///< node
+    std::uint32_t b;      ///< node, or `none`: the other end is fixed
+    std::uint32_t fixed;  ///< the island's number of the fixed end, where there is one
+    std::uint32_t rod;    ///< the island's number
+    double coupling;      ///< kg, entry of the mass matrix between the two ends
+    double length2;       ///< m²
+    double compliance;    ///< 1/kg, what the row is softened by per m² of its length; 0: rigid
+  };
+
+  std::vector<std::uint32_t> particle;  ///< the island's number, by node
+  std::vector<double> mass;             ///< kg, diagonal of M, by node
+  std::vector<Row> rows;  ///< on a tree: the rod of node i to its parent is row i - 1; then pins
+  std::optional<layouts::Tree> tree;
+  bool softened = false;  ///< rows may be redundant: they have a compliance, which refinement takes out again
+
+  Eigen::Index unknowns() const { return 3 * static_cast<Eigen::Index>(mass.size()); }
+};
+RodEquations make_rod_equations(const Scene& island, MassModel model);
+
+/// Solves M x - Jᵀ lambda = f, J x + S lambda = c, S the compliances; lambda has a number per row.
+class RodFactor {
+ public:
+  virtual ~RodFactor() = default;
+  /// `directions`: d of every row.
+  virtual void factorize(const std::vector<Vec3>& directions) = 0;
+  virtual void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& c, Eigen::VectorXd& x,
+                     Eigen::VectorXd& lambda) = 0;
+};
+
+/// On a tree: from the tips to the root every node is eliminated together with the rod above it, in time
+/// linear in their number (Baraff 1996, Linear-time dynamics using Lagrange multipliers).
+std::unique_ptr<RodFactor> make_tree_factor(const RodEquations& equations);
+/// On any graph, by a sparse LDLᵀ factorisation, the order of which is found once.
+std::unique_ptr<RodFactor> make_sparse_factor(const RodEquations& equations);
+
+/// The equations of an island and the numbers of one solution.
+class RodSolver {
+ public:
+  RodSolver(const Scene& island, MassModel model);
+  RodSolver(RodSolver&&) = delete;  // the factor refers to the equations
+
+  const RodEquations& equations() const { return equations_; }
+
+  std::vector<Vec3> directions;  ///< set by the caller: m, by row
+  Eigen::VectorXd f, c;          ///< set by the caller
+
+  /// M x - Jᵀ lambda = f, J x = c to rounding. Where rows are redundant, their compliances make the matrix
+  /// definite, and refinement takes their error out of everything that a rod can pull on (the proximal point
+  /// method: each round leaves the share compliance / (compliance + stiffness^-1) of it).
+  const Eigen::VectorXd& solve();
+
+ private:
+  double residuals();
+
+  RodEquations equations_;
+  std::unique_ptr<RodFactor> factor_;
+  Eigen::VectorXd x_, lambda_, better_x_, better_lambda_, left_f_, left_c_, dx_, dlambda_;
+};
+
+}  // namespace plumb::detail
