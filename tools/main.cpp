@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
       "  plumb info net:width=64,height=64\n"
       "  plumb thesis --out out\n"
       "  plumb stability --out out\n"
+      "  plumb profile --out out\n"
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.5,1 --out truth.csv\n\n" +
       tools::generators_help() + "\n`plumb COMMAND --help` tells the options of a command.");
 
@@ -43,6 +44,7 @@ int main(int argc, char** argv) {
   tools::add_info_command(app, action);
   tools::add_thesis_command(app, action);
   tools::add_scale_command(app, action);
+  tools::add_profile_command(app, action);
   tools::add_stability_command(app, action);
   tools::add_truth_command(app, action);
   try {
