@@ -150,7 +150,7 @@ void add_profile_command(CLI::App& app, Action& action) {
       app.add_subcommand("profile", "Measure bytes and cache misses of a projection, by layout and shape");
   auto options = std::make_shared<ProfileOptions>();
   ProfileOptions& o = *options;
-  command->add_flag("--quick", o.quick, "Half a minute at most: fewer and smaller scenes");
+  command->add_flag("--quick", o.quick, "About half a minute: fewer and smaller scenes");
   add_words(
       *command, "--way", {"auto", "counters", "cachegrind"},
       [&o](const std::string& word) {

@@ -1,6 +1,7 @@
 #include "profile_output.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "scenes/lists.hpp"
@@ -23,7 +24,8 @@ bool is_relaxed(const ProfileRow& row) {
 /// Bytes that misses move into the last cache looked at, per unit: whole lines.
 std::optional<double> ll_bytes(const ProfileRow& row, const CachePair& caches) {
   if (!row.counts.ll_misses) return {};
-  return *row.counts.ll_misses * caches.last.line;
+  // Less than a thousandth of a miss is the noise of start-up, and may be below zero.
+  return std::abs(*row.counts.ll_misses) < 5e-4 ? 0 : *row.counts.ll_misses * caches.last.line;
 }
 
 /// The caches that counts are of.

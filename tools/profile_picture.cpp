@@ -65,7 +65,7 @@ std::string draw_misses(const Profile& profile, MissKind kind) {
     s += "$data using " + std::to_string(i + 2) + (i == 0 ? ":xtic(1)" : "") + " title " +
          quoted(layouts[i]) + " lc rgb " + quoted(colors[i]);
   }
-  return draw_svg(title, 860, 400, s + "\n");
+  return draw_svg(title, 1100, 400, s + "\n");
 }
 
 }  // namespace plumb::tools
