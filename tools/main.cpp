@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
       "  plumb thesis --out out\n"
       "  plumb frontier --out out\n"
       "  plumb stability --out out\n"
+      "  plumb profile --out out\n"
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.5,1 --out truth.csv\n\n" +
       tools::generators_help() + "\n`plumb COMMAND --help` tells the options of a command.");
 
@@ -45,6 +46,7 @@ int main(int argc, char** argv) {
   tools::add_frontier_command(app, action);
   tools::add_thesis_command(app, action);
   tools::add_scale_command(app, action);
+  tools::add_profile_command(app, action);
   tools::add_stability_command(app, action);
   tools::add_truth_command(app, action);
   try {
