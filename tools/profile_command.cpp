@@ -132,17 +132,6 @@ CLI::App* add_worker(CLI::App& profile_command, Action& action) {
   return command;
 }
 
-std::string typed_options(const CLI::App& command) {
-  std::string out;
-  for (const CLI::Option* option : command.get_options()) {
-    const std::string name = option->get_name();
-    if (option->count() == 0 || name == "--quiet") continue;
-    out += " " + name;
-    if (option->get_expected_max() > 0) out += " " + option->results().front();
-  }
-  return out;
-}
-
 }  // namespace
 
 void add_profile_command(CLI::App& app, Action& action) {
