@@ -153,6 +153,9 @@ void add_solver_options(CLI::App& app, Settings& settings) {
                                     "Share of a correction each end takes: by inverse mass or half each");
   add_choice(app, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
              "Where a correction's direction is taken [mid; relax: new]");
+  add_count(app, "--time-order", settings.time_order,
+            "2, 4 or 6, for method direct with gradient old: 1, 5 or 9 times the work, and that power of the "
+            "step [2]");
   add_choice(app, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly [consistent; relax: lumped]");
   add_choice(

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "composition.hpp"
 #include "loop_group.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
@@ -63,7 +64,7 @@ class DirectSimulation final : public Simulation {
         for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
           if (i < loops_.size()) {
             loops_.advance(static_cast<std::uint32_t>(i), dt / settings_.substeps, settings_.substeps,
-                           counters);
+                           settings_.time_order, counters);
           } else {
             advance(groups_[i - loops_.size()], dt, part, counters);
           }
@@ -312,12 +313,16 @@ class DirectSimulation final : public Simulation {
   /// The largest error estimate of the substeps.
   double advance(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
     double error = 0;
-    for (std::uint32_t i = 0; i < substeps; ++i)
-      error = std::max(error, group.line
-                                  ? stepper_.advance(group.line->segments, group.state, h, group.line->work,
-                                                     group.line->whole, crew.alone_work, counters)
-                                  : stepper_.advance(group.state, group.trees, h, crew.work, crew.alone,
-                                                     crew.alone_work, counters));
+    for (std::uint32_t i = 0; i < substeps; ++i) {
+      for (const double share : composition(settings_.time_order)) {
+        const double part = share * h;
+        error = std::max(
+            error, group.line ? stepper_.advance(group.line->segments, group.state, part, group.line->work,
+                                                 group.line->whole, crew.alone_work, counters)
+                              : stepper_.advance(group.state, group.trees, part, crew.work, crew.alone,
+                                                 crew.alone_work, counters));
+      }
+    }
     return error;
   }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "composition.hpp"
+
 namespace plumb::detail {
 
 LoopGroup::LoopGroup(const Scene& scene, Gradient gradient, Isa isa)
@@ -29,11 +31,13 @@ void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands&
   }
 }
 
-void LoopGroup::advance(std::uint32_t island, double h, std::uint32_t substeps, DirectCounters& counters) {
+void LoopGroup::advance(std::uint32_t island, double h, std::uint32_t substeps, std::uint32_t time_order,
+                        DirectCounters& counters) {
   auto& [state, work, velocity, anchors_changed, velocity_known] = islands_[island];
   velocity_known = false;
   if (anchors_changed && gradient_ == Gradient::mid) stepper_.project_velocities(state, work);
-  for (std::uint32_t i = 0; i < substeps; ++i) stepper_.advance(state, h, work, counters);
+  for (std::uint32_t i = 0; i < substeps; ++i)
+    for (const double share : composition(time_order)) stepper_.advance(state, share * h, work, counters);
 }
 
 Vec3 LoopGroup::position(std::uint32_t particle) const {

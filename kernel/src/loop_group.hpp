@@ -23,7 +23,8 @@ class LoopGroup {
   bool holds(std::uint32_t particle) const { return places_[particle].island != nowhere; }
 
   /// Different islands may be advanced at the same time.
-  void advance(std::uint32_t island, double h, std::uint32_t substeps, DirectCounters& counters);
+  void advance(std::uint32_t island, double h, std::uint32_t substeps, std::uint32_t time_order,
+               DirectCounters& counters);
 
   Vec3 position(std::uint32_t particle) const;
   Vec3 displacement(std::uint32_t particle) const;  ///< as it is stored, for a hash

@@ -67,7 +67,7 @@ struct Coefficients {
 Coefficients coefficients(const LoopState& state, double h, Gradient gradient, double drag) {
   if (gradient == Gradient::mid) return {std::exp(-drag * h / 2) * h, 0.5 * h * h};
   const double last = state.u_step, between = (h + last) / 2;
-  return {std::exp(-drag * between) * (last > 0 ? h / last : h), mean_decay(drag * between) * h * between};
+  return {std::exp(-drag * between) * (last != 0 ? h / last : h), mean_decay(drag * between) * h * between};
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   const LoopTopology& shape = *state.topology;
   const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
-  const double scale = state.mu_kick > 0 ? kick / state.mu_kick : 0;
+  const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
   measure_rods(state, work);
   for (std::size_t i = 0; i < state.u.size(); ++i) {

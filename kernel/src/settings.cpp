@@ -37,6 +37,15 @@ void validate_integrator(const Settings& settings) {
     refuse("integrator adaptive-implicit-euler needs an accuracy");
 }
 
+void validate_time_order(const Settings& settings) {
+  if (settings.time_order != 2 && settings.time_order != 4 && settings.time_order != 6)
+    refuse("time order must be 2, 4 or 6, got ", settings.time_order);
+  if (settings.time_order == 2) return;
+  if (settings.method != Method::direct || gradient_of(settings) != Gradient::old)
+    refuse("time order ", settings.time_order, " needs method direct with gradient old");
+  if (settings.accuracy) refuse("time order ", settings.time_order, " takes substeps, not an accuracy");
+}
+
 }  // namespace
 
 void validate(const Settings& settings) {
@@ -51,6 +60,7 @@ void validate(const Settings& settings) {
   if (settings.accuracy && !has_accuracy(settings))
     refuse("accuracy needs method direct or auto, or springs with integrator adaptive-implicit-euler");
   validate_integrator(settings);
+  validate_time_order(settings);
   if (!(settings.springs.stiffness > 0 && std::isfinite(settings.springs.stiffness)))
     refuse("stiffness must be positive and finite, got ", settings.springs.stiffness, " N/m");
   if (!(settings.springs.damping_ratio >= 0 && std::isfinite(settings.springs.damping_ratio)))

@@ -81,7 +81,7 @@ auto TreeStepper<T>::coefficients(const TreeState<T>& state, std::uint32_t lane,
   }
   // From the middle of the last substep to that of this one; from its start if u is a velocity.
   const double last = state.u_step[lane], between = (h + last) / 2;
-  return {(drag_ > 0 ? std::exp(-drag_ * between) : 1) * (last > 0 ? h / last : h),
+  return {(drag_ > 0 ? std::exp(-drag_ * between) : 1) * (last != 0 ? h / last : h),
           mean_decay(drag_ * between) * h * between, 1, 0};
 }
 
@@ -100,7 +100,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     work.inverse_kick[lane] = static_cast<T>(1 / kick);
     work.u_delta[lane] = static_cast<T>(u_delta);
     work.u_before[lane] = static_cast<T>(u_before);
-    work.mu_scale[lane] = state.mu_kick[lane] > 0 ? static_cast<T>(kick / state.mu_kick[lane]) : T(0);
+    work.mu_scale[lane] = state.mu_kick[lane] != 0 ? static_cast<T>(kick / state.mu_kick[lane]) : T(0);
     work.active[lane] = lane < trees ? T(1) : T(0);
   }
   if (state.pins_move) set_pin_displacements(state, h, work);
@@ -126,7 +126,8 @@ void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
     // What comes before goes into the load as the tree's own u does, drag included.
     const std::size_t lane = i % state.lanes;
     const double ratio = static_cast<double>(work.ratio[lane]), step = state.u_step[lane];
-    put_pins(state, i, h * state.pin_velocity[i], ratio * (step > 0 ? step : 1) * state.pin_last_velocity[i]);
+    put_pins(state, i, h * state.pin_velocity[i],
+             ratio * (step != 0 ? step : 1) * state.pin_last_velocity[i]);
   }
 }
 
@@ -234,7 +235,7 @@ template <class T>
 std::uint32_t TreeStepper<T>::pieces(const TreeState<T>& state, double h) const {
   if (gradient_ != Gradient::old) return 1;
   return static_cast<std::uint32_t>(
-      std::clamp(std::ceil(h * std::sqrt(state.frequency2) / aimed_frequency), 1.0, most_pieces));
+      std::clamp(std::ceil(std::abs(h) * std::sqrt(state.frequency2) / aimed_frequency), 1.0, most_pieces));
 }
 
 template <class T>
@@ -247,7 +248,7 @@ bool TreeStepper<T>::is_stable(TreeState<T>& state, std::uint32_t lanes, double 
     if (work.failed[lane]) continue;
     // omega^2 = 2 w T/L summed over both rods of a particle, T/L = -mu/kick.
     const double frequency2 =
-        2 * static_cast<double>(work.stiffness[lane]) / static_cast<double>(work.kick[lane]);
+        2 * static_cast<double>(work.stiffness[lane]) / std::abs(static_cast<double>(work.kick[lane]));
     largest = std::max(largest, frequency2);
     if (h * h * frequency2 <= highest_frequency * highest_frequency) continue;
     work.failed[lane] = 1;

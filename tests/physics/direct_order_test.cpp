@@ -12,6 +12,7 @@
 #include "scenes/trajectory.hpp"
 #include "support/direct.hpp"
 #include "support/truths.hpp"
+#include "truth/truth.hpp"
 
 namespace plumb {
 namespace {
@@ -38,8 +39,11 @@ std::vector<Known> known() {
 }
 
 /// Position and velocity errors after half a second, RMS.
-std::pair<double, double> errors(const Known& k, Gradient gradient, std::uint32_t substeps) {
-  World world(k.scene, test::direct(gradient, substeps));
+std::pair<double, double> errors(const Known& k, Gradient gradient, std::uint32_t substeps,
+                                 std::uint32_t time_order) {
+  Settings settings = test::direct(gradient, substeps);
+  settings.time_order = time_order;
+  World world(k.scene, settings);
   const StepReport report = test::run(world, 1.0 / 60, 30);
   EXPECT_EQ(report.unsolved, 0u);
   return {rms_distance(test::positions_of(world), k.truth.positions),
@@ -47,10 +51,11 @@ std::pair<double, double> errors(const Known& k, Gradient gradient, std::uint32_
 }
 
 /// By what the errors fall as the step is halved three times.
-void expect_falls(const Known& k, Gradient gradient, std::uint32_t substeps, double least, double most) {
-  auto coarse = errors(k, gradient, substeps);
-  for (int halving = 1; halving <= 3; ++halving) {
-    const auto fine = errors(k, gradient, substeps << halving);
+void expect_falls(const Known& k, Gradient gradient, std::uint32_t substeps, double least, double most,
+                  std::uint32_t time_order = 2, int halvings = 3) {
+  auto coarse = errors(k, gradient, substeps, time_order);
+  for (int halving = 1; halving <= halvings; ++halving) {
+    const auto fine = errors(k, gradient, substeps << halving, time_order);
     EXPECT_GE(coarse.first / fine.first, least) << k.name << ", halving " << halving;
     EXPECT_LE(coarse.first / fine.first, most) << k.name << ", halving " << halving;
     EXPECT_GE(coarse.second / fine.second, least) << k.name << ", velocities, halving " << halving;
@@ -68,6 +73,42 @@ TEST(DirectOrder, OfGradientMidIsTwo) {
 }
 TEST(DirectOrder, OfGradientNewIsOne) {
   for (const Known& k : known()) expect_falls(k, Gradient::new_, 8 * k.substeps, 1.8, 2.2);
+}
+
+/// With truths that are good enough to see them: those in files are good to 1e-9.
+std::vector<Known> known_well() {
+  std::vector<Known> out = known();
+  for (Known& k : out) k.truth = truth::solve(k.scene, {.save_at = {0.5}}).frames.front();
+  return out;
+}
+
+// 16 and 64; a tenth, and a quarter, for the next order's part.
+TEST(DirectOrder, OfCompositionsIsFourAndSix) {
+  for (const Known& k : known_well()) {
+    expect_falls(k, Gradient::old, 2 * k.substeps, 14.4, 17.6, 4, 2);
+    expect_falls(k, Gradient::old, k.substeps, 48, 80, 6, 1);
+  }
+}
+
+// A ring goes through the solver of loops.
+TEST(DirectOrder, OfCompositionsWithLoopsIsFourAndSix) {
+  Known ring{"ring", scenes::make_ring({.links = 8}), {}, 4};
+  ring.truth = truth::solve(ring.scene, {.save_at = {0.5}}).frames.front();
+  expect_falls(ring, Gradient::old, 4, 14.4, 17.6, 4, 2);
+  expect_falls(ring, Gradient::old, 4, 48, 80, 6, 1);
+}
+
+// Nothing is lost by going backwards: symmetric compositions of RATTLE keep energy in the long run.
+TEST(DirectOrder, CompositionsKeepEnergyFarBetter) {
+  const Scene scene = scenes::make_chain(5, 0.1, 1);
+  double drift[2];
+  for (const std::uint32_t order : {2u, 6u}) {
+    Settings settings = test::direct(Gradient::old, order == 2 ? 144 : 16);  // the same work
+    settings.time_order = order;
+    World world(scene, settings);
+    drift[order == 6] = test::run_and_watch(scene, world, 300).drift;
+  }
+  EXPECT_LT(drift[1], drift[0] / 1000);
 }
 
 }  // namespace

@@ -63,29 +63,12 @@ TEST(Report, HasEveryField) {
                                                  "fallbacks",      "repeated_steps",
                                                  "unsolved",       "largest_gap",
                                                  "rms_gap",        "inaccurate_steps"}));
-  EXPECT_EQ(keys(report["settings"]), (std::set<std::string>{"method",
-                                                             "duration",
-                                                             "dt",
-                                                             "substeps",
-                                                             "sweeps",
-                                                             "tolerance",
-                                                             "budget_us",
-                                                             "accuracy",
-                                                             "order",
-                                                             "omega",
-                                                             "weights",
-                                                             "gradient",
-                                                             "mass",
-                                                             "integrator",
-                                                             "springs",
-                                                             "stiffness",
-                                                             "damping_ratio",
-                                                             "stabilization",
-                                                             "baumgarte_rate",
-                                                             "layout",
-                                                             "precision",
-                                                             "threads",
-                                                             "isa"}));
+  EXPECT_EQ(keys(report["settings"]),
+            (std::set<std::string>{
+                "method",        "duration",       "dt",         "substeps",  "sweeps",    "tolerance",
+                "budget_us",     "time_order",     "accuracy",   "order",     "omega",     "weights",
+                "gradient",      "mass",           "integrator", "springs",   "stiffness", "damping_ratio",
+                "stabilization", "baumgarte_rate", "layout",     "precision", "threads",   "isa"}));
   EXPECT_EQ(keys(report["machine"]),
             (std::set<std::string>{"cpu", "isa", "threads", "compiler", "flags", "commit"}));
   EXPECT_EQ(keys(report["stretch"]), (std::set<std::string>{"rms", "max", "max_rod"}));

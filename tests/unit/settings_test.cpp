@@ -80,6 +80,25 @@ TEST(Settings, EveryMethodIsAccepted) {
   }
 }
 
+TEST(Settings, TimeOrdersGoWithGradientOld) {
+  const auto with = [](std::uint32_t order, Method method, std::optional<Gradient> gradient) {
+    return refusal([=](Settings& s) {
+      s.time_order = order;
+      s.method = method;
+      s.gradient = gradient;
+    });
+  };
+  for (const std::uint32_t order : {2u, 4u, 6u}) EXPECT_EQ(with(order, Method::direct, Gradient::old), "");
+  EXPECT_EQ(with(3, Method::direct, Gradient::old), "time order must be 2, 4 or 6, got 3");
+  EXPECT_EQ(with(4, Method::direct, Gradient::mid), "time order 4 needs method direct with gradient old");
+  EXPECT_EQ(with(4, Method::direct, std::nullopt), "time order 4 needs method direct with gradient old");
+  EXPECT_EQ(with(6, Method::relax, Gradient::old), "time order 6 needs method direct with gradient old");
+  EXPECT_EQ(refusal([](Settings& s) {
+              s = {.method = Method::direct, .gradient = Gradient::old, .time_order = 4, .accuracy = 1e-3};
+            }),
+            "time order 4 takes substeps, not an accuracy");
+}
+
 TEST(Settings, IntegratorsGoWithTheirMethods) {
   EXPECT_EQ(integrator_of({.method = Method::springs}), Integrator::semi_implicit_euler);
   EXPECT_EQ(integrator_of({.method = Method::multipliers}), Integrator::rk4);

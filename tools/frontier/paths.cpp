@@ -61,6 +61,13 @@ std::vector<Path> direct(const std::string& family, Method method) {
       if (gradient.has_value() == automatic) continue;
       Settings settings{.method = method, .precision = precision, .gradient = gradient, .threads = 1};
       add(out, family, settings);
+      if (precision == Precision::double_ && gradient == Gradient::old) {
+        for (const std::uint32_t order : {4u, 6u}) {
+          Settings higher = settings;
+          higher.time_order = order;
+          add(out, family, higher);
+        }
+      }
       settings.accuracy = 0.3;
       add(out, family, settings);
     }
@@ -145,6 +152,7 @@ std::string name_of(const Settings& s, std::uint32_t frames) {
     case Method::direct:
       word(to_string(gradient_of(s)));
       if (s.method == Method::relax && s.omega != 1) word("w" + short_number(s.omega));
+      if (s.time_order != 2) word("order " + std::to_string(s.time_order));
       break;
     case Method::springs:
       word(to_string(s.springs.model));

@@ -35,6 +35,7 @@ Json settings_json(const RunPlan& plan) {
           {"duration", plan.duration},
           {"dt", plan.dt},
           {"substeps", s.substeps},
+          {"time_order", s.time_order},
           {"accuracy", optional(s.accuracy)},
           {"sweeps", s.stop.sweeps},
           {"tolerance", optional(s.stop.tolerance)},

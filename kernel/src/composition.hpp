@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace plumb::detail {
+
+/// Shares of a substep, taken one after the other, some of them backwards, that make a symmetric method of
+/// second order one of order 4 (Suzuki 1990) or 6 (Kahan and Li 1997); see Hairer, Lubich and Wanner,
+/// Geometric Numerical Integration, section V.3.
+inline std::span<const double> composition(std::uint32_t order) {
+  static constexpr double second[] = {1};
+  // 1/(4 - 4^(1/3)) and what is left.
+  static constexpr double a = 0.41449077179437573714, b = 1 - 4 * a;
+  static constexpr double fourth[] = {a, a, b, a, a};
+  static constexpr double c = 0.39216144400731413928, d = 0.33259913678935943860, e = -0.70624617255763935981,
+                          f = 0.08221359629355080023, g = 1 - 2 * (c + d + e + f);
+  static constexpr double sixth[] = {c, d, e, f, g, f, e, d, c};
+  if (order == 2) return second;
+  return order == 4 ? std::span<const double>(fourth) : std::span<const double>(sixth);
+}
+
+}  // namespace plumb::detail
