@@ -71,11 +71,14 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
   const bool relaxes = family && (info.relaxed_rods > 0 || info.direct_rods == 0);
   if (!family) print_method(result, options.plan);
   if (info.direct_rods > 0) {
-    print_line("direct", plural(info.direct_rods, "rod") + " solved all at once, gradient " +
-                             std::string(to_string(info.direct_gradient)) + ", mass " +
-                             std::string(to_string(mass_model_of(s))) + ", " +
-                             std::string(to_string(s.precision)) +
-                             (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
+    print_line("direct",
+               plural(info.direct_rods, "rod") + " solved all at once, gradient " +
+                   std::string(to_string(info.direct_gradient)) +
+                   (info.direct_time_order == 2 ? std::string()
+                                                : ", time order " + std::to_string(info.direct_time_order)) +
+                   ", mass " + std::string(to_string(mass_model_of(s))) + ", " +
+                   std::string(to_string(s.precision)) +
+                   (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
     print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
                             plural(result.total.tree_substeps, "substep") + " of a tree, " +
                             plural(result.total.newton, "Newton step") + ", " +

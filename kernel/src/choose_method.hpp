@@ -19,6 +19,9 @@ bool is_for_direct(const layouts::Graph& island);
 Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
                      const Settings& settings);
 
+/// The time order of its direct solves: 4 where the accuracy asked for is such that it pays.
+std::uint32_t choose_time_order(const Settings& settings);
+
 /// The gradient that its direct solves take if none is set: old where an accuracy is asked for and no rod has
 /// mass, since a step then costs a fraction of one of mid's; mid otherwise, which keeps energy however long.
 Gradient choose_gradient(const Scene& scene, const Settings& settings);

@@ -25,6 +25,20 @@ struct Home {
   std::uint32_t part, particle;
 };
 
+/// What a method takes for its part.
+Settings settings_for(Method method, const Scene& part, const Settings& settings) {
+  Settings own = settings;
+  own.method = method;
+  if (method == Method::relax) {
+    own.accuracy.reset();
+    own.mass.reset();
+  } else {
+    own.gradient = choose_gradient(part, settings);
+    own.time_order = choose_time_order(settings);
+  }
+  return own;
+}
+
 class CompositeSimulation final : public Simulation {
  public:
   CompositeSimulation(const Scene& scene, std::vector<Part> parts, const Settings& settings)
@@ -32,14 +46,7 @@ class CompositeSimulation final : public Simulation {
     for (std::uint32_t p = 0; p < parts_.size(); ++p) {
       Part& part = parts_[p];
       for (std::uint32_t i = 0; i < part.particles.size(); ++i) homes_[part.particles[i]].push_back({p, i});
-      Settings own = settings;
-      own.method = part.method;
-      if (part.method == Method::relax) {
-        own.accuracy.reset();
-        own.mass.reset();
-      } else {
-        own.gradient = choose_gradient(part.scene, settings);
-      }
+      Settings own = settings_for(part.method, part.scene, settings);
       if (own.accuracy) {
         // It is relative to the diagonal of the whole.
         const double diagonal = bounding_diagonal(part.scene);
@@ -99,7 +106,10 @@ class CompositeSimulation final : public Simulation {
       info_.parallel = info_.parallel || own.parallel;
       info_.relaxed_rods += own.relaxed_rods;
       info_.direct_rods += own.direct_rods;
-      if (part.method == Method::direct) info_.direct_gradient = own.direct_gradient;
+      if (part.method == Method::direct) {
+        info_.direct_gradient = own.direct_gradient;
+        info_.direct_time_order = own.direct_time_order;
+      }
       info_.skipped_per_rod_weights += own.skipped_per_rod_weights;
       info_.skipped_drag = own.skipped_drag;
       info_.projected_velocity = std::max(info_.projected_velocity, own.projected_velocity);
@@ -173,10 +183,7 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
 std::unique_ptr<Simulation> make_composite_simulation(const Scene& scene, const Settings& settings) {
   std::vector<Part> parts = split(scene, settings);
   if (parts.size() == 1 && parts.front().method == Method::direct) {
-    Settings own = settings;
-    own.method = Method::direct;
-    own.gradient = choose_gradient(scene, settings);
-    return make_simulation(scene, own);
+    return make_simulation(scene, settings_for(Method::direct, scene, settings));
   }
   return std::make_unique<CompositeSimulation>(scene, std::move(parts), settings);
 }

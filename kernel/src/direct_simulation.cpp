@@ -64,7 +64,7 @@ class DirectSimulation final : public Simulation {
         for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
           if (i < loops_.size()) {
             loops_.advance(static_cast<std::uint32_t>(i), dt / settings_.substeps, settings_.substeps,
-                           settings_.time_order, counters);
+                           settings_.accuracy ? 2 : settings_.time_order, counters);
           } else {
             advance(groups_[i - loops_.size()], dt, part, counters);
           }
@@ -159,6 +159,7 @@ class DirectSimulation final : public Simulation {
     // With accuracy:
     std::unique_ptr<TreeState<T>> start = nullptr;  ///< of the step
     double substep = 0;                             ///< s, that the last one thought best; 0: none yet
+    layouts::AlignedBuffer<double> coarse{};  ///< m, with time orders above 2: positions by longer steps
   };
   /// What each thread needs for one topology.
   struct Crew {
@@ -207,6 +208,7 @@ class DirectSimulation final : public Simulation {
       const auto g = static_cast<std::uint32_t>(groups_.size());
       Group& group = groups_.emplace_back(Group{TreeState<T>(topology, lanes), trees, kind, {}});
       if (settings_.accuracy) group.start = std::make_unique<TreeState<T>>(topology, lanes);
+      if (settings_.time_order > 2) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
       group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
       for (std::uint32_t lane = 0; lane < lanes; ++lane) {
         // Lanes without a tree repeat the last one; nobody looks at them.
@@ -235,6 +237,7 @@ class DirectSimulation final : public Simulation {
     group.line = std::make_unique<Line>(
         Line{segments, std::move(group.state), TreeWorkspace<T>(*state.topology, state.lanes)});
     group.state = std::move(state);
+    if (settings_.time_order > 2) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
     if (group.start) group.start = std::make_unique<TreeState<T>>(group.state.topology, group.state.lanes);
     group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
     for (std::uint32_t i = 0; i < tree.nodes(); ++i)
@@ -246,6 +249,7 @@ class DirectSimulation final : public Simulation {
     info_.rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.direct_rods = info_.rods;
     info_.direct_gradient = gradient_of(settings_);
+    info_.direct_time_order = settings_.time_order;
     info_.isa = isa_;
     info_.threads = team_.size();
     info_.parallel = uses_threads();
@@ -295,20 +299,43 @@ class DirectSimulation final : public Simulation {
       advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
       return;
     }
+    const std::uint32_t order = settings_.time_order;
     group.start->copy_motion(group.state);
     if (group.substep == 0) group.substep = dt / first_substeps;
     for (int attempt = 1;; ++attempt) {
       const double wanted = std::ceil(dt / group.substep);
-      const auto substeps = static_cast<std::uint32_t>(
+      auto substeps = static_cast<std::uint32_t>(
           std::clamp(wanted, double{1} * settings_.substeps, double{1} * most_substeps));
+      if (order > 2) substeps += substeps % 2;
       const double h = dt / substeps;
-      const double rate = advance(group, crew, h, substeps, counters) / (h * *settings_.accuracy * diagonal_);
-      // The error of a second-order step grows by h^2 a second.
-      group.substep = h * std::clamp(std::sqrt(safety / rate), slowest_change, fastest_change);
+      const double error = order == 2 ? advance(group, crew, h, substeps, counters)
+                                      : advance_twice(group, crew, h, substeps, counters) / substeps;
+      const double rate = error / (h * *settings_.accuracy * diagonal_);
+      // The error of a step of order p grows by h^p a second.
+      group.substep = h * std::clamp(std::pow(safety / rate, 1.0 / order), slowest_change, fastest_change);
       if (rate <= 1 || attempt == most_attempts || substeps == most_substeps) return;
       group.state.copy_motion(*group.start);
       counters.repeated.fetch_add(1, std::memory_order_relaxed);
     }
+  }
+  /// With substeps of h and, before, half as many of twice that, which is what an estimate of the error after
+  /// all of them is made of: RMS over the particles of the worst tree (or segment of a line).
+  double advance_twice(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
+    advance(group, crew, 2 * h, substeps / 2, counters);
+    std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
+    group.state.copy_motion(*group.start);
+    advance(group, crew, h, substeps, counters);
+    double worst = 0;
+    const std::uint32_t lanes = group.state.lanes;
+    for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+      double sum = 0;
+      for (std::size_t i = lane; i < group.coarse.size(); i += lanes) {
+        const double apart = group.state.x[i] - group.coarse[i];
+        sum += apart * apart;
+      }
+      worst = std::max(worst, sum);
+    }
+    return std::sqrt(worst / group.state.topology->nodes) / (std::pow(2, settings_.time_order) - 1);
   }
   /// The largest error estimate of the substeps.
   double advance(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {

@@ -43,7 +43,6 @@ void validate_time_order(const Settings& settings) {
   if (settings.time_order == 2) return;
   if (settings.method != Method::direct || gradient_of(settings) != Gradient::old)
     refuse("time order ", settings.time_order, " needs method direct with gradient old");
-  if (settings.accuracy) refuse("time order ", settings.time_order, " takes substeps, not an accuracy");
 }
 
 }  // namespace

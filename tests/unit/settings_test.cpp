@@ -93,10 +93,6 @@ TEST(Settings, TimeOrdersGoWithGradientOld) {
   EXPECT_EQ(with(4, Method::direct, Gradient::mid), "time order 4 needs method direct with gradient old");
   EXPECT_EQ(with(4, Method::direct, std::nullopt), "time order 4 needs method direct with gradient old");
   EXPECT_EQ(with(6, Method::relax, Gradient::old), "time order 6 needs method direct with gradient old");
-  EXPECT_EQ(refusal([](Settings& s) {
-              s = {.method = Method::direct, .gradient = Gradient::old, .time_order = 4, .accuracy = 1e-3};
-            }),
-            "time order 4 takes substeps, not an accuracy");
 }
 
 TEST(Settings, IntegratorsGoWithTheirMethods) {
