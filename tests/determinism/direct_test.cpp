@@ -1,6 +1,7 @@
 // Method direct: the same bits on every instruction set, on one thread and on two, and for a tree among
 // others as for the same tree alone.
 
+#include "scenes/generators.hpp"
 #include "support/direct.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ struct Trees {
 };
 std::vector<Trees> trees() {
   Scene forest;  // three of one shape beside an ensemble: groups of several kinds
-  for (const Scene& more : {test::rod_tree(), test::rod_tree(), test::five_rods(),
+  for (const Scene& more : {scenes::make_tree(), scenes::make_tree(), scenes::make_rods5(),
                             scenes::make_ensemble({.chains = 20, .links = 6, .vary = 0.3})}) {
     const auto first = static_cast<std::uint32_t>(forest.particles.size());
     forest.particles.insert(forest.particles.end(), more.particles.begin(), more.particles.end());
@@ -37,7 +38,7 @@ std::vector<Trees> trees() {
   }
   return {{"ensemble", scenes::make_ensemble({.chains = 40, .links = 8, .vary = 0.3})},
           {"chain", scenes::make_chain(50, 0.1, 10)},
-          {"tree", test::rod_tree()},
+          {"tree", scenes::make_tree()},
           {"forest", forest}};
 }
 
@@ -130,7 +131,7 @@ TEST(DirectDeterminism, ATreeAmongOthersMovesAsItDoesAlone) {
 
 // Looking does not change what is looked at.
 TEST(DirectDeterminism, ReadingChangesNothing) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   for (const Gradient gradient : all_gradients) {
     World watched(scene, test::direct(gradient)), left(scene, test::direct(gradient));
     for (int i = 0; i < 30; ++i) {

@@ -72,7 +72,7 @@ TEST(DirectEnergy, IsKeptByBranchesBetweenFixedPoints) {
 
 // A floating body of rods with mass, thrown and turning.
 TEST(DirectMomentum, OfAFreeTreeIsKept) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.particles[0] = test::loose({0, 0, 0}, 0.3);
   scene.particles[0].velocity = {1, 2, 3};
   scene.particles[4].velocity = {0, -3, 1};

@@ -67,7 +67,7 @@ TEST(DirectForces, DragDecaysExactly) {
 
 // Against the truth, second order.
 TEST(DirectForces, DragOnATree) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.drag = 1.3;
   const Frame truth = truth::solve(scene, {.save_at = {0.5}}).frames.front();
   for (const Gradient gradient : {Gradient::old, Gradient::mid}) {

@@ -20,7 +20,7 @@ namespace {
 constexpr double g = 9.81;
 
 double error_after_a_second(MassModel mass, std::uint32_t substeps) {
-  const Scene scene = test::five_rods();
+  const Scene scene = scenes::make_rods5();
   const std::vector<Frame> frames = scenes::read_trajectory(PLUMB_TEST_DATA "/rods5.csv");
   const auto truth = std::find_if(frames.begin(), frames.end(), [](const Frame& f) { return f.t == 1; });
   World world(scene, test::direct(Gradient::mid, substeps, mass));

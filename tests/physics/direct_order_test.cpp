@@ -32,8 +32,8 @@ Frame at_half_a_second(const char* file) {
 }
 
 std::vector<Known> known() {
-  return {{"rods5", test::five_rods(), at_half_a_second("rods5.csv"), 4},
-          {"tree", test::rod_tree(), at_half_a_second("tree.csv"), 4},
+  return {{"rods5", scenes::make_rods5(), at_half_a_second("rods5.csv"), 4},
+          {"tree", scenes::make_tree(), at_half_a_second("tree.csv"), 4},
           {"double", test::double_pendulum(), at_half_a_second("double.csv"), 4},
           {"chain", scenes::make_chain(20, 0.1, 10), at_half_a_second("chain_N20_r10.csv"), 8}};
 }

@@ -58,7 +58,7 @@ TEST(DirectVelocities, AreProjectedWithTheMassOfRods) {
 // At the end of every step the velocities of gradients old and new stretch no rod, to rounding.
 TEST(DirectVelocities, FitTheRods) {
   for (const Gradient gradient : {Gradient::old, Gradient::new_}) {
-    for (Scene scene : {test::rod_tree(), scenes::make_chain(20, 0.1, 10)}) {
+    for (Scene scene : {scenes::make_tree(), scenes::make_chain(20, 0.1, 10)}) {
       World world(scene, test::direct(gradient, 2));
       for (int i = 0; i < 60; ++i) {
         world.step(1.0 / 60);

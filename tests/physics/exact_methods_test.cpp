@@ -44,8 +44,8 @@ TEST_P(ExactMethods, AgreeWithStoredTruths) {
     EXPECT_LE(off.position, 1e-8 * bounding_diagonal(scene)) << name;
     EXPECT_LE(off.velocity, 1e-8 * std::sqrt(9.81 * bounding_diagonal(scene))) << name;
   };
-  expect_agrees(test::five_rods(), "rods5.csv");
-  expect_agrees(test::rod_tree(), "tree.csv");
+  expect_agrees(scenes::make_rods5(), "rods5.csv");
+  expect_agrees(scenes::make_tree(), "tree.csv");
   expect_agrees(test::double_pendulum(), "double.csv");
   expect_agrees(scenes::make_chain(5, 0.1, 10), "chain_N5_r10.csv");
   expect_agrees(scenes::make_chain(20, 0.1, 1), "chain_N20_r1.csv");
@@ -54,7 +54,7 @@ TEST_P(ExactMethods, AgreeWithStoredTruths) {
 
 // Half the step: half, a quarter, a sixteenth of the error.
 TEST_P(ExactMethods, ConvergeWithTheOrderOfTheIntegrator) {
-  const Scene scene = test::rod_tree();
+  const Scene scene = scenes::make_tree();
   const Frame truth = truth::solve(scene, {.save_at = {0.3}}).frames.front();
   struct Case {
     Integrator integrator;
@@ -76,7 +76,7 @@ TEST_P(ExactMethods, ConvergeWithTheOrderOfTheIntegrator) {
 
 // Where the mass of rods acts: both models have truths of their own, and they differ.
 TEST_P(ExactMethods, MoveEitherModelOfMass) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.rods[2].center = 0.3;
   scene.rods[2].inertia = 0.01;
   scene.rods[5] = {.a = 6, .b = 2, .mass = 4, .center = 0.8, .inertia = 0.05};
@@ -130,7 +130,7 @@ TEST_P(ExactMethods, ConserveEnergyAndMomenta) {
 }
 
 TEST_P(ExactMethods, ConserveTheEnergyOfHangingTrees) {
-  for (const Scene& scene : {test::rod_tree(), test::five_rods(), test::double_pendulum()}) {
+  for (const Scene& scene : {scenes::make_tree(), scenes::make_rods5(), test::double_pendulum()}) {
     World world(scene, settings(Integrator::rk4, 400));
     const double energy = test::energy_of(scene, world, MassModel::consistent);
     for (int i = 0; i < 20; ++i) {
@@ -172,7 +172,7 @@ TEST_P(ExactMethods, LetMomentaDecayUnderDrag) {
 }
 
 TEST_P(ExactMethods, HangUnderDragAsTheTruthDoes) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.drag = 2;
   const Frame truth = truth::solve(scene, {.save_at = {0.5}}).frames.front();
   World world(scene, settings(Integrator::rk4, 100));
@@ -184,7 +184,7 @@ TEST_P(ExactMethods, HangUnderDragAsTheTruthDoes) {
 
 // Velocities that pull on rods are projected by mass: as the truth says, which does it by other means.
 TEST_P(ExactMethods, ProjectInitialVelocities) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   test::Random random(11);
   for (Particle& particle : scene.particles) particle.velocity = test::random_vector(random);
   scene.particles[0].velocity = {};
@@ -233,7 +233,7 @@ TEST_P(ExactMethods, TakeUpTheMomentumOfForces) {
 // anchor at rest, with that velocity at first. Lumped: rods have no mass that starts with the anchor.
 TEST_P(ExactMethods, FollowAnAnchorThatMovesEvenly) {
   const Vec3 speed{0.7, 0.3, -0.4};
-  Scene rest = test::rod_tree();
+  Scene rest = scenes::make_tree();
   World moving(rest, settings(Integrator::rk4, 50, MassModel::lumped));
   for (std::size_t i = 1; i < rest.particles.size(); ++i) rest.particles[i].velocity = -1 * speed;
   World still(rest, settings(Integrator::rk4, 50, MassModel::lumped));
@@ -253,7 +253,7 @@ TEST_P(ExactMethods, FollowAnAnchorThatMovesEvenly) {
 
 // Drag acts as mass does, so a body towed evenly comes to hang straight, at the angle of c v to g.
 TEST_P(ExactMethods, TrailBehindAnAnchorUnderDrag) {
-  Scene scene = test::five_rods();
+  Scene scene = scenes::make_rods5();
   scene.drag = 5;
   World world(scene, settings(Integrator::rk4, 10));
   for (int i = 1; i <= 500; ++i) {

@@ -76,7 +76,7 @@ TEST(Multipliers, FeedbackDecaysAtItsRate) {
 
 // Rods that start off their length are put on it by the first projection.
 TEST(Multipliers, ProjectionPutsRodsOnTheirLength) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   for (std::size_t i = 0; i < scene.rods.size(); ++i) scene.rods[i].length = 1.02 * rod_length(scene, i);
   EXPECT_LE(stretch_after(scene, multipliers(Stabilization::projection), 1e-3, 1), 1e-14);
   EXPECT_GE(stretch_after(scene, multipliers(Stabilization::none), 1e-3, 1), 1.9e-2);

@@ -68,8 +68,8 @@ TEST(SpringMotion, ApproachesTheRodsTruthAsOneOverStiffness) {
   const Scene chain = scenes::make_chain(5, 0.1, 10);
   for (const Case& c : {Case{chain, "chain_N5_r10.csv", SpringModel::rigid_rods, 6.6e-5},
                         Case{chain, "chain_N5_r10.csv", SpringModel::particles, 6.5e-5},
-                        Case{test::five_rods(), "rods5.csv", SpringModel::rigid_rods, 4.6e-5},
-                        Case{test::rod_tree(), "tree.csv", SpringModel::rigid_rods, 3.5e-5},
+                        Case{scenes::make_rods5(), "rods5.csv", SpringModel::rigid_rods, 4.6e-5},
+                        Case{scenes::make_tree(), "tree.csv", SpringModel::rigid_rods, 3.5e-5},
                         Case{test::double_pendulum(), "double.csv", SpringModel::particles, 9e-5}}) {
     const double soft = error_of(c.scene, c.truth, c.model, 1e7);
     const double stiff = error_of(c.scene, c.truth, c.model, 1e8);
@@ -80,7 +80,7 @@ TEST(SpringMotion, ApproachesTheRodsTruthAsOneOverStiffness) {
 
 // Half of every rod's mass at either end is another body: no stiffness brings it to the truth.
 TEST(SpringMotion, ParticlesDoNotMoveAsRodsWithMass) {
-  EXPECT_GT(error_of(test::five_rods(), "rods5.csv", SpringModel::particles, 1e8), 0.03);
+  EXPECT_GT(error_of(scenes::make_rods5(), "rods5.csv", SpringModel::particles, 1e8), 0.03);
 }
 
 /// Masses 1, 1, 2, 4, 1 (the first at the anchor) on links of a quarter metre.
@@ -115,7 +115,7 @@ TEST(SpringMotion, EveryIntegratorHasItsOrder) {
 // A body in free flight that spins and vibrates. Internal forces come in pairs: linear momentum is kept to
 // rounding by every integrator, angular momentum by rk4 to its order where no joint is damped.
 TEST(SpringMotion, KeepsMomentumOfAFreeBody) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.gravity = {};
   for (Particle& particle : scene.particles) {
     particle.fixed = false;
@@ -449,7 +449,7 @@ TEST(SpringFailures, BadSettingsAndBodiesAreRefused) {
   EXPECT_EQ(refusal(chain, springs(SpringModel::particles, Integrator::adaptive_implicit_euler, 1e4, 0)),
             "integrator adaptive-implicit-euler needs an accuracy");
   // Two rods with mass, a light one between them that has none.
-  Scene bridge = test::five_rods();
+  Scene bridge = scenes::make_rods5();
   bridge.rods[2].mass = 0;
   EXPECT_EQ(refusal(bridge, with(1e4, 0.1)),
             "rod 2: has no inertia to turn by as a rigid body, since neither it nor its particles have mass; "

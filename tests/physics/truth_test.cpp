@@ -98,7 +98,7 @@ TEST(TruthMotion, DragIsExponential) {
 
 // A floating body of rods with mass under drag: both momenta decay as exp(-ct).
 TEST(TruthMotion, DragLetsMomentaDecay) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.particles[0] = test::loose({0, 0, 0}, 0.3);
   scene.particles[0].velocity = {1, 2, 3};
   scene.particles[5].velocity = {-2, 1, 1};
@@ -115,7 +115,7 @@ TEST(TruthMotion, DragLetsMomentaDecay) {
 }
 
 TEST(TruthMotion, KeepsEnergy) {
-  for (const Scene& scene : {test::double_pendulum(), test::five_rods(), test::rod_tree(), test::hung_ring(1),
+  for (const Scene& scene : {test::double_pendulum(), scenes::make_rods5(), scenes::make_tree(), test::hung_ring(1),
                              test::braced_box(2), scenes::make_chain(20, 0.1, 1000)}) {
     EXPECT_LT(solve(scene, {.save_at = {0.2, 0.6}}).energy_drift, 1e-14) << scene.rods.size() << " rods";
   }
@@ -125,8 +125,8 @@ TEST(TruthMotion, KeepsEnergy) {
 
 // Half the step, 2^order of the error.
 TEST(TruthMotion, ConvergesWithTheOrderOfTheSeries) {
-  const Model model = make_model(test::rod_tree(), MassModel::consistent);
-  const State start = start_of(test::rod_tree(), model);
+  const Model model = make_model(scenes::make_tree(), MassModel::consistent);
+  const State start = start_of(scenes::make_tree(), model);
   Integrator best(model, start, {});
   best.advance_to(0.1L);
   const auto error = [&](std::uint32_t order, int steps) {
@@ -181,8 +181,8 @@ TEST(TruthMotion, AgreesWithReferences) {
   expect_agrees(scenes::make_chain(5, 0.1, 10), data + "chain_N5_r10.csv");
   expect_agrees(scenes::make_chain(20, 0.1, 10), data + "chain_N20_r10.csv");
   expect_agrees(test::double_pendulum(), data + "double.csv");
-  expect_agrees(test::five_rods(), data + "rods5.csv");
-  expect_agrees(test::rod_tree(), data + "tree.csv");
+  expect_agrees(scenes::make_rods5(), data + "rods5.csv");
+  expect_agrees(scenes::make_tree(), data + "tree.csv");
 }
 
 }  // namespace

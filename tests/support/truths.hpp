@@ -17,28 +17,6 @@ inline Particle loose(Vec3 position, double mass = 0) {
   return {.position = position, .velocity = {}, .mass = mass, .fixed = false};
 }
 
-/// Five uniform rods in a row, straight and horizontal from an anchor, the last of double mass.
-inline Scene five_rods() {
-  Scene scene;
-  scene.particles.push_back(anchor({0, 0, 0}));
-  for (std::uint32_t i = 1; i <= 5; ++i) {
-    scene.particles.push_back(loose({i / 5.0, 0, 0}));
-    scene.rods.push_back({.a = i - 1, .b = i, .length = 0.2, .mass = i < 5 ? 5.0 : 10.0});
-  }
-  return scene;
-}
-
-/// A branched body of rods with mass, in space, with two particles that have mass as well.
-inline Scene rod_tree() {
-  Scene scene;
-  scene.particles = {anchor({0, 0, 0}),       loose({0.3, 0, 0}),        loose({0.6, 0.1, 0}, 0.5),
-                     loose({0.3, 0, 0.3}),    loose({0.3, 0, -0.25}, 2), loose({0.6, 0.3, 0.2}),
-                     loose({0.55, -0.2, 0.1})};
-  scene.rods = {{.a = 0, .b = 1, .mass = 2},   {.a = 1, .b = 2, .mass = 1}, {.a = 1, .b = 3, .mass = 3},
-                {.a = 1, .b = 4, .mass = 0.5}, {.a = 2, .b = 5, .mass = 1}, {.a = 2, .b = 6, .mass = 4}};
-  return scene;
-}
-
 /// Two point masses on massless rods, one 20 times the other, in space.
 inline Scene double_pendulum() {
   Scene scene;

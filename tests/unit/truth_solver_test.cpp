@@ -94,23 +94,23 @@ void expect_same(const Scene& scene, std::size_t rows, std::size_t redundant,
 
 TEST(TruthSolver, EliminatesChains) {
   expect_same(scenes::make_chain(20, 0.1, 1000), 0, 0);
-  expect_same(test::five_rods(), 0, 0);
-  expect_same(test::five_rods(), 0, 0, MassModel::lumped);
+  expect_same(scenes::make_rods5(), 0, 0);
+  expect_same(scenes::make_rods5(), 0, 0, MassModel::lumped);
 }
 
 TEST(TruthSolver, EliminatesBranches) {
-  expect_same(test::rod_tree(), 0, 0);
-  expect_same(test::rod_tree(), 0, 0, MassModel::lumped);
+  expect_same(scenes::make_tree(), 0, 0);
+  expect_same(scenes::make_tree(), 0, 0, MassModel::lumped);
 }
 
 TEST(TruthSolver, EliminatesWhatFloats) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.particles[0] = test::loose({0, 0, 0}, 0.3);
   expect_same(scene, 0, 0);
 }
 
 TEST(TruthSolver, TakesCentresAndInertiasOfRods) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.rods[1].center = 0.2;
   scene.rods[2].inertia = 0.01;
   scene.rods[5].center = 0.9;
@@ -120,7 +120,7 @@ TEST(TruthSolver, TakesCentresAndInertiasOfRods) {
 }
 
 TEST(TruthSolver, HangsOnSeveralFixedParticles) {
-  Scene scene = test::rod_tree();
+  Scene scene = scenes::make_tree();
   scene.particles.push_back(test::anchor({1, 1, 1}));
   scene.particles.push_back(test::anchor({0.5, 1, -1}));
   scene.rods.push_back({.a = 7, .b = 5, .mass = 1});
