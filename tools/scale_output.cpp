@@ -87,6 +87,11 @@ std::vector<Series> series_of(const ScaleOptions& options, const ScaleResults& r
   return out;
 }
 
+/// Whether the cap let it take its whole second, so that its stretch can be compared.
+bool is_whole(const ScaleCell& cell) {
+  return cell.measured() && cell.frames == scale_frames;
+}
+
 std::string count_text(double links) {
   return short_number(links, 7) + (links == 1 ? " link" : " links");
 }
@@ -186,7 +191,8 @@ Table relax_table(const ScaleResults& results) {
     table.add_row({std::to_string(r.links), std::string(to_string(r.series.precision)),
                    std::to_string(r.threads), plain_number(r.frames_per_s()), plain_number(1e6 * r.least_s),
                    plain_number(1e6 * r.median_s), plain_number(r.ns_per_rod()),
-                   plain_number(100 * r.stretch.rms) + " %", plain_number(100 * r.stretch.max) + " %"});
+                   is_whole(r) ? plain_number(100 * r.stretch.rms) + " %" : dash,
+                   is_whole(r) ? plain_number(100 * r.stretch.max) + " %" : dash});
   }
   return table;
 }
@@ -247,6 +253,11 @@ Comparison compare(const ScaleOptions& options, const ScaleResults& results) {
   out.relax_slope = fit_longer_half(r);
   out.springs_level = level_until(s, level_factor);
   out.relax_level = level_until(r, level_factor);
+  for (const ScaleCell& cell : results.cells) {
+    if (!is_whole(cell)) continue;
+    if (cell.series == springs) out.springs_stretch = std::max(out.springs_stretch, cell.stretch.max);
+    if (cell.series == relax) out.relax_stretch = std::max(out.relax_stretch, cell.stretch.max);
+  }
   for (const auto& [links, springs_s] : s)
     for (const auto& [same, relax_s] : r)
       if (links == same) {
@@ -277,7 +288,9 @@ std::string conclusion_of(const Comparison& c) {
       plain_number(c.relax_ns) + " ns relaxed, so " + (springs_faster ? "springs are " : "relaxation is ") +
       plain_number(times, 2) + " times as fast. The thesis's conclusion ";
   out += difference < -slope_room ? "holds" : "does not hold";
-  return out + " for a frame of fixed settings.";
+  return out + " for a frame of fixed settings. With these settings rods stretch by up to " +
+         plain_number(100 * c.springs_stretch) + " % (springs) and " + plain_number(100 * c.relax_stretch) +
+         " % (relaxed).";
 }
 
 std::string conclusion_at_equal_error(const ScaleOptions& options, const ScaleResults& results,
@@ -355,8 +368,9 @@ Chart rods_chart(const ScaleOptions& options, const ScaleResults& results) {
 }
 
 Chart stretch_chart(const ScaleOptions& options, const ScaleResults& results) {
-  Chart chart{"stretch after 1 s", "links", "largest stretch, %",
-              series_of(options, results, [](const ScaleCell& c) { return 100 * c.stretch.max; })};
+  Chart chart{
+      "stretch after 1 s", "links", "largest stretch, %",
+      series_of(options, results, [](const ScaleCell& c) { return is_whole(c) ? 100 * c.stretch.max : 0; })};
   std::erase_if(chart.series, [](const Series& s) {
     return s.dashed || (s.name != "springs" && s.name.find("relax") == std::string::npos);
   });

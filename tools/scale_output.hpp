@@ -39,9 +39,10 @@ Table setting_table(const ScaleResults& results, ChainFamily family);
 /// none.
 struct Comparison {
   std::optional<double> springs_slope, relax_slope;
-  double springs_level = 0, relax_level = 0;  ///< links until which frames per second are level
-  double links = 0;                           ///< the most that both were measured at
-  double springs_ns = 0, relax_ns = 0;        ///< per rod and frame, there
+  double springs_level = 0, relax_level = 0;      ///< links until which frames per second are level
+  double links = 0;                               ///< the most that both were measured at
+  double springs_ns = 0, relax_ns = 0;            ///< per rod and frame, there
+  double springs_stretch = 0, relax_stretch = 0;  ///< largest of any length, a second after the start
 };
 Comparison compare(const ScaleOptions& options, const ScaleResults& results);
 /// The thesis's conclusion beside what these numbers say.

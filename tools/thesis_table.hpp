@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,7 +48,7 @@ ThesisNumbers measure_thesis_numbers();
 /// A row: the thesis's words, ours, and whether they agree.
 struct ThesisRow {
   std::string what, thesis, where, ours;
-  bool agrees = false;
+  std::optional<bool> agrees;  ///< none where the thesis leaves out what it depends on
   std::vector<std::pair<std::string, double>> values;  ///< SI units, for programs
 };
 std::vector<ThesisRow> thesis_rows(const ThesisNumbers& numbers);
