@@ -16,7 +16,10 @@
 #include "scenes/numbers.hpp"
 #include "scenes/report.hpp"
 #include "scenes/spec.hpp"
+#include "scenes/trajectory.hpp"
 #include "thesis_experiment.hpp"
+#include "thesis_pictures.hpp"
+#include "thesis_table.hpp"
 
 namespace plumb::tools {
 namespace {
@@ -51,6 +54,17 @@ struct MassResults {
   double rest_mass = 0;  ///< s
   double rest_equal = 0;
 };
+
+/// All that is shown.
+struct ThesisResults {
+  std::vector<ChainResults> chains;
+  std::vector<MassResults> masses;
+  ThesisNumbers numbers;
+};
+
+Truth chain_truth() {
+  return {.frames = scenes::parse_trajectory(chain_truth_csv(), "truth of the chain"), .uncertainty = 1e-9};
+}
 
 Settings settings_of(const Variant& variant, std::uint32_t substep_count, StopRule stop) {
   Settings settings;
@@ -200,8 +214,13 @@ const char* const mass_text =
     "time until "
     "nothing moves faster than 1 cm/s, with a drag of 0.5 per second.";
 
-void publish(const ThesisOptions& options, const std::vector<ChainResults>& chains,
-             const std::vector<MassResults>& masses, const scenes::Machine& machine) {
+const char* const stiff_text =
+    "The thesis's stiff equation, y' = -k y (eq. 3.13). Forward Euler multiplies y by 1 - hk in a step and "
+    "is "
+    "stable for hk < 2 (eq. 3.15); backward Euler divides it by 1 + hk and is stable in every step.";
+
+void publish(const ThesisOptions& options, const ThesisResults& results, const scenes::Machine& machine) {
+  const std::vector<ChainResults>& chains = results.chains;
   Section section("thesis", "A heavy last link: weighted against equal corrections",
                   "plumb thesis --out " + options.out, machine);
   section.add_text(
@@ -213,6 +232,9 @@ void publish(const ThesisOptions& options, const std::vector<ChainResults>& chai
       "are RMS "
       "distances to the truth at 1 s in per cent of the chain's length. Arithmetic is double.");
   for (const ChainResults& chain : chains) section.add_text(conclusion_of(chain));
+  section.add_heading("What the thesis saw");
+  section.add_text(thesis_table_text(results.numbers));
+  section.add_table(thesis_table(thesis_rows(results.numbers)));
   for (const ChainResults& chain : chains) {
     const std::string file = "thesis_" + chain.spec.substr(0, chain.spec.find(':'));
     section.add_heading(chain.name + ": error against sweeps");
@@ -238,7 +260,16 @@ void publish(const ThesisOptions& options, const std::vector<ChainResults>& chai
   }
   section.add_heading("The pull of the heavy link");
   section.add_text(mass_text);
-  section.add_table(mass_table(masses));
+  section.add_table(mass_table(results.masses));
+  section.add_heading("Stiff equations");
+  section.add_text(stiff_text);
+  section.add_chart(options.out, "thesis_stiff", stiff_chart());
+  section.add_chart(options.out, "thesis_amplification", amplification_chart());
+  section.add_table(stiff_table());
+  section.add_heading("Velocities of Verlet and of Runge-Kutta");
+  section.add_text(velocity_text());
+  section.add_chart(options.out, "thesis_velocity", velocity_chart());
+  section.add_table(velocity_table());
   section.publish(options.out);
 }
 
@@ -256,16 +287,16 @@ nlohmann::ordered_json measured_json(const Measured& m) {
   return json;
 }
 
-void write_json(const ThesisOptions& options, const std::vector<ChainResults>& chains,
-                const std::vector<MassResults>& masses, const scenes::Machine& machine) {
+void write_json(const ThesisOptions& options, const ThesisResults& results, const scenes::Machine& machine) {
   nlohmann::ordered_json json{{"machine", scenes::machine_json(machine)}};
-  for (const ChainResults& chain : chains) {
+  json["thesis"] = thesis_rows_json(thesis_rows(results.numbers));
+  for (const ChainResults& chain : results.chains) {
     nlohmann::ordered_json entry{{"scene", chain.spec}, {"truth_uncertainty", chain.truth.uncertainty}};
     for (const Measured& m : chain.by_sweeps) entry["by_sweeps"].push_back(measured_json(m));
     for (const Measured& m : chain.by_substeps) entry["by_substeps"].push_back(measured_json(m));
     json["chains"].push_back(entry);
   }
-  for (const MassResults& m : masses) {
+  for (const MassResults& m : results.masses) {
     json["end_mass"].push_back({{"kg", m.end_mass},
                                 {"change_true", m.distance_true},
                                 {"change_mass", m.distance_mass},
@@ -273,6 +304,8 @@ void write_json(const ThesisOptions& options, const std::vector<ChainResults>& c
                                 {"rest_s_mass", m.rest_mass},
                                 {"rest_s_equal", m.rest_equal}});
   }
+  json["stiff_equation"] = stiff_json();
+  json["velocity_error"] = velocity_json();
   scenes::write_file(options.out + "/thesis.json", scenes::format_json(json));
 }
 
@@ -281,35 +314,39 @@ int thesis(const ThesisOptions& options) {
     require_gnuplot();
     make_folder(options.out);
   }
-  std::vector<ChainResults> chains;
-  std::vector<MassResults> masses;
+  ThesisResults results;
   {
     Progress progress("measuring", options.quiet);
     const std::uint64_t all = 2 * all_variants().size() * (sweep_counts.size() + substep_counts.size());
     std::uint64_t done = 0;
     const auto tick = [&] { progress.show(++done, all); };
-    chains.push_back(
+    results.chains.push_back(
         measure_chain("thesis5", "Five links, end mass 2", converge(scenes::make_thesis5(), 1024), tick));
-    chains.push_back(
+    results.chains.push_back(
         measure_chain("chain:links=20,end_mass=10", "20 links, end mass 10", chain_truth(), tick));
-    for (const double end_mass : end_masses) masses.push_back(measure_mass(end_mass));
+    for (const double end_mass : end_masses) results.masses.push_back(measure_mass(end_mass));
+    results.numbers = measure_thesis_numbers();
   }
   Settings one_thread;
   one_thread.threads = 1;
   const scenes::Machine machine = scenes::describe_machine(World(scenes::make_thesis5(), one_thread).info());
 
-  for (const ChainResults& chain : chains) {
+  for (const ChainResults& chain : results.chains) {
     std::printf("%s: error at 1 s in %% of the length, %u substeps a frame. %s\n%s\n", chain.name.c_str(),
                 substeps, truth_text(chain).c_str(),
                 error_table("sweeps", sweep_counts, chain.by_sweeps).to_text().c_str());
     std::printf("%s: the same, swept to a stretch of 1e-7. Times are of mass, new.\n%s\n", chain.name.c_str(),
                 error_table("substeps", substep_counts, chain.by_substeps).to_text().c_str());
   }
-  std::printf("%s\n%s\n", mass_text, mass_table(masses).to_text().c_str());
-  for (const ChainResults& chain : chains) std::printf("%s\n", conclusion_of(chain).c_str());
+  std::printf("%s\n%s\n", mass_text, mass_table(results.masses).to_text().c_str());
+  std::printf("%s\n%s\n", thesis_table_text(results.numbers).c_str(),
+              thesis_table(thesis_rows(results.numbers)).to_text().c_str());
+  std::printf("%s\n%s\n%s\n%s\n", stiff_text, stiff_table().to_text().c_str(), velocity_text().c_str(),
+              velocity_table().to_text().c_str());
+  for (const ChainResults& chain : results.chains) std::printf("%s\n", conclusion_of(chain).c_str());
   if (options.out.empty()) return fine;
-  write_json(options, chains, masses, machine);
-  publish(options, chains, masses, machine);
+  write_json(options, results, machine);
+  publish(options, results, machine);
   if (!options.quiet) std::printf("\nPage: %s/index.html\n", options.out.c_str());
   return fine;
 }

@@ -36,10 +36,6 @@ std::string name_of(const Variant& variant) {
   return std::string(to_string(variant.weights)) + ", " + std::string(to_string(variant.gradient));
 }
 
-Truth chain_truth() {
-  return {.frames = scenes::parse_trajectory(chain_truth_csv(), "truth of the chain"), .uncertainty = 1e-9};
-}
-
 Truth converge(const Scene& scene, std::uint32_t substeps) {
   Settings settings;
   settings.gradient = Gradient::mid;
@@ -68,6 +64,7 @@ Measured measure(const Scene& scene, const Truth& truth, const Settings& setting
     out.us_per_frame = std::min(out.us_per_frame, 1e6 * run.wall_s / static_cast<double>(run.frames));
     out.error = run.position_error.back().relative;
     out.stretch_rms = run.stretch.rms;
+    out.stretch_max = run.stretch.max;
     // A chain that keeps its length lies within one length of its root, so two of them within two.
     out.stable = run.sound() && out.error <= 2;
     spent += run.wall_s;
