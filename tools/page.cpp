@@ -24,6 +24,7 @@ p { max-width: 46rem; }
 table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; margin: 1rem 0; display: block; overflow-x: auto; }
 th, td { padding: 0.2rem 0.8rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; padding-left: 0; }
+td.text { white-space: normal; min-width: 14rem; text-align: left; }
 th { border-bottom: 2px solid #888; font-weight: 600; }
 figure { margin: 1rem 0; }
 svg { max-width: 100%; height: auto; }

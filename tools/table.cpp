@@ -11,9 +11,15 @@ std::size_t width_of(const std::string& text) {
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
+/// Longer cells are sentences: their lines may break.
+constexpr std::size_t longest_number = 40;
+
 void append_html_row(std::string& out, const std::vector<std::string>& cells, const std::string& tag) {
   out += "<tr>";
-  for (const std::string& cell : cells) out += "<" + tag + ">" + escape_html(cell) + "</" + tag + ">";
+  for (const std::string& cell : cells) {
+    const char* kind = cell.size() > longest_number ? " class=\"text\"" : "";
+    out += "<" + tag + kind + ">" + escape_html(cell) + "</" + tag + ">";
+  }
   out += "</tr>\n";
 }
 
