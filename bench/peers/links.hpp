@@ -21,8 +21,8 @@ struct Link {
 };
 
 /// The rods of a scene, parents before children and every root's links together. Throws InputError unless
-/// the scene starts from rest without drag, its rods are massless, and all hang in trees from one fixed
-/// particle each.
+/// the scene starts from rest without drag, its rods are massless and at their length, and all hang in trees
+/// from one fixed particle each.
 std::vector<Link> find_links(const Scene& scene);
 
 /// Whether find_links() takes it.

@@ -40,6 +40,7 @@ struct Setting {
 struct Outcome {
   enum class End { sound, failed, late } end = End::failed;
   Point point{};
+  std::string reason{};
 };
 
 /// A problem and how another library is to see it.
@@ -50,6 +51,8 @@ class Course {
     frames_ = std::lround(problem.duration * frames_per_second);
     energy_range_ = energy_range(problem.scene);
   }
+
+  std::size_t links() const { return links_.size(); }
 
   /// Late after `most_s`, set-up included.
   Outcome run(const Setting& setting, double most_s) const {
@@ -118,8 +121,8 @@ struct Measured {
 Outcome try_run(const Course& course, const Setting& setting, double most_s) {
   try {
     return course.run(setting, most_s);
-  } catch (const std::exception&) {
-    return {.end = Outcome::End::failed};
+  } catch (const std::exception& error) {
+    return {.end = Outcome::End::failed, .reason = error.what()};
   }
 }
 
@@ -135,6 +138,7 @@ void follow(const Course& course, const Problem& problem, const PeerPath& path, 
     if (outcome.end == Outcome::End::late) return;
     if (outcome.end == Outcome::End::failed) {
       ++out.result.failed;
+      if (!outcome.reason.empty()) out.result.reason = outcome.reason;
       continue;
     }
     // Twice as fine takes about twice as long.
@@ -188,6 +192,7 @@ void time_again(const Course& course, double most_s, Measured& measured) {
 
 PeerResult measure(const Problem& problem, const PeerFamily& family, const PeerLimits& limits) {
   const Course course(problem);
+  if (course.links() > family.most_links) return {};
   Measured measured;
   for (const PeerPath& path : family.paths) follow(course, problem, path, limits.path_s, measured);
   for (Point& point : measured.result.points) point.family = family.name;

@@ -1,6 +1,7 @@
 // MuJoCo: bodies on ball joints in joint coordinates; no contacts, limits or other constraints.
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -10,9 +11,31 @@
 namespace plumb::bench {
 namespace {
 
-/// Levels of nested bodies in one file: the XML reader refuses files that are nested more than 500 deep, so
-/// long chains go on in a file that is included.
-constexpr std::size_t deepest = 200;
+/// Levels of nested bodies in one file: the XML reader refuses what is nested more than 100 deep (500 in
+/// other versions), so long chains go on in a file that is included.
+constexpr std::size_t deepest = 64;
+
+/// What a link turns with about its particle, in kg·m². MuJoCo factorises the mass matrix of all joints, in
+/// which the little that bead_inertia() leaves about a rod's axis remains when the inertias of all that hangs
+/// on the joint are subtracted from each other: it must stand out from their rounding, or long chains break
+/// at once.
+double standing_out(const Link& link, double largest_inertia) {
+  return std::max(bead_inertia(link), 1e-13 * largest_inertia);
+}
+
+/// All masses as far from the root as rods reach: a bound on what is subtracted.
+double largest_inertia(const Model& model) {
+  std::vector<double> reach(model.links.size());
+  double most = 0, mass = 0;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    const Link& link = model.links[i];
+    reach[i] =
+        norm(link.offset) + (link.parent == Link::none ? 0 : reach[static_cast<std::size_t>(link.parent)]);
+    most = std::max(most, reach[i]);
+    mass += link.mass;
+  }
+  return mass * most * most;
+}
 
 /// What MuJoCo calls where it would otherwise end the program.
 void throw_error(const char* text) {
@@ -40,7 +63,8 @@ std::string file_name(std::size_t number) {
 /// The scene as MuJoCo's XML: the first file holds all, or includes the others.
 class Description {
  public:
-  Description(const Model& model, const std::string& integrator, double dt) : model_(model) {
+  Description(const Model& model, const std::string& integrator, double dt)
+      : model_(model), largest_inertia_(largest_inertia(model)) {
     children_.resize(model.links.size());
     files_.emplace_back();
     std::string text = "<mujoco><compiler inertiafromgeom=\"false\"/><option integrator=\"" + integrator +
@@ -75,7 +99,7 @@ class Description {
     const Link& link = model_.links[i];
     const Vec3 joint = link.parent == Link::none ? model_.scene.particles[link.root].position
                                                  : model_.links[static_cast<std::size_t>(link.parent)].offset;
-    const double inertia = bead_inertia(link);
+    const double inertia = standing_out(link, largest_inertia_);
     text += "<body pos=\"" + numbers(joint) + "\"><joint type=\"ball\"/><inertial pos=\"" +
             numbers(link.offset) + "\" mass=\"" + numbers({link.mass}) + "\" diaginertia=\"" +
             numbers({inertia, inertia, inertia}) + "\"/>";
@@ -84,6 +108,7 @@ class Description {
   }
 
   const Model& model_;
+  double largest_inertia_;
   std::vector<std::vector<std::size_t>> children_;
   std::vector<std::string> files_;
 };
@@ -172,7 +197,9 @@ class MuJoCo : public Peer {
 }  // namespace
 
 PeerFamily mujoco_family() {
-  PeerFamily family{.name = "MuJoCo", .must_reach = 1e-5};
+  // Its mass matrix has an entry for every link and each that it hangs from: one frame of a chain of 1000
+  // rods takes minutes, set-up included.
+  PeerFamily family{.name = "MuJoCo", .must_reach = 1e-5, .most_links = 300};
   for (const std::string integrator : {"Euler", "implicit", "RK4"})
     family.paths.push_back(
         halving_path("MuJoCo " + integrator, "",

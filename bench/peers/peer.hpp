@@ -49,6 +49,8 @@ struct PeerFamily {
   std::string name{};
   /// The position error that the nearest of its settings must have on the chain that models are checked on.
   double must_reach = 0;
+  /// Scenes with more are not tried.
+  std::size_t most_links = 1 << 20;
   std::vector<PeerPath> paths{};
 };
 

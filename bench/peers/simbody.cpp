@@ -86,7 +86,7 @@ PeerPath step_path(const std::string& label, SimbodyMethod method) {
 
 PeerFamily simbody_family() {
   return {.name = "Simbody",
-          .must_reach = 1e-5,
+          .must_reach = 1e-3,
           .paths = {step_path("semi-explicit Euler", SimbodyMethod::semi_explicit_euler),
                     accuracy_path("semi-explicit Euler 2", SimbodyMethod::semi_explicit_euler_2),
                     accuracy_path("Verlet", SimbodyMethod::verlet),
