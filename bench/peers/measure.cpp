@@ -5,7 +5,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <optional>
+#include <string>
 
 namespace plumb::bench {
 namespace {
@@ -122,7 +122,8 @@ Outcome try_run(const Course& course, const Setting& setting, double most_s) {
   try {
     return course.run(setting, most_s);
   } catch (const std::exception& error) {
-    return {.end = Outcome::End::failed, .reason = error.what()};
+    const std::string text = error.what();
+    return {.end = Outcome::End::failed, .reason = text.substr(0, text.find('\n'))};
   }
 }
 

@@ -18,7 +18,7 @@ struct PeerResult {
   std::vector<frontier::Point> points{};
   unsigned failed =
       0;  ///< settings that gave up, did not stay finite, or stretched a rod to twice its length
-  std::string reason{};  ///< of the last that gave up, in its library's words
+  std::string reason{};  ///< of the last that gave up, the first line of its library's words
 };
 
 /// Follows the paths of a family through a problem, from coarse to fine, until the position error falls no
