@@ -17,8 +17,7 @@ constexpr std::size_t deepest = 64;
 
 /// What a link turns with about its particle, in kg·m². MuJoCo factorises the mass matrix of all joints, in
 /// which the little that bead_inertia() leaves about a rod's axis remains when the inertias of all that hangs
-/// on the joint are subtracted from each other: it must stand out from their rounding, or long chains break
-/// at once.
+/// on the joint are subtracted from each other: it is to stand out from their rounding.
 double standing_out(const Link& link, double largest_inertia) {
   return std::max(bead_inertia(link), 1e-13 * largest_inertia);
 }
