@@ -52,7 +52,7 @@ constexpr double clearly = 1.1;
 const char* color_of(const std::string& family) {
   static const std::pair<const char*, const char*> colors[] = {
       {"auto", "#000000"},         {"direct", "#d1495b"},      {"relax", "#1f5fa8"},
-      {"over-relaxed", "#66a3dd"}, {"springs", "#2a9d5c"},     {"implicit springs", "#8fd19e"},
+      {"over-relaxed", "#66a3dd"}, {"springs", "#2a9d5c"},     {"implicit-springs", "#8fd19e"},
       {"multipliers", "#e09f3e"},  {"featherstone", "#8e44ad"}};
   for (const auto& [name, color] : colors)
     if (family == name) return color;
@@ -269,6 +269,7 @@ int run_frontier(FrontierOptions options) {
   make_folder(options.out);
   const auto peers =
       options.peers.empty() ? std::vector<frontier::PeerPoint>{} : frontier::read_points(options.peers);
+  std::printf("%s\n\n", what_text);
   std::vector<Result> results;
   {
     Progress progress("measuring", options.quiet);
@@ -277,14 +278,13 @@ int run_frontier(FrontierOptions options) {
       Result result{.problem = problem,
                     .points = frontier::compete(problem, options.families, options.limits)};
       frontier::add_peers(peers, result.problem, result.points);
+      std::printf("%s: %s\n%s\n", problem.name.c_str(), truth_text(problem).c_str(),
+                  target_table(result).to_text().c_str());
+      std::fflush(stdout);
       results.push_back(std::move(result));
       progress.show(results.size(), options.problems.size());
     }
   }
-  std::printf("%s\n\n", what_text);
-  for (const Result& r : results)
-    std::printf("%s: %s\n%s\n", r.problem.name.c_str(), truth_text(r.problem).c_str(),
-                target_table(r).to_text().c_str());
   std::printf("%s", summary_table(results).to_text().c_str());
   publish(options, results);
   if (!options.quiet) std::printf("\nPage: %s/frontier.html\n", options.out.c_str());
@@ -319,7 +319,7 @@ void add_frontier_command(CLI::App& app, Action& action) {
       [&o] {
         o.problems = named("--scenes", "N20_r1000,N1000_r10,rods5", frontier::all_problems(),
                            [](const Problem& p) { return p.name; });
-        o.limits = {.path_s = 0.1, .contest_s = 1.5};
+        o.limits = {.path_s = 0.05, .contest_s = 1.5};
       },
       "Three scenes, half a minute");
   command
@@ -338,12 +338,12 @@ void add_frontier_command(CLI::App& app, Action& action) {
             o.families = named("--methods", text, frontier::all_families(),
                                [](const std::string& name) { return name; });
           },
-          "Some of auto|direct|relax|over-relaxed|springs|implicit springs|multipliers|featherstone [all]")
+          "Some of auto|direct|relax|over-relaxed|springs|implicit-springs|multipliers|featherstone [all]")
       ->type_name("M1,M2,...");
   add_seconds(*command, "--path-seconds", o.limits.path_s,
-              "Wall-clock time for settings from coarse to fine [0.2]");
+              "Wall-clock time for settings from coarse to fine [0.1]");
   add_seconds(*command, "--repeat-seconds", o.limits.contest_s,
-              "Wall-clock time for a scene's repetitions [3]");
+              "Wall-clock time for a scene's repetitions [2.5]");
   command
       ->add_option("--peers", o.peers,
                    "Points of other libraries, as bench_peers writes them, into the same page")

@@ -122,7 +122,8 @@ void add_solver_options(CLI::App& app, Settings& settings) {
   add_count(app, "--substeps", settings.substeps, "Integrations per frame [1]");
   add_number(
       app, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
-      "Method direct: choose substeps so that the error grows by at most this share of the scene a second");
+      "Methods direct and auto, and springs by adaptive-implicit-euler: choose substeps so that the error "
+      "grows by at most this share of the scene a second");
   CLI::Option* sweeps =
       add_count(app, "--sweeps", settings.stop.sweeps,
                 "Most passes over all rods in a substep [10; 10000 with --tolerance or --budget-us]");

@@ -177,7 +177,7 @@ void add_scale_command(CLI::App& app, Action& action) {
         o.cell_s = 0.2;
         o.path_s = 0.05;
       },
-      "A few seconds: fewer lengths, shorter repetitions");
+      "Ten seconds: fewer lengths, shorter repetitions");
   command
       ->add_option_function<std::string>(
           "--methods", [&o](const std::string& text) { o.methods = parse_methods(text); },

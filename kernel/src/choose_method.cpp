@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "plumb/layouts/trees.hpp"
-
 namespace plumb::detail {
 namespace {
 
 /// Particles in the widest layer up to which an island with loops is thin: rings, ladders and trusses are,
-/// nets are not. Measured by bench_direct: a truss of 100 bays is solved hundreds of times faster than
-/// relaxed, a ring of 24 about as fast, a net of 32 x 32 seventy times slower.
+/// nets are not. Measured by bench_direct: a truss of 100 bays is solved 16 to some hundred times faster than
+/// relaxed, a ring of 24 about as fast, a net of 32 x 32 tens of times slower.
 constexpr std::size_t thin_layer = 12;
 
 /// Accuracy from which composed substeps reach it in less time, with an estimate that takes a third of it
@@ -45,8 +43,8 @@ std::size_t widest_layer(const layouts::Graph& island) {
 
 }  // namespace
 
-bool is_for_direct(const layouts::Graph& island) {
-  return layouts::find_tree(island).has_value() || widest_layer(island) <= thin_layer;
+bool is_thin(const layouts::Graph& island) {
+  return widest_layer(island) <= thin_layer;
 }
 
 Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
@@ -67,7 +65,7 @@ std::uint32_t choose_time_order(const Settings& settings) {
 
 Gradient choose_gradient(const Scene& scene, const Settings& settings) {
   if (settings.gradient) return *settings.gradient;
-  if (choose_time_order(settings) > 2) return Gradient::old;
+  if (settings.time_order > 2) return Gradient::old;
   const bool massless =
       std::all_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) { return rod.mass == 0; });
   return settings.accuracy && massless ? Gradient::old : Gradient::mid;

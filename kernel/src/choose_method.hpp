@@ -9,10 +9,10 @@
 
 namespace plumb::detail {
 
-/// Whether islands of this shape are always solved directly. Trees are, whatever their size: all their rods
-/// at once cost about as much as a few sweeps, and no number of sweeps that costs the same comes near. So are
-/// thin islands with loops (rings, ladders, trusses), where a correction would have far to travel.
-bool is_for_direct(const layouts::Graph& island);
+/// Whether an island with loops is one that is always solved directly: a ring, ladder or truss, where a
+/// correction would have far to travel. So are trees, whatever their size: all their rods at once cost about
+/// as much as a few sweeps, and no number of sweeps that costs the same comes near.
+bool is_thin(const layouts::Graph& island);
 
 /// What method automatic takes for an island: direct if its shape is for that or its rods carry mass, which
 /// relaxation cannot represent; relax for the rest, wide nets of massless rods.
@@ -22,8 +22,9 @@ Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<con
 /// The time order of its direct solves: 4 where the accuracy asked for is such that it pays.
 std::uint32_t choose_time_order(const Settings& settings);
 
-/// The gradient that its direct solves take if none is set: old where an accuracy is asked for and no rod has
-/// mass, since a step then costs a fraction of one of mid's; mid otherwise, which keeps energy however long.
+/// The gradient that its direct solves take if none is set: old with a time order above 2, or where an
+/// accuracy is asked for and no rod has mass, since a step then costs a fraction of one of mid's; mid
+/// otherwise, which keeps energy however long.
 Gradient choose_gradient(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb::detail

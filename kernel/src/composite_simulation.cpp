@@ -6,6 +6,7 @@
 
 #include "choose_method.hpp"
 #include "plumb/layouts/islands.hpp"
+#include "plumb/layouts/trees.hpp"
 #include "plumb/measures.hpp"
 #include "scene_graph.hpp"
 
@@ -15,6 +16,7 @@ namespace {
 /// A scene of its own for the islands that one method moves.
 struct Part {
   Method method = Method::relax;
+  bool has_loops = false;
   Scene scene;
   std::vector<std::uint32_t> particles;  ///< the whole scene's numbers, by the part's
   std::unique_ptr<Simulation> simulation;
@@ -26,15 +28,15 @@ struct Home {
 };
 
 /// What a method takes for its part.
-Settings settings_for(Method method, const Scene& part, const Settings& settings) {
+Settings settings_for(const Part& part, const Settings& settings) {
   Settings own = settings;
-  own.method = method;
-  if (method == Method::relax) {
+  own.method = part.method;
+  if (part.method == Method::relax) {
     own.accuracy.reset();
     own.mass.reset();
   } else {
-    own.gradient = choose_gradient(part, settings);
-    own.time_order = choose_time_order(settings);
+    own.time_order = part.has_loops ? 2 : choose_time_order(settings);  // accuracy steers trees alone
+    own.gradient = choose_gradient(part.scene, own);
   }
   return own;
 }
@@ -46,7 +48,7 @@ class CompositeSimulation final : public Simulation {
     for (std::uint32_t p = 0; p < parts_.size(); ++p) {
       Part& part = parts_[p];
       for (std::uint32_t i = 0; i < part.particles.size(); ++i) homes_[part.particles[i]].push_back({p, i});
-      Settings own = settings_for(part.method, part.scene, settings);
+      Settings own = settings_for(part, settings);
       if (own.accuracy) {
         // It is relative to the diagonal of the whole.
         const double diagonal = bounding_diagonal(part.scene);
@@ -106,7 +108,7 @@ class CompositeSimulation final : public Simulation {
       info_.parallel = info_.parallel || own.parallel;
       info_.relaxed_rods += own.relaxed_rods;
       info_.direct_rods += own.direct_rods;
-      if (part.method == Method::direct) {
+      if (part.method == Method::direct && info_.direct_rods == own.direct_rods) {  // the first such
         info_.direct_gradient = own.direct_gradient;
         info_.direct_time_order = own.direct_time_order;
       }
@@ -130,33 +132,39 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   const layouts::Graph graph = owner.view();
   const layouts::Islands islands = layouts::find_islands(graph);
 
-  constexpr std::array methods{Method::direct, Method::relax};
-  std::array<std::vector<std::uint8_t>, methods.size()> has_particle, has_rod;
+  struct Kind {
+    Method method;
+    bool has_loops;
+  };
+  constexpr std::array<Kind, 3> kinds{
+      {{Method::direct, false}, {Method::direct, true}, {Method::relax, true}}};
+  std::array<std::vector<std::uint8_t>, kinds.size()> has_particle, has_rod;
   for (auto& flags : has_particle) flags.assign(scene.particles.size(), 0);
   for (auto& flags : has_rod) flags.assign(scene.rods.size(), 0);
   std::vector<std::uint8_t> placed(scene.particles.size(), 0);
-  std::size_t first_used = methods.size();
+  std::size_t first_used = kinds.size();
   for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
-    const bool shape_is_for_direct =
-        is_for_direct(layouts::local_graph(graph, islands, equal.front()).view());
+    const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
+    const bool is_tree = layouts::find_tree(local.view()).has_value();
+    const bool shape_is_for_direct = is_tree || is_thin(local.view());
     for (const std::uint32_t island : equal) {
       const Method method = choose_method(scene, shape_is_for_direct, islands.edges(island), settings);
-      const auto m =
-          static_cast<std::size_t>(std::find(methods.begin(), methods.end(), method) - methods.begin());
+      const std::size_t m = method == Method::relax ? 2 : is_tree ? 0 : 1;
       first_used = std::min(first_used, m);
       for (const std::uint32_t v : islands.vertices(island)) has_particle[m][v] = placed[v] = 1;
       for (const std::uint32_t e : islands.edges(island)) has_rod[m][e] = 1;
     }
   }
-  if (first_used == methods.size()) first_used = 0;
+  if (first_used == kinds.size()) first_used = 0;
   for (std::size_t v = 0; v < placed.size(); ++v)
     if (!placed[v]) has_particle[first_used][v] = 1;
 
   std::vector<Part> parts;
   std::vector<std::uint32_t> number(scene.particles.size());
-  for (std::size_t m = 0; m < methods.size(); ++m) {
+  for (std::size_t m = 0; m < kinds.size(); ++m) {
     Part part;
-    part.method = methods[m];
+    part.method = kinds[m].method;
+    part.has_loops = kinds[m].has_loops;
     for (std::uint32_t v = 0; v < number.size(); ++v) {
       if (!has_particle[m][v]) continue;
       number[v] = static_cast<std::uint32_t>(part.particles.size());
@@ -183,7 +191,7 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
 std::unique_ptr<Simulation> make_composite_simulation(const Scene& scene, const Settings& settings) {
   std::vector<Part> parts = split(scene, settings);
   if (parts.size() == 1 && parts.front().method == Method::direct) {
-    return make_simulation(scene, settings_for(Method::direct, scene, settings));
+    return make_simulation(scene, settings_for(parts.front(), settings));
   }
   return std::make_unique<CompositeSimulation>(scene, std::move(parts), settings);
 }

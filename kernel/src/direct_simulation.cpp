@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "composition.hpp"
 #include "loop_group.hpp"
@@ -24,7 +25,9 @@ constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;
 /// Relative to the velocity of an anchor: below, it differs by the rounding of its path only.
 constexpr double unchanged = 1e-9;
 constexpr int most_attempts = 8;
-constexpr std::uint32_t most_substeps = 1 << 20;
+/// Of a step: in float, displacements of shorter ones are rounding.
+template <class T>
+constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
 /// Of the first step, when nothing is known yet. The estimate sees if they are too few; the step is then done
 /// again.
 constexpr std::uint32_t first_substeps = 4;
@@ -82,6 +85,7 @@ class DirectSimulation final : public Simulation {
     report.fallbacks = counters.fallbacks;
     report.unsolved = counters.unsolved;
     report.repeated_steps = counters.repeated;
+    report.inaccurate_steps = counters.inaccurate;
     return report;
   }
 
@@ -249,7 +253,7 @@ class DirectSimulation final : public Simulation {
     info_.rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.direct_rods = info_.rods;
     info_.direct_gradient = gradient_of(settings_);
-    info_.direct_time_order = settings_.time_order;
+    info_.direct_time_order = settings_.accuracy && groups_.empty() ? 2 : settings_.time_order;
     info_.isa = isa_;
     info_.threads = team_.size();
     info_.parallel = uses_threads();
@@ -302,10 +306,12 @@ class DirectSimulation final : public Simulation {
     const std::uint32_t order = settings_.time_order;
     group.start->copy_motion(group.state);
     if (group.substep == 0) group.substep = dt / first_substeps;
+    double last_rate = std::numeric_limits<double>::infinity();
     for (int attempt = 1;; ++attempt) {
       const double wanted = std::ceil(dt / group.substep);
-      auto substeps = static_cast<std::uint32_t>(
-          std::clamp(wanted, double{1} * settings_.substeps, double{1} * most_substeps));
+      auto substeps =
+          static_cast<std::uint32_t>(std::clamp(wanted, double{1} * settings_.substeps,
+                                                double{1} * std::max(most_substeps<T>, settings_.substeps)));
       if (order > 2) substeps += substeps % 2;
       const double h = dt / substeps;
       const double error = order == 2 ? advance(group, crew, h, substeps, counters)
@@ -313,7 +319,15 @@ class DirectSimulation final : public Simulation {
       const double rate = error / (h * *settings_.accuracy * diagonal_);
       // The error of a step of order p grows by h^p a second.
       group.substep = h * std::clamp(std::pow(safety / rate, 1.0 / order), slowest_change, fastest_change);
-      if (rate <= 1 || attempt == most_attempts || substeps == most_substeps) return;
+      if (rate <= 1) return;
+      // Where rounding is what is estimated, shorter steps make it worse.
+      const bool hopeless = attempt > 2 && !(rate < last_rate);
+      if (hopeless || attempt == most_attempts || substeps >= most_substeps<T>) {
+        group.substep = h;
+        counters.inaccurate.fetch_add(1, std::memory_order_relaxed);
+        return;
+      }
+      last_rate = rate;
       group.state.copy_motion(*group.start);
       counters.repeated.fetch_add(1, std::memory_order_relaxed);
     }

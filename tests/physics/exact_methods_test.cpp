@@ -52,6 +52,17 @@ TEST_P(ExactMethods, AgreeWithStoredTruths) {
   expect_agrees(scenes::make_chain(20, 0.1, 10), "chain_N20_r10.csv");
 }
 
+// A massless rod whose far particle has its mass from the next rod alone.
+TEST_P(ExactMethods, MoveMasslessLinksBeforeRodsWithMass) {
+  Scene scene;
+  scene.particles = {test::anchor({0, 0, 0}), test::loose({0.3, 0, 0}), test::loose({0.6, 0.1, 0.1})};
+  scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2, .mass = 1}};
+  const Frame truth = truth::solve(scene, {.save_at = {0.5}}).frames.front();
+  World world(scene, settings(Integrator::rk4, 100));
+  test::run(world, 0.025, 20);
+  EXPECT_LE(test::apart(test::frame_of(world), truth).position, 1e-8);
+}
+
 // Half the step: half, a quarter, a sixteenth of the error.
 TEST_P(ExactMethods, ConvergeWithTheOrderOfTheIntegrator) {
   const Scene scene = scenes::make_tree();

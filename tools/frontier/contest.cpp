@@ -68,14 +68,16 @@ void follow(const Problem& problem, Path path, double most_s, std::vector<Point>
   } while (seconds_since(start) < most_s && path.refine(path.settings));
 }
 
-/// Times, in turns, so that what slows the machine down for a while favours none.
+/// Times, in turns, so that what slows the machine down for a while favours none; the first runs count too.
 void time_again(const Problem& problem, std::vector<Point>& points, const std::vector<std::size_t>& chosen,
                 double most_s) {
-  std::vector<std::vector<double>> times(chosen.size());
+  std::vector<std::vector<double>> times;
+  for (const std::size_t i : chosen) times.push_back({points[i].ms});
   const auto start = Clock::now();
-  for (std::uint32_t round = 0; round < most_repetitions; ++round) {
-    for (std::size_t k = 0; k < chosen.size(); ++k) {
-      const std::size_t i = (k + round) % chosen.size();
+  for (std::uint32_t round = 0; round < most_repetitions && seconds_since(start) < most_s; ++round) {
+    for (std::size_t k = 0; k < chosen.size() && seconds_since(start) < 2 * most_s; ++k) {
+      // Not in the same order every time, so that what stays out of the last round is not always the same.
+      const std::size_t i = (k + 7 * round) % chosen.size();
       const Point& point = points[chosen[i]];
       World world(problem.scene, point.settings);
       const auto frames = static_cast<std::uint64_t>(std::lround(problem.duration * point.frames));
@@ -83,7 +85,6 @@ void time_again(const Problem& problem, std::vector<Point>& points, const std::v
       for (std::uint64_t frame = 0; frame < frames; ++frame) world.step(1.0 / point.frames);
       times[i].push_back(1e3 * seconds_since(begin) / problem.duration);
     }
-    if (round >= 2 && seconds_since(start) * (round + 2) / (round + 1) > most_s) break;
   }
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     std::sort(times[i].begin(), times[i].end());
@@ -100,7 +101,7 @@ std::vector<std::size_t> choose(const std::vector<Point>& points, double floor) 
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool beaten = std::any_of(points.begin(), points.end(), [&](const Point& other) {
       return other.family == points[i].family && other.ms * nearly < points[i].ms &&
-             std::max(other.position_error, floor) <= points[i].position_error;
+             std::max(other.position_error, floor) <= std::max(points[i].position_error, floor);
     });
     if (!beaten) out.push_back(i);
   }

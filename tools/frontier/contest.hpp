@@ -46,8 +46,8 @@ std::string name_of(const Settings& settings, std::uint32_t frames);
 std::string picked_by(const WorldInfo& info);
 
 struct Limits {
-  double path_s = 0.2;   ///< of wall-clock time for a path; its last run may take as much again
-  double contest_s = 3;  ///< for the repetitions
+  double path_s = 0.1;     ///< of wall-clock time for a path; its last run may take as much again
+  double contest_s = 2.5;  ///< for the repetitions
 };
 
 /// Runs every path, from coarse to fine, then times again, in turns, all that is on the front or nearly, and

@@ -121,7 +121,7 @@ std::vector<Path> reduced(const std::string& family) {
 
 const std::vector<std::string>& all_families() {
   static const std::vector<std::string> list{"auto",    "direct",           "relax",       "over-relaxed",
-                                             "springs", "implicit springs", "multipliers", "featherstone"};
+                                             "springs", "implicit-springs", "multipliers", "featherstone"};
   return list;
 }
 
@@ -135,7 +135,7 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
             sprung(family, problem, SpringModel::rigid_rods, Integrator::rk4),
             sprung(family, problem, SpringModel::particles, Integrator::semi_implicit_euler),
             sprung(family, problem, SpringModel::particles, Integrator::rk4)};
-  if (family == "implicit springs")
+  if (family == "implicit-springs")
     return {sprung(family, problem, SpringModel::rigid_rods, Integrator::implicit_euler),
             sprung(family, problem, SpringModel::particles, Integrator::implicit_euler)};
   if (family == "multipliers") return multiplied(family);

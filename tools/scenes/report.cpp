@@ -79,6 +79,8 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"direct_rods", result.info.direct_rods},
       {"direct_gradient",
        result.info.direct_rods > 0 ? text(to_string(result.info.direct_gradient)) : Json(nullptr)},
+      {"direct_time_order",
+       result.info.direct_rods > 0 ? Json(result.info.direct_time_order) : Json(nullptr)},
       {"rods", result.info.rods},
       {"particles", result.info.particles},
       {"islands", result.info.islands},

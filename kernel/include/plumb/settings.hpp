@@ -96,8 +96,9 @@ struct Settings {
   SweepOrder order = SweepOrder::gauss_seidel;
   double omega = 1;            ///< over-relaxation factor, in (0, 2)
   std::uint32_t substeps = 1;  ///< h = dt / substeps; the fewest if accuracy is set
-  /// 2, 4 or 6, for direct with gradient old: every substep is put together from 1, 5 or 9 shorter ones, some of
-  /// them backwards (Suzuki 1990; Kahan and Li 1997), so that its error falls with that power of its length.
+  /// 2, 4 or 6, for direct with gradient old: every substep is put together from 1, 5 or 9 shorter ones, some
+  /// of them backwards (Suzuki 1990; Kahan and Li 1997), so that its error falls with that power of its
+  /// length. With an accuracy, islands with loops keep 2.
   std::uint32_t time_order = 2;
   /// For direct, and for springs with adaptive_implicit_euler: picks substeps so that the estimated error
   /// grows by no more than this share of the scene's diagonal per second.

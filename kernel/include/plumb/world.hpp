@@ -39,15 +39,15 @@ struct StepReport {
   std::uint64_t fallbacks = 0;       ///< substeps taken with gradient new because nothing else converged
   std::uint64_t repeated_steps = 0;  ///< steps (of a group of trees) done again, finer, to be accurate enough
   /// Substeps that not even that solved: the tree stayed where it was, an island with loops took its rods as
-  /// slightly elastic.
+  /// slightly elastic. Of multipliers: projections that did not converge.
   std::uint64_t unsolved = 0;
+  /// Steps taken, of a group of trees or by adaptive_implicit_euler, although shorter ones would not, or
+  /// could not, be accurate enough.
+  std::uint64_t inaccurate_steps = 0;
 
   // Of method springs, at the end of a step; of several steps or islands the worst:
   double largest_gap = 0;  ///< m between ends of rigid rods that should meet (thesis figure 4.5)
   double rms_gap = 0;      ///< m, over the joints of an island
-  /// Steps of adaptive_implicit_euler taken at the shortest length allowed although that was not accurate
-  /// enough. Those done again, finer, count as repeated_steps.
-  std::uint64_t inaccurate_steps = 0;
 
   StepReport& operator+=(const StepReport& other);
 };
@@ -102,8 +102,8 @@ class StateView {
 
 /// A scene compiled for stepping.
 ///
-/// State per particle is the position and the displacement of the last substep, never two positions: a float
-/// position minus a float position loses g·h² below one unit in the last place.
+/// Methods relax and direct: state per particle is the position and the displacement of the last substep,
+/// never two positions: a float position minus a float position loses g·h² below one unit in the last place.
 ///
 /// Not thread-safe: one thread at a time. The world keeps no reference to the scene.
 class World {
@@ -115,10 +115,10 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// Advances by dt seconds in Settings::substeps equal substeps. Throws InputError if dt is not positive and
-  /// finite. Methods relax, direct and auto allocate nothing after the first call, but to freeze an island,
-  /// and when an island with loops solved directly with gradient old and lumped masses has to fall back for
-  /// the first time.
+  /// Advances by dt seconds in Settings::substeps equal substeps; with an accuracy in as many as it takes.
+  /// Throws InputError if dt is not positive and finite. Methods relax, direct and auto allocate nothing
+  /// after the first call, but to freeze an island, and when an island with loops solved directly with
+  /// gradient old and lumped masses has to fall back for the first time.
   StepReport step(double dt);
 
   /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws
@@ -139,7 +139,8 @@ class World {
 
   /// State in the scene's particle order, one by one, as views, or copied into `out`, which must have
   /// particle_count() elements. Throws InputError on an unknown particle or an `out` of another size.
-  /// Velocities are those at the end of the step, second order accurate.
+  /// Velocities are those at the end of the step, as accurate as the positions,
+  /// second order for relax.
   StateView positions() const { return {*this, StateView::Field::position}; }
   StateView velocities() const { return {*this, StateView::Field::velocity}; }
   void copy_positions(std::span<Vec3> out) const;
@@ -147,8 +148,8 @@ class World {
   Vec3 position(std::uint32_t particle) const;
   Vec3 velocity(std::uint32_t particle) const;
 
-  /// Positions and displacements of all particles, in the scene's order, as a 64-bit FNV-1a hash: equal for
-  /// every instruction set and number of threads.
+  /// Positions and displacements (velocities, for springs, multipliers and featherstone) of all particles, in
+  /// the scene's order, as a 64-bit FNV-1a hash: equal for every instruction set and number of threads.
   std::uint64_t state_hash() const;
 
   const WorldInfo& info() const;

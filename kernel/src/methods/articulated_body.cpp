@@ -98,7 +98,8 @@ bool ArticulatedBody::is_rod(std::uint32_t i) const {
   const auto along_x = [](Vec3 v) { return v.y == 0 && v.z == 0; };
   const Inertia& own = link.inertia;
   return link.joint == Joint::spherical && along_x(link.center) && along_x(link.grip) && own.xx == 0 &&
-         own.xy == 0 && own.xz == 0 && own.yz == 0 && own.yy == own.zz && nodes_[i].second > 0;
+         own.xy == 0 && own.xz == 0 && own.yz == 0 && own.yy == own.zz &&
+         (nodes_[i].second > 0 || link.grip.x != 0);
 }
 
 /// Whether the link has no inertia about an axis through its joint, and which.

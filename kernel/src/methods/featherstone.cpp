@@ -154,12 +154,14 @@ class Featherstone final : public MechanicalSystem {
       const double far = rod.b == tree.vertex[i] ? mass.bb : mass.aa;
       const double total = mass.aa + 2 * mass.ab + mass.bb + own;
       const double first = (far + mass.ab + own) * length, second = (far + own) * length * length;
-      const double inertia = std::max(0.0, second - first * first / total);
+      // A link may have no mass: its particle's may all be in the rods that follow.
+      const double center = total > 0 ? first / total : 0;
+      const double inertia = std::max(0.0, second - first * center);
       links.push_back({.parent = i == 0 ? Link::base : tree.parent[i],
                        .joint = Joint::spherical,
                        .place = {i == 0 ? 0 : tips_[tree.parent[i]], 0, 0},
                        .mass = total,
-                       .center = {first / total, 0, 0},
+                       .center = {center, 0, 0},
                        .inertia = {.yy = inertia, .zz = inertia},
                        .grip = {length, 0, 0}});
       tips_.push_back(length);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "rod_equations.hpp"
 #include "small_matrices.hpp"
@@ -85,6 +86,10 @@ class Multipliers final : public MechanicalSystem {
     return load3(&state.v[3 * node_[particle]]);
   }
 
+  void report(const MechanicalState&, const Drive&, StepReport& out) override {
+    out.unsolved += std::exchange(unsolved_, 0);
+  }
+
  private:
   /// f(row number, row, d, its rate) for every row; sets the solver's directions.
   template <class F>
@@ -143,7 +148,10 @@ class Multipliers final : public MechanicalSystem {
       before = largest;
       state.q += solver_.solve();
     }
+    ++unsolved_;
   }
+
+  std::uint64_t unsolved_ = 0;  ///< projections that did not converge since the last report
 
   MultiplierSettings settings_;
   Vec3 gravity_;

@@ -92,8 +92,9 @@ double RodSolver::residuals() {
     }
     left_c_[r] -= dot(d, difference);
     terms = std::abs(c[r]) + norm(d) * terms;
-    // Negated, so that what is not finite stays.
-    if (!(std::abs(left_c_[r]) <= largest * terms)) largest = std::abs(left_c_[r]) / terms;
+    // What is not a number stays.
+    if (!std::isnan(largest) && !(std::abs(left_c_[r]) <= largest * terms))
+      largest = std::abs(left_c_[r]) / terms;
   }
   return largest;
 }
