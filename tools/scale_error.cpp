@@ -51,7 +51,7 @@ std::optional<Tried> run(const frontier::Problem& problem, const frontier::Path&
 
 std::vector<std::string> families_of(Method method) {
   if (method == Method::relax) return {"relax", "over-relaxed"};
-  if (method == Method::springs) return {"springs", "implicit springs"};
+  if (method == Method::springs) return {"springs", "implicit-springs"};
   return {std::string(to_string(method))};
 }
 

@@ -70,6 +70,14 @@ TEST(FrontierProblems, ExtrapolatedTruthsAreAsGoodAsTheySay) {
   EXPECT_LE(apart, 10 * extrapolated.truth_error * bounding_diagonal(extrapolated.scene));
 }
 
+TEST(Contest, KnowsItsFamilies) {
+  Problem problem{.name = "N5_r10", .spec = "chain:links=5,end_mass=10"};
+  prepare(problem, 1);
+  for (const std::string& family : all_families())
+    for (const Path& path : paths_of(family, problem)) EXPECT_EQ(path.family, family);
+  EXPECT_THROW(paths_of("implicit springs", problem), std::logic_error);
+}
+
 TEST(Contest, MeasuresEveryFamily) {
   Problem problem{.name = "N5_r10", .spec = "chain:links=5,end_mass=10", .duration = 0.5};
   prepare(problem, 1);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "frontier/contest.hpp"
 #include "plumb/springs.hpp"
@@ -139,7 +140,8 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
     return {sprung(family, problem, SpringModel::rigid_rods, Integrator::implicit_euler),
             sprung(family, problem, SpringModel::particles, Integrator::implicit_euler)};
   if (family == "multipliers") return multiplied(family);
-  return problem.is_tree ? reduced(family) : std::vector<Path>{};
+  if (family == "featherstone") return problem.is_tree ? reduced(family) : std::vector<Path>{};
+  throw std::logic_error("no family " + family);
 }
 
 std::string name_of(const Settings& s, std::uint32_t frames) {
