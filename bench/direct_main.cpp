@@ -2,7 +2,6 @@
 // solves, relaxation, and other libraries.
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "flags.hpp"
 #include "output.hpp"
 #include "quiet.hpp"
+#include "run_main.hpp"
 #include "scenes/machine.hpp"
 
 namespace plumb::bench {
@@ -67,13 +67,5 @@ int run(int argc, char** argv) {
 }  // namespace plumb::bench
 
 int main(int argc, char** argv) {
-  try {
-    return plumb::bench::run(argc, argv);
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "bench_direct: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_direct: %s\n", error.what());
-    return 1;
-  }
+  return plumb::bench::run_main("bench_direct", plumb::bench::run, argc, argv);
 }

@@ -6,7 +6,6 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
-#include <exception>
 #include <regex>
 
 #include "flags.hpp"
@@ -14,6 +13,7 @@
 #include "line_reporter.hpp"
 #include "output.hpp"
 #include "quiet.hpp"
+#include "run_main.hpp"
 #include "scenes/machine.hpp"
 #include "scenes/report.hpp"
 #include "statistics.hpp"
@@ -169,13 +169,5 @@ int run(int argc, char** argv) {
 }  // namespace plumb::bench
 
 int main(int argc, char** argv) {
-  try {
-    return plumb::bench::run(argc, argv);
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "bench_layouts: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_layouts: %s\n", error.what());
-    return 1;
-  }
+  return plumb::bench::run_main("bench_layouts", plumb::bench::run, argc, argv);
 }

@@ -2,7 +2,6 @@
 // should be where the ratio of times falls below 1 for good, so that two threads are never slower.
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <string>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "flags.hpp"
 #include "output.hpp"
 #include "quiet.hpp"
+#include "run_main.hpp"
 #include "scenes/numbers.hpp"
 #include "sheet.hpp"
 #include "statistics.hpp"
@@ -204,13 +204,5 @@ int run(int argc, char** argv) {
 }  // namespace plumb::bench
 
 int main(int argc, char** argv) {
-  try {
-    return plumb::bench::run(argc, argv);
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "bench_threads: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_threads: %s\n", error.what());
-    return 1;
-  }
+  return plumb::bench::run_main("bench_threads", plumb::bench::run, argc, argv);
 }

@@ -7,7 +7,6 @@
 
 #include "frontier/contest.hpp"
 #include "scenes/numbers.hpp"
-#include "scenes/run.hpp"
 
 namespace plumb::tools {
 namespace {
@@ -17,37 +16,15 @@ using Clock = std::chrono::steady_clock;
 /// Settings that were this much slower in a single run are not timed again.
 constexpr double nearly = 1.3;
 constexpr int most_repetitions = 10;
-/// Beyond, rods are torn.
-constexpr double most_stretch = 1;
-
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What a run throws that takes too long.
-struct TooLong {};
-
+/// What met the target, and how it is run again.
 struct Tried {
   frontier::Path path;
-  double ms = 0;
-  double error = 0;
+  frontier::Point point;
 };
-
-/// One run, or none if it broke. Throws TooLong.
-std::optional<Tried> run(const frontier::Problem& problem, const frontier::Path& path, double most_s) {
-  const auto start = Clock::now();
-  scenes::RunObserver observer;
-  observer.progress = [&](std::uint64_t, std::uint64_t) {
-    if (seconds_since(start) > most_s) throw TooLong{};
-  };
-  const scenes::RunPlan plan{
-      .settings = path.settings, .duration = problem.duration, .dt = 1.0 / path.frames};
-  const scenes::RunResult result = scenes::run_scene(problem.scene, plan, problem.truth, observer);
-  if (!result.sound() || result.total.unsolved > 0 || !(result.stretch.max <= most_stretch)) return {};
-  return Tried{.path = path,
-               .ms = 1e3 * result.wall_s / problem.duration,
-               .error = result.position_error.back().relative};
-}
 
 std::vector<std::string> families_of(Method method) {
   if (method == Method::relax) return {"relax", "over-relaxed"};
@@ -65,32 +42,30 @@ std::optional<Cheapest> find_cheapest(const frontier::Problem& problem, Method m
       do {
         // Measuring the frames takes time as well, hence some room.
         const double most_s = std::min(path_s, 1e-3 + 4e-3 * best_ms);
-        std::optional<Tried> tried;
+        std::optional<frontier::Point> point;
         try {
-          tried = run(problem, path, most_s);
-        } catch (const TooLong&) {
+          point = frontier::run(problem, path, most_s);
+        } catch (const frontier::TooLong&) {
           break;
         }
-        if (tried && tried->ms > nearly * best_ms) break;
-        if (!tried || !(tried->error <= target)) continue;
-        best_ms = std::min(best_ms, tried->ms);
-        found.push_back(*tried);
+        if (point && point->ms > nearly * best_ms) break;
+        if (!point || !(point->position_error <= target)) continue;
+        best_ms = std::min(best_ms, point->ms);
+        found.push_back({path, *point});
         break;
       } while (seconds_since(start) < path_s && path.refine(path.settings));
     }
   if (found.empty()) return {};
   // In turns, so that what slows the machine down for a while favours none.
-  std::erase_if(found, [&](const Tried& tried) { return tried.ms > nearly * best_ms; });
+  std::erase_if(found, [&](const Tried& tried) { return tried.point.ms > nearly * best_ms; });
   const auto start = Clock::now();
   for (int round = 0; round < most_repetitions && seconds_since(start) < path_s; ++round)
     for (Tried& tried : found)
-      if (const auto again = run(problem, tried.path, std::numeric_limits<double>::infinity()))
-        tried.ms = std::min(tried.ms, again->ms);
+      if (const auto again = frontier::run(problem, tried.path, std::numeric_limits<double>::infinity()))
+        tried.point.ms = std::min(tried.point.ms, again->ms);
   const auto best = std::min_element(found.begin(), found.end(),
-                                     [](const Tried& a, const Tried& b) { return a.ms < b.ms; });
-  return Cheapest{.setting = frontier::name_of(best->path.settings, best->path.frames),
-                  .ms = best->ms,
-                  .error = best->error};
+                                     [](const Tried& a, const Tried& b) { return a.point.ms < b.point.ms; });
+  return Cheapest{.setting = best->point.setting, .ms = best->point.ms, .error = best->point.position_error};
 }
 
 }  // namespace

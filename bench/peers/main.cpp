@@ -1,7 +1,6 @@
 // bench_peers: run time against error of other libraries, on the scenes of plumb frontier.
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -12,6 +11,7 @@
 #include "frontier/problem.hpp"
 #include "measure.hpp"
 #include "output.hpp"
+#include "run_main.hpp"
 #include "scenes/lists.hpp"
 #include "scenes/machine.hpp"
 #include "scenes/numbers.hpp"
@@ -190,13 +190,5 @@ int run(int argc, char** argv) {
 }  // namespace plumb::bench
 
 int main(int argc, char** argv) {
-  try {
-    return plumb::bench::run(argc, argv);
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "bench_peers: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_peers: %s\n", error.what());
-    return 1;
-  }
+  return plumb::bench::run_main("bench_peers", plumb::bench::run, argc, argv);
 }

@@ -24,32 +24,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What a run throws that takes too long.
-struct TooLong {};
-
-/// The run of a setting, or nothing if it failed or took longer than `most_s`.
-std::optional<Point> run(const Problem& problem, const Path& path, double most_s) {
-  const auto start = Clock::now();
-  scenes::RunObserver observer;
-  observer.progress = [&](std::uint64_t, std::uint64_t) {
-    if (seconds_since(start) > most_s) throw TooLong{};
-  };
-  const scenes::RunPlan plan{
-      .settings = path.settings, .duration = problem.duration, .dt = 1.0 / path.frames};
-  const scenes::RunResult result = scenes::run_scene(problem.scene, plan, problem.truth, observer);
-  if (!result.sound() || result.total.unsolved > 0 || !(result.stretch.max <= most_stretch)) return {};
-  Point point{.family = path.family,
-              .setting = name_of(path.settings, path.frames),
-              .frames = path.frames,
-              .settings = path.settings};
-  point.ms = point.median_ms = 1e3 * result.wall_s / problem.duration;
-  point.position_error = result.position_error.back().relative;
-  point.stretch = result.stretch.max;
-  point.energy_drift = result.energy.range > 0 ? result.energy.drift_max / result.energy.range : 0;
-  if (path.settings.method == Method::automatic) point.picked = picked_by(result.info);
-  return point;
-}
-
 void follow(const Problem& problem, Path path, double most_s, std::vector<Point>& points) {
   const auto start = Clock::now();
   double last = 0;
@@ -109,6 +83,28 @@ std::vector<std::size_t> choose(const std::vector<Point>& points, double floor) 
 }
 
 }  // namespace
+
+std::optional<Point> run(const Problem& problem, const Path& path, double most_s) {
+  const auto start = Clock::now();
+  scenes::RunObserver observer;
+  observer.progress = [&](std::uint64_t, std::uint64_t) {
+    if (seconds_since(start) > most_s) throw TooLong{};
+  };
+  const scenes::RunPlan plan{
+      .settings = path.settings, .duration = problem.duration, .dt = 1.0 / path.frames};
+  const scenes::RunResult result = scenes::run_scene(problem.scene, plan, problem.truth, observer);
+  if (!result.sound() || result.total.unsolved > 0 || !(result.stretch.max <= most_stretch)) return {};
+  Point point{.family = path.family,
+              .setting = name_of(path.settings, path.frames),
+              .frames = path.frames,
+              .settings = path.settings};
+  point.ms = point.median_ms = 1e3 * result.wall_s / problem.duration;
+  point.position_error = result.position_error.back().relative;
+  point.stretch = result.stretch.max;
+  point.energy_drift = result.energy.range > 0 ? result.energy.drift_max / result.energy.range : 0;
+  if (path.settings.method == Method::automatic) point.picked = picked_by(result.info);
+  return point;
+}
 
 std::vector<bool> find_front(const std::vector<std::pair<double, double>>& points, double floor) {
   std::vector<std::size_t> order(points.size());

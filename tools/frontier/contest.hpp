@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,13 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem);
 std::string name_of(const Settings& settings, std::uint32_t frames);
 /// What method auto took.
 std::string picked_by(const WorldInfo& info);
+
+/// What a run throws that takes too long.
+struct TooLong {};
+
+/// One run of a path's present settings, or nothing if it did not stay finite, left substeps unsolved, or
+/// stretched a rod to twice its length. Throws TooLong after `most_s` of wall-clock time.
+std::optional<Point> run(const Problem& problem, const Path& path, double most_s);
 
 struct Limits {
   double path_s = 0.1;     ///< of wall-clock time for a path; its last run may take as much again
