@@ -19,6 +19,9 @@ constexpr double most_stretch = 1;
 /// A setting is timed again if it would be on a front were it so many times as fast.
 constexpr double nearly = 1.5;
 constexpr std::uint32_t most_repetitions = 40;
+/// A family that has no point yet when a path took so many times as long as it may is given up: a step cannot
+/// be cut short, and its other paths solve the same.
+constexpr double hopeless = 10;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -132,8 +135,14 @@ void mark_front(std::vector<Point>& points, double floor) {
 std::vector<Point> compete(const Problem& problem, const std::vector<std::string>& families,
                            const Limits& limits) {
   std::vector<Point> points;
-  for (const std::string& family : families)
-    for (const Path& path : paths_of(family, problem)) follow(problem, path, limits.path_s, points);
+  for (const std::string& family : families) {
+    const std::size_t before = points.size();
+    for (const Path& path : paths_of(family, problem)) {
+      const auto start = Clock::now();
+      follow(problem, path, limits.path_s, points);
+      if (points.size() == before && seconds_since(start) > hopeless * limits.path_s) break;
+    }
+  }
   time_again(problem, points, choose(points, problem.truth_error), limits.contest_s);
   mark_front(points, problem.truth_error);
   return points;

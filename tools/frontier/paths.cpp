@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <stdexcept>
 
 #include "frontier/contest.hpp"
@@ -14,6 +15,13 @@ using scenes::short_number;
 
 constexpr std::uint32_t most_substeps = 1u << 16;
 constexpr double least_accuracy = 1e-10;
+/// Where there are loops, more rods than this are no rigid bodies on springs, six unknowns each: the factors
+/// of a 128 x 128 net take minutes, and neither a step nor the search for its limit can be cut short.
+constexpr std::size_t most_rigid_rods = 5000;
+
+bool can_be_rigid(const Problem& problem) {
+  return problem.is_tree || problem.scene.rods.size() <= most_rigid_rods;
+}
 
 bool double_substeps(Settings& settings) {
   settings.substeps *= 2;
@@ -76,26 +84,42 @@ std::vector<Path> direct(const std::string& family, Method method) {
   return out;
 }
 
-/// So stiff that the substep is a fixed share of what the integrator allows, and the stiffer, the finer.
-Path sprung(const std::string& family, const Problem& problem, SpringModel model, Integrator integrator) {
-  Settings settings{.method = Method::springs, .integrator = integrator, .threads = 1};
+/// So stiff that the substep is a fixed share of what the integrators allow, and the stiffer, the finer.
+std::vector<Path> sprung(const std::string& family, const Problem& problem, SpringModel model,
+                         std::initializer_list<Integrator> integrators) {
+  Settings settings{.method = Method::springs, .integrator = Integrator::implicit_euler, .threads = 1};
   settings.springs.model = model;
   if (model == SpringModel::particles) settings.mass = MassModel::lumped;
-  const bool implicit = integrator == Integrator::implicit_euler;
-  // Of the time in which the stiffest oscillation turns by one radian.
-  const double share = implicit ? 20 : 0.5;
-  settings.springs.damping_ratio = implicit ? 1 : 0.05;
   settings.springs.stiffness = 1;
   const double unit = spring_stability(problem.scene, settings).frequency;  // rad/s at 1 N/m
-  const auto fit = [share, unit](Settings& s) {
-    s.springs.stiffness = std::pow(share * 60 * s.substeps / unit, 2);
-  };
-  fit(settings);
-  return {.family = family, .settings = settings, .refine = [fit](Settings& s) {
-            const bool finer = double_substeps(s);
-            fit(s);
-            return finer;
-          }};
+  std::vector<Path> out;
+  for (const Integrator integrator : integrators) {
+    const bool implicit = integrator == Integrator::implicit_euler;
+    // Of the time in which the stiffest oscillation turns by one radian.
+    const double share = implicit ? 20 : 0.5;
+    settings.integrator = integrator;
+    settings.springs.damping_ratio = implicit ? 1 : 0.05;
+    const auto fit = [share, unit](Settings& s) {
+      s.springs.stiffness = std::pow(share * 60 * s.substeps / unit, 2);
+    };
+    fit(settings);
+    out.push_back({.family = family, .settings = settings, .refine = [fit](Settings& s) {
+                     const bool finer = double_substeps(s);
+                     fit(s);
+                     return finer;
+                   }});
+  }
+  return out;
+}
+
+std::vector<Path> sprung(const std::string& family, const Problem& problem,
+                         std::initializer_list<Integrator> integrators) {
+  std::vector<Path> out = sprung(family, problem, SpringModel::particles, integrators);
+  if (can_be_rigid(problem)) {
+    const std::vector<Path> rigid = sprung(family, problem, SpringModel::rigid_rods, integrators);
+    out.insert(out.end(), rigid.begin(), rigid.end());
+  }
+  return out;
 }
 
 std::vector<Path> multiplied(const std::string& family) {
@@ -132,13 +156,8 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "relax") return relaxed(family, false);
   if (family == "over-relaxed") return relaxed(family, true);
   if (family == "springs")
-    return {sprung(family, problem, SpringModel::rigid_rods, Integrator::semi_implicit_euler),
-            sprung(family, problem, SpringModel::rigid_rods, Integrator::rk4),
-            sprung(family, problem, SpringModel::particles, Integrator::semi_implicit_euler),
-            sprung(family, problem, SpringModel::particles, Integrator::rk4)};
-  if (family == "implicit-springs")
-    return {sprung(family, problem, SpringModel::rigid_rods, Integrator::implicit_euler),
-            sprung(family, problem, SpringModel::particles, Integrator::implicit_euler)};
+    return sprung(family, problem, {Integrator::semi_implicit_euler, Integrator::rk4});
+  if (family == "implicit-springs") return sprung(family, problem, {Integrator::implicit_euler});
   if (family == "multipliers") return multiplied(family);
   if (family == "featherstone") return problem.is_tree ? reduced(family) : std::vector<Path>{};
   throw std::logic_error("no family " + family);

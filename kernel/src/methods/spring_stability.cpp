@@ -21,6 +21,10 @@ constexpr Index most_dense = 150;
 /// Eigenvalues below this share of the largest are motions without a spring; defective zeros come out as
 /// sqrt(rounding).
 constexpr double slow = 1e-6;
+/// Limits are bisected to this, relative; where there are many unknowns, each trial a large factorisation, to
+/// the second.
+constexpr double fine = 1e-10, coarse = 1e-4;
+constexpr Index many = 20000;
 
 /// x'' + damping x' + stiffness x = 0, in coordinates scaled by the roots of the masses.
 struct Vibrations {
@@ -93,7 +97,8 @@ double alternating_limit(const Sparse& stiffness, const Sparse& damping) {
   if (!std::isfinite(high)) return INFINITY;
   low *= 1 - 1e-12;
   high *= 1 + 1e-12;
-  while (high - low > 1e-10 * high) (holds((low + high) / 2) ? low : high) = (low + high) / 2;
+  const double tolerance = stiffness.rows() > many ? coarse : fine;
+  while (high - low > tolerance * high) (holds((low + high) / 2) ? low : high) = (low + high) / 2;
   return (low + high) / 2;
 }
 
