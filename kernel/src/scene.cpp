@@ -108,6 +108,17 @@ void validate(const Scene& scene) {
   validate_lumped_masses(scene);
 }
 
+bool is_articulated(const Scene& scene) {
+  const bool plain = scene.bodies.empty() && scene.pins.empty() && scene.alignments.empty() &&
+                     scene.angles.empty() && scene.capsules.empty() && scene.planes.empty() &&
+                     scene.boxes.empty();
+  return !plain ||
+         std::any_of(scene.particles.begin(), scene.particles.end(),
+                     [](const Particle& particle) { return particle.asleep; }) ||
+         std::any_of(scene.rods.begin(), scene.rods.end(),
+                     [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; });
+}
+
 double rod_length(const Scene& scene, std::size_t i) {
   const Rod& rod = scene.rods[i];
   if (rod.length != 0) return rod.length;

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <vector>
 
+#include "plumb/inertia.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb {
@@ -15,6 +19,7 @@ struct Particle {
   Vec3 velocity{};  ///< m/s
   double mass = 0;  ///< kg; a movable particle needs mass of its own or from its rods
   bool fixed = false;
+  bool asleep = false;  ///< an island whose movable particles all are stands still until something touches it
 };
 
 /// Keeps particles `a` and `b` at `length`. Its own mass lies along it: evenly, unless `center` and `inertia`
@@ -27,6 +32,83 @@ struct Rod {
   double center = 0.5;  ///< of its mass, as a fraction of the way from a to b
   std::optional<double>
       inertia{};  ///< kg m^2, about its centre of mass; none: evenly spread, mass length^2/12
+  /// Of the air, in 1/s: a rod's velocity along its axis and across it decays at these rates (thesis 2.1.5,
+  /// 2.1.6).
+  double linear_drag = 0;
+  double orthogonal_drag = 0;
+};
+
+/// A place that moves with a limb: a weighted mean of up to four particles. Weights add up to 1; a place
+/// outside has negative ones. Slots with weight 0 are not read.
+struct Point {
+  std::array<std::uint32_t, 4> particles{};
+  std::array<double, 4> weights{};
+};
+
+/// A rigid limb with a full tensor of inertia on four particles that do not lie in one plane; they are kept
+/// apart by rods, which the scene lists like all others (add_body()). Its mass acts on them by the exact
+/// kinetic energy, as that of a rod does on its two.
+struct Body {
+  std::array<std::uint32_t, 4> particles{};
+  double mass = 0;    ///< kg
+  Vec3 center{};      ///< m, of mass, as the scene stands
+  Inertia inertia{};  ///< kg m², about that centre, in the axes of space as the scene stands
+};
+
+/// Two places that coincide: a spherical joint that is not at a shared particle.
+struct Pin {
+  Point a{}, b{};
+};
+
+/// From one place to another of the same limb.
+struct Direction {
+  Point from{}, to{};
+};
+
+/// Keeps the dot product of two directions as it is in the scene: a right angle, or a place in a plane.
+struct Alignment {
+  Direction u{}, v{};
+};
+
+/// What acts on the angle between two directions, which is in (0, pi): limits, dry friction, and a drive
+/// towards a pose. Right angles are told best; near 0 and pi, where an angle has no derivative, not well.
+struct AngleControl {
+  Direction u{}, v{};
+  double lower = 0, upper = std::numbers::pi;  ///< rad
+  double friction = 0;                         ///< N m; the most that friction holds against
+  double target = std::numbers::pi / 2;        ///< rad, of the drive
+  double stiffness = 0;                        ///< N m/rad; 0: no drive
+  double damping = 0;                          ///< N m s/rad
+};
+
+/// How something feels when touched. Of two surfaces the larger restitution counts, and the geometric mean of
+/// their friction.
+struct Surface {
+  double friction = 0.5;   ///< Coulomb's coefficient
+  double restitution = 0;  ///< 0 to 1; thesis eq. 2.32
+};
+
+/// The shape of a limb: all that is within `radius` of the line between two places; a sphere if they are the
+/// same.
+struct Capsule {
+  Point a{}, b{};
+  double radius = 0;  ///< m
+  Surface surface{};
+};
+
+/// Solid ground: everything below it, normal·x < offset.
+struct Plane {
+  Vec3 normal{0, 1, 0};  ///< of length one
+  double offset = 0;     ///< m
+  Surface surface{};
+};
+
+/// A solid box that does not move.
+struct Box {
+  Vec3 center{};                                  ///< m
+  Vec3 half_size{};                               ///< m
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< unit quaternion w, x, y, z
+  Surface surface{};
 };
 
 /// How a rod's mass acts on its two ends: as point masses there, with the right centre of mass but the
@@ -39,7 +121,19 @@ struct Scene {
   std::vector<Rod> rods;
   Vec3 gravity{0, -9.81, 0};  ///< m/s²
   double drag = 0;            ///< 1/s; velocities decay as exp(-drag·t)
+
+  std::vector<Body> bodies{};
+  std::vector<Pin> pins{};
+  std::vector<Alignment> alignments{};
+  std::vector<AngleControl> angles{};
+  std::vector<Capsule> capsules{};
+  std::vector<Plane> planes{};
+  std::vector<Box> boxes{};
 };
+
+/// Whether it has more than particles and rods: limbs that touch, bodies, joints, air on rods or sleepers.
+/// Methods direct and automatic alone move such a scene.
+bool is_articulated(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated; throws InputError naming the particle or rod and the reason:
 /// non-finite numbers, negative mass or drag, a movable particle without mass, an unknown particle,

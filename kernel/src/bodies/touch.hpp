@@ -1,0 +1,93 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "plumb/vec3.hpp"
+
+/// Where rounded shapes come nearest: closest points of lines, planes and boxes.
+namespace plumb::detail {
+
+/// How near two shapes are to touching. `a` and `b` say where on each line of a pair, from 0 to 1.
+struct Touch {
+  double gap = 0;  ///< m between the surfaces; negative: how deep they overlap
+  Vec3 normal{};   ///< of length one, from b's shape to a's
+  double a = 0, b = 0;
+};
+
+/// A line from p to q with a radius.
+struct Segment {
+  Vec3 p, q;
+  double radius;
+};
+
+inline Vec3 between(Vec3 p, Vec3 q, double t) {
+  return p + t * (q - p);
+}
+
+/// Of two segments (Ericson 2005, 5.1.9, in other words: the unbounded lines' nearest points, pulled into the
+/// segments one after the other).
+inline Touch touch(const Segment& a, const Segment& b) {
+  const Vec3 u = a.q - a.p, v = b.q - b.p, r = a.p - b.p;
+  const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r);
+  const double least = 1e-24;
+  double s = 0, t = 0;
+  const double area = uu * vv - uv * uv;
+  if (uu > least && vv > least && area > 1e-12 * uu * vv) s = std::clamp((uv * vr - vv * ur) / area, 0.0, 1.0);
+  else if (uu > least && vv > least) s = 0.5;  // parallel: any place will do
+  if (vv > least) t = std::clamp((uv * s + vr) / vv, 0.0, 1.0);
+  if (uu > least) s = std::clamp((uv * t - ur) / uu, 0.0, 1.0);
+  const Vec3 apart = between(a.p, a.q, s) - between(b.p, b.q, t);
+  const double distance = norm(apart);
+  const Vec3 normal = distance > 1e-12 ? (1 / distance) * apart : Vec3{0, 1, 0};
+  return {distance - a.radius - b.radius, normal, s, t};
+}
+
+/// Three axes of length one at right angles.
+struct Frame3 {
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+  Vec3 to_local(Vec3 v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+  Vec3 to_space(Vec3 v) const { return v.x * x + v.y * y + v.z * z; }
+};
+
+/// Of a ball about `center` and a box about the origin, in the box's axes; normal towards the ball.
+inline Touch touch_box(Vec3 center, double radius, Vec3 half) {
+  const Vec3 nearest{std::clamp(center.x, -half.x, half.x), std::clamp(center.y, -half.y, half.y),
+                     std::clamp(center.z, -half.z, half.z)};
+  const Vec3 apart = center - nearest;
+  const double distance = norm(apart);
+  if (distance > 1e-12) return {distance - radius, (1 / distance) * apart, 0, 0};
+  // The centre is inside: out through the nearest face.
+  const double x = half.x - std::abs(center.x), y = half.y - std::abs(center.y),
+               z = half.z - std::abs(center.z);
+  if (x <= y && x <= z) return {-x - radius, {std::copysign(1, center.x), 0, 0}, 0, 0};
+  if (y <= z) return {-y - radius, {0, std::copysign(1, center.y), 0}, 0, 0};
+  return {-z - radius, {0, 0, std::copysign(1, center.z)}, 0, 0};
+}
+
+/// Where on a segment the distance to a box is least, from 0 to 1. The distance is convex along it: halved by
+/// golden section where it is outside, which 40 cuts bring to 1e-8.
+inline double nearest_to_box(Vec3 p, Vec3 q, Vec3 half) {
+  const auto distance2 = [&](double t) {
+    const Vec3 c = between(p, q, t);
+    const Vec3 out{std::max(std::abs(c.x) - half.x, 0.0), std::max(std::abs(c.y) - half.y, 0.0),
+                   std::max(std::abs(c.z) - half.z, 0.0)};
+    return dot(out, out);
+  };
+  constexpr double golden = 0.6180339887498949;
+  double low = 0, high = 1, left = 1 - golden, right = golden;
+  double at_left = distance2(left), at_right = distance2(right);
+  for (int i = 0; i < 40; ++i) {
+    if (at_left <= at_right) {
+      high = right, right = left, at_right = at_left;
+      left = high - golden * (high - low), at_left = distance2(left);
+    } else {
+      low = left, left = right, at_left = at_right;
+      right = low + golden * (high - low), at_right = distance2(right);
+    }
+  }
+  return (low + high) / 2;
+}
+
+}  // namespace plumb::detail
