@@ -13,12 +13,19 @@ constexpr double most_turn = 0.35;
 constexpr double most_approach = 0.5;
 /// A step is cut into no more than so many.
 constexpr double most_cuts = 4096;
+/// Nor into more because it would gain energy.
+constexpr double most_guards = 64;
+/// Of a weight's energy, gained at rest.
+constexpr double unnoticed = 1e-10;
 /// Left of constraints, relative to lengths.
-constexpr double exact = 1e-10;
+constexpr double exact = 1e-9;
 constexpr int most_corrections = 16;
 /// Left of contacts after a sweep, m, and m/s.
-constexpr double still = 1e-8, still_speed = 1e-7;
+constexpr double still = 1e-7, still_speed = 1e-6;
 constexpr int most_sweeps = 60;
+constexpr int most_rounds = 4;
+/// Left of contacts, m, a substep is taken again, shorter.
+constexpr double too_much = 1e-5;
 /// Slower than this nothing bounces, m/s: it would for ever.
 constexpr double least_bounce = 0.05;
 /// What is near enough to be kept from touching, m.
@@ -107,6 +114,7 @@ void GroupStepper::step(std::span<LinkageState* const> group, const Surroundings
   }
   double left = dt;
   const double least = dt / most_cuts;
+  shortest_ = dt / most_guards;
   while (left > 1e-12 * dt) {
     const double longest = std::max(std::min(dt / rules.substeps, longest_substep(dt)), least);
     double h = left / std::ceil(left / longest - 1e-9);
@@ -171,7 +179,7 @@ void GroupStepper::start(Island& island, double h) {
     island.d[i] = h * island.v[i];
     island.there[i] = state.x[i] + island.d[i];
   }
-  linkage.forces(state.x, island.v, state.force, island.force);
+  linkage.forces(state.x, island.v, state.force, h, island.force);
   linkage.momenta(island.v, island.momentum);
   linkage.targets(state.x, island.d, island.there, island.right);
   for (std::uint32_t i = 0; i < movable; ++i) {
@@ -189,6 +197,39 @@ void GroupStepper::start(Island& island, double h) {
 }
 
 bool GroupStepper::substep(const Surroundings& surroundings, double h, StepReport& report) {
+  all_near_ = false;
+  if (!find_positions(surroundings, h, report)) return false;
+  if (is_contact_missed()) {
+    all_near_ = true;
+    if (!find_positions(surroundings, h, report)) return false;
+  }
+  const double before = energy();
+  finish(h);
+  bool touched = false;
+  for (const Row& row : rows_) touched = touched || row.p != 0;
+  if (touched) bounce(h);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) brake(islands_[i], h);
+  if (!guard_energy(before, touched, report) && h > shortest_) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (!island.awake) continue;
+      std::swap(island.state->x, island.there);
+      island.state->factored = false;
+    }
+    return false;
+  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake)
+      std::copy_n(islands_[i].v.begin(), islands_[i].state->linkage->movable(), islands_[i].state->v.begin());
+  keep_contacts(h);
+  report.contacts = std::max<std::uint64_t>(report.contacts, std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
+    return row.kind == Kind::normal && row.p > 0;
+  }));
+  return true;
+}
+
+bool GroupStepper::find_positions(const Surroundings& surroundings, double h, StepReport& report) {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) start(islands_[i], h);
   do {
@@ -202,29 +243,18 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
       }
   } while (woken_);
   if (!rows_.empty()) find_responses();
-  if (!solve_positions(report)) return false;
-  const double before = energy();
-  finish(h);
-  bool touched = false;
-  for (const Row& row : rows_) touched = touched || row.p != 0;
-  if (touched) bounce(h);
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    if (!island.awake) continue;
-    const Linkage& linkage = *island.state->linkage;
-    if (linkage.drag() == 0) continue;
-    const double kept = std::exp(-0.5 * h * linkage.drag());
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
-  }
-  guard_energy(before, touched, report);
-  for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake)
-      std::copy_n(islands_[i].v.begin(), islands_[i].state->linkage->movable(), islands_[i].state->v.begin());
-  keep_contacts(h);
-  report.contacts = std::max<std::uint64_t>(report.contacts, std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
-    return row.kind == Kind::normal && row.p > 0;
-  }));
-  return true;
+  return solve_positions(report);
+}
+
+/// Whether something went through what it was not expected to reach, pushed by other contacts.
+bool GroupStepper::is_contact_missed() const {
+  return std::any_of(left_out_.begin(), left_out_.end(), [&](const LeftOut& each) {
+    const auto moved = [&](std::uint32_t i, const Combination& at) {
+      return i != none && islands_[i].awake ? at.of(islands_[i].d) : Vec3{};
+    };
+    const Vec3 shift = moved(each.island, each.at) - moved(each.other, each.at_other);
+    return each.touch.gap + dot(each.touch.normal, shift) < -too_much;
+  });
 }
 
 std::uint32_t GroupStepper::add_side(Island& island, const Side& side) {
@@ -242,9 +272,12 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
   };
   const Vec3 shift = motion(one, at, one->d) - (two ? motion(two, at_other, two->d) : Vec3{});
   const double closing = dot(touch.normal, shift);
-  if (touch.gap + closing > margin + 0.25 * norm(shift)) return;
+  if (!all_near_ && touch.gap + closing > margin + 0.25 * norm(shift)) {
+    if (touch.gap < 0.1 + 2 * norm(shift)) left_out_.push_back({i, j, at, at_other, touch});
+    return;
+  }
   for (Island* island : {one, two})
-    if (island && island->state->asleep) {
+    if (island && !island->awake) {
       if (touch.gap + closing < 0) {
         island->state->asleep = false;
         woken_ = true;
@@ -289,11 +322,8 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
   std::uint64_t number = 0;
   for (const Linkage::Angle& angle : state.linkage->angles()) {
     const std::uint64_t key = contact_key(4, number++, 0, 0);
-    const Vec3 u = angle.over_u * angle.u.of(state.x), v = angle.over_v * angle.v.of(state.x);
-    const double cosine = std::clamp(dot(u, v), -1.0, 1.0), value = std::acos(cosine);
-    const double over_sine = 1 / std::max(std::sqrt(1 - cosine * cosine), 1e-3);
-    const Side side{angle.u, angle.v, (-over_sine * angle.over_u) * (v - cosine * u),
-                    (-over_sine * angle.over_v) * (u - cosine * v)};
+    const auto [value, along_u, along_v] = Linkage::slope(angle, state.x);
+    const Side side{angle.u, angle.v, along_u, along_v};
     const double by = dot_with(side.a, side.along_a, island.d) + dot_with(side.b, side.along_b, island.d);
     const auto add = [&](Kind kind, double sign) -> Row& {
       Row row;
@@ -321,6 +351,7 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
 
 void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
   rows_.clear();
+  left_out_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     island.sides.clear();
@@ -471,6 +502,24 @@ void GroupStepper::push(const Row& row, double by) {
   }
 }
 
+void GroupStepper::push(const Row& first, double by0, double by1, double by2) {
+  if (by0 == 0 && by1 == 0 && by2 == 0) return;
+  for (int end = 0; end < 2; ++end) {
+    if (first.island[end] == none) continue;
+    Island& island = islands_[first.island[end]];
+    const std::uint32_t side = first.side[end];
+    const std::size_t count = island.sides.size();
+    const double* const c0 = &island.coupling[side * count];
+    const double* const c1 = c0 + count;
+    const double* const c2 = c1 + count;
+    double* const speed = island.speed.data();
+    for (std::size_t s = 0; s < count; ++s) speed[s] += by0 * c0[s] + by1 * c1[s] + by2 * c2[s];
+    island.push[side] += by0;
+    island.push[side + 1] += by1;
+    island.push[side + 2] += by2;
+  }
+}
+
 void GroupStepper::apply(Island& island, std::span<Vec3> motion) {
   const std::uint32_t movable = island.state->linkage->movable();
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
@@ -494,67 +543,89 @@ void into_disk(double& a, double& b, double most) {
 
 }  // namespace
 
-// Both sweeps return the largest change that they made, in m or m/s.
+// The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
+// the largest change that they made, in m or m/s.
 double GroupStepper::sweep_positions() {
   double worst = 0;
-  const auto set = [&](Row& row, double p) {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    const double u = see(row);
+    double p = 0;
+    switch (row.kind) {
+      case Kind::normal: {
+        const double normal = std::max(0.0, row.p - row.over * (u + row.gap));
+        if (normal > 0 || row.p > 0) worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal));
+        r += 2;
+        continue;
+      }
+      case Kind::sliding:
+        continue;
+      case Kind::limit:
+        p = std::max(0.0, row.p - row.over * (u + row.gap));
+        break;
+      case Kind::drive:
+        p = row.p - row.over * (u + row.softness * row.p + row.gap);
+        break;
+      case Kind::brake:
+        p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
+        break;
+    }
     const double by = p - row.p;
     row.p = p;
     push(row, by);
     if (row.over > 0) worst = std::max(worst, std::abs(by) / row.over);
-  };
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    Row& row = rows_[r];
-    const double u = see(row);
-    switch (row.kind) {
-      case Kind::normal:
-      case Kind::limit:
-        set(row, std::max(0.0, row.p - row.over * (u + row.gap)));
-        break;
-      case Kind::sliding: {
-        Row& second = rows_[r + 1];
-        double a = row.p - row.over * u, b = second.p - second.over * see(second);
-        into_disk(a, b, rows_[r - 1].bound * rows_[r - 1].p);
-        set(row, a);
-        set(second, b);
-        ++r;
-        break;
-      }
-      case Kind::drive:
-        set(row, row.p - row.over * (u + row.softness * row.p + row.gap));
-        break;
-      case Kind::brake:
-        set(row, std::clamp(row.p - row.over * u, -row.bound, row.bound));
-        break;
-    }
   }
   return worst;
 }
 
 double GroupStepper::sweep_velocities() {
   double worst = 0;
-  const auto set = [&](Row& row, double q) {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    if (row.p <= 0 || (row.kind != Kind::normal && row.kind != Kind::limit)) continue;
+    const double q = std::max(0.0, row.q - row.over * (see(row) - row.bounce));
+    if (row.kind == Kind::normal) {
+      worst = std::max(worst, contact(r, &Row::q, q, row.bound * q));
+      r += 2;
+      continue;
+    }
     const double by = q - row.q;
     row.q = q;
     push(row, by);
     if (row.over > 0) worst = std::max(worst, std::abs(by) / row.over);
-  };
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    Row& row = rows_[r];
-    if (row.kind == Kind::normal || row.kind == Kind::limit) {
-      if (row.p > 0) set(row, std::max(0.0, row.q - row.over * (see(row) - row.bounce)));
-    } else if (row.kind == Kind::sliding) {
-      Row& second = rows_[r + 1];
-      if (rows_[r - 1].p > 0) {
-        double a = row.q - row.over * see(row), b = second.q - second.over * see(second);
-        into_disk(a, b, rows_[r - 1].bound * rows_[r - 1].q);
-        set(row, a);
-        set(second, b);
-      }
-      ++r;
-    }
   }
   return worst;
+}
+
+/// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
+double GroupStepper::contact(std::size_t r, double Row::* of, double normal, double most) {
+  Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
+  const double by0 = normal - n.*of;
+  // The normal push moves the others, too.
+  const double u1 = see(s) + by0 * coupling(n, 1), u2 = see(t) + by0 * coupling(n, 2);
+  double first = s.*of - s.over * u1, second = t.*of - t.over * u2;
+  into_disk(first, second, most);
+  const double by1 = first - s.*of, by2 = second - t.*of;
+  n.*of = normal;
+  s.*of = first;
+  t.*of = second;
+  push(n, by0, by1, by2);
+  double worst = 0;
+  if (n.over > 0) worst = std::abs(by0) / n.over;
+  if (s.over > 0) worst = std::max(worst, std::abs(by1) / s.over);
+  if (t.over > 0) worst = std::max(worst, std::abs(by2) / t.over);
+  return worst;
+}
+
+/// What a push along a contact's normal does along its first or second direction across.
+double GroupStepper::coupling(const Row& normal, std::uint32_t axis) const {
+  double out = 0;
+  for (int end = 0; end < 2; ++end) {
+    if (normal.island[end] == none) continue;
+    const Island& island = islands_[normal.island[end]];
+    out += island.coupling[normal.side[end] * island.sides.size() + normal.side[end] + axis];
+  }
+  return out;
 }
 
 bool GroupStepper::solve_positions(StepReport& report) {
@@ -600,7 +671,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    if (worst <= exact && (left <= 100 * still || correction + 1 >= most_corrections / 2)) {
+    if (worst <= exact && (left <= 10 * still || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
@@ -610,17 +681,30 @@ bool GroupStepper::solve_positions(StepReport& report) {
   return false;
 }
 
-void GroupStepper::project(Island& island) {
+// Of Island::impulse and what its sides push, along the constraints where the island is now.
+void GroupStepper::find_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  if (linkage.constraints() == 0) return;
-  linkage.momenta(island.v, island.momentum);
   linkage.anchor_rates(state.x, state.v, island.right);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
     double* const at = &island.right[linkage.slot(k)];
-    at[0] = island.momentum[k].x;
-    at[1] = island.momentum[k].y;
-    at[2] = island.momentum[k].z;
+    at[0] = island.impulse[k].x;
+    at[1] = island.impulse[k].y;
+    at[2] = island.impulse[k].z;
+  }
+  const auto add = [&](const Combination& sum, Vec3 by) {
+    for (std::uint32_t k = 0; k < sum.count; ++k) {
+      if (sum.terms[k].particle >= linkage.movable()) continue;
+      double* const at = &island.right[linkage.slot(sum.terms[k].particle)];
+      at[0] += sum.terms[k].weight * by.x;
+      at[1] += sum.terms[k].weight * by.y;
+      at[2] += sum.terms[k].weight * by.z;
+    }
+  };
+  for (std::size_t s = 0; s < island.sides.size(); ++s) {
+    if (island.push[s] == 0) continue;
+    add(island.sides[s].a, island.push[s] * island.sides[s].along_a);
+    add(island.sides[s].b, island.push[s] * island.sides[s].along_b);
   }
   linkage.plan().solve(state.factors, island.right);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
@@ -635,46 +719,54 @@ void GroupStepper::finish(double h) {
     if (!island.awake) continue;
     LinkageState& state = *island.state;
     const Linkage& linkage = *state.linkage;
-    state.x = island.there;
+    std::swap(state.x, island.there);  // there: where it was
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
     factor(state);
-    if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, island.force);
-    linkage.momenta(island.v, island.momentum);
-    linkage.anchor_rates(state.x, state.v, island.right);
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-      const Vec3 p = island.momentum[k] + (0.5 * h) * island.force[k];
-      double* const at = &island.right[linkage.slot(k)];
-      at[0] = p.x;
-      at[1] = p.y;
-      at[2] = p.z;
-    }
-    linkage.plan().solve(state.factors, island.right);
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-      const double* at = &island.right[linkage.slot(k)];
-      island.v[k] = {at[0], at[1], at[2]};
-    }
+    if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, h, island.force);
+    island.impulse.resize(linkage.movable());
+    linkage.momenta(island.v, island.impulse);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
+    std::fill(island.push.begin(), island.push.end(), 0.0);
+    find_velocities(island);
   }
 }
 
+// Pushes act along the constraints where the islands are now; the responses of where they were only lead
+// there, in a few rounds.
 void GroupStepper::bounce(double h) {
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    if (!island.sides.empty()) see(island, island.v);
-  }
   // At rest what pushes in the second half of a substep is what pushed in the first.
   for (Row& row : rows_) {
-    const bool slow = row.kind != Kind::normal || row.bounce == 0;
-    row.q = slow && row.kind != Kind::drive && row.kind != Kind::brake ? 0.5 / h * row.p : 0;
+    const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
+    row.q = lasts ? 0.5 / h * row.p : 0;
     push(row, row.q);
   }
-  for (int i = 0; i < most_sweeps; ++i)
-    if (sweep_velocities() <= still_speed) break;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    if (island.sides.empty()) continue;
-    apply(island, island.v);
-    project(island);
+  for (int round = 0; round < most_rounds; ++round) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (island.sides.empty()) continue;
+      find_velocities(island);
+      see(island, island.v);
+    }
+    double left = sweep_velocities();
+    if (left <= still_speed) return;
+    for (int i = 1; i < most_sweeps && left > still_speed; ++i) left = sweep_velocities();
   }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
+}
+
+void GroupStepper::brake(Island& island, double h) {
+  const Linkage& linkage = *island.state->linkage;
+  if (linkage.drag() != 0) {
+    const double kept = std::exp(-0.5 * h * linkage.drag());
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
+  }
+  if (linkage.joint_drag() == 0 || (linkage.movable() == 1 && !linkage.is_grounded())) return;
+  const double kept = std::exp(-h * linkage.joint_drag());
+  island.rigid.assign(linkage.movable(), Vec3{});
+  if (!linkage.is_grounded()) linkage.split(island.state->x, island.v, island.rigid);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+    island.v[k] = island.rigid[k] + kept * (island.v[k] - island.rigid[k]);
 }
 
 double GroupStepper::energy() const {
@@ -688,9 +780,10 @@ double GroupStepper::energy() const {
   return sum;
 }
 
-// Energy is that of the states with their new velocities still apart, in Island::v.
-void GroupStepper::guard_energy(double before, bool touched, StepReport& report) {
-  double now = 0, moving = 0;
+// Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
+// much motion as energy was gained: something was lifted.
+bool GroupStepper::guard_energy(double before, bool touched, StepReport& report) {
+  double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
   bool free = count_ == 1 && !touched, driven = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& island = islands_[i];
@@ -698,6 +791,7 @@ void GroupStepper::guard_energy(double before, bool touched, StepReport& report)
     const LinkageState& state = *island.state;
     const double kinetic = state.linkage->kinetic(island.v);
     moving += kinetic;
+    weight += state.linkage->mass() * norm(state.linkage->gravity()) * state.linkage->size();
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air();
     driven = driven || state.linkage->has_drives();
@@ -706,13 +800,13 @@ void GroupStepper::guard_energy(double before, bool touched, StepReport& report)
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!free || driven) islands_[i].state->energy.reset();
-  if (driven || moving == 0) return;
+  if (driven || moving == 0) return true;
   LinkageState& first = *islands_[0].state;
   if (free && !first.energy) first.energy = before;
   const double wanted = free ? *first.energy : before;
   double excess = now - wanted;
-  if (!free && excess <= 0) return;
-  if (std::abs(excess) <= 1e-15 * std::abs(now)) return;
+  if (!free && excess <= 0) return true;
+  if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
   if (excess > 0) ++report.guarded_energy;
 
   // Of the motion that is not a rigid whole's, then, if that is not enough, of all.
@@ -741,8 +835,13 @@ void GroupStepper::guard_energy(double before, bool touched, StepReport& report)
     }
   };
   const double square = 1 - excess / loose;
-  if (square >= 0.25 && square <= 1.5) return scale(square, false);
-  if (excess > 0) scale(std::max(0.0, 1 - excess / moving), true);
+  if (square >= 0.25 && square <= 1.5) {
+    scale(square, false);
+  } else if (excess > 0) {
+    if (excess > moving + unnoticed * weight) return false;
+    scale(std::max(0.0, 1 - excess / moving), true);
+  }
+  return true;
 }
 
 void GroupStepper::keep_contacts(double h) {

@@ -62,7 +62,7 @@ class GroupStepper {
     LinkageState* state = nullptr;
     bool awake = false;
     Bounds bounds{};
-    std::vector<Vec3> d, there, v, momentum, force, rigid;
+    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
     std::vector<double> right;
     std::vector<KktPlan::Lanes> many;
     std::vector<Side> sides;
@@ -72,12 +72,20 @@ class GroupStepper {
     std::vector<double> push;       ///< not yet applied
   };
 
+  /// A contact that does not seem to come about in this substep.
+  struct LeftOut {
+    std::uint32_t island, other;
+    Combination at, at_other;
+    Touch touch;
+  };
+
   bool substep(const Surroundings& surroundings, double h, StepReport& report);
   double longest_substep(double most) const;
   void start(Island& island, double h);
   bool factor(LinkageState& state);
+  bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
+  bool is_contact_missed() const;
   void find_contacts(const Surroundings& surroundings, double h);
-  bool find_wakers();
   void add_contact(std::uint32_t i, const Combination& at, std::uint32_t j, const Combination& at_other,
                    const Touch& touch, const Surface& a, const Surface& b, std::uint64_t key, double h);
   void add_angles(std::uint32_t i, double h);
@@ -86,21 +94,27 @@ class GroupStepper {
   void see(Island& island, std::span<const Vec3> motion);
   double see(const Row& row) const;
   void push(const Row& row, double by);
+  void push(const Row& first, double by0, double by1, double by2);
+  double contact(std::size_t r, double Row::* of, double normal, double most);
+  double coupling(const Row& normal, std::uint32_t axis) const;
   void apply(Island& island, std::span<Vec3> motion);
   double sweep_positions();
   double sweep_velocities();
   bool solve_positions(StepReport& report);
   void finish(double h);
-  void project(Island& island);
+  void find_velocities(Island& island);
   void bounce(double h);
-  void guard_energy(double before, bool touched, StepReport& report);
+  void brake(Island& island, double h);
+  bool guard_energy(double before, bool touched, StepReport& report);
   double energy() const;
   void keep_contacts(double h);
 
   std::vector<Island> islands_;
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;
-  bool woken_ = false;
+  std::vector<LeftOut> left_out_;
+  bool woken_ = false, all_near_ = false;
+  double shortest_ = 0;
 };
 
 }  // namespace plumb::detail

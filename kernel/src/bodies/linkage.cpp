@@ -13,6 +13,8 @@ namespace {
 /// Of a constraint's own pivot: what holds a redundant one, while what constraints demand stays exact, since
 /// violations are corrected again.
 constexpr double tiny = 1e-11;
+/// Of an angle so near 0 or pi that its slope would have no end.
+constexpr double least_sine = 1e-3;
 
 Combination combination(const Point& point) {
   Combination out;
@@ -49,7 +51,8 @@ Linkage::Linkage(const Scene& part, std::uint32_t movable)
     : particles_(static_cast<std::uint32_t>(part.particles.size())),
       movable_(movable),
       gravity_(part.gravity),
-      drag_(part.drag) {
+      drag_(part.drag),
+      joint_drag_(part.joint_drag) {
   const std::vector<Vec3> x = positions_of(part);
   weigh(part);
   std::uint32_t row = 3 * movable_;
@@ -81,8 +84,11 @@ Linkage::Linkage(const Scene& part, std::uint32_t movable)
   constraints_ = row - 3 * movable_;
   for (const AngleControl& angle : part.angles) {
     const Combination u = difference(angle.u.to, angle.u.from), v = difference(angle.v.to, angle.v.from);
-    angles_.push_back({u, v, 1 / norm(u.of(x)), 1 / norm(v.of(x)), angle.lower, angle.upper, angle.friction,
-                       angle.target, angle.stiffness, angle.damping});
+    const Angle own{u, v, 1 / norm(u.of(x)), 1 / norm(v.of(x)), angle.lower, angle.upper, angle.friction,
+                    angle.target, angle.stiffness, angle.damping};
+    const bool limited = angle.lower > 0 || angle.upper < std::numbers::pi;
+    if (limited || angle.friction > 0 || angle.stiffness > 0) angles_.push_back(own);
+    if (angle.damping > 0 && angle.stiffness == 0) dampers_.push_back(own);
     has_drives_ = has_drives_ || angle.stiffness != 0;
   }
   std::map<std::uint32_t, std::size_t> ball_at;
@@ -103,7 +109,7 @@ Linkage::Linkage(const Scene& part, std::uint32_t movable)
         balls_[at->second] = ball;
     }
   }
-  has_air_ = !airs_.empty() || drag_ != 0;
+  has_air_ = !airs_.empty() || !dampers_.empty() || drag_ != 0 || joint_drag_ != 0;
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
   plan(part);
@@ -323,7 +329,15 @@ void Linkage::momenta(std::span<const Vec3> v, std::span<Vec3> out) const {
   }
 }
 
-void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant,
+Linkage::AngleSlope Linkage::slope(const Angle& angle, std::span<const Vec3> x) {
+  const Vec3 u = angle.over_u * angle.u.of(x), v = angle.over_v * angle.v.of(x);
+  const double cosine = std::clamp(dot(u, v), -1.0, 1.0);
+  const double over_sine = 1 / std::max(std::sqrt(1 - cosine * cosine), least_sine);
+  return {std::acos(cosine), (-over_sine * angle.over_u) * (v - cosine * u),
+          (-over_sine * angle.over_v) * (u - cosine * v)};
+}
+
+void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant, double h,
                      std::span<Vec3> out) const {
   for (std::uint32_t i = 0; i < movable_; ++i) out[i] = weights_[i] * gravity_ + constant[i];
   for (const Air& air : airs_) {
@@ -336,6 +350,23 @@ void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span
     };
     pull(air.mass.aa, air.mass.ab, air.a, air.b);
     pull(air.mass.bb, air.mass.ab, air.b, air.a);
+  }
+  for (const Angle& damper : dampers_) {
+    const AngleSlope slope = Linkage::slope(damper, x);
+    const auto for_terms = [&](auto&& f) {
+      for (std::uint32_t i = 0; i < damper.u.count; ++i) f(damper.u.terms[i], slope.along_u);
+      for (std::uint32_t i = 0; i < damper.v.count; ++i) f(damper.v.terms[i], slope.along_v);
+    };
+    double rate = 0, loose = 0;  // rad/s; 1/(kg m²), of particles that nothing holds
+    for_terms([&](const Combination::Term& term, Vec3 along) {
+      rate += term.weight * dot(along, v[term.particle]);
+      if (term.particle < movable_)
+        loose += term.weight * term.weight * dot(along, along) / masses_[term.particle];
+    });
+    const double torque = std::min(damper.damping, 0.5 / (h * loose)) * rate;
+    for_terms([&](const Combination::Term& term, Vec3 along) {
+      if (term.particle < movable_) out[term.particle] -= torque * term.weight * along;
+    });
   }
 }
 

@@ -50,6 +50,12 @@ class Linkage {
     double over_u, over_v;  ///< 1/m, the directions' lengths
     double lower, upper, friction, target, stiffness, damping;
   };
+  /// How an angle changes with the particles of its two directions: rate = along_u·u' + along_v·v'.
+  struct AngleSlope {
+    double value;  ///< rad
+    Vec3 along_u, along_v;  ///< 1/m
+  };
+  static AngleSlope slope(const Angle& angle, std::span<const Vec3> x);
 
   /// `part` is one island of `scene`, with its particles' numbers; the movable ones first.
   Linkage(const Scene& part, std::uint32_t movable);
@@ -67,6 +73,7 @@ class Linkage {
   double size() const { return size_; }           ///< m, the largest rod or shape: what errors are held against
   double mass() const { return mass_; }           ///< kg, of what moves
   double drag() const { return drag_; }           ///< 1/s
+  double joint_drag() const { return joint_drag_; }  ///< 1/s
   Vec3 gravity() const { return gravity_; }
 
   /// Where a movable particle's x stands in vectors that are solved; y and z follow.
@@ -83,8 +90,9 @@ class Linkage {
   void anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const;
   /// out = M v, of movable particles.
   void momenta(std::span<const Vec3> v, std::span<Vec3> out) const;
-  /// Gravity, constant forces and air at `x` and `v`, N.
-  void forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant,
+  /// Gravity, constant forces, air and dampers at `x` and `v`, N; dampers no stronger than a substep of h
+  /// bears.
+  void forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant, double h,
               std::span<Vec3> out) const;
   double kinetic(std::span<const Vec3> v) const;  ///< J, of movable particles
   double potential(std::span<const Vec3> x, std::span<const Vec3> constant) const;
@@ -140,9 +148,10 @@ class Linkage {
   std::vector<Air> airs_;
   std::vector<Shape> shapes_;
   std::vector<Ball> balls_;
-  std::vector<Angle> angles_;
+  std::vector<Angle> angles_;    ///< with limits, friction or a drive
+  std::vector<Angle> dampers_;   ///< angles with damping alone
   Vec3 gravity_{};
-  double drag_ = 0, size_ = 0, mass_ = 0;
+  double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
   bool has_drives_ = false, has_air_ = false;
 };
 

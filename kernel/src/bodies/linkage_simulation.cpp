@@ -65,7 +65,7 @@ class Likeness {
  public:
   explicit Likeness(const Scene& part) {
     add(part.gravity);
-    add(part.drag);
+    add(part.drag, part.joint_drag);
     for (const Particle& each : part.particles) add(each.mass, each.fixed);
     add(part.rods.size());
     for (std::size_t i = 0; i < part.rods.size(); ++i) {
@@ -153,6 +153,7 @@ class Cutter {
           if (scene.particles[particle].fixed == fixed) order.push_back(particle);
       parts_[i].gravity = scene.gravity;
       parts_[i].drag = scene.drag;
+      parts_[i].joint_drag = scene.joint_drag;
       for (const std::uint32_t particle : order) parts_[i].particles.push_back(scene.particles[particle]);
     }
     hand_out();
@@ -493,7 +494,7 @@ class LinkageSimulation final : public Simulation {
     }
     std::atomic<std::uint32_t> next{0};
     for (StepReport& own : reports_) own = {};
-    const auto work = [&](unsigned worker) {
+    auto work = [&](unsigned worker) {
       const FlushDenormals flush;
       constexpr std::uint32_t at_once = 8;
       for (std::uint32_t first; (first = next.fetch_add(at_once)) < groups;)
@@ -503,7 +504,7 @@ class LinkageSimulation final : public Simulation {
     using Work = decltype(work);
     executor_->run(
         static_cast<unsigned>(steppers_.size()),
-        [](void* context, unsigned worker) { (*static_cast<Work*>(context))(worker); }, const_cast<Work*>(&work));
+        [](void* context, unsigned worker) { (*static_cast<Work*>(context))(worker); }, &work);
     for (const StepReport& own : reports_) report += own;
   }
 
