@@ -108,7 +108,7 @@ class Hull {
   /// Replaces the faces that a point sees by those from it to the edge of what it sees.
   void add_point(std::uint32_t i) {
     const auto seen = std::stable_partition(faces_.begin(), faces_.end(),
-                                     [&](const Face& f) { return !(f.height(points_[i]) > fat_); });
+                                            [&](const Face& f) { return !(f.height(points_[i]) > fat_); });
     std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
     std::vector<std::uint32_t> left;
     for (auto f = seen; f != faces_.end(); ++f) {

@@ -121,11 +121,12 @@ bool is_articulated(const Scene& scene) {
   const bool plain = scene.bodies.empty() && scene.pins.empty() && scene.alignments.empty() &&
                      scene.angles.empty() && scene.capsules.empty() && scene.planes.empty() &&
                      scene.boxes.empty();
-  return !plain || std::any_of(scene.particles.begin(), scene.particles.end(), [](const Particle& particle) {
-    return particle.asleep;
-  }) || std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {
+  const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
+                                  [](const Particle& particle) { return particle.asleep; });
+  const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {
     return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
   });
+  return !plain || sleeps || drags;
 }
 
 double rod_length(const Scene& scene, std::size_t i) {

@@ -7,7 +7,8 @@
 /// Limbs and the joints between them, from shared particles, virtual rods, pins and alignments (thesis
 /// 3.2.5). All are exact: what a joint forbids is zero to rounding. All take places and axes as the scene
 /// stands, in m and in the axes of space; an axis may be of any length but zero. All throw InputError, before
-/// anything changes, on a rod, a body or a particle that is not there and on what is not finite.
+/// anything changes, on a rod, a body or a body's particle that is not there and on what is not finite; points
+/// that are handed over wait for validate().
 namespace plumb {
 
 /// The place of a particle.
