@@ -1,8 +1,10 @@
 #include "plumb/inertia.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "refuse.hpp"
+#include "second_moments.hpp"
 
 namespace plumb {
 namespace {
@@ -90,6 +92,25 @@ Inertia inertia_about(const MassProperties& body, Vec3 offset) {
   Inertia out = body.inertia;
   add_point(out, body.mass, offset);
   return out;
+}
+
+std::array<PointMass, 4> four_points(const MassProperties& body) {
+  if (!(body.mass > 0 && std::isfinite(body.mass)))
+    refuse("mass must be positive and finite, got ", body.mass, " kg");
+  if (!is_finite(body.center)) refuse("center of mass is not finite");
+  if (!detail::is_finite(body.inertia)) refuse("inertia is not finite");
+  const detail::Principal second = detail::principal_axes(detail::second_moments(body.inertia));
+  if (second.moment[0] < -1e-12 * std::abs(second.moment[2])) {
+    refuse("inertia is that of no body: a second moment of its mass is negative (", second.moment[0],
+           " kg m^2)");
+  }
+  std::array<Vec3, 3> reach;  // the standard deviation of the mass along each axis
+  for (std::size_t k = 0; k < 3; ++k)
+    reach[k] = std::sqrt(std::max(second.moment[k], 0.0) / body.mass) * second.axis[k];
+  const auto corner = [&](double x, double y, double z) {
+    return PointMass{body.center + x * reach[0] + y * reach[1] + z * reach[2], body.mass / 4};
+  };
+  return {corner(1, 1, 1), corner(1, -1, -1), corner(-1, 1, -1), corner(-1, -1, 1)};
 }
 
 }  // namespace plumb

@@ -29,6 +29,15 @@ void for_masses(const Scene& scene, MassModel model, F&& f) {
     if (movable(rod.b)) f(m.bb, rod.b, rod.b);
     if (m.ab != 0) f(2 * m.ab, rod.a, rod.b);
   }
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const auto m = body_mass(scene, i);
+    const auto& ids = scene.bodies[i].particles;
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (movable(ids[j])) f(m[j][j], ids[j], ids[j]);
+      for (std::size_t k = 0; k < j; ++k)
+        if (movable(ids[j]) || movable(ids[k])) f(2 * m[j][k], ids[j], ids[k]);
+    }
+  }
 }
 
 }  // namespace
@@ -69,6 +78,7 @@ double energy_range(const Scene& scene) {
   double mass = 0;
   for (const Particle& particle : scene.particles) mass += particle.fixed ? 0 : particle.mass;
   for (const Rod& rod : scene.rods) mass += rod.mass;
+  for (const Body& body : scene.bodies) mass += body.mass;
   return mass * norm(scene.gravity) * bounding_diagonal(scene);
 }
 

@@ -6,8 +6,11 @@
 #include <limits>
 #include <ostream>
 
+#include "barycentric.hpp"
 #include "plumb/error.hpp"
 #include "refuse.hpp"
+#include "second_moments.hpp"
+#include "validate_limbs.hpp"
 
 namespace plumb {
 namespace {
@@ -59,6 +62,9 @@ void validate_rod(const Scene& scene, std::size_t i) {
            rod.center);
   if (rod.inertia && !(*rod.inertia >= 0 && std::isfinite(*rod.inertia)))
     refuse("rod ", i, ": inertia must be finite and not negative, got ", *rod.inertia, " kg m^2");
+  for (const double drag : {rod.linear_drag, rod.orthogonal_drag})
+    if (!(drag >= 0 && std::isfinite(drag)))
+      refuse("rod ", i, ": drag must be finite and not negative, got ", drag, " per second");
   const double length = rod_length(scene, i);
   if (!std::isfinite(length)) refuse("rod ", i, ": length is not finite: ", length);
   if (length == 0) {
@@ -105,18 +111,22 @@ void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.particles.size(); ++i) validate_particle(scene.particles[i], i);
   for (std::size_t i = 0; i < scene.rods.size(); ++i) validate_rod(scene, i);
   refuse_duplicate_rods(scene.rods);
+  detail::validate_bodies(scene);
   validate_lumped_masses(scene);
+  detail::validate_joints(scene);
+  detail::validate_shapes(scene);
 }
 
 bool is_articulated(const Scene& scene) {
   const bool plain = scene.bodies.empty() && scene.pins.empty() && scene.alignments.empty() &&
                      scene.angles.empty() && scene.capsules.empty() && scene.planes.empty() &&
                      scene.boxes.empty();
-  return !plain ||
-         std::any_of(scene.particles.begin(), scene.particles.end(),
-                     [](const Particle& particle) { return particle.asleep; }) ||
-         std::any_of(scene.rods.begin(), scene.rods.end(),
-                     [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; });
+  const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
+                                  [](const Particle& particle) { return particle.asleep; });
+  const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {
+    return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
+  });
+  return !plain || sleeps || drags;
 }
 
 double rod_length(const Scene& scene, std::size_t i) {
@@ -135,6 +145,20 @@ RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model) {
   return {.aa = rod.mass - 2 * first + second, .ab = first - second, .bb = second};
 }
 
+std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i) {
+  const Body& body = scene.bodies[i];
+  const detail::Barycentric barycentric(detail::positions_of(scene, body.particles));
+  const std::array<double, 4> at_center = barycentric.weights(body.center);
+  const detail::Sym3 second = detail::second_moments(body.inertia);
+  std::array<std::array<double, 4>, 4> mass{};
+  for (std::size_t j = 0; j < 4; ++j)
+    for (std::size_t k = 0; k <= j; ++k) {
+      const Vec3 b_j = barycentric.gradients()[j], b_k = barycentric.gradients()[k];
+      mass[j][k] = mass[k][j] = body.mass * at_center[j] * at_center[k] + dot(b_j, second * b_k);
+    }
+  return mass;
+}
+
 std::vector<double> lumped_masses(const Scene& scene) {
   std::vector<double> masses;
   masses.reserve(scene.particles.size());
@@ -145,6 +169,8 @@ std::vector<double> lumped_masses(const Scene& scene) {
     masses[rod.a] += rod.mass * (1 - rod.center);
     masses[rod.b] += rod.mass * rod.center;
   }
+  for (const Body& body : scene.bodies)
+    for (const std::uint32_t particle : body.particles) masses[particle] += body.mass / 4;
   return masses;
 }
 

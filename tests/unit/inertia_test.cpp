@@ -6,9 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "plumb/error.hpp"
+#include "support/random_trees.hpp"
 
 namespace plumb {
 namespace {
@@ -86,6 +88,52 @@ TEST(Inertia, OfSolidsIsThatOfTheirPoints) {
 TEST(Inertia, OfThinSolidsIsThatOfARod) {
   EXPECT_NEAR(solid_cylinder(3, 1e-6, 2).inertia.yy, 1, 1e-10);
   EXPECT_NEAR(solid_capsule(3, 1e-6, 2).inertia.yy, 1, 1e-5);
+}
+
+/// A cloud of random points with random masses, flattened along z.
+std::vector<PointMass> cloud(test::Random& random, double thickness) {
+  std::vector<PointMass> points;
+  const Vec3 middle = test::random_vector(random);
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 p = test::random_vector(random);
+    points.push_back({middle + Vec3{p.x, 2 * p.y, thickness * p.z}, 1.5 + test::signed_unit(random)});
+  }
+  return points;
+}
+
+// Tolerance: a few roundings of numbers up to 100.
+TEST(FourPoints, WeighWhatTheBodyDoes) {
+  test::Random random(5);
+  for (int round = 0; round < 50; ++round) {
+    const MassProperties body = mass_properties(cloud(random, round % 5 == 0 ? 0 : 0.1 * round));
+    const auto points = four_points(body);
+    for (const PointMass& point : points) EXPECT_DOUBLE_EQ(point.mass, body.mass / 4);
+    expect_near(mass_properties(points), body, 1e-12);
+  }
+}
+
+TEST(FourPoints, OfARodAreOnItsLine) {
+  const MassProperties rod{.mass = 3, .center = {1, 2, 3}, .inertia = {.xx = 0, .yy = 1, .zz = 1}};
+  const auto points = four_points(rod);
+  expect_near(mass_properties(points), rod, 1e-14);
+  for (const PointMass& point : points) EXPECT_NEAR(point.position.y, 2, 1e-14);
+}
+
+TEST(FourPoints, RefuseWhatNoBodyWeighs) {
+  const auto refusal = [](const MassProperties& body) -> std::string {
+    try {
+      four_points(body);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal({.mass = 0}), "mass must be positive and finite, got 0 kg");
+  EXPECT_EQ(refusal({.mass = 1, .center = {nan, 0, 0}}), "center of mass is not finite");
+  EXPECT_EQ(refusal({.mass = 1, .inertia = {.xz = nan}}), "inertia is not finite");
+  EXPECT_EQ(refusal({.mass = 1, .inertia = {.xx = 1, .yy = 1, .zz = 3}}),
+            "inertia is that of no body: a second moment of its mass is negative (-0.5 kg m^2)");
 }
 
 TEST(Inertia, RefusesNonsense) {

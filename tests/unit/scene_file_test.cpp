@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "plumb/error.hpp"
+#include "plumb/joints.hpp"
 #include "scenes/files.hpp"
 #include "scenes/spec.hpp"
 
@@ -68,13 +70,180 @@ TEST(SceneFile, RoundTripKeepsEveryBit) {
   EXPECT_EQ(format_scene(back), format_scene(scene));
 }
 
+/// One of everything that is not a particle or a rod, with numbers that need all their digits.
+Scene limbs() {
+  Scene scene;
+  add_body(scene, {.mass = 0.7, .center = {1.0 / 3, 0, 1}, .inertia = {1.1, 1.2, 1.3, 0.1 / 3, 0, -0.1}});
+  add_body(scene, {.mass = 3, .center = {2, 0, 1}, .inertia = {.xx = 1, .yy = 1, .zz = 1}});
+  scene.particles[2].asleep = true;
+  scene.rods[1].linear_drag = 0.1;
+  scene.rods[2].orthogonal_drag = 1.0 / 7;
+  add_revolute(scene, 0, 1, {1, 0.1, 0.2}, {1, 2, 3});
+  add_spherical(scene, point_at(1), point_on_rod(scene, 7, 0.3));
+  const Direction u{point_at(0), point_at(1)}, v{point_at(4), point_on_rod(scene, 8, 2)};
+  scene.angles = {{.u = u, .v = v},
+                  {.u = v,
+                   .v = u,
+                   .lower = 0.1,
+                   .upper = 2.0 / 3,
+                   .friction = 0.3,
+                   .target = 0.5,
+                   .stiffness = 7,
+                   .damping = 0.2}};
+  scene.capsules = {{.a = point_at(1), .b = point_at(1), .radius = 0.1},
+                    {.a = point_at(1),
+                     .b = point_on_rod(scene, 0, 0.5),
+                     .radius = 0.2,
+                     .surface = {.friction = 0.1, .restitution = 0.9}}};
+  scene.planes = {{}, {.normal = {0.6, 0.8, 0}, .offset = -0.3, .surface = {.friction = 0}}};
+  scene.boxes = {{.center = {1, 2, 3}, .half_size = {0.1, 0.2, 0.3}},
+                 {.half_size = {1, 1, 1}, .orientation = {0.6, 0, 0.8, 0}, .surface = {.restitution = 1}}};
+  return scene;
+}
+
+void expect_same(const Point& a, const Point& b) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(a.weights[k], b.weights[k]);
+    if (a.weights[k] != 0) {
+      EXPECT_EQ(a.particles[k], b.particles[k]);
+    }
+  }
+}
+void expect_same(const Direction& a, const Direction& b) {
+  expect_same(a.from, b.from);
+  expect_same(a.to, b.to);
+}
+void expect_same(const Surface& a, const Surface& b) {
+  EXPECT_EQ(a.friction, b.friction);
+  EXPECT_EQ(a.restitution, b.restitution);
+}
+void expect_same(const Body& a, const Body& b) {
+  EXPECT_EQ(a.particles, b.particles);
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.center, b.center);
+  EXPECT_EQ(a.inertia, b.inertia);
+}
+void expect_same(const Pin& a, const Pin& b) {
+  expect_same(a.a, b.a);
+  expect_same(a.b, b.b);
+}
+void expect_same(const Alignment& a, const Alignment& b) {
+  expect_same(a.u, b.u);
+  expect_same(a.v, b.v);
+}
+void expect_same(const AngleControl& a, const AngleControl& b) {
+  expect_same(a.u, b.u);
+  expect_same(a.v, b.v);
+  EXPECT_EQ(a.lower, b.lower);
+  EXPECT_EQ(a.upper, b.upper);
+  EXPECT_EQ(a.friction, b.friction);
+  EXPECT_EQ(a.target, b.target);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.damping, b.damping);
+}
+void expect_same(const Capsule& a, const Capsule& b) {
+  expect_same(a.a, b.a);
+  expect_same(a.b, b.b);
+  EXPECT_EQ(a.radius, b.radius);
+  expect_same(a.surface, b.surface);
+}
+void expect_same(const Plane& a, const Plane& b) {
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.offset, b.offset);
+  expect_same(a.surface, b.surface);
+}
+void expect_same(const Box& a, const Box& b) {
+  EXPECT_EQ(a.center, b.center);
+  EXPECT_EQ(a.half_size, b.half_size);
+  EXPECT_EQ(a.orientation, b.orientation);
+  expect_same(a.surface, b.surface);
+}
+template <class Item>
+void expect_same(const std::vector<Item>& a, const std::vector<Item>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) expect_same(a[i], b[i]);
+}
+
+TEST(SceneFile, RoundTripKeepsEveryBitOfLimbs) {
+  const Scene scene = limbs();
+  const Scene back = parse_scene(format_scene(scene), "f.json");
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    EXPECT_EQ(back.particles[i].asleep, scene.particles[i].asleep);
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    EXPECT_EQ(back.rods[i].linear_drag, scene.rods[i].linear_drag);
+    EXPECT_EQ(back.rods[i].orthogonal_drag, scene.rods[i].orthogonal_drag);
+  }
+  expect_same(back.bodies, scene.bodies);
+  expect_same(back.pins, scene.pins);
+  expect_same(back.alignments, scene.alignments);
+  expect_same(back.angles, scene.angles);
+  expect_same(back.capsules, scene.capsules);
+  expect_same(back.planes, scene.planes);
+  expect_same(back.boxes, scene.boxes);
+  EXPECT_EQ(format_scene(back), format_scene(scene));
+}
+
+TEST(SceneFile, LimbsHaveTheDefaultsOfScene) {
+  const Scene scene = parse_scene(with(sound, R"({"a": 0, "b": 1})",
+                                       R"(, "capsules": [{"a": 1, "radius": 0.5}],
+                                            "planes": [{"normal": [0, 0, 1]}], "pins": [],
+                                            "boxes": [{"center": [5, 0, 0], "half_size": [1, 2, 3]}])"),
+                                  "f.json");
+  Capsule ball{.a = point_at(1), .b = point_at(1), .radius = 0.5};
+  expect_same(scene.capsules, {ball});
+  expect_same(scene.planes, {Plane{.normal = {0, 0, 1}}});
+  expect_same(scene.boxes, {Box{.center = {5, 0, 0}, .half_size = {1, 2, 3}}});
+  EXPECT_TRUE(scene.pins.empty());
+}
+
+/// The message about a list added to a file that is sound.
+std::string message_of_list(const std::string& list) {
+  return message_of(with(sound, R"({"a": 0, "b": 1})", ", " + list));
+}
+
+TEST(SceneFile, WhatIsWrongWithLimbsIsNamedWithItsPath) {
+  EXPECT_EQ(message_of_list(R"("bodies": {})"), "f.json: bodies must be an array, not an object");
+  EXPECT_EQ(message_of_list(R"("bodies": [{"particles": [0, 1]}])"),
+            "f.json: bodies[0].particles must have 4 numbers, not 2");
+  EXPECT_EQ(message_of_list(R"("bodies": [{"particles": [0, 1, 2, -3]}])"),
+            "f.json: bodies[0].particles[3] must be the number of a particle, counted from 0, not -3");
+  EXPECT_EQ(message_of_list(R"("bodies": [{"particles": [0, 1, 2, 3], "mass": 1, "center": [0, 0, 0],
+                                           "inertia": {"xx": 1, "yy": 1}}])"),
+            "f.json: bodies[0].inertia.zz is missing");
+  EXPECT_EQ(message_of_list(R"("pins": [{"a": 0, "b": 1}, {"a": 1}])"), "f.json: pins[1].b is missing");
+  EXPECT_EQ(message_of_list(R"("pins": [{"a": 0, "b": 1, "c": 2}])"),
+            "f.json: pins[0].c is not a known key; known are a, b");
+  EXPECT_EQ(message_of_list(R"("pins": [{"a": "tip", "b": 1}])"),
+            "f.json: pins[0].a must be the number of a particle, counted from 0, not a string");
+  EXPECT_EQ(message_of_list(R"("pins": [{"a": {"particles": [0, 1], "weights": [1]}, "b": 1}])"),
+            "f.json: pins[0].a must have one to four particles and a weight for each, not 2 and 1");
+  EXPECT_EQ(message_of_list(R"("pins": [{"a": {"particles": [0, 1], "weights": [1, "1"]}, "b": 1}])"),
+            "f.json: pins[0].a.weights[1] must be a number, not a string");
+  EXPECT_EQ(message_of_list(R"("alignments": [{"u": {"from": 0}}])"),
+            "f.json: alignments[0].u.to is missing");
+  EXPECT_EQ(message_of_list(R"("angles": [{"u": {"from": 0, "to": 1}, "w": 1}])"),
+            "f.json: angles[0].w is not a known key; known are u, v, lower, upper, friction, target, "
+            "stiffness, damping");
+  EXPECT_EQ(message_of_list(R"("capsules": [{"a": 1}])"), "f.json: capsules[0].radius is missing");
+  EXPECT_EQ(message_of_list(R"("planes": [{"offset": 1}])"), "f.json: planes[0].normal is missing");
+  EXPECT_EQ(message_of_list(
+                R"("boxes": [{"center": [0, 0, 0], "half_size": [1, 1, 1], "orientation": [1, 0, 0]}])"),
+            "f.json: boxes[0].orientation must have 4 numbers, not 3");
+  EXPECT_EQ(message_of_list(R"("planes": [{"normal": [0, 2, 0]}])"),
+            "f.json: plane 0: normal must be of length 1, not 2");
+}
+
 TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
   EXPECT_EQ(message_of(with(R"({"position": [1, 0, 0], "mass": 1, "colour": 3})")),
-            "f.json: particles[1].colour is not a known key; known are position, velocity, mass, fixed");
+            "f.json: particles[1].colour is not a known key; known are position, velocity, mass, fixed, "
+            "asleep");
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1, "stiffness": 1})")),
-            "f.json: rods[0].stiffness is not a known key; known are a, b, length, mass, center, inertia");
-  EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
-            "f.json: Gravity is not a known key; known are plumb, gravity, drag, particles, rods");
+            "f.json: rods[0].stiffness is not a known key; known are a, b, length, mass, center, inertia, "
+            "linear_drag, orthogonal_drag");
+  EXPECT_EQ(
+      message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
+      "f.json: Gravity is not a known key; known are plumb, gravity, drag, particles, rods, bodies, pins, "
+      "alignments, angles, capsules, planes, boxes");
 }
 
 TEST(SceneFile, MissingAndMistypedValuesAreNamedWithTheirPath) {

@@ -9,19 +9,36 @@
 /// Scene files: JSON, version 1, SI units.
 ///
 ///   {"plumb": 1, "gravity": [0, -9.81, 0], "drag": 0,
-///    "particles": [{"position": [x, y, z], "velocity": [x, y, z], "mass": 1, "fixed": false}, ...],
-///    "rods": [{"a": 0, "b": 1, "length": 0.1, "mass": 0}, ...]}
+///    "particles": [{"position": [x, y, z], "velocity": [x, y, z], "mass": 1, "fixed": false,
+///                   "asleep": false}, ...],
+///    "rods": [{"a": 0, "b": 1, "length": 0.1, "mass": 0, "center": 0.5, "inertia": 0,
+///              "linear_drag": 0, "orthogonal_drag": 0}, ...],
+///    "bodies": [{"particles": [0, 1, 2, 3], "mass": 1, "center": [x, y, z],
+///                "inertia": {"xx": 1, "yy": 1, "zz": 1, "xy": 0, "xz": 0, "yz": 0}}, ...],
+///    "pins": [{"a": point, "b": point}, ...],
+///    "alignments": [{"u": direction, "v": direction}, ...],
+///    "angles": [{"u": direction, "v": direction, "lower": 0, "upper": 3.14, "friction": 0,
+///                "target": 1.57, "stiffness": 0, "damping": 0}, ...],
+///    "capsules": [{"a": point, "b": point, "radius": 0.1, "friction": 0.5, "restitution": 0}, ...],
+///    "planes": [{"normal": [0, 1, 0], "offset": 0, "friction": 0.5, "restitution": 0}, ...],
+///    "boxes": [{"center": [x, y, z], "half_size": [x, y, z], "orientation": [w, x, y, z],
+///               "friction": 0.5, "restitution": 0}, ...]}
 ///
-/// "plumb", "particles" with "position", and "rods" with "a" and "b" must be there; the rest defaults as in
-/// Scene. Units: m, m/s, kg, m/s² for gravity, 1/s for drag. Any other key is an error.
+/// A point is the number of a particle, or {"particles": [0, 1], "weights": [0.5, 0.5]} with up to four of
+/// each; a direction is {"from": point, "to": point}.
+///
+/// "plumb", "particles" with "position", and "rods" with "a" and "b" must be there, and of what is in the
+/// lists that follow the particles, points, directions, a body's "mass", "center" and "inertia" but for its
+/// products, "radius", "normal", "center" and "half_size"; a capsule without "b" is a sphere. The rest
+/// defaults as in Scene. Units: those of Scene, which are m, kg, s and rad. Any other key is an error.
 namespace plumb::scenes {
 
 /// `name` begins every message. Throws InputError with the line of what is not JSON, the path of what is
 /// unknown, missing or mistyped (such as particles[3].mass), or what validate() says.
 Scene parse_scene(std::string_view json, std::string_view name);
 
-/// One particle or rod to a line; fields that hold their default are left out. Reading it back gives the same
-/// bits.
+/// One particle, rod or other item to a line; empty lists, fields that hold their default and, of points,
+/// particles without weight are left out. Reading it back gives the same bits.
 std::string format_scene(const Scene& scene);
 
 Scene read_scene(const std::filesystem::path& path);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "plumb/vec3.hpp"
@@ -10,6 +11,8 @@ namespace plumb {
 struct Inertia {
   double xx = 0, yy = 0, zz = 0;
   double xy = 0, xz = 0, yz = 0;
+
+  friend constexpr bool operator==(const Inertia&, const Inertia&) = default;
 };
 
 /// What a rigid body weighs: mass in kg, centre of mass in m, inertia about that centre in the axes given.
@@ -41,5 +44,11 @@ MassProperties solid_capsule(double mass, double radius, double length);
 
 /// The inertia about another point, `offset` (m) away from the centre of mass (parallel axes).
 Inertia inertia_about(const MassProperties& body, Vec3 offset);
+
+/// Four points of equal mass with exactly the mass, the centre of mass and the inertia given: a tetrahedron
+/// whose sides are those of a cube, stretched along the principal axes. A flat body has them in a plane, a
+/// thin one on a line. Throws InputError on a mass that is not positive and finite, anything else not finite,
+/// or an inertia that no body has: of whose principal moments one is larger than the other two together.
+std::array<PointMass, 4> four_points(const MassProperties& body);
 
 }  // namespace plumb

@@ -38,16 +38,17 @@ struct Rod {
   double orthogonal_drag = 0;
 };
 
-/// A place that moves with a limb: a weighted mean of up to four particles. Weights add up to 1; a place
-/// outside has negative ones. Slots with weight 0 are not read.
+/// A place that moves with a limb: a weighted mean of up to four particles. Weights add up to 1 (to 1e-9); a
+/// place outside has negative ones. Slots with weight 0 are not read.
 struct Point {
   std::array<std::uint32_t, 4> particles{};
   std::array<double, 4> weights{};
 };
 
 /// A rigid limb with a full tensor of inertia on four particles that do not lie in one plane; they are kept
-/// apart by rods, which the scene lists like all others (add_body()). Its mass acts on them by the exact
-/// kinetic energy, as that of a rod does on its two.
+/// apart by rods, which the scene lists like all others (add_body()): six, less those between two fixed
+/// particles. Its mass acts on them by the exact kinetic energy, as that of a rod does on its two
+/// (body_mass()), and adds to masses of their own.
 struct Body {
   std::array<std::uint32_t, 4> particles{};
   double mass = 0;    ///< kg
@@ -60,12 +61,14 @@ struct Pin {
   Point a{}, b{};
 };
 
-/// From one place to another of the same limb.
+/// From one place to another: of the same limb, if its angle with another is meant; of two limbs, if it is
+/// their distance along another.
 struct Direction {
   Point from{}, to{};
 };
 
-/// Keeps the dot product of two directions as it is in the scene: a right angle, or a place in a plane.
+/// Keeps the dot product of two directions (m²) as it is in the scene: a right angle, or a place in a plane.
+/// One of the two may be of length zero, as that from a place in the plane to another.
 struct Alignment {
   Direction u{}, v{};
 };
@@ -135,9 +138,14 @@ struct Scene {
 /// Methods direct and automatic alone move such a scene.
 bool is_articulated(const Scene& scene);
 
-/// Refuses a scene that cannot be simulated; throws InputError naming the particle or rod and the reason:
+/// Refuses a scene that cannot be simulated; throws InputError naming the particle, rod, body, joint or shape
+/// by its number, and the reason:
 /// non-finite numbers, negative mass or drag, a movable particle without mass, an unknown particle,
-/// a rod from a particle to itself, zero or negative length, a duplicate rod, a rod with both ends fixed.
+/// a rod from a particle to itself, zero or negative length, a duplicate rod, a rod with both ends fixed;
+/// a body whose particles are in one plane (their volume 1e-9 of their size cubed) or lack a rod, or whose
+/// inertia is not that of a solid; weights of a point that do not add up to 1; a pin or an alignment of
+/// nothing that moves; an angle without directions or with limits outside [0, pi]; a negative radius, size or
+/// friction; a normal or a quaternion that is not of length one (to 1e-9); restitution outside [0, 1].
 void validate(const Scene& scene);
 
 /// The length of rod `i` in metres, with the default (distance between its particles) filled in.
@@ -153,7 +161,15 @@ struct RodMass {
 };
 RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
 
-/// Mass of every particle in kg with its share of the lumped mass of its rods. Fixed particles get infinity.
+/// The mass matrix of body `i` on its four particles, in kg: with M_jk its entries, the kinetic energy is
+/// half the sum of M_jk v_j·v_k over all j and k, exactly that of the solid. A place x that moves with the
+/// body has barycentric weights w_j(x) = a_j + b_j·(x - center), so M_jk, the integral of w_j w_k over the
+/// mass, is mass a_j a_k + b_jᵀ S b_k, with S = tr(inertia)/2 1 - inertia its second moments about the
+/// centre, kg m². The particles must not lie in one plane, as validate() has it.
+std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i);
+
+/// Mass of every particle in kg with its share of the lumped mass of its rods and a quarter of its bodies'.
+/// Fixed particles get infinity.
 std::vector<double> lumped_masses(const Scene& scene);
 
 /// Diagonal of the axis-aligned box around all particles, in metres: the length errors are relative to.

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plumb/vec3.hpp"
+
+/// Places by their weights on four points.
+namespace plumb::detail {
+
+/// Six times the volume of the tetrahedron, relative to its longest edge cubed; 0 if all are in one place.
+inline double relative_volume(const std::array<Vec3, 4>& p) {
+  double longest = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) longest = std::max(longest, norm(p[i] - p[j]));
+  const double volume = dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0]));
+  return longest > 0 ? std::abs(volume) / (longest * longest * longest) : 0;
+}
+
+/// The weights of a place on four points that do not lie in one plane are linear in the place.
+class Barycentric {
+ public:
+  explicit Barycentric(const std::array<Vec3, 4>& p) : origin_(p[0]) {
+    const Vec3 u = p[1] - p[0], v = p[2] - p[0], w = p[3] - p[0];
+    const double over = 1 / dot(u, cross(v, w));
+    gradient_ = {Vec3{}, over * cross(v, w), over * cross(w, u), over * cross(u, v)};
+    gradient_[0] -= gradient_[1] + gradient_[2] + gradient_[3];
+  }
+
+  /// 1/m.
+  const std::array<Vec3, 4>& gradients() const { return gradient_; }
+  std::array<double, 4> weights(Vec3 place) const {
+    std::array<double, 4> out{1};
+    for (std::size_t i = 1; i < 4; ++i) {
+      out[i] = dot(gradient_[i], place - origin_);
+      out[0] -= out[i];
+    }
+    return out;
+  }
+
+ private:
+  Vec3 origin_;
+  std::array<Vec3, 4> gradient_{};
+};
+
+}  // namespace plumb::detail
