@@ -12,6 +12,7 @@ namespace plumb::tools {
 
 void add_run_command(CLI::App& app, Action& action);
 void add_frontier_command(CLI::App& app, Action& action);
+void add_humanoid_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_profile_command(CLI::App& app, Action& action);
 void add_scale_command(CLI::App& app, Action& action);

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
       "  plumb run chain:links=20,end_mass=10 --substeps 8 --sweeps 20\n"
       "  plumb run tools/scenes/net.json --tolerance 1e-3 --report net-report.json\n"
       "  plumb info net:width=64,height=64\n"
+      "  plumb humanoid --experiments --out out\n"
       "  plumb thesis --out out\n"
       "  plumb frontier --out out\n"
       "  plumb stability --out out\n"
@@ -43,6 +44,7 @@ int main(int argc, char** argv) {
   tools::Action action;
   tools::add_run_command(app, action);
   tools::add_info_command(app, action);
+  tools::add_humanoid_command(app, action);
   tools::add_frontier_command(app, action);
   tools::add_thesis_command(app, action);
   tools::add_scale_command(app, action);

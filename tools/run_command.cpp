@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "commands.hpp"
+#include "export/gltf.hpp"
+#include "export/vtk.hpp"
 #include "plumb/error.hpp"
 #include "progress.hpp"
 #include "scenes/files.hpp"
@@ -25,6 +27,8 @@ struct RunOptions {
   std::string trajectory;
   std::string truth;
   std::string report;
+  std::string vtk;   ///< folder
+  std::string gltf;  ///< file
   bool quiet = false;
 };
 
@@ -132,29 +136,68 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return !b.empty() && weakly_canonical(absolute(a)) == weakly_canonical(absolute(b));
 }
 
+/// Every file that a run writes frame by frame. All are opened before the work: a folder that cannot be
+/// written is better known then.
+class SavedFrames {
+ public:
+  SavedFrames(const RunOptions& options, const Scene& scene) : binary_(options.gltf.ends_with(".glb")) {
+    if (!options.trajectory.empty()) trajectory_.emplace(options.trajectory).write(scenes::trajectory_header);
+    if (!options.vtk.empty()) vtk_.emplace(options.vtk, scene);
+    if (options.gltf.empty()) return;
+    gltf_file_.emplace(options.gltf);
+    gltf_.emplace(scene);
+  }
+
+  bool wanted() const { return trajectory_ || vtk_ || gltf_; }
+
+  void add(const Frame& frame) {
+    if (trajectory_) {
+      std::string rows;
+      scenes::append_frame(rows, frame);
+      trajectory_->write(rows);
+    }
+    if (vtk_) vtk_->add(frame);
+    if (gltf_) gltf_->add(frame);
+  }
+
+  void commit() {
+    if (trajectory_) trajectory_->commit();
+    if (vtk_) vtk_->finish();
+    if (!gltf_) return;
+    gltf_file_->write(gltf_->to_text(binary_));
+    gltf_file_->commit();
+  }
+
+ private:
+  bool binary_;
+  std::optional<scenes::OutputFile> trajectory_;
+  std::optional<VtkSeries> vtk_;
+  std::optional<scenes::OutputFile> gltf_file_;
+  std::optional<GltfAnimation> gltf_;
+};
+
+void require_different_files(const RunOptions& options) {
+  const std::pair<const char*, const std::string*> files[] = {
+      {"--trajectory", &options.trajectory}, {"--report", &options.report}, {"--gltf", &options.gltf}};
+  for (const auto& a : files)
+    for (const auto& b : files) {
+      if (&a >= &b || a.second->empty() || !same_file(*a.second, *b.second)) continue;
+      throw InputError(std::string(a.first) + " and " + b.first + " name the same file, " + *b.second);
+    }
+}
+
 int run(const RunOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
   std::vector<Frame> truth;
   if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
-  if (!options.trajectory.empty() && same_file(options.trajectory, options.report)) {
-    throw InputError("--trajectory and --report name the same file, " + options.report);
-  }
-  // Opened before the work: a folder that cannot be written is better known now.
-  std::optional<scenes::OutputFile> trajectory;
+  require_different_files(options);
+  SavedFrames saved(options, scene);
   std::optional<scenes::OutputFile> report;
-  if (!options.trajectory.empty()) trajectory.emplace(options.trajectory);
   if (!options.report.empty()) report.emplace(options.report);
 
   scenes::RunObserver observer;
   observer.save_at = options.save_at;
-  if (trajectory) {
-    trajectory->write(scenes::trajectory_header);
-    observer.save = [&](const Frame& frame) {
-      std::string rows;
-      scenes::append_frame(rows, frame);
-      trajectory->write(rows);
-    };
-  }
+  if (saved.wanted()) observer.save = [&](const Frame& frame) { saved.add(frame); };
   scenes::RunResult result;
   {
     Progress progress("running", options.quiet);
@@ -164,7 +207,7 @@ int run(const RunOptions& options) {
   const scenes::Machine machine = scenes::describe_machine(result.info);
   if (report)
     report->write(scenes::format_json(scenes::report_json(options.scene, options.plan, result, machine)));
-  if (trajectory) trajectory->commit();
+  saved.commit();
   if (report) report->commit();
   if (!options.quiet) print_summary(options, result, machine);
   if (!result.finite) throw CheckFailed("the state is not finite");
@@ -188,10 +231,22 @@ void add_run_command(CLI::App& app, Action& action) {
   add_seconds(*command, "--dt", o.plan.dt, "Length of a frame [1/60]");
   add_solver_options(*command, o.plan.settings);
   add_layout_options(*command, o.plan.settings);
-  add_save_at(*command, o.save_at,
-              "Times for the trajectory, each the end of a frame or 0; without it every frame");
+  add_save_at(
+      *command, o.save_at,
+      "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
   command->add_option("--trajectory", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file")
       ->type_name("OUT.csv");
+  command
+      ->add_option("--vtk", o.vtk,
+                   "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder")
+      ->type_name("DIR");
+  command
+      ->add_option("--gltf", o.gltf,
+                   "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text")
+      ->type_name("OUT.glb")
+      ->check([](const std::string& file) {
+        return file.ends_with(".glb") || file.ends_with(".gltf") ? "" : "must end in .glb or .gltf";
+      });
   command->add_option("--truth", o.truth, "Compare positions with this trajectory")->type_name("TRUTH.csv");
   command->add_option("--report", o.report, "Write settings, machine, time and errors to this file")
       ->type_name("OUT.json");
@@ -202,6 +257,7 @@ void add_run_command(CLI::App& app, Action& action) {
       "  plumb run thesis5 --sweeps 1000\n"
       "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
       "  plumb run chain:end_mass=10 --substeps 8 --gradient mid --tolerance 1e-6 --report r.json\n"
+      "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
       "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
       generators_help());
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -69,28 +69,6 @@ Scene make_tree() {
   return scene;
 }
 
-Scene make_humanoid() {
-  constexpr double inch = 0.0254, pound = 0.45359237;
-  struct Limb {
-    std::uint32_t joint;            ///< the particle that it hangs from
-    double length, mass, sideways;  ///< inches, pounds, sine of its angle
-  };
-  constexpr double spread = 0.5;
-  const Limb limbs[] = {{0, 10, 25, 0},       {1, 5, 5, 0},   {2, 28, 140, 0},
-                        {3, 5, 5, 0},         {4, 7, 35, 0},  {5, 30, 45, spread},
-                        {5, 30, 45, -spread}, {6, 30, 45, 0}, {7, 30, 45, 0}};
-  Scene scene;
-  scene.particles.push_back({.position = {0, 0, 0}, .fixed = true});
-  for (const Limb& limb : limbs) {
-    const double along = std::sqrt(1 - limb.sideways * limb.sideways);
-    const Vec3 way{along * limb.length * inch, 0, limb.sideways * limb.length * inch};
-    const auto end = static_cast<std::uint32_t>(scene.particles.size());
-    scene.particles.push_back({.position = scene.particles[limb.joint].position + way});
-    scene.rods.push_back({.a = limb.joint, .b = end, .mass = limb.mass * pound});
-  }
-  return scene;
-}
-
 Scene make_net(const NetShape& shape) {
   // With two columns the fixed corners would be neighbours, and a rod between fixed particles has no work to
   // do.

@@ -6,7 +6,9 @@
 #include <variant>
 
 #include "plumb/error.hpp"
+#include "scenes/contacts.hpp"
 #include "scenes/generators.hpp"
+#include "scenes/humanoid.hpp"
 #include "scenes/lists.hpp"
 #include "scenes/numbers.hpp"
 #include "scenes/scene_file.hpp"
@@ -24,8 +26,33 @@ struct Assignment {
 template <class Shape>
 struct Parameter {
   const char* name;
-  std::variant<std::uint32_t Shape::*, std::uint64_t Shape::*, double Shape::*> field;
+  std::variant<std::uint32_t Shape::*, std::uint64_t Shape::*, double Shape::*, BodyType Shape::*> field;
 };
+
+/// The value that the text of an assignment spells. Throws InputError saying what `name` must be.
+template <class Value>
+Value parsed_value(const char* name, std::string_view text) {
+  const auto refuse = [&](const std::string& kind) {
+    return InputError(std::string(name) + " must be " + kind + ", not '" + std::string(text) + "'");
+  };
+  if constexpr (std::is_same_v<Value, BodyType>) {
+    for (const BodyType body : {BodyType::none, BodyType::thin, BodyType::medium, BodyType::wide})
+      if (text == to_string(body)) return body;
+    throw refuse("thin, medium, wide or none");
+  } else {
+    const auto parsed = parse_number<Value>(text);
+    if (!parsed) throw refuse(std::is_floating_point_v<Value> ? "a number" : "a whole number");
+    return *parsed;
+  }
+}
+
+template <class Value>
+std::string value_text(Value value) {
+  if constexpr (std::is_same_v<Value, BodyType>)
+    return std::string(to_string(value));
+  else
+    return short_number(static_cast<double>(value));
+}
 
 template <class Shape>
 using Parameters = std::vector<Parameter<Shape>>;
@@ -38,14 +65,8 @@ Shape assigned(const Parameters<Shape>& parameters, const Assignment& assignment
     if (assignment.key != parameter.name) continue;
     std::visit(
         [&](auto field) {
-          using Number = std::remove_reference_t<decltype(shape.*field)>;
-          const auto parsed = parse_number<Number>(assignment.value);
-          if (!parsed) {
-            throw InputError(std::string(parameter.name) + " must be a " +
-                             (std::is_floating_point_v<Number> ? "number" : "whole number") + ", not '" +
-                             std::string(assignment.value) + "'");
-          }
-          shape.*field = *parsed;
+          using Value = std::remove_reference_t<decltype(shape.*field)>;
+          shape.*field = parsed_value<Value>(parameter.name, assignment.value);
         },
         parameter.field);
     return shape;
@@ -69,7 +90,7 @@ Generator describe(const char* name, const char* summary, Scene (*make)(const Sh
   for (const Parameter<Shape>& p : parameters) {
     append_item(defaults, p.name, ",");
     defaults += '=';
-    std::visit([&](auto field) { defaults += short_number(static_cast<double>(initial.*field)); }, p.field);
+    std::visit([&](auto field) { defaults += value_text(initial.*field); }, p.field);
   }
   return {name, summary, defaults, [=](const std::vector<Assignment>& assignments) {
             Shape shape;
@@ -86,6 +107,10 @@ const std::vector<Generator>& generators() {
   using R = RingShape;
   using T = TrussShape;
   using G = GraphShape;
+  using H = HumanoidShape;
+  using W = CrowdShape;
+  using S = StickBoxShape;
+  using D = DropShape;
   static const std::vector<Generator> list = {
       describe<C>(
           "chain", "massless rods straight along +x from a fixed particle; the last particle may be heavy",
@@ -123,14 +148,36 @@ const std::vector<Generator>& generators() {
       describe<C>("rods5", "five uniform rods with mass in a row, the last twice as heavy",
                   [](const C&) { return make_rods5(); }, {}),
       describe<C>("tree", "six rods with mass that branch twice", [](const C&) { return make_tree(); }, {}),
-      describe<C>("humanoid", "the thesis's nine limbs as rods with mass, level from the top of the head",
-                  [](const C&) { return make_humanoid(); }, {}),
+      describe<H>("humanoid",
+                  "the thesis's nine limbs as rods with mass, level from the top of the head; "
+                  "body=thin|medium|wide: standing on the ground, asleep",
+                  make_humanoid, {{"body", &H::body}, {"friction", &H::friction}}),
       describe<G>("graph", "particles strewn over a cube, the nearest tied together, masses 0.5 to 2 kg",
                   make_graph,
                   {{"particles", &G::particles},
                    {"degree", &G::degree},
                    {"spacing", &G::spacing},
                    {"seed", &G::seed}}),
+      describe<W>("crowd", "a square field of standing humanoids, asleep; balls fly at `hit` of them",
+                  make_crowd,
+                  {{"humanoids", &W::humanoids},
+                   {"hit", &W::hit},
+                   {"body", &W::body},
+                   {"friction", &W::friction},
+                   {"speed", &W::speed}}),
+      describe<S>("stick_box", "the thesis's stick, thrown in a box of six planes", make_stick_box,
+                  {{"length", &S::length},
+                   {"size", &S::size},
+                   {"speed", &S::speed},
+                   {"spin", &S::spin},
+                   {"restitution", &S::restitution},
+                   {"friction", &S::friction}}),
+      describe<D>("drop", "a ball above a plane", make_drop,
+                  {{"height", &D::height},
+                   {"radius", &D::radius},
+                   {"mass", &D::mass},
+                   {"restitution", &D::restitution},
+                   {"friction", &D::friction}}),
   };
   return list;
 }

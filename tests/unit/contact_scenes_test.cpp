@@ -1,0 +1,174 @@
+// The scenes in which things touch: standing humanoids, balls, a stick in a box.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "plumb/error.hpp"
+#include "plumb/measures.hpp"
+#include "scenes/contacts.hpp"
+#include "scenes/generators.hpp"
+#include "scenes/humanoid.hpp"
+#include "scenes/limbs.hpp"
+#include "scenes/spec.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+std::vector<Vec3> positions_of(const Scene& scene) {
+  std::vector<Vec3> out;
+  for (const Particle& p : scene.particles) out.push_back(p.position);
+  return out;
+}
+
+std::string message_of(std::string_view spec) {
+  try {
+    load_scene(spec);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+double mass_of(const Scene& scene) {
+  double sum = 0;
+  for (const double m : lumped_masses(scene)) sum += m;
+  return sum;
+}
+
+/// How far the lowest capsule is above the first plane, in m.
+double clearance(const Scene& scene, std::size_t first, std::size_t last) {
+  const std::vector<Vec3> positions = positions_of(scene);
+  const Plane& plane = scene.planes.at(0);
+  double least = 1e9;
+  for (std::size_t i = first; i < last; ++i)
+    for (const Point* point : {&scene.capsules[i].a, &scene.capsules[i].b})
+      least = std::min(
+          least, dot(plane.normal, place_of(*point, positions)) - plane.offset - scene.capsules[i].radius);
+  return least;
+}
+
+TEST(StandingHumanoid, HasTheThesisMassesAndStandsOnTheGround) {
+  // Sums of figure 4.9, in pounds.
+  const std::pair<const char*, double> builds[] = {{"thin", 255}, {"medium", 390}, {"wide", 867.5}};
+  for (const auto& [body, pounds] : builds) {
+    const Scene scene = load_scene(std::string("humanoid:body=") + body);
+    EXPECT_EQ(scene.particles.size(), 10u);
+    EXPECT_EQ(scene.rods.size(), 9u);
+    EXPECT_EQ(scene.capsules.size(), 9u);
+    EXPECT_EQ(scene.planes.size(), 1u);
+    EXPECT_NEAR(mass_of(scene), pounds * pound, 1e-10) << body;
+    EXPECT_NEAR(clearance(scene, 0, 9), 0, 1e-15) << body;
+    for (const Particle& p : scene.particles) {
+      EXPECT_TRUE(p.asleep);
+      EXPECT_FALSE(p.fixed);
+    }
+    // Rounded positions against lengths that are given: within a few units in the last place of 3 m.
+    EXPECT_LT(measure_stretch(scene, positions_of(scene)).max, 2e-14) << body;
+  }
+}
+
+TEST(StandingHumanoid, LimbsAreSolidCylinders) {
+  const Scene scene = make_humanoid({.body = BodyType::medium});
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    const Rod& rod = scene.rods[i];
+    const Inertia inertia = solid_cylinder(rod.mass, scene.capsules[i].radius, rod.length).inertia;
+    EXPECT_NEAR(*rod.inertia, inertia.yy, 1e-14 * inertia.yy) << i;
+    EXPECT_GT(rod.length, 0);
+  }
+}
+
+TEST(StandingHumanoid, WithoutABodyIsTheTreeOfTheFrontier) {
+  const Scene scene = load_scene("humanoid");
+  EXPECT_TRUE(scene.particles[0].fixed);
+  EXPECT_TRUE(scene.capsules.empty());
+  EXPECT_FALSE(is_articulated(scene));
+  // 0.2286 m is 9 inches; legs go off by half their length.
+  EXPECT_NEAR(scene.particles[6].position.z, 15 * inch, 1e-15);
+  EXPECT_NEAR(scene.particles[7].position.z, -15 * inch, 1e-15);
+  EXPECT_NE(message_of("humanoid:friction=0.1").find("body"), std::string::npos);
+  EXPECT_NE(message_of("humanoid:body=fat").find("thin, medium, wide"), std::string::npos);
+  EXPECT_NE(message_of("humanoid:body=thin,friction=-1").find("friction"), std::string::npos);
+}
+
+TEST(ThrownBall, FliesThroughItsTargetAsAsked) {
+  // Free flight: undone by its own formula, so equal to rounding.
+  for (const double speed : {3.0, 10.0, 30.0}) {
+    Scene scene;
+    const Vec3 target{0.1, 2, -0.3};
+    const std::uint32_t i = throw_ball(scene, {.speed = speed, .direction = {-2, 0, 1}}, target);
+    const Particle& ball = scene.particles.at(i);
+    const Vec3 gravity = scene.gravity;
+    // The vertical speed at the target is 0, so the time of flight is that of rising.
+    const double t = ball.velocity.y / -gravity.y;
+    EXPECT_LT(norm(ball.position + t * ball.velocity + (t * t / 2) * gravity - target), 1e-12);
+    EXPECT_NEAR(norm(ball.velocity + t * gravity), speed, 1e-12);
+    EXPECT_GE(ball.position.y, Ball{}.radius - 1e-12);
+    EXPECT_LE(t * speed, 80 * inch + 1e-12);
+  }
+}
+
+TEST(ThrownBall, DoesNotStartBelowTheGround) {
+  Scene scene;
+  throw_ball(scene, {.speed = 1}, {0, 2, 0});  // two seconds would be 20 m of height
+  EXPECT_NEAR(scene.particles[0].position.y, Ball{}.radius, 1e-12);
+  throw_ball(scene, {.speed = 10, .direction = {0, 1, 0}}, {0, 1, 0});  // from below, along a line
+  EXPECT_NEAR(scene.particles[1].position.y, Ball{}.radius, 1e-12);
+  EXPECT_THROW(throw_ball(scene, {.elasticity = 1.5}, {}), InputError);
+  EXPECT_THROW(throw_ball(scene, {.direction = {0, 0, 0}}, {}), InputError);
+  EXPECT_THROW(throw_ball(scene, {.mass = 0}, {}), InputError);
+}
+
+TEST(Crowd, IsManyEqualFigures) {
+  const Scene one = make_humanoid({.body = BodyType::thin});
+  const Scene crowd = load_scene("crowd:humanoids=10,hit=3,body=thin");
+  ASSERT_EQ(crowd.particles.size(), 103u);
+  ASSERT_EQ(crowd.rods.size(), 90u);
+  ASSERT_EQ(crowd.capsules.size(), 93u);
+  ASSERT_EQ(crowd.planes.size(), 1u);
+  EXPECT_NEAR(clearance(crowd, 0, 90), 0, 1e-15);
+  for (std::size_t i = 0; i < 90; ++i) {
+    // The same bits: a rod's mass acts by these alone.
+    EXPECT_EQ(crowd.rods[i].length, one.rods[i % 9].length);
+    EXPECT_EQ(crowd.rods[i].mass, one.rods[i % 9].mass);
+    EXPECT_EQ(crowd.rods[i].inertia, one.rods[i % 9].inertia);
+    EXPECT_EQ(crowd.rods[i].a % 10, one.rods[i % 9].a);
+    EXPECT_EQ(crowd.rods[i].a / 10, i / 9);
+  }
+  const Vec3 step = crowd.particles[10].position - crowd.particles[0].position;
+  EXPECT_NEAR(step.x, 2.5, 1e-14);
+  for (std::size_t i = 100; i < 103; ++i) {
+    EXPECT_FALSE(crowd.particles[i].asleep);
+    EXPECT_LT(crowd.particles[i].velocity.x, 0);
+  }
+  EXPECT_NE(message_of("crowd:humanoids=3,hit=4").find("hit"), std::string::npos);
+  EXPECT_NE(message_of("crowd:body=none").find("body"), std::string::npos);
+}
+
+TEST(StickBox, WallsKeepTheParticlesWithinTheThesisBox) {
+  const Scene scene = load_scene("stick_box");
+  ASSERT_EQ(scene.planes.size(), 6u);
+  EXPECT_EQ(scene.rods.at(0).length, 100);
+  const double radius = scene.capsules.at(0).radius;
+  for (const Plane& plane : scene.planes) {
+    // A particle as near as its radius allows is on a face of the box from 0 to 500 (eq. 3.8).
+    const double at = plane.offset + radius;
+    EXPECT_TRUE(at == 0 || at == -500) << at;
+    EXPECT_EQ(norm(plane.normal), 1);
+    for (const Particle& p : scene.particles) EXPECT_GT(dot(plane.normal, p.position), at);
+  }
+  const Vec3 between = scene.particles[1].position - scene.particles[0].position;
+  const Vec3 pulling = scene.particles[1].velocity - scene.particles[0].velocity;
+  EXPECT_EQ(dot(between, pulling), 0);
+  EXPECT_NE(message_of("stick_box:length=600").find("length"), std::string::npos);
+}
+
+TEST(Drop, BeginsAtItsHeight) {
+  const Scene scene = load_scene("drop:height=2,radius=0.25,restitution=0.8");
+  EXPECT_NEAR(clearance(scene, 0, 1), 2, 1e-15);
+  EXPECT_EQ(scene.capsules[0].surface.restitution, 0.8);
+  EXPECT_NE(message_of("drop:restitution=2").find("restitution"), std::string::npos);
+  EXPECT_NE(message_of("drop:height=-1").find("height"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumb::scenes

@@ -1,0 +1,211 @@
+#include "scenes/humanoid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plumb/error.hpp"
+#include "scenes/generators.hpp"
+#include "scenes/require.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+/// Lengths (in) are those of appendix B, CArticulatedStructure's constructor; its order of limbs.
+struct LimbShape {
+  std::uint32_t joint;  ///< the particle that it hangs from; its other end is the next one
+  double length;        ///< in
+  double sideways;      ///< sine of its angle to the vertical, towards +z
+};
+/// Upper legs are turned by 30 degrees about x (appendix B, Reset()); the shins hang straight down.
+constexpr double spread = 0.5;
+constexpr std::array<LimbShape, 9> limb_shapes = {{{0, 10, 0},
+                                                   {1, 5, 0},
+                                                   {2, 28, 0},
+                                                   {3, 5, 0},
+                                                   {4, 7, 0},
+                                                   {5, 30, spread},
+                                                   {5, 30, -spread},
+                                                   {6, 30, 0},
+                                                   {7, 30, 0}}};
+constexpr std::size_t torso = 2;
+
+/// Masses (lb) are those of figure 4.9, radii (in) of appendix B, Reset(), which has the same masses.
+struct Build {
+  std::array<double, 9> masses;
+  std::array<double, 9> radii;
+};
+constexpr Build thin = {{20, 5, 84, 5, 21, 30, 30, 30, 30}, {4, 2, 6, 2, 6, 2, 2, 2, 2}};
+constexpr Build medium = {{25, 5, 140, 5, 35, 45, 45, 45, 45}, {5, 2, 10, 2, 10, 3, 3, 3, 3}};
+constexpr Build wide = {{40, 5, 350, 25, 87.5, 90, 90, 90, 90}, {8, 2, 25, 2, 25, 6, 6, 6, 6}};
+
+const Build& build_of(BodyType body) {
+  if (body == BodyType::none) throw InputError("body must be thin, medium or wide");
+  return body == BodyType::thin ? thin : body == BodyType::medium ? medium : wide;
+}
+
+/// Where the particles of a figure at the origin are, in m.
+std::array<Vec3, 10> joints_of(const Build& build) {
+  std::array<Vec3, 10> places{};
+  for (std::size_t i = 0; i < limb_shapes.size(); ++i) {
+    const LimbShape& limb = limb_shapes[i];
+    const double down = std::sqrt(1 - limb.sideways * limb.sideways);
+    places[i + 1] = places[limb.joint] + (limb.length * inch) * Vec3{0, -down, limb.sideways};
+  }
+  // The balls at the ends of the shins, which are the lowest, touch the ground.
+  const double lift = build.radii.back() * inch - places.back().y;
+  for (Vec3& place : places) place.y += lift;
+  return places;
+}
+
+Point at(std::uint32_t particle) {
+  return {.particles = {particle, 0, 0, 0}, .weights = {1, 0, 0, 0}};
+}
+
+void require_share(double value, const char* name) {
+  if (!(value >= 0 && value <= 1)) throw InputError(std::string(name) + " must be from 0 to 1");
+}
+
+void require_friction(double friction) {
+  if (!(friction >= 0) || !std::isfinite(friction))
+    throw InputError("friction must be at least 0 and finite");
+}
+
+/// A solid cylinder's inertia about an axis through its middle and across it, in kg m^2.
+double across(double mass, double radius, double length) {
+  return mass * (3 * radius * radius + length * length) / 12;
+}
+
+void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>& joints, Vec3 place,
+                   const Surface& surface) {
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
+  for (const Vec3& joint : joints) scene.particles.push_back({.position = joint + place, .asleep = true});
+  for (std::uint32_t i = 0; i < limb_shapes.size(); ++i) {
+    const std::uint32_t a = first + limb_shapes[i].joint, b = first + i + 1;
+    const double length = limb_shapes[i].length * inch, mass = build.masses[i] * pound,
+                 radius = build.radii[i] * inch;
+    scene.rods.push_back(
+        {.a = a, .b = b, .length = length, .mass = mass, .inertia = across(mass, radius, length)});
+    scene.capsules.push_back({.a = at(a), .b = at(b), .radius = radius, .surface = surface});
+  }
+}
+
+Scene ground_with(double friction) {
+  require_friction(friction);
+  Scene scene;
+  scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0, .surface = {.friction = friction}});
+  return scene;
+}
+
+/// How long a ball that flies through `target` with `velocity` can have been on its way, at most `longest`,
+/// if it was never lower than its radius.
+double time_above_ground(Vec3 target, Vec3 velocity, Vec3 gravity, double radius, double longest) {
+  // Its height was target.y - velocity.y t + gravity.y t^2 / 2; the first t > 0 at which that is the radius.
+  const double a = gravity.y / 2, b = -velocity.y, c = target.y - radius;
+  if (c <= 0) return 0;
+  double t = longest;
+  if (a == 0) {
+    if (b < 0) t = std::min(t, -c / b);
+    return t;
+  }
+  const double root = std::sqrt(std::max(0.0, b * b - 4 * a * c));
+  for (const double crossing : {(-b - root) / (2 * a), (-b + root) / (2 * a)})
+    if (crossing > 0) t = std::min(t, crossing);
+  return t;
+}
+
+}  // namespace
+
+std::string_view to_string(BodyType body) {
+  switch (body) {
+    case BodyType::none:
+      return "none";
+    case BodyType::thin:
+      return "thin";
+    case BodyType::medium:
+      return "medium";
+    case BodyType::wide:
+      return "wide";
+  }
+  return "";
+}
+
+Scene make_humanoid() {
+  Scene scene;
+  scene.particles.push_back({.position = {0, 0, 0}, .fixed = true});
+  for (std::size_t i = 0; i < limb_shapes.size(); ++i) {
+    const LimbShape& limb = limb_shapes[i];
+    const double along = std::sqrt(1 - limb.sideways * limb.sideways);
+    const Vec3 way{along * limb.length * inch, 0, limb.sideways * limb.length * inch};
+    const auto end = static_cast<std::uint32_t>(scene.particles.size());
+    scene.particles.push_back({.position = scene.particles[limb.joint].position + way});
+    scene.rods.push_back({.a = limb.joint, .b = end, .mass = medium.masses[i] * pound});
+  }
+  return scene;
+}
+
+Scene make_humanoid(const HumanoidShape& shape) {
+  if (shape.body == BodyType::none) {
+    if (shape.friction != HumanoidShape{}.friction)
+      throw InputError("friction is of a figure that stands; give body=thin, medium or wide");
+    return make_humanoid();
+  }
+  const Build& build = build_of(shape.body);
+  Scene scene = ground_with(shape.friction);
+  append_figure(scene, build, joints_of(build), {}, {.friction = shape.friction});
+  return scene;
+}
+
+Scene make_crowd(const CrowdShape& shape) {
+  constexpr double apart = 2.5;  // m
+  require_at_least(shape.humanoids, 1, "humanoids");
+  if (shape.hit > shape.humanoids)
+    throw InputError("hit must be at most the number of humanoids, " + std::to_string(shape.humanoids));
+  require_countable(10 * std::uint64_t{shape.humanoids} + shape.hit);
+  const Build& build = build_of(shape.body);
+  const std::array<Vec3, 10> joints = joints_of(build);
+  const auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(shape.humanoids))));
+  const auto place = [&](std::uint64_t i) {
+    return Vec3{apart * static_cast<double>(i % side), 0, apart * static_cast<double>(i / side)};
+  };
+  Scene scene = ground_with(shape.friction);
+  for (std::uint32_t i = 0; i < shape.humanoids; ++i)
+    append_figure(scene, build, joints, place(i), {.friction = shape.friction});
+  for (std::uint64_t k = 0; k < shape.hit; ++k) {
+    const Vec3 stands = place(k * shape.humanoids / shape.hit);
+    // From half way to the next one, which the ball then does not touch.
+    throw_ball(scene, {.speed = shape.speed, .friction = shape.friction, .distance = apart / 2},
+               stands + torso_center(shape.body));
+  }
+  return scene;
+}
+
+std::uint32_t throw_ball(Scene& scene, const Ball& ball, Vec3 target) {
+  require_positive(ball.speed, "the ball's speed");
+  require_positive(ball.radius, "the ball's radius");
+  require_positive(ball.mass, "the ball's mass");
+  require_positive(ball.distance, "the ball's distance");
+  require_share(ball.elasticity, "the ball's elasticity");
+  require_friction(ball.friction);
+  const double length = norm(ball.direction);
+  require_positive(length, "the length of the ball's direction");
+  const Vec3 velocity = (ball.speed / length) * ball.direction;
+  const Vec3 gravity = scene.gravity;
+  const double t = time_above_ground(target, velocity, gravity, ball.radius, ball.distance / ball.speed);
+  const auto particle = static_cast<std::uint32_t>(scene.particles.size());
+  scene.particles.push_back({.position = target - t * velocity + (t * t / 2) * gravity,
+                             .velocity = velocity - t * gravity,
+                             .mass = ball.mass});
+  scene.capsules.push_back({.a = at(particle),
+                            .b = at(particle),
+                            .radius = ball.radius,
+                            .surface = {.friction = ball.friction, .restitution = ball.elasticity}});
+  return particle;
+}
+
+Vec3 torso_center(BodyType body) {
+  const std::array<Vec3, 10> joints = joints_of(build_of(body));
+  return 0.5 * (joints[limb_shapes[torso].joint] + joints[torso + 1]);
+}
+
+}  // namespace plumb::scenes

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "plumb/scene.hpp"
+
+/// The thesis's humanoid (section 4.5, figure 4.9, appendix B), standing, and the ball that is thrown at it.
+namespace plumb::scenes {
+
+/// The thesis's units.
+inline constexpr double inch = 0.0254;       ///< m
+inline constexpr double pound = 0.45359237;  ///< kg
+
+/// The thesis's three builds (figure 4.9); none is the frontier's tree, which does not stand.
+enum class BodyType : std::uint8_t { none, thin, medium, wide };
+std::string_view to_string(BodyType);
+
+struct HumanoidShape {
+  BodyType body = BodyType::none;
+  double friction = 0.6;  ///< Coulomb's coefficient between limbs, ball and ground
+};
+
+/// Without a body make_humanoid() of generators.hpp. With one, nine limbs as capsules around rods, from the
+/// head down, standing on the plane y = 0 above the origin, front towards +x, legs apart along z: free,
+/// asleep, the feet's balls just touching the ground. Throws InputError on a friction that is no number from
+/// 0 on, or that nothing would have.
+Scene make_humanoid(const HumanoidShape& shape);
+
+/// Many that stand in a square field, 2.5 m apart along x and z, on one plane.
+struct CrowdShape {
+  std::uint32_t humanoids = 10000;
+  std::uint32_t hit = 100;  ///< of them, evenly strewn, have a ball flying at them
+  BodyType body = BodyType::medium;
+  double friction = 0.6;
+  double speed = 10;  ///< m/s, of the balls
+};
+/// Humanoids first, one after another, then the balls. Equal figures are equal but for where they stand.
+Scene make_crowd(const CrowdShape& shape);
+
+/// A ball as a single particle. Mass and radius are the thesis's (appendix B); elasticity is a slider there.
+struct Ball {
+  double speed = 10;         ///< m/s, where it meets its target
+  Vec3 direction{-1, 0, 0};  ///< of that velocity, of any length
+  double radius = 5 * inch;
+  double mass = 5 * pound;
+  double elasticity = 0.5;  ///< restitution, 0 to 1
+  double friction = 0.6;
+  double distance = 80 * inch;  ///< m, at most, that it flies
+};
+
+/// Adds the ball so that it flies freely through `target` (m), if nothing is in its way, with the speed and
+/// direction asked for. It starts `distance` away along its flight's direction, or later, so that it does not
+/// start below the ground y = 0. Returns its particle. Throws InputError naming the value that makes no
+/// sense.
+std::uint32_t throw_ball(Scene& scene, const Ball& ball, Vec3 target);
+
+/// The middle of the upper torso of a figure at the origin, in m: where the ball is aimed.
+Vec3 torso_center(BodyType body);
+
+}  // namespace plumb::scenes
