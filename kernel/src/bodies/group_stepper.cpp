@@ -20,8 +20,8 @@ constexpr double unnoticed = 1e-10;
 /// Left of constraints, relative to lengths.
 constexpr double exact = 1e-9;
 constexpr int most_corrections = 16;
-/// Left of contacts after a sweep, m, and m/s.
-constexpr double still = 1e-7, still_speed = 1e-6;
+/// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
+constexpr double still = 1e-3, least_still = 1e-9;
 constexpr int most_sweeps = 60;
 constexpr int most_rounds = 4;
 /// Left of contacts, m, a substep is taken again, shorter.
@@ -198,6 +198,9 @@ void GroupStepper::start(Island& island, double h) {
 
 bool GroupStepper::substep(const Surroundings& surroundings, double h, StepReport& report) {
   all_near_ = false;
+  still_ = least_still;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    still_ = std::max(still_, still * 0.5 * h * h * norm(islands_[i].state->linkage->gravity()));
   if (!find_positions(surroundings, h, report)) return false;
   if (is_contact_missed()) {
     all_near_ = true;
@@ -645,7 +648,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
       const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
       int taken = 0;
       do left = sweep_positions();
-      while (++taken < most && left > still);
+      while (++taken < most && left > still_);
       sweeps += taken;
     }
     double worst = 0;
@@ -671,7 +674,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    if (worst <= exact && (left <= 10 * still || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
+    if (worst <= exact && (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
@@ -748,8 +751,8 @@ void GroupStepper::bounce(double h) {
       see(island, island.v);
     }
     double left = sweep_velocities();
-    if (left <= still_speed) return;
-    for (int i = 1; i < most_sweeps && left > still_speed; ++i) left = sweep_velocities();
+    if (left <= still_ / h) return;
+    for (int i = 1; i < most_sweeps && left > still_ / h; ++i) left = sweep_velocities();
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
