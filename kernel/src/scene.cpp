@@ -29,6 +29,8 @@ void validate_surroundings(const Scene& scene) {
   if (!is_finite(scene.gravity)) refuse("gravity is not finite: ", Printed{scene.gravity});
   if (!std::isfinite(scene.drag)) refuse("drag is not finite: ", scene.drag);
   if (scene.drag < 0) refuse("drag is negative (", scene.drag, " per second)");
+  if (!std::isfinite(scene.joint_drag)) refuse("joint_drag is not finite: ", scene.joint_drag);
+  if (scene.joint_drag < 0) refuse("joint_drag is negative (", scene.joint_drag, " per second)");
 }
 
 void validate_particle(const Particle& particle, std::size_t i) {
@@ -126,7 +128,7 @@ bool is_articulated(const Scene& scene) {
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {
     return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
   });
-  return !plain || sleeps || drags;
+  return !plain || scene.joint_drag != 0 || sleeps || drags;
 }
 
 double rod_length(const Scene& scene, std::size_t i) {

@@ -1,5 +1,6 @@
 #include "simulation.hpp"
 
+#include "bodies/linkage_simulation.hpp"
 #include "composite_simulation.hpp"
 #include "direct_simulation.hpp"
 #include "methods/method_simulation.hpp"
@@ -8,6 +9,7 @@
 namespace plumb::detail {
 
 std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Settings& settings) {
+  if (is_articulated(scene)) return make_linkage_simulation(scene, settings);
   switch (settings.method) {
     case Method::automatic:
       return make_composite_simulation(scene, settings);

@@ -121,6 +121,10 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   largest_gap = std::max(largest_gap, other.largest_gap);
   rms_gap = std::max(rms_gap, other.rms_gap);
   inaccurate_steps += other.inaccurate_steps;
+  contacts = std::max(contacts, other.contacts);
+  guarded_energy += other.guarded_energy;
+  awake_islands = other.awake_islands;
+  fell_asleep += other.fell_asleep;
   return *this;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 Scene scene_of(const json& root) {
   const Object top(root, "",
-                   {"plumb", "gravity", "drag", "particles", "rods", "bodies", "pins", "alignments", "angles",
+                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bodies", "pins", "alignments", "angles",
                     "capsules", "planes", "boxes"});
   const json& version = top.at("plumb");
   if (!version.is_number_integer() || version != 1) {
@@ -22,6 +22,7 @@ Scene scene_of(const json& root) {
   Scene scene;
   scene.gravity = vector_or(top, "gravity", scene.gravity);
   scene.drag = number_or(top, "drag", scene.drag);
+  scene.joint_drag = number_or(top, "joint_drag", scene.joint_drag);
   const json& particles = array(top, "particles");
   scene.particles.reserve(particles.size());
   for (const json& value : particles) {
@@ -93,6 +94,7 @@ Scene parse_scene(std::string_view text, std::string_view name) {
 std::string format_scene(const Scene& scene) {
   std::string out = "{\n  \"plumb\": 1,\n  \"gravity\": " + to_json(scene.gravity).dump();
   if (scene.drag != 0) out += ",\n  \"drag\": " + json(scene.drag).dump();
+  if (scene.joint_drag != 0) out += ",\n  \"joint_drag\": " + json(scene.joint_drag).dump();
   append_list(out, "particles", scene.particles, [](const Particle& p) {
     ordered_json object;
     object["position"] = to_json(p.position);

@@ -11,11 +11,16 @@
 /// settings.hpp  how it is simulated         measures.hpp  how wrong it is: stretch, energy, momentum, truth
 /// executor.hpp  whose threads do it         error.hpp     what is refused
 /// springs.hpp   which steps springs bear    inertia.hpp   what sets of points and solids weigh
+/// joints.hpp    bodies and joints of a scene  bounding.hpp  volumes around points, and whether they meet
+/// impact.hpp    two bodies that collide
 #pragma once
 
+#include "plumb/bounding.hpp"
 #include "plumb/error.hpp"
 #include "plumb/executor.hpp"
+#include "plumb/impact.hpp"
 #include "plumb/inertia.hpp"
+#include "plumb/joints.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"

@@ -124,6 +124,9 @@ struct Scene {
   std::vector<Rod> rods;
   Vec3 gravity{0, -9.81, 0};  ///< m/s²
   double drag = 0;            ///< 1/s; velocities decay as exp(-drag·t)
+  /// 1/s; what an island does but for moving as a rigid whole decays at this rate: friction in all joints
+  /// alike, which keeps momentum and angular momentum.
+  double joint_drag = 0;
 
   std::vector<Body> bodies{};
   std::vector<Pin> pins{};

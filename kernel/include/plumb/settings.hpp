@@ -107,6 +107,8 @@ struct Settings {
   std::optional<Integrator> integrator{};  ///< none: semi_implicit_euler for springs, else rk4
   SpringSettings springs{};
   MultiplierSettings multipliers{};
+  /// Of scenes with limbs that touch: whether islands that rest sleep, and cost nothing until they are woken.
+  bool sleep = true;
   LayoutChoice layout = LayoutChoice::automatic;
   std::optional<Isa> isa{};      ///< none: best_isa()
   unsigned threads = 0;          ///< 0: as many as the executor offers; at most 64 are used

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "linkage_state.hpp"
+#include "plumb/world.hpp"
+#include "touch.hpp"
+
+namespace plumb::detail {
+
+/// Ground and boxes, ready for use.
+struct Surroundings {
+  struct Solid {
+    Vec3 center, half;
+    Frame3 frame;
+    Bounds bounds;
+    Surface surface;
+  };
+  std::vector<Plane> planes;
+  std::vector<Solid> boxes;
+};
+
+/// Moves islands that touch, or may within a step, through that step together.
+///
+/// A substep is RATTLE's with contacts. Constraints keep to the gradients of its start (gradient old), by one
+/// factorisation: positions go where momentum, forces and contacts take them,
+///   M (d - h v - h²/2 M⁻¹f) = Jᵀ λ + Jcᵀ p,   C(x + d) = 0,   0 <= gap + Jc d  _|_  p >= 0,
+/// with friction in Coulomb's cone; then velocities d/h + h/2 M⁻¹f are projected onto the constraints at the
+/// end and, where there was contact, bounced or brought to rest. Contacts act through what the linkage makes
+/// of a push, G = Jc P Jcᵀ, one solve a row, and are found by projected Gauss-Seidel on G (Moreau 1988; Jean
+/// 1999). Energy never rises: what a substep would gain is taken from the motion that is not that of a rigid
+/// whole, which keeps momentum and angular momentum; in free flight what it would lose is given back.
+class GroupStepper {
+ public:
+  /// Islands that sleep may be among the group: they are woken if something pushes them.
+  void step(std::span<LinkageState* const> group, const Surroundings& surroundings, const ContactRules& rules,
+            double dt, StepReport& report);
+
+ private:
+  /// A push on an island: along_a on a sum of its particles, along_b on another.
+  struct Side {
+    Combination a, b;
+    Vec3 along_a{}, along_b{};
+  };
+  enum class Kind : std::uint8_t { normal, sliding, limit, drive, brake };
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  struct Row {
+    Kind kind = Kind::normal;
+    std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
+    double gap = 0;       ///< m or rad, what may be lost; drives: how far away
+    double softness = 0;  ///< of drives
+    double bound = 0;     ///< of brakes; of normals the coefficient of friction
+    double bounce = 0;    ///< m/s, what it leaves with
+    double over = 0;      ///< 1 / (its response to itself + softness)
+    double p = 0, q = 0;  ///< what pushes positions, and velocities
+    std::uint64_t key = 0;
+  };
+  struct Island {
+    LinkageState* state = nullptr;
+    bool awake = false;
+    Bounds bounds{};
+    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
+    std::vector<double> right;
+    std::vector<KktPlan::Lanes> many;
+    std::vector<Side> sides;
+    std::vector<Vec3> response;     ///< by side, of every movable particle
+    std::vector<double> coupling;   ///< G, sides x sides
+    std::vector<double> speed;      ///< what each side sees of d or v
+    std::vector<double> push;       ///< not yet applied
+  };
+
+  /// A contact that does not seem to come about in this substep.
+  struct LeftOut {
+    std::uint32_t island, other;
+    Combination at, at_other;
+    Touch touch;
+  };
+
+  bool substep(const Surroundings& surroundings, double h, StepReport& report);
+  double longest_substep(double most) const;
+  void start(Island& island, double h);
+  bool factor(LinkageState& state);
+  bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
+  bool is_contact_missed() const;
+  void find_contacts(const Surroundings& surroundings, double h);
+  void add_contact(std::uint32_t i, const Combination& at, std::uint32_t j, const Combination& at_other,
+                   const Touch& touch, const Surface& a, const Surface& b, std::uint64_t key, double h);
+  void add_angles(std::uint32_t i, double h);
+  std::uint32_t add_side(Island& island, const Side& side);
+  void find_responses();
+  void see(Island& island, std::span<const Vec3> motion);
+  double see(const Row& row) const;
+  void push(const Row& row, double by);
+  void push(const Row& first, double by0, double by1, double by2);
+  double contact(std::size_t r, double Row::* of, double normal, double most);
+  double coupling(const Row& normal, std::uint32_t axis) const;
+  void apply(Island& island, std::span<Vec3> motion);
+  double sweep_positions();
+  double sweep_velocities();
+  bool solve_positions(StepReport& report);
+  void finish(double h);
+  void find_velocities(Island& island);
+  void bounce(double h);
+  void brake(Island& island, double h);
+  bool guard_energy(double before, bool touched, StepReport& report);
+  double energy() const;
+  void keep_contacts(double h);
+
+  std::vector<Island> islands_;
+  std::uint32_t count_ = 0;
+  std::vector<Row> rows_;
+  std::vector<LeftOut> left_out_;
+  bool woken_ = false, all_near_ = false;
+  double shortest_ = 0;
+};
+
+}  // namespace plumb::detail

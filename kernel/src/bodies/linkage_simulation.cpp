@@ -1,0 +1,602 @@
+#include "linkage_simulation.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "../flush_denormals.hpp"
+#include "../refuse.hpp"
+#include "../state_hash.hpp"
+#include "../team.hpp"
+#include "group_stepper.hpp"
+#include "plumb/executor.hpp"
+#include "plumb/layouts/islands.hpp"
+#include "spatial_hash.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Awake islands below which one thread is faster than the start of another.
+constexpr std::size_t worth_threads = 16;
+/// A step in which they are put in order again costs less than looking at all; see group_islands().
+constexpr double cells_per_island = 1.5;
+
+/// A scene's particles and whatever holds them together, as edges.
+struct Ties {
+  explicit Ties(const Scene& scene) {
+    for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
+    for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
+    for (const Body& body : scene.bodies) tie(body.particles, {1, 1, 1, 1});
+    for (const Pin& pin : scene.pins) tie(pin.a, pin.b);
+    for (const Alignment& each : scene.alignments) tie(each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const AngleControl& each : scene.angles) tie(each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const Capsule& capsule : scene.capsules) tie(capsule.a, capsule.b);
+  }
+
+  layouts::Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
+
+  std::vector<layouts::Edge> edges;
+  std::vector<std::uint8_t> movable;
+
+ private:
+  void tie(const std::array<std::uint32_t, 4>& particles, const std::array<double, 4>& weights) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (weights[i] == 0) continue;
+      if (last != none && last != particles[i] && (movable[last] || movable[particles[i]]))
+        edges.push_back({last, particles[i]});
+      if (last == none || movable[particles[i]]) last = particles[i];
+    }
+  }
+  template <class... Points>
+  void tie(const Points&... points) {
+    last = none;
+    (tie(points.particles, points.weights), ...);
+    last = none;
+  }
+
+  static constexpr std::uint32_t none = 0xffffffff;
+  std::uint32_t last = none;
+};
+
+/// Everything that makes two islands of one kind, as numbers: all but where they are.
+class Likeness {
+ public:
+  explicit Likeness(const Scene& part) {
+    add(part.gravity);
+    add(part.drag, part.joint_drag);
+    for (const Particle& each : part.particles) add(each.mass, each.fixed);
+    add(part.rods.size());
+    for (std::size_t i = 0; i < part.rods.size(); ++i) {
+      const Rod& rod = part.rods[i];
+      add(rod.a, rod.b, rod_length(part, i), rod.mass, rod.center, rod.inertia.value_or(-1), rod.linear_drag,
+          rod.orthogonal_drag);
+    }
+    add(part.bodies.size());
+    for (std::size_t i = 0; i < part.bodies.size(); ++i) {
+      for (const std::uint32_t particle : part.bodies[i].particles) add(particle);
+      for (const auto& line : body_mass(part, i))
+        for (const double mass : line) add(mass);
+    }
+    add(part.pins.size());
+    for (const Pin& each : part.pins) add(each.a, each.b);
+    add(part.alignments.size());
+    for (const Alignment& each : part.alignments) {
+      add(each.u.from, each.u.to, each.v.from, each.v.to);
+      add(dot(span(part, each.u), span(part, each.v)));
+    }
+    add(part.angles.size());
+    for (const AngleControl& each : part.angles)
+      add(each.u.from, each.u.to, each.v.from, each.v.to, norm(span(part, each.u)), norm(span(part, each.v)),
+          each.lower, each.upper, each.friction, each.target, each.stiffness, each.damping);
+    add(part.capsules.size());
+    for (const Capsule& each : part.capsules)
+      add(each.a, each.b, each.radius, each.surface.friction, each.surface.restitution);
+  }
+
+  const std::vector<double>& numbers() const { return numbers_; }
+
+ private:
+  static Vec3 place(const Scene& part, const Point& point) {
+    Vec3 out{};
+    for (std::size_t i = 0; i < 4; ++i)
+      if (point.weights[i] != 0) out += point.weights[i] * part.particles[point.particles[i]].position;
+    return out;
+  }
+  static Vec3 span(const Scene& part, const Direction& direction) {
+    return place(part, direction.to) - place(part, direction.from);
+  }
+
+  void add(const Vec3& v) { add(v.x, v.y, v.z); }
+  void add(const Point& point) {
+    for (std::size_t i = 0; i < 4; ++i) add(point.weights[i] == 0 ? 0u : point.particles[i], point.weights[i]);
+  }
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  void add(Number number) {
+    numbers_.push_back(static_cast<double>(number));
+  }
+  template <class First, class Second, class... Rest>
+  void add(const First& first, const Second& second, const Rest&... rest) {
+    add(first);
+    add(second);
+    (add(rest), ...);
+  }
+
+  std::vector<double> numbers_;
+};
+
+/// Where a particle is.
+struct Home {
+  std::uint32_t island = 0, particle = 0;
+};
+
+/// Cuts a scene into its islands, each a scene of its own with the movable particles first.
+class Cutter {
+ public:
+  explicit Cutter(const Scene& scene) : scene_(scene), ties_(scene), islands_(layouts::find_islands(ties_.view())) {
+    const std::uint32_t count = islands_.count();
+    const std::uint32_t none = 0xffffffff;
+    island_of_.assign(scene.particles.size(), none);
+    for (std::uint32_t i = 0; i < count; ++i)
+      for (const std::uint32_t particle : islands_.vertices(i))
+        if (!scene.particles[particle].fixed) island_of_[particle] = i;
+    parts_.resize(count);
+    particles_.resize(count);
+    std::vector<std::uint32_t> local(scene.particles.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto vertices = islands_.vertices(i);
+      std::vector<std::uint32_t>& order = particles_[i];
+      for (const bool fixed : {false, true})
+        for (const std::uint32_t particle : vertices)
+          if (scene.particles[particle].fixed == fixed) order.push_back(particle);
+      parts_[i].gravity = scene.gravity;
+      parts_[i].drag = scene.drag;
+      parts_[i].joint_drag = scene.joint_drag;
+      for (const std::uint32_t particle : order) parts_[i].particles.push_back(scene.particles[particle]);
+    }
+    hand_out();
+  }
+
+  std::uint32_t count() const { return static_cast<std::uint32_t>(parts_.size()); }
+  const Scene& part(std::uint32_t i) const { return parts_[i]; }
+  const std::vector<std::uint32_t>& particles(std::uint32_t i) const { return particles_[i]; }
+
+ private:
+  void hand_out() {
+    local_.assign(scene_.particles.size(), 0);
+    std::vector<std::vector<std::uint32_t>> fixed_local(scene_.particles.size());
+    for (std::uint32_t i = 0; i < count(); ++i)
+      for (std::uint32_t p = 0; p < particles_[i].size(); ++p)
+        if (!scene_.particles[particles_[i][p]].fixed) local_[particles_[i][p]] = p;
+    for (std::size_t i = 0; i < scene_.rods.size(); ++i) {
+      Rod rod = scene_.rods[i];
+      const std::uint32_t island = movable_of({rod.a, rod.b, 0, 0}, {1, 1, 0, 0});
+      rod.length = rod_length(scene_, i);
+      rod.a = local(island, rod.a);
+      rod.b = local(island, rod.b);
+      parts_[island].rods.push_back(rod);
+    }
+    for (Body body : scene_.bodies) {
+      const std::uint32_t island = movable_of(body.particles, {1, 1, 1, 1});
+      for (std::uint32_t& particle : body.particles) particle = local(island, particle);
+      parts_[island].bodies.push_back(body);
+    }
+    for (const Pin& each : scene_.pins) {
+      const std::uint32_t island = island_of(each.a, each.b);
+      parts_[island].pins.push_back({local(island, each.a), local(island, each.b)});
+    }
+    for (const Alignment& each : scene_.alignments) {
+      const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
+      parts_[island].alignments.push_back({local(island, each.u), local(island, each.v)});
+    }
+    for (AngleControl each : scene_.angles) {
+      const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
+      each.u = local(island, each.u);
+      each.v = local(island, each.v);
+      parts_[island].angles.push_back(each);
+    }
+    for (Capsule each : scene_.capsules) {
+      const std::uint32_t island = island_of(each.a, each.b);
+      each.a = local(island, each.a);
+      each.b = local(island, each.b);
+      parts_[island].capsules.push_back(each);
+    }
+  }
+
+  std::uint32_t movable_of(const std::array<std::uint32_t, 4>& particles, const std::array<double, 4>& weights) const {
+    for (std::size_t i = 0; i < 4; ++i)
+      if (weights[i] != 0 && !scene_.particles[particles[i]].fixed) return island_of_[particles[i]];
+    return 0xffffffff;
+  }
+  template <class... Points>
+  std::uint32_t island_of(const Points&... points) const {
+    std::uint32_t out = 0xffffffff;
+    ((out = out == 0xffffffff ? movable_of(points.particles, points.weights) : out), ...);
+    if (out == 0xffffffff) refuse("a joint or shape on fixed particles alone moves nothing; use planes and boxes");
+    return out;
+  }
+  std::uint32_t local(std::uint32_t island, std::uint32_t particle) const {
+    if (!scene_.particles[particle].fixed) return local_[particle];
+    const auto& order = particles_[island];
+    return static_cast<std::uint32_t>(std::find(order.begin(), order.end(), particle) - order.begin());
+  }
+  Point local(std::uint32_t island, Point point) const {
+    for (std::size_t i = 0; i < 4; ++i) point.particles[i] = point.weights[i] == 0 ? 0 : local(island, point.particles[i]);
+    return point;
+  }
+  Direction local(std::uint32_t island, const Direction& direction) const {
+    return {local(island, direction.from), local(island, direction.to)};
+  }
+
+  const Scene& scene_;
+  Ties ties_;
+  layouts::Islands islands_;
+  std::vector<std::uint32_t> island_of_;
+  std::vector<Scene> parts_;
+  std::vector<std::vector<std::uint32_t>> particles_;
+  std::vector<std::uint32_t> local_;
+};
+
+Surroundings surroundings_of(const Scene& scene) {
+  Surroundings out{.planes = scene.planes, .boxes = {}};
+  for (const Box& box : scene.boxes) {
+    const auto [w, x, y, z] = box.orientation;
+    const Frame3 frame{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+                       {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+                       {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+    const auto far = [&](double a, double b, double c) {
+      return std::abs(a) * box.half_size.x + std::abs(b) * box.half_size.y + std::abs(c) * box.half_size.z;
+    };
+    const Vec3 most{far(frame.x.x, frame.y.x, frame.z.x), far(frame.x.y, frame.y.y, frame.z.y),
+                    far(frame.x.z, frame.y.z, frame.z.z)};
+    out.boxes.push_back({box.center, box.half_size, frame, {box.center - most, box.center + most}, box.surface});
+  }
+  return out;
+}
+
+class LinkageSimulation final : public Simulation {
+ public:
+  LinkageSimulation(const Scene& scene, const Settings& settings)
+      : surroundings_(surroundings_of(scene)), homes_(scene.particles.size()), pins_(scene.particles.size()) {
+    rules_.substeps = settings.substeps;
+    rules_.sleep = settings.sleep;
+    for (const Particle& particle : scene.particles) {
+      fixed_.push_back(particle.fixed);
+      anchors_.push_back(particle.position);
+    }
+    targets_ = anchors_;
+    make_islands(scene);
+    start_hashes();
+    start_threads(settings);
+    info_.particles = static_cast<std::uint32_t>(scene.particles.size());
+    info_.rods = info_.direct_rods = static_cast<std::uint32_t>(scene.rods.size());
+    info_.islands = static_cast<std::uint32_t>(islands_.size());
+    info_.direct_gradient = Gradient::old;
+    info_.skipped_drag = scene.drag == 0;
+    project_velocities(scene);
+  }
+
+  StepReport step(double dt) override {
+    const FlushDenormals flush;
+    StepReport report;
+    report.substeps = rules_.substeps;
+    if (moving_) start_anchors(dt);
+    if (!awake_.empty()) {
+      group_islands(dt);
+      move_groups(dt, report);
+      settle(dt, report);
+    }
+    if (moving_) finish_anchors();
+    report.awake_islands = static_cast<std::uint32_t>(awake_.size());
+    return report;
+  }
+
+  void set_stop_rule(const StopRule&) override {}
+  void set_weights(Weights) override {}
+  void set_force(std::uint32_t particle, Vec3 force) override {
+    LinkageState& island = islands_[homes_[particle].island];
+    island.force[homes_[particle].particle] = force;
+    island.energy.reset();
+    wake(homes_[particle].island);
+  }
+  void move_anchor(std::uint32_t particle, Vec3 target) override {
+    targets_[particle] = target;
+    moving_ = true;
+    for (const Home& pin : pins_[particle]) wake(pin.island);
+  }
+
+  Vec3 position(std::uint32_t particle) const override {
+    return fixed_[particle] ? anchors_[particle] : islands_[homes_[particle].island].x[homes_[particle].particle];
+  }
+  Vec3 velocity(std::uint32_t particle) const override {
+    return fixed_[particle] ? Vec3{} : islands_[homes_[particle].island].v[homes_[particle].particle];
+  }
+  std::uint64_t state_hash() const override {
+    StateHash hash;
+    for (std::uint32_t i = 0; i < fixed_.size(); ++i) {
+      hash.add<double>(position(i));
+      hash.add<double>(velocity(i));
+    }
+    return hash.value();
+  }
+  const WorldInfo& info() const override { return info_; }
+
+ private:
+  void make_islands(const Scene& scene) {
+    const Cutter cutter(scene);
+    islands_.resize(cutter.count());
+    std::map<std::vector<double>, const Linkage*> kinds;
+    for (std::uint32_t i = 0; i < cutter.count(); ++i) {
+      const Scene& part = cutter.part(i);
+      std::uint32_t movable = 0;
+      bool asleep = true;
+      for (const Particle& particle : part.particles) {
+        movable += !particle.fixed;
+        asleep = asleep && (particle.fixed || particle.asleep);
+      }
+      const Linkage*& kind = kinds[Likeness(part).numbers()];
+      if (kind == nullptr) {
+        linkages_.push_back(std::make_unique<Linkage>(part, movable));
+        kind = linkages_.back().get();
+      }
+      LinkageState& state = islands_[i];
+      state.linkage = kind;
+      state.number = i;
+      state.particles = cutter.particles(i);
+      state.force.resize(movable);
+      for (std::uint32_t p = 0; p < part.particles.size(); ++p) {
+        const Particle& particle = part.particles[p];
+        state.x.push_back(particle.position);
+        state.v.push_back(particle.fixed ? Vec3{} : particle.velocity);
+        if (particle.fixed)
+          pins_[state.particles[p]].push_back({i, p});
+        else
+          homes_[state.particles[p]] = {i, p};
+      }
+      state.asleep = asleep;
+      if (!asleep) awake_.push_back(i);
+    }
+  }
+
+  /// Initial velocities that pull on rods are projected, once.
+  void project_velocities(const Scene& scene) {
+    for (const std::uint32_t i : awake_) {
+      LinkageState& state = islands_[i];
+      const Linkage& linkage = *state.linkage;
+      if (linkage.constraints() == 0) continue;
+      state.factors.resize(linkage.plan().values());
+      linkage.assemble(state.x, state.factors);
+      state.factored = linkage.plan().factor(state.factors);
+      std::vector<Vec3> momentum(linkage.movable());
+      std::vector<double> right(linkage.plan().unknowns(), 0);
+      linkage.momenta(state.v, momentum);
+      for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+        double* const at = &right[linkage.slot(k)];
+        at[0] = momentum[k].x;
+        at[1] = momentum[k].y;
+        at[2] = momentum[k].z;
+      }
+      linkage.plan().solve(state.factors, right);
+      for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+        const double* const at = &right[linkage.slot(k)];
+        const Vec3 given = scene.particles[state.particles[k]].velocity;
+        state.v[k] = {at[0], at[1], at[2]};
+        const double change = norm(state.v[k] - given);
+        // Nothing to correct but rounding: as it was given, bit for bit.
+        if (change <= 1e-12 * norm(given)) state.v[k] = given;
+        info_.projected_velocity = std::max(info_.projected_velocity, change);
+      }
+    }
+  }
+
+  void start_hashes() {
+    double sum = 0;
+    for (const LinkageState& state : islands_) sum += state.linkage->size();
+    const double cell = islands_.empty() ? 1 : 4 * sum / static_cast<double>(islands_.size());
+    sleepers_.start(cell, 8 * islands_.size());
+    walkers_cell_ = cell;
+    marks_.assign(islands_.size(), 0);
+    root_.resize(islands_.size());
+    bounds_.resize(islands_.size());
+    for (const LinkageState& state : islands_)
+      if (state.asleep && !state.linkage->shapes().empty()) {
+        bounds_[state.number] = reach(state, 0);
+        sleepers_.insert(state.number, bounds_[state.number]);
+      }
+  }
+
+  void start_threads(const Settings& settings) {
+    executor_ = settings.executor;
+    if (executor_ == nullptr && settings.threads != 1) {
+      own_executor_ = make_tbb_executor(settings.threads);
+      executor_ = own_executor_.get();
+    }
+    unsigned threads = executor_ ? executor_->concurrency() : 1;
+    if (settings.threads != 0) threads = std::min(threads, settings.threads);
+    threads = std::min(threads, Team::max_size);
+    info_.threads = threads;
+    info_.parallel = threads > 1 && islands_.size() >= worth_threads;
+    steppers_.resize(threads);
+    reports_.resize(threads);
+  }
+
+  void wake(std::uint32_t i) {
+    LinkageState& state = islands_[i];
+    if (!state.asleep) return;
+    state.asleep = false;
+    state.calm = 0;
+    if (!state.linkage->shapes().empty()) sleepers_.remove(i, bounds_[i]);
+    awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), i), i);
+  }
+
+  std::uint32_t root(std::uint32_t i) {
+    while (root_[i] != i) i = root_[i] = root_[root_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a), b = root(b);
+    if (a != b) root_[std::max(a, b)] = std::min(a, b);
+  }
+
+  /// Groups of islands that may touch within dt, by their numbers; sleepers nearby included.
+  void group_islands(double dt) {
+    members_.clear();
+    bool shapes = false;
+    for (const std::uint32_t i : awake_) {
+      root_[i] = i;
+      members_.push_back(i);
+      shapes = shapes || !islands_[i].linkage->shapes().empty();
+    }
+    if (shapes && islands_.size() > 1) {
+      walkers_.start(walkers_cell_, 8 * awake_.size());
+      ++mark_;
+      for (const std::uint32_t i : awake_) {
+        if (islands_[i].linkage->shapes().empty()) continue;
+        bounds_[i] = reach(islands_[i], dt);
+        walkers_.find(bounds_[i], [&](std::uint32_t j) {
+          if (bounds_[i].overlaps(bounds_[j])) join(i, j);
+        });
+        sleepers_.find(bounds_[i], [&](std::uint32_t j) {
+          if (!bounds_[i].overlaps(bounds_[j])) return;
+          if (marks_[j] != mark_) {
+            marks_[j] = mark_;
+            root_[j] = j;
+            members_.push_back(j);
+          }
+          join(i, j);
+        });
+        walkers_.insert(i, bounds_[i]);
+      }
+    }
+    // By group, and within a group by number.
+    order_.clear();
+    for (const std::uint32_t i : members_) order_.push_back(std::uint64_t{root(i)} << 32 | i);
+    std::sort(order_.begin(), order_.end());
+    group_.clear();
+    starts_.clear();
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      if (k == 0 || order_[k] >> 32 != order_[k - 1] >> 32) starts_.push_back(static_cast<std::uint32_t>(k));
+      group_.push_back(&islands_[order_[k] & 0xffffffff]);
+    }
+    starts_.push_back(static_cast<std::uint32_t>(group_.size()));
+  }
+
+  void move_groups(double dt, StepReport& report) {
+    const auto groups = static_cast<std::uint32_t>(starts_.size() - 1);
+    const auto move = [&](std::uint32_t g, GroupStepper& stepper, StepReport& own) {
+      stepper.step({group_.data() + starts_[g], starts_[g + 1] - starts_[g]}, surroundings_, rules_, dt, own);
+    };
+    if (steppers_.size() == 1 || groups < 2 || awake_.size() < worth_threads) {
+      for (std::uint32_t g = 0; g < groups; ++g) move(g, steppers_[0], report);
+      return;
+    }
+    std::atomic<std::uint32_t> next{0};
+    for (StepReport& own : reports_) own = {};
+    auto work = [&](unsigned worker) {
+      const FlushDenormals flush;
+      constexpr std::uint32_t at_once = 8;
+      for (std::uint32_t first; (first = next.fetch_add(at_once)) < groups;)
+        for (std::uint32_t g = first; g < std::min(first + at_once, groups); ++g)
+          move(g, steppers_[worker], reports_[worker]);
+    };
+    using Work = decltype(work);
+    executor_->run(
+        static_cast<unsigned>(steppers_.size()),
+        [](void* context, unsigned worker) { (*static_cast<Work*>(context))(worker); }, &work);
+    for (const StepReport& own : reports_) report += own;
+  }
+
+  /// Puts back what is no longer finite, takes in those that were woken, and lets groups that rest sleep.
+  void settle(double dt, StepReport& report) {
+    for (std::size_t g = 0; g + 1 < starts_.size(); ++g) {
+      bool calm = rules_.sleep;
+      for (std::uint32_t k = starts_[g]; k < starts_[g + 1]; ++k) {
+        LinkageState& state = *group_[k];
+        if (state.asleep) continue;
+        for (std::uint32_t p = 0; p < state.linkage->movable(); ++p)
+          if (!is_finite(state.x[p]) || !is_finite(state.v[p])) state.frozen = true;
+        if (state.frozen) ++report.frozen_islands;
+        const bool slow = top_speed(state) < rules_.sleep_speed;
+        state.calm = slow && !moving_ ? state.calm + dt : 0;
+        calm = calm && state.calm >= rules_.sleep_time;
+      }
+      for (std::uint32_t k = starts_[g]; k < starts_[g + 1]; ++k) {
+        LinkageState& state = *group_[k];
+        if (calm && !state.asleep) {
+          state.asleep = true;
+          state.calm = 0;
+          ++report.fell_asleep;
+          if (!state.linkage->shapes().empty()) {
+            bounds_[state.number] = reach(state, 0);
+            sleepers_.insert(state.number, bounds_[state.number]);
+          }
+        }
+      }
+    }
+    // Those that sleepers' neighbours woke within the step are still listed as sleepers.
+    for (const std::uint32_t i : members_)
+      if (!islands_[i].asleep && marks_[i] == mark_ && !std::binary_search(awake_.begin(), awake_.end(), i)) {
+        sleepers_.remove(i, bounds_[i]);
+        woken_.push_back(i);
+      }
+    awake_.insert(awake_.end(), woken_.begin(), woken_.end());
+    woken_.clear();
+    std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
+    std::sort(awake_.begin(), awake_.end());
+  }
+
+  void start_anchors(double dt) {
+    for (std::uint32_t i = 0; i < fixed_.size(); ++i)
+      for (const Home& pin : pins_[i]) islands_[pin.island].v[pin.particle] = (1 / dt) * (targets_[i] - anchors_[i]);
+  }
+  /// At their targets exactly, without the rounding of the way.
+  void finish_anchors() {
+    for (std::uint32_t i = 0; i < fixed_.size(); ++i)
+      for (const Home& pin : pins_[i]) {
+        islands_[pin.island].x[pin.particle] = targets_[i];
+        islands_[pin.island].v[pin.particle] = {};
+        islands_[pin.island].factored = false;
+      }
+    anchors_ = targets_;
+    moving_ = false;
+  }
+
+  Surroundings surroundings_;
+  ContactRules rules_;
+  WorldInfo info_;
+  std::vector<std::unique_ptr<Linkage>> linkages_;
+  std::vector<LinkageState> islands_;
+  std::vector<Home> homes_;
+  std::vector<std::vector<Home>> pins_;
+  std::vector<std::uint8_t> fixed_;
+  std::vector<Vec3> anchors_, targets_;
+  bool moving_ = false;  ///< some anchor has a target of its own
+
+  std::vector<std::uint32_t> awake_;  ///< ascending
+  SpatialHash sleepers_, walkers_;
+  double walkers_cell_ = 1;
+  std::vector<Bounds> bounds_;  ///< by island: of sleepers as listed, of others this step's reach
+  std::vector<std::uint32_t> marks_, root_, members_, starts_, woken_;
+  std::uint32_t mark_ = 0;
+  std::vector<std::uint64_t> order_;
+  std::vector<LinkageState*> group_;
+
+  std::unique_ptr<Executor> own_executor_;
+  Executor* executor_ = nullptr;
+  std::vector<GroupStepper> steppers_;
+  std::vector<StepReport> reports_;
+};
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_linkage_simulation(const Scene& scene, const Settings& settings) {
+  if (settings.method != Method::automatic && settings.method != Method::direct)
+    refuse("method ", to_string(settings.method),
+           " knows particles and rods alone; limbs that touch, bodies, joints and sleepers want direct or auto");
+  if (settings.accuracy) refuse("accuracy cannot be asked for where limbs may touch; use substeps");
+  return std::make_unique<LinkageSimulation>(scene, settings);
+}
+
+}  // namespace plumb::detail

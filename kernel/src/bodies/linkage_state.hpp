@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "linkage.hpp"
+
+namespace plumb::detail {
+
+/// A box along the axes of space.
+struct Bounds {
+  Vec3 low{}, high{};
+
+  bool overlaps(const Bounds& o) const {
+    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y &&
+           low.z <= o.high.z && o.low.z <= high.z;
+  }
+};
+
+/// What held at a contact, to start from in the next substep.
+struct KeptContact {
+  std::uint64_t key = 0;
+  Vec3 force{};  ///< N
+};
+
+/// One island of a linkage's kind, wherever it is.
+struct LinkageState {
+  const Linkage* linkage = nullptr;
+  std::vector<std::uint32_t> particles;  ///< the scene's numbers
+  std::vector<Vec3> x, v;                ///< m and m/s; fixed particles too
+  std::vector<Vec3> force;               ///< N, constant, on movable particles
+  std::vector<double> factors;           ///< at x
+  std::vector<KeptContact> kept;
+  std::uint32_t number = 0;          ///< of this island
+  bool factored = false;
+  bool asleep = false;
+  bool frozen = false;
+  double calm = 0;                   ///< s, for how long it has been slow
+  std::optional<double> energy{};    ///< J, that free flight keeps
+  std::uint32_t hash_mark = 0;       ///< of the last search that found it
+};
+
+/// A pair of contact's own settings, and of sleep.
+struct ContactRules {
+  std::uint32_t substeps = 1;
+  double sleep_speed = 0.02;  ///< m/s; slower, for sleep_time, is at rest
+  double sleep_time = 0.5;    ///< s
+  bool sleep = true;
+};
+
+/// Around its shapes (its particles where it has none), wherever it can get within dt.
+Bounds reach(const LinkageState& state, double dt);
+/// The fastest of its particles, m/s.
+double top_speed(const LinkageState& state);
+
+}  // namespace plumb::detail

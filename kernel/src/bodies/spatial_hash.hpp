@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "linkage_state.hpp"
+
+namespace plumb::detail {
+
+/// Which boxes are near which, in time that grows linearly with their number: a grid of cells whose lists
+/// share a table. A box is listed in every cell that it reaches into; one that is much larger than a cell is
+/// kept aside and always found.
+class SpatialHash {
+ public:
+  void start(double cell, std::size_t expected) {
+    over_ = 1 / cell;
+    std::size_t size = 64;
+    while (size < 2 * expected) size *= 2;
+    heads_.assign(size, none);
+    entries_.clear();
+    free_ = none;
+    large_.clear();
+  }
+
+  void insert(std::uint32_t id, const Bounds& bounds) {
+    if (is_large(bounds)) return large_.push_back(id);
+    for_cells(bounds, [&](std::size_t cell) {
+      std::uint32_t at = free_;
+      if (at == none) {
+        at = static_cast<std::uint32_t>(entries_.size());
+        entries_.emplace_back();
+      } else {
+        free_ = entries_[at].next;
+      }
+      entries_[at] = {id, heads_[cell]};
+      heads_[cell] = at;
+    });
+  }
+
+  /// Takes out what was inserted with the same bounds.
+  void remove(std::uint32_t id, const Bounds& bounds) {
+    if (is_large(bounds)) {
+      std::erase(large_, id);
+      return;
+    }
+    for_cells(bounds, [&](std::size_t cell) {
+      for (std::uint32_t* link = &heads_[cell]; *link != none; link = &entries_[*link].next) {
+        if (entries_[*link].id != id) continue;
+        const std::uint32_t at = *link;
+        *link = entries_[at].next;
+        entries_[at].next = free_;
+        free_ = at;
+        break;
+      }
+    });
+  }
+
+  /// f(id) of all that may overlap; an id can come several times.
+  template <class F>
+  void find(const Bounds& bounds, F&& f) const {
+    for (const std::uint32_t id : large_) f(id);
+    if (is_large(bounds)) {
+      for (const std::uint32_t head : heads_)
+        for (std::uint32_t at = head; at != none; at = entries_[at].next) f(entries_[at].id);
+      return;
+    }
+    for_cells(bounds, [&](std::size_t cell) {
+      for (std::uint32_t at = heads_[cell]; at != none; at = entries_[at].next) f(entries_[at].id);
+    });
+  }
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffff;
+  static constexpr double most_cells = 64;
+
+  struct Entry {
+    std::uint32_t id, next;
+  };
+
+  bool is_large(const Bounds& b) const {
+    const Vec3 size = over_ * (b.high - b.low);
+    // A comparison that is false for infinities, too.
+    return !((size.x + 1) * (size.y + 1) * (size.z + 1) <= most_cells);
+  }
+
+  template <class F>
+  void for_cells(const Bounds& bounds, F&& f) const {
+    const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x * over_)); };
+    for (std::int64_t x = cell(bounds.low.x); x <= cell(bounds.high.x); ++x)
+      for (std::int64_t y = cell(bounds.low.y); y <= cell(bounds.high.y); ++y)
+        for (std::int64_t z = cell(bounds.low.z); z <= cell(bounds.high.z); ++z) {
+          std::uint64_t hash = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^
+                               static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu ^
+                               static_cast<std::uint64_t>(z) * 0x165667b19e3779f9u;
+          hash ^= hash >> 29;
+          f(static_cast<std::size_t>(hash) & (heads_.size() - 1));
+        }
+  }
+
+  double over_ = 1;
+  std::vector<std::uint32_t> heads_;
+  std::vector<Entry> entries_;
+  std::uint32_t free_ = none;
+  std::vector<std::uint32_t> large_;
+};
+
+}  // namespace plumb::detail
