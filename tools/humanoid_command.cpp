@@ -62,6 +62,7 @@ nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
 nlohmann::ordered_json run_json(const HumanoidRun& run) {
   const Vec3 d = run.ball.direction;
   return {{"body", std::string(to_string(run.figure.body))},
+          {"arms", run.figure.arms != 0},
           {"friction", run.figure.friction},
           {"ball",
            {{"speed", run.ball.speed},
@@ -188,9 +189,9 @@ PoseRow row_of(const std::string& title, const HumanoidRun& run, const HumanoidR
 }
 
 std::string run_title(const HumanoidRun& run) {
-  return std::string(to_string(run.figure.body)) + " body, ball of " + short_number(run.ball.mass, 3) +
-         " kg at " + short_number(run.ball.speed, 3) + " m/s, elasticity " +
-         short_number(run.ball.elasticity, 3);
+  return std::string(to_string(run.figure.body)) + " body" + (run.figure.arms != 0 ? " with arms" : "") +
+         ", ball of " + short_number(run.ball.mass, 3) + " kg at " + short_number(run.ball.speed, 3) +
+         " m/s, elasticity " + short_number(run.ball.elasticity, 3);
 }
 
 Table run_table(const HumanoidRun& run, const HumanoidResult& r) {
@@ -349,6 +350,9 @@ void add_humanoid_command(CLI::App& app, Action& action) {
                     "The ball's restitution, 0 to 1: what is left of the speed of an impact [0.5]");
   add_choice(*command, "--body", run.figure.body, {BodyType::thin, BodyType::medium, BodyType::wide},
              "The thesis's builds: 116, 177 or 393 kg");
+  command->add_flag_callback(
+      "--arms", [&run] { run.figure.arms = 1; },
+      "A fuller figure: arms, hips beside each other, knees and elbows that bend one way");
   add_number_within(*command, "--friction", run.figure.friction, 0, std::numeric_limits<double>::infinity(),
                     "Between body, ball and ground [0.6]");
   add_seconds(*command, "--dt", run.dt, "Length of a frame [1/60]");

@@ -79,7 +79,7 @@ double median(std::vector<double> values) {
 
 Scene make_scene(const HumanoidRun& run) {
   Scene scene = scenes::make_humanoid(run.figure);
-  Vec3 target = scenes::torso_center(run.figure.body);
+  Vec3 target = scenes::torso_center(run.figure);
   if (run.seed != 0) {
     constexpr double most_off = 0.01;  // m
     std::mt19937_64 random(run.seed);

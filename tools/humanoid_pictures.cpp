@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "scenes/limbs.hpp"
 #include "scenes/numbers.hpp"
@@ -66,11 +67,16 @@ std::string text_at(const std::string& x, double y, const char* anchor, const st
          "\" font-size=\"" + std::to_string(size) + "\">" + escape_html(text) + "</text>\n";
 }
 
+/// With a pale edge, so that limbs in front of one another can be told apart.
 std::string draw_limb(const Panel& panel, const Capsule& capsule, const Frame& pose, bool near) {
   const Vec3 a = place_of(capsule.a, pose.positions), b = place_of(capsule.b, pose.positions);
-  return "<line class=\"limb\" x1=\"" + panel.across(a.x) + "\" y1=\"" + panel.up(a.y) + "\" x2=\"" +
-         panel.across(b.x) + "\" y2=\"" + panel.up(b.y) + "\" stroke=\"" + (near ? near_color : far_color) +
-         "\" stroke-width=\"" + panel.length(2 * capsule.radius) + "\"/>\n";
+  const double thickness = 2 * panel.scale * capsule.radius;
+  const auto line = [&](const char* kind, const char* color, double width_px) {
+    return std::string("<line class=\"") + kind + "\" x1=\"" + panel.across(a.x) + "\" y1=\"" +
+           panel.up(a.y) + "\" x2=\"" + panel.across(b.x) + "\" y2=\"" + panel.up(b.y) + "\" stroke=\"" +
+           color + "\" stroke-width=\"" + short_number(width_px, 5) + "\"/>\n";
+  };
+  return line("edge", "#fff", thickness + 0.8) + line("limb", near ? near_color : far_color, thickness - 0.8);
 }
 
 /// The figure's limbs from the farthest to the nearest; of a pair of legs the farther one is pale.
@@ -81,8 +87,9 @@ std::string draw_figure(const Panel& panel, const PoseRow& row, const Frame& pos
   const auto depth = [&](std::size_t i) {
     return place_of(capsules[i].a, pose.positions).z + place_of(capsules[i].b, pose.positions).z;
   };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t i, std::size_t k) { return depth(i) < depth(k); });
+  // Of limbs one behind the other by less than a centimetre the thicker one is behind.
+  const auto key = [&](std::size_t i) { return std::pair(std::lround(50 * depth(i)), -capsules[i].radius); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t k) { return key(i) < key(k); });
   const double middle = order.empty() ? 0 : depth(0);
   std::string out;
   for (const std::size_t i : order) out += draw_limb(panel, capsules[i], pose, depth(i) >= middle - 0.02);

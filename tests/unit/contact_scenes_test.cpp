@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <span>
 
 #include "plumb/error.hpp"
 #include "plumb/measures.hpp"
@@ -88,6 +89,63 @@ TEST(StandingHumanoid, WithoutABodyIsTheTreeOfTheFrontier) {
   EXPECT_NE(message_of("humanoid:friction=0.1").find("body"), std::string::npos);
   EXPECT_NE(message_of("humanoid:body=fat").find("thin, medium, wide"), std::string::npos);
   EXPECT_NE(message_of("humanoid:body=thin,friction=-1").find("friction"), std::string::npos);
+}
+
+/// The angle in degrees that angle control `i` of the scene is at.
+double angle_at(const Scene& scene, std::size_t i, std::span<const Vec3> positions) {
+  const auto way = [&](const Direction& d) {
+    const Vec3 v = place_of(d.to, positions) - place_of(d.from, positions);
+    return (1 / norm(v)) * v;
+  };
+  return std::acos(dot(way(scene.angles[i].u), way(scene.angles[i].v))) * 180 / 3.141592653589793;
+}
+
+TEST(HumanoidWithArms, StandsWithTheThesisMassesAndArms) {
+  const std::pair<const char*, double> builds[] = {{"thin", 255}, {"medium", 390}, {"wide", 867.5}};
+  for (const auto& [body, pounds] : builds) {
+    const Scene scene = load_scene(std::string("humanoid:arms=1,body=") + body);
+    EXPECT_EQ(scene.bodies.size(), 11u);
+    EXPECT_EQ(scene.capsules.size(), 13u);
+    EXPECT_EQ(scene.angles.size(), 4u);
+    const double thigh = pounds == 255 ? 30 : pounds == 390 ? 45 : 90;
+    EXPECT_NEAR(mass_of(scene), (pounds + thigh) * pound, 1e-10) << body;  // arms: 2 (0.28 + 0.22) of a thigh
+    EXPECT_NEAR(clearance(scene, 0, 13), 0, 1e-14) << body;
+    // All of it is drawn as capsules; no rod of a body is.
+    EXPECT_EQ(list_limbs(scene).size(), 13u);
+    for (const Particle& p : scene.particles) EXPECT_TRUE(p.asleep);
+    const std::vector<Vec3> positions = positions_of(scene);
+    for (const Pin& pin : scene.pins)
+      EXPECT_LT(norm(place_of(pin.a, positions) - place_of(pin.b, positions)), 1e-13);
+  }
+  EXPECT_NE(message_of("humanoid:arms=1").find("body"), std::string::npos);
+  EXPECT_NE(message_of("humanoid:body=thin,arms=2").find("arms"), std::string::npos);
+}
+
+TEST(HumanoidWithArms, KneesBendBackwardsAndElbowsForwards) {
+  const Scene scene = make_humanoid({.body = BodyType::medium, .arms = 1});
+  const std::vector<Vec3> start = positions_of(scene);
+  // Angles are of knee, elbow, knee, elbow; each lower limb is turned about its hinge here, by half a radian.
+  for (std::size_t i = 0; i < 4; ++i) {
+    const AngleControl& angle = scene.angles[i];
+    EXPECT_NEAR(angle_at(scene, i, start), angle.lower * 180 / 3.141592653589793, 1e-6);
+    const Vec3 hinge = place_of(angle.v.from, start);
+    const Vec3 lower = place_of(angle.v.to, start) - hinge;
+    for (const double front : {-1.0, 1.0}) {
+      const Vec3 axis = (1 / norm(lower)) * cross(lower, {front, 0, 0});
+      std::vector<Vec3> bent = start;
+      for (const std::uint32_t p : angle.v.from.particles) {
+        const Vec3 arm = start[p] - hinge;
+        bent[p] = hinge + std::cos(0.5) * arm + std::sin(0.5) * cross(axis, arm) +
+                  ((1 - std::cos(0.5)) * dot(axis, arm)) * axis;
+      }
+      const double turned = angle_at(scene, i, bent) - angle_at(scene, i, start);
+      const bool allowed = (i % 2 == 0) == (front < 0);
+      if (allowed)
+        EXPECT_NEAR(turned, 0.5 * 180 / 3.141592653589793, 1e-6) << i;
+      else
+        EXPECT_LT(turned, 0) << i;
+    }
+  }
 }
 
 TEST(ThrownBall, FliesThroughItsTargetAsAsked) {

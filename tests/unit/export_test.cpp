@@ -173,8 +173,8 @@ TEST(Gltf, RotationsGoOnFromOneAnother) {
 }
 
 TEST(Gltf, MeshesFaceOutwards) {
-  GltfAnimation animation(mixed());
   const Scene scene = mixed();
+  GltfAnimation animation(scene);
   animation.add(frame_of(scene, 0));
   const tinygltf::Model model = read_gltf(animation.to_text(true), true);
   ASSERT_EQ(model.meshes.size(), 4u);
@@ -203,7 +203,8 @@ TEST(Gltf, MeshesFaceOutwards) {
 }
 
 TEST(Gltf, RefusesAnAnimationWithoutFrames) {
-  EXPECT_THROW(GltfAnimation(scenes::make_chain(2)).to_text(true), InputError);
+  const Scene scene = scenes::make_chain(2);
+  EXPECT_THROW(GltfAnimation(scene).to_text(true), InputError);
 }
 
 }  // namespace

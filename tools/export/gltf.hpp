@@ -18,6 +18,7 @@ class GltfAnimation {
  public:
   /// Keeps a reference to the scene.
   explicit GltfAnimation(const Scene& scene);
+  explicit GltfAnimation(Scene&&) = delete;
   void add(const Frame& frame);
   /// A .glb file's bytes, or a .gltf file's JSON with its numbers in base64. Throws InputError without frames
   /// or if the animation is too long for a file of this kind, 2 GB of numbers.

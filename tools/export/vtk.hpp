@@ -21,6 +21,7 @@ class VtkSeries {
   /// Makes the folder if need be. Keeps a reference to the scene. Throws InputError if the folder cannot be
   /// written.
   VtkSeries(std::filesystem::path folder, const Scene& scene);
+  VtkSeries(std::filesystem::path, Scene&&) = delete;
   void add(const Frame& frame);
   /// Writes run.pvd; before that there is none.
   void finish();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "plumb/error.hpp"
+#include "plumb/joints.hpp"
 #include "scenes/require.hpp"
 
 namespace plumb::scenes {
@@ -13,10 +14,6 @@ Surface surface_of(double friction, double restitution) {
     throw InputError("friction must be at least 0 and finite");
   if (!(restitution >= 0 && restitution <= 1)) throw InputError("restitution must be from 0 to 1");
   return {.friction = friction, .restitution = restitution};
-}
-
-Point at(std::uint32_t particle) {
-  return {.particles = {particle, 0, 0, 0}, .weights = {1, 0, 0, 0}};
 }
 
 }  // namespace
@@ -39,7 +36,7 @@ Scene make_stick_box(const StickBoxShape& shape) {
                                .velocity = velocity + sign * turning,
                                .mass = 1});
   scene.rods.push_back({.a = 0, .b = 1, .length = shape.length});
-  scene.capsules.push_back({.a = at(0), .b = at(1), .radius = radius, .surface = surface});
+  scene.capsules.push_back({.a = point_at(0), .b = point_at(1), .radius = radius, .surface = surface});
   // Walls stand back by the stick's radius, so that it is the particles that stay between 0 and the size.
   for (const Vec3 normal : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
     scene.planes.push_back({.normal = normal, .offset = -radius, .surface = surface});
@@ -56,7 +53,7 @@ Scene make_drop(const DropShape& shape) {
   const Surface surface = surface_of(shape.friction, shape.restitution);
   Scene scene;
   scene.particles.push_back({.position = {0, shape.height + shape.radius, 0}, .mass = shape.mass});
-  scene.capsules.push_back({.a = at(0), .b = at(0), .radius = shape.radius, .surface = surface});
+  scene.capsules.push_back({.a = point_at(0), .b = point_at(0), .radius = shape.radius, .surface = surface});
   scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0, .surface = surface});
   return scene;
 }

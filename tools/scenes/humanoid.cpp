@@ -5,44 +5,14 @@
 #include <cmath>
 
 #include "plumb/error.hpp"
+#include "plumb/joints.hpp"
 #include "scenes/generators.hpp"
+#include "scenes/humanoid_arms.hpp"
+#include "scenes/humanoid_limbs.hpp"
 #include "scenes/require.hpp"
 
 namespace plumb::scenes {
 namespace {
-
-/// Lengths (in) are those of appendix B, CArticulatedStructure's constructor; its order of limbs.
-struct LimbShape {
-  std::uint32_t joint;  ///< the particle that it hangs from; its other end is the next one
-  double length;        ///< in
-  double sideways;      ///< sine of its angle to the vertical, towards +z
-};
-/// Upper legs are turned by 30 degrees about x (appendix B, Reset()); the shins hang straight down.
-constexpr double spread = 0.5;
-constexpr std::array<LimbShape, 9> limb_shapes = {{{0, 10, 0},
-                                                   {1, 5, 0},
-                                                   {2, 28, 0},
-                                                   {3, 5, 0},
-                                                   {4, 7, 0},
-                                                   {5, 30, spread},
-                                                   {5, 30, -spread},
-                                                   {6, 30, 0},
-                                                   {7, 30, 0}}};
-constexpr std::size_t torso = 2;
-
-/// Masses (lb) are those of figure 4.9, radii (in) of appendix B, Reset(), which has the same masses.
-struct Build {
-  std::array<double, 9> masses;
-  std::array<double, 9> radii;
-};
-constexpr Build thin = {{20, 5, 84, 5, 21, 30, 30, 30, 30}, {4, 2, 6, 2, 6, 2, 2, 2, 2}};
-constexpr Build medium = {{25, 5, 140, 5, 35, 45, 45, 45, 45}, {5, 2, 10, 2, 10, 3, 3, 3, 3}};
-constexpr Build wide = {{40, 5, 350, 25, 87.5, 90, 90, 90, 90}, {8, 2, 25, 2, 25, 6, 6, 6, 6}};
-
-const Build& build_of(BodyType body) {
-  if (body == BodyType::none) throw InputError("body must be thin, medium or wide");
-  return body == BodyType::thin ? thin : body == BodyType::medium ? medium : wide;
-}
 
 /// Where the particles of a figure at the origin are, in m.
 std::array<Vec3, 10> joints_of(const Build& build) {
@@ -58,10 +28,6 @@ std::array<Vec3, 10> joints_of(const Build& build) {
   return places;
 }
 
-Point at(std::uint32_t particle) {
-  return {.particles = {particle, 0, 0, 0}, .weights = {1, 0, 0, 0}};
-}
-
 void require_share(double value, const char* name) {
   if (!(value >= 0 && value <= 1)) throw InputError(std::string(name) + " must be from 0 to 1");
 }
@@ -69,11 +35,6 @@ void require_share(double value, const char* name) {
 void require_friction(double friction) {
   if (!(friction >= 0) || !std::isfinite(friction))
     throw InputError("friction must be at least 0 and finite");
-}
-
-/// A solid cylinder's inertia about an axis through its middle and across it, in kg m^2.
-double across(double mass, double radius, double length) {
-  return mass * (3 * radius * radius + length * length) / 12;
 }
 
 void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>& joints, Vec3 place,
@@ -85,16 +46,9 @@ void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>&
     const double length = limb_shapes[i].length * inch, mass = build.masses[i] * pound,
                  radius = build.radii[i] * inch;
     scene.rods.push_back(
-        {.a = a, .b = b, .length = length, .mass = mass, .inertia = across(mass, radius, length)});
-    scene.capsules.push_back({.a = at(a), .b = at(b), .radius = radius, .surface = surface});
+        {.a = a, .b = b, .length = length, .mass = mass, .inertia = inertia_across(mass, radius, length)});
+    scene.capsules.push_back({.a = point_at(a), .b = point_at(b), .radius = radius, .surface = surface});
   }
-}
-
-Scene ground_with(double friction) {
-  require_friction(friction);
-  Scene scene;
-  scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0, .surface = {.friction = friction}});
-  return scene;
 }
 
 /// How long a ball that flies through `target` with `velocity` can have been on its way, at most `longest`,
@@ -115,6 +69,22 @@ double time_above_ground(Vec3 target, Vec3 velocity, Vec3 gravity, double radius
 }
 
 }  // namespace
+
+const Build& build_of(BodyType body) {
+  if (body == BodyType::none) throw InputError("body must be thin, medium or wide");
+  return body == BodyType::thin ? thin : body == BodyType::medium ? medium : wide;
+}
+
+double inertia_across(double mass, double radius, double length) {
+  return mass * (3 * radius * radius + length * length) / 12;
+}
+
+Scene ground_with(double friction) {
+  require_friction(friction);
+  Scene scene;
+  scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0, .surface = {.friction = friction}});
+  return scene;
+}
 
 std::string_view to_string(BodyType body) {
   switch (body) {
@@ -148,8 +118,11 @@ Scene make_humanoid(const HumanoidShape& shape) {
   if (shape.body == BodyType::none) {
     if (shape.friction != HumanoidShape{}.friction)
       throw InputError("friction is of a figure that stands; give body=thin, medium or wide");
+    if (shape.arms != 0) throw InputError("arms are of a figure that stands; give body=thin, medium or wide");
     return make_humanoid();
   }
+  if (shape.arms > 1) throw InputError("arms must be 0 or 1");
+  if (shape.arms == 1) return make_humanoid_with_arms(shape);
   const Build& build = build_of(shape.body);
   Scene scene = ground_with(shape.friction);
   append_figure(scene, build, joints_of(build), {}, {.friction = shape.friction});
@@ -175,7 +148,7 @@ Scene make_crowd(const CrowdShape& shape) {
     const Vec3 stands = place(k * shape.humanoids / shape.hit);
     // From half way to the next one, which the ball then does not touch.
     throw_ball(scene, {.speed = shape.speed, .friction = shape.friction, .distance = apart / 2},
-               stands + torso_center(shape.body));
+               stands + torso_center({.body = shape.body}));
   }
   return scene;
 }
@@ -196,15 +169,16 @@ std::uint32_t throw_ball(Scene& scene, const Ball& ball, Vec3 target) {
   scene.particles.push_back({.position = target - t * velocity + (t * t / 2) * gravity,
                              .velocity = velocity - t * gravity,
                              .mass = ball.mass});
-  scene.capsules.push_back({.a = at(particle),
-                            .b = at(particle),
+  scene.capsules.push_back({.a = point_at(particle),
+                            .b = point_at(particle),
                             .radius = ball.radius,
                             .surface = {.friction = ball.friction, .restitution = ball.elasticity}});
   return particle;
 }
 
-Vec3 torso_center(BodyType body) {
-  const std::array<Vec3, 10> joints = joints_of(build_of(body));
+Vec3 torso_center(const HumanoidShape& shape) {
+  if (shape.arms != 0) return torso_center_with_arms(shape);
+  const std::array<Vec3, 10> joints = joints_of(build_of(shape.body));
   return 0.5 * (joints[limb_shapes[torso].joint] + joints[torso + 1]);
 }
 

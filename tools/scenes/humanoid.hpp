@@ -18,13 +18,14 @@ std::string_view to_string(BodyType);
 
 struct HumanoidShape {
   BodyType body = BodyType::none;
-  double friction = 0.6;  ///< Coulomb's coefficient between limbs, ball and ground
+  double friction = 0.6;   ///< Coulomb's coefficient between limbs, ball and ground
+  std::uint32_t arms = 0;  ///< 1: the fuller figure of humanoid_arms.hpp
 };
 
 /// Without a body make_humanoid() of generators.hpp. With one, nine limbs as capsules around rods, from the
 /// head down, standing on the plane y = 0 above the origin, front towards +x, legs apart along z: free,
 /// asleep, the feet's balls just touching the ground. Throws InputError on a friction that is no number from
-/// 0 on, or that nothing would have.
+/// 0 on, or on arms or a friction that nothing would have.
 Scene make_humanoid(const HumanoidShape& shape);
 
 /// Many that stand in a square field, 2.5 m apart along x and z, on one plane.
@@ -56,6 +57,6 @@ struct Ball {
 std::uint32_t throw_ball(Scene& scene, const Ball& ball, Vec3 target);
 
 /// The middle of the upper torso of a figure at the origin, in m: where the ball is aimed.
-Vec3 torso_center(BodyType body);
+Vec3 torso_center(const HumanoidShape& shape);
 
 }  // namespace plumb::scenes

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "plumb/joints.hpp"
+
 namespace plumb::scenes {
 namespace {
-
-Point only(std::uint32_t particle) {
-  Point point;
-  point.particles[0] = particle;
-  point.weights[0] = 1;
-  return point;
-}
 
 /// The particle that a place is, if it is one.
 std::optional<std::uint32_t> particle_of(const Point& point) {
@@ -87,11 +82,11 @@ std::vector<Limb> list_limbs(const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
     const Rod& rod = scene.rods[i];
     if (std::binary_search(covered.begin(), covered.end(), ordered(rod.a, rod.b))) continue;
-    limbs.push_back({.a = only(rod.a), .b = only(rod.b), .rod = i});
+    limbs.push_back({.a = point_at(rod.a), .b = point_at(rod.b), .rod = i});
   }
   for (const Rod& rod : scene.rods) seen[rod.a] = seen[rod.b] = true;
   for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
-    if (!seen[i]) limbs.push_back({.a = only(i), .b = only(i), .particle = i});
+    if (!seen[i]) limbs.push_back({.a = point_at(i), .b = point_at(i), .particle = i});
   return limbs;
 }
 

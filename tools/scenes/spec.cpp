@@ -150,8 +150,9 @@ const std::vector<Generator>& generators() {
       describe<C>("tree", "six rods with mass that branch twice", [](const C&) { return make_tree(); }, {}),
       describe<H>("humanoid",
                   "the thesis's nine limbs as rods with mass, level from the top of the head; "
-                  "body=thin|medium|wide: standing on the ground, asleep",
-                  make_humanoid, {{"body", &H::body}, {"friction", &H::friction}}),
+                  "body=thin|medium|wide: standing on the ground, asleep; arms=1: with them, and knees that "
+                  "bend one way",
+                  make_humanoid, {{"body", &H::body}, {"friction", &H::friction}, {"arms", &H::arms}}),
       describe<G>("graph", "particles strewn over a cube, the nearest tied together, masses 0.5 to 2 kg",
                   make_graph,
                   {{"particles", &G::particles},
