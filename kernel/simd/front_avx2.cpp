@@ -1,5 +1,9 @@
 #define PLUMB_ARCH xsimd::fma3<xsimd::avx2>
-#include "front_vector.hpp"
+#include "front_kernels.hpp"
+
+#include "double_vector.hpp"
+
+#include "front_body.hpp"
 
 namespace plumb::simd {
 

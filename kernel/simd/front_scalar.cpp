@@ -1,23 +1,6 @@
-// One number after the other: the oracle of the vector bodies.
 #include "front_kernels.hpp"
 
-namespace plumb::simd {
-namespace {
-
-template <class V>
-inline V load(const double* from) {
-  return *from;
-}
-template <class V>
-inline V broadcast(double value) {
-  return value;
-}
-inline void store(double value, double* to) {
-  *to = value;
-}
-
-}  // namespace
-}  // namespace plumb::simd
+#include "double_scalar.hpp"
 
 #include "front_body.hpp"
 

@@ -80,6 +80,10 @@ std::pair<Vec3, Vec3> across(Vec3 n) {
   return {first, cross(n, first)};
 }
 
+std::uint32_t padded(std::size_t batches) {
+  return static_cast<std::uint32_t>(batches * simd::kkt_lanes);
+}
+
 /// Who touches whom, in one number.
 std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t island, std::uint64_t other) {
   return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
@@ -207,9 +211,8 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
     if (!find_positions(surroundings, h, report)) return false;
   }
   const double before = energy();
-  finish(h);
-  bool touched = false;
-  for (const Row& row : rows_) touched = touched || row.p != 0;
+  const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; });
+  finish(h, touched);
   if (touched) bounce(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
@@ -417,78 +420,74 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
 }
 
 void GroupStepper::find_responses() {
-  constexpr std::size_t lanes = KktPlan::lanes;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    const std::size_t count = island.sides.size();
-    if (count == 0) continue;
-    const Linkage& linkage = *island.state->linkage;
-    const std::uint32_t movable = linkage.movable();
-    island.response.resize(count * movable);
-    island.coupling.resize(count * count);
-    island.speed.resize(count);
-    island.push.assign(count, 0);
-    island.many.resize(linkage.plan().unknowns());
-    for (std::size_t first = 0; first < count; first += lanes) {
-      const std::size_t used = std::min(lanes, count - first);
-      std::fill(island.many.begin(), island.many.end(), KktPlan::Lanes{});
-      for (std::size_t lane = 0; lane < used; ++lane) {
-        const Side& side = island.sides[first + lane];
-        const auto add = [&](const Combination& sum, Vec3 along) {
-          for (std::uint32_t k = 0; k < sum.count; ++k) {
-            if (sum.terms[k].particle >= movable) continue;
-            KktPlan::Lanes* const at = &island.many[linkage.slot(sum.terms[k].particle)];
-            at[0][lane] += sum.terms[k].weight * along.x;
-            at[1][lane] += sum.terms[k].weight * along.y;
-            at[2][lane] += sum.terms[k].weight * along.z;
-          }
-        };
-        add(side.a, side.along_a);
-        add(side.b, side.along_b);
-      }
-      linkage.plan().solve(island.state->factors, island.many);
-      for (std::size_t lane = 0; lane < used; ++lane)
-        for (std::uint32_t k = 0; k < movable; ++k) {
-          const KktPlan::Lanes* const at = &island.many[linkage.slot(k)];
-          island.response[(first + lane) * movable + k] = {at[0][lane], at[1][lane], at[2][lane]};
-        }
-    }
-    for (std::size_t s = 0; s < count; ++s) {
-      const Side& side = island.sides[s];
-      for (std::size_t t = 0; t < count; ++t) {
-        const Vec3* const response = &island.response[t * movable];
-        double sum = 0;
-        const auto add = [&](const Combination& of, Vec3 along) {
-          for (std::uint32_t k = 0; k < of.count; ++k)
-            if (of.terms[k].particle < movable) sum += of.terms[k].weight * dot(along, response[of.terms[k].particle]);
-        };
-        add(side.a, side.along_a);
-        add(side.b, side.along_b);
-        island.coupling[t * count + s] = sum;
-      }
-    }
-  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!islands_[i].sides.empty()) couple(islands_[i]);
   for (Row& row : rows_) {
     double own = row.softness;
-    for (int end = 0; end < 2; ++end) {
-      if (row.island[end] == none) continue;
-      const Island& island = islands_[row.island[end]];
-      own += island.coupling[row.side[end] * island.sides.size() + row.side[end]];
-    }
+    for (int end = 0; end < 2; ++end)
+      if (row.island[end] != none) own += islands_[row.island[end]].row(row.side[end])[row.side[end]];
     row.over = own > 0 ? 1 / own : 0;
   }
 }
 
+/// Solves for what a push of one on each side does, eight at a time, and what every side sees of that.
+void GroupStepper::couple(Island& island) {
+  constexpr std::size_t lanes = simd::kkt_lanes;
+  const Linkage& linkage = *island.state->linkage;
+  const std::uint32_t unknowns = linkage.plan().unknowns();
+  const std::size_t batches = island.batches(), count = island.sides.size();
+  island.response.assign(batches * unknowns, Lanes{});
+  island.coupling.resize(count * batches);
+  island.speed.resize(batches);
+  island.push.assign(batches, Lanes{});
+
+  // Of a side, its unknowns and how it weighs them.
+  std::uint32_t slots[48];
+  double factors[48];
+  const auto gather = [&](const Side& side) {
+    std::uint32_t used = 0;
+    const auto add = [&](const Combination& sum, Vec3 along) {
+      for (std::uint32_t k = 0; k < sum.count; ++k) {
+        if (sum.terms[k].particle >= linkage.movable()) continue;
+        const std::uint32_t slot = linkage.slot(sum.terms[k].particle);
+        const Vec3 by = sum.terms[k].weight * along;
+        for (const auto& [axis, value] : {std::pair{0u, by.x}, std::pair{1u, by.y}, std::pair{2u, by.z}}) {
+          slots[used] = slot + axis;
+          factors[used++] = value;
+        }
+      }
+    };
+    add(side.a, side.along_a);
+    add(side.b, side.along_b);
+    return used;
+  };
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::uint32_t used = gather(island.sides[s]);
+    for (std::uint32_t k = 0; k < used; ++k)
+      island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
+  }
+  const simd::KktView view = linkage.plan().view(island.state->factors);
+  for (std::size_t batch = 0; batch < batches; ++batch)
+    kernels_->solve(view, island.response[batch * unknowns].of);
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::uint32_t used = gather(island.sides[s]);
+    for (std::size_t batch = 0; batch < batches; ++batch)
+      kernels_->combine(island.response[batch * unknowns].of, slots, factors, used,
+                        island.coupling[s * batches + batch].of);
+  }
+}
+
 void GroupStepper::see(Island& island, std::span<const Vec3> motion) {
+  double* const speed = island.speed.front().of;
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
     const Side& side = island.sides[s];
-    island.speed[s] = dot_with(side.a, side.along_a, motion) + dot_with(side.b, side.along_b, motion);
+    speed[s] = dot_with(side.a, side.along_a, motion) + dot_with(side.b, side.along_b, motion);
   }
 }
 
 double GroupStepper::see(const Row& row) const {
-  double out = islands_[row.island[0]].speed[row.side[0]];
-  if (row.island[1] != none) out += islands_[row.island[1]].speed[row.side[1]];
+  double out = islands_[row.island[0]].speed.front().of[row.side[0]];
+  if (row.island[1] != none) out += islands_[row.island[1]].speed.front().of[row.side[1]];
   return out;
 }
 
@@ -497,11 +496,9 @@ void GroupStepper::push(const Row& row, double by) {
   for (int end = 0; end < 2; ++end) {
     if (row.island[end] == none) continue;
     Island& island = islands_[row.island[end]];
-    const std::size_t count = island.sides.size();
-    const double* const coupling = &island.coupling[row.side[end] * count];
-    double* const speed = island.speed.data();
-    for (std::size_t s = 0; s < count; ++s) speed[s] += by * coupling[s];
-    island.push[row.side[end]] += by;
+    const double* const own = island.row(row.side[end]);
+    kernels_->add_three(island.speed.front().of, by, own, 0, own, 0, own, padded(island.batches()));
+    island.push.front().of[row.side[end]] += by;
   }
 }
 
@@ -511,25 +508,32 @@ void GroupStepper::push(const Row& first, double by0, double by1, double by2) {
     if (first.island[end] == none) continue;
     Island& island = islands_[first.island[end]];
     const std::uint32_t side = first.side[end];
-    const std::size_t count = island.sides.size();
-    const double* const c0 = &island.coupling[side * count];
-    const double* const c1 = c0 + count;
-    const double* const c2 = c1 + count;
-    double* const speed = island.speed.data();
-    for (std::size_t s = 0; s < count; ++s) speed[s] += by0 * c0[s] + by1 * c1[s] + by2 * c2[s];
-    island.push[side] += by0;
-    island.push[side + 1] += by1;
-    island.push[side + 2] += by2;
+    kernels_->add_three(island.speed.front().of, by0, island.row(side), by1, island.row(side + 1), by2,
+                        island.row(side + 2), padded(island.batches()));
+    double* const push = island.push.front().of;
+    push[side] += by0;
+    push[side + 1] += by1;
+    push[side + 2] += by2;
   }
 }
 
+/// What has been pushed since, onto a motion.
 void GroupStepper::apply(Island& island, std::span<Vec3> motion) {
-  const std::uint32_t movable = island.state->linkage->movable();
-  for (std::size_t s = 0; s < island.sides.size(); ++s) {
-    const double by = island.push[s];
-    if (by == 0) continue;
-    for (std::uint32_t k = 0; k < movable; ++k) motion[k] += by * island.response[s * movable + k];
-    island.push[s] = 0;
+  const Linkage& linkage = *island.state->linkage;
+  const std::uint32_t unknowns = linkage.plan().unknowns();
+  island.sum.assign(unknowns, Lanes{});
+  for (std::size_t batch = 0; batch < island.batches(); ++batch) {
+    kernels_->accumulate(island.sum.front().of, island.push[batch].of, island.response[batch * unknowns].of, unknowns);
+    island.push[batch] = {};
+  }
+  const auto total = [&](std::uint32_t slot) {
+    double out = 0;
+    for (const double each : island.sum[slot].of) out += each;
+    return out;
+  };
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+    const std::uint32_t slot = linkage.slot(k);
+    motion[k] += {total(slot), total(slot + 1), total(slot + 2)};
   }
 }
 
@@ -623,11 +627,9 @@ double GroupStepper::contact(std::size_t r, double Row::* of, double normal, dou
 /// What a push along a contact's normal does along its first or second direction across.
 double GroupStepper::coupling(const Row& normal, std::uint32_t axis) const {
   double out = 0;
-  for (int end = 0; end < 2; ++end) {
-    if (normal.island[end] == none) continue;
-    const Island& island = islands_[normal.island[end]];
-    out += island.coupling[normal.side[end] * island.sides.size() + normal.side[end] + axis];
-  }
+  for (int end = 0; end < 2; ++end)
+    if (normal.island[end] != none)
+      out += islands_[normal.island[end]].row(normal.side[end])[normal.side[end] + axis];
   return out;
 }
 
@@ -705,9 +707,10 @@ void GroupStepper::find_velocities(Island& island) {
     }
   };
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
-    if (island.push[s] == 0) continue;
-    add(island.sides[s].a, island.push[s] * island.sides[s].along_a);
-    add(island.sides[s].b, island.push[s] * island.sides[s].along_b);
+    const double by = island.push.front().of[s];
+    if (by == 0) continue;
+    add(island.sides[s].a, by * island.sides[s].along_a);
+    add(island.sides[s].b, by * island.sides[s].along_b);
   }
   linkage.plan().solve(state.factors, island.right);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
@@ -716,7 +719,7 @@ void GroupStepper::find_velocities(Island& island) {
   }
 }
 
-void GroupStepper::finish(double h) {
+void GroupStepper::finish(double h, bool touched) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake) continue;
@@ -729,8 +732,8 @@ void GroupStepper::finish(double h) {
     island.impulse.resize(linkage.movable());
     linkage.momenta(island.v, island.impulse);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
-    std::fill(island.push.begin(), island.push.end(), 0.0);
-    find_velocities(island);
+    std::fill(island.push.begin(), island.push.end(), Lanes{});
+    if (island.sides.empty() || !touched) find_velocities(island);
   }
 }
 

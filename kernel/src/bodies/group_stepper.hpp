@@ -34,6 +34,8 @@ struct Surroundings {
 /// whole, which keeps momentum and angular momentum; in free flight what it would lose is given back.
 class GroupStepper {
  public:
+  explicit GroupStepper(Isa isa) : kernels_(&simd::kkt_kernels(isa)) {}
+
   /// Islands that sleep may be among the group: they are woken if something pushes them.
   void step(std::span<LinkageState* const> group, const Surroundings& surroundings, const ContactRules& rules,
             double dt, StepReport& report);
@@ -58,18 +60,25 @@ class GroupStepper {
     double p = 0, q = 0;  ///< what pushes positions, and velocities
     std::uint64_t key = 0;
   };
+  struct alignas(64) Lanes {
+    double of[simd::kkt_lanes];
+  };
   struct Island {
     LinkageState* state = nullptr;
     bool awake = false;
     Bounds bounds{};
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
     std::vector<double> right;
-    std::vector<KktPlan::Lanes> many;
     std::vector<Side> sides;
-    std::vector<Vec3> response;     ///< by side, of every movable particle
-    std::vector<double> coupling;   ///< G, sides x sides
-    std::vector<double> speed;      ///< what each side sees of d or v
-    std::vector<double> push;       ///< not yet applied
+    // Padded to whole lanes, or by lanes:
+    std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown
+    std::vector<Lanes> coupling;  ///< G, a row for every side
+    std::vector<Lanes> speed;     ///< what each side sees of d or v
+    std::vector<Lanes> push;      ///< on each side, not yet applied
+    std::vector<Lanes> sum;       ///< of responses
+
+    std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
+    const double* row(std::uint32_t side) const { return coupling[side * batches()].of; }
   };
 
   /// A contact that does not seem to come about in this substep.
@@ -91,6 +100,7 @@ class GroupStepper {
   void add_angles(std::uint32_t i, double h);
   std::uint32_t add_side(Island& island, const Side& side);
   void find_responses();
+  void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
   double see(const Row& row) const;
   void push(const Row& row, double by);
@@ -101,7 +111,7 @@ class GroupStepper {
   double sweep_positions();
   double sweep_velocities();
   bool solve_positions(StepReport& report);
-  void finish(double h);
+  void finish(double h, bool touched);
   void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
@@ -109,6 +119,7 @@ class GroupStepper {
   double energy() const;
   void keep_contacts(double h);
 
+  const simd::KktKernels* kernels_;
   std::vector<Island> islands_;
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;

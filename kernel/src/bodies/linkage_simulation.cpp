@@ -418,7 +418,8 @@ class LinkageSimulation final : public Simulation {
     threads = std::min(threads, Team::max_size);
     info_.threads = threads;
     info_.parallel = threads > 1 && islands_.size() >= worth_threads;
-    steppers_.resize(threads);
+    info_.isa = settings.isa.value_or(best_isa());
+    steppers_.assign(threads, GroupStepper(info_.isa));
     reports_.resize(threads);
   }
 

@@ -138,45 +138,23 @@ bool KktPlan::factor(std::span<double> values) const {
   return sound;
 }
 
-namespace {
-
-inline void subtract(double& x, double factor, double y) {
-  x -= factor * y;
-}
-inline void scale(double& x, double factor) {
-  x *= factor;
-}
-inline void subtract(KktPlan::Lanes& x, double factor, const KktPlan::Lanes& y) {
-  for (std::size_t i = 0; i < KktPlan::lanes; ++i) x[i] -= factor * y[i];
-}
-inline void scale(KktPlan::Lanes& x, double factor) {
-  for (double& each : x) each *= factor;
-}
-
-}  // namespace
-
-template <class Value>
-void KktPlan::solve_any(std::span<const double> factors, std::span<Value> x) const {
+void KktPlan::solve(std::span<const double> factors, std::span<double> x) const {
   const auto size = static_cast<std::uint32_t>(order_.size());
   const double* const diagonal = factors.data();
   const double* const entries = factors.data() + size;
   for (std::uint32_t k = 0; k < size; ++k) {
-    const Value y = x[k];
-    for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i) subtract(x[rows_[i]], entries[i], y);
+    const double y = x[k];
+    for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i) x[rows_[i]] -= entries[i] * y;
   }
   for (std::uint32_t k = size; k-- > 0;) {
-    Value y = x[k];
-    scale(y, diagonal[k]);
-    for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i) subtract(y, entries[i], x[rows_[i]]);
+    double y = x[k] * diagonal[k];
+    for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i) y -= entries[i] * x[rows_[i]];
     x[k] = y;
   }
 }
 
-void KktPlan::solve(std::span<const double> factors, std::span<double> x) const {
-  solve_any<double>(factors, x);
-}
-void KktPlan::solve(std::span<const double> factors, std::span<Lanes> x) const {
-  solve_any<Lanes>(factors, x);
+simd::KktView KktPlan::view(std::span<const double> factors) const {
+  return {unknowns(), start_.data(), rows_.data(), factors.data(), factors.data() + order_.size()};
 }
 
 }  // namespace plumb::detail

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "kkt_kernels.hpp"
 
 namespace plumb::detail {
 
@@ -16,10 +17,6 @@ namespace plumb::detail {
 /// matrices with few neighbours: one flat list of places to update, no fronts.
 class KktPlan {
  public:
-  /// How many right hand sides are solved side by side.
-  static constexpr std::size_t lanes = 8;
-  using Lanes = std::array<double, lanes>;
-
   KktPlan() = default;
   /// `threes` triples of unknowns, then `constraints`; `couplings` are the places off the diagonal, in any
   /// order, each once or twice.
@@ -37,12 +34,10 @@ class KktPlan {
   /// A matrix becomes its factors. False if a pivot is zero or not finite.
   bool factor(std::span<double> values) const;
   void solve(std::span<const double> factors, std::span<double> x) const;
-  void solve(std::span<const double> factors, std::span<Lanes> x) const;
+  /// For KktKernels, of right hand sides side by side.
+  simd::KktView view(std::span<const double> factors) const;
 
  private:
-  template <class Value>
-  void solve_any(std::span<const double> factors, std::span<Value> x) const;
-
   std::vector<std::uint32_t> order_, position_;
   std::vector<std::uint32_t> start_;    ///< of every column's entries below the diagonal, by elimination
   std::vector<std::uint32_t> rows_;     ///< their rows, by elimination, ascending

@@ -1,8 +1,6 @@
-// Columns of fronts side by side in the lanes of one vector. Included once per instruction set with
-// PLUMB_ARCH set to its xsimd architecture.
+// Vectors of doubles for the bodies of fronts and of right hand sides in lanes. Included once per instruction
+// set with PLUMB_ARCH set to its xsimd architecture.
 #include <xsimd/xsimd.hpp>
-
-#include "front_kernels.hpp"
 
 namespace plumb::simd {
 namespace {
@@ -23,5 +21,3 @@ inline __attribute__((always_inline)) void store(const Batch& value, double* to)
 
 }  // namespace
 }  // namespace plumb::simd
-
-#include "front_body.hpp"

@@ -1,0 +1,12 @@
+#define PLUMB_ARCH xsimd::sse2
+#include "kkt_kernels.hpp"
+
+#include "double_vector.hpp"
+
+#include "kkt_body.hpp"
+
+namespace plumb::simd {
+
+constinit const KktKernels kkt_sse2{solve<Batch>, combine<Batch>, add_three<Batch>, accumulate<Batch>};
+
+}  // namespace plumb::simd
