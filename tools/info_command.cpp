@@ -83,7 +83,10 @@ int info(const InfoOptions& options) {
   std::optional<scenes::OutputFile> file;
   if (!options.report.empty()) report.emplace(options.report);
   if (!options.write.empty()) file.emplace(options.write);
-  const World world(scene, options.settings);
+  Settings automatic = options.settings;
+  automatic.method = Method::automatic;
+  // Relaxation, which the layouts are for, knows nothing of limbs that touch.
+  const World world(scene, is_articulated(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {
     nlohmann::ordered_json json{{"scene", options.scene}};
@@ -100,8 +103,6 @@ int info(const InfoOptions& options) {
     file->commit();
   }
   print_info(options, scene, facts, world.info());
-  Settings automatic = options.settings;
-  automatic.method = Method::automatic;
   const WorldInfo picked = World(scene, automatic).info();
   std::printf("\nmethod auto solves %u rods directly and relaxes %u\n", picked.direct_rods,
               picked.relaxed_rods);

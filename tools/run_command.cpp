@@ -72,9 +72,17 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
                           plural(info.rods, "rod") + ", " + plural(info.islands, "island"));
   const bool family =
       s.method == Method::automatic || s.method == Method::relax || s.method == Method::direct;
-  const bool relaxes = family && (info.relaxed_rods > 0 || info.direct_rods == 0);
+  const bool touches = info.linkages > 0;
+  const bool relaxes = family && !touches && (info.relaxed_rods > 0 || info.direct_rods == 0);
   if (!family) print_method(result, options.plan);
-  if (info.direct_rods > 0) {
+  if (touches) {
+    print_line("contact", "at most " + plural(result.total.contacts, "point") + " at once, " +
+                              plural(result.total.block_sweeps, "sweep") + "; " +
+                              plural(result.total.fell_asleep, "island") + " fell asleep, " +
+                              std::to_string(result.total.awake_islands) + " awake at last; " +
+                              plural(result.total.guarded_energy, "substep") + " kept from gaining energy");
+  }
+  if (info.direct_rods > 0 || touches) {
     print_line("direct",
                plural(info.direct_rods, "rod") + " solved all at once, gradient " +
                    std::string(to_string(info.direct_gradient)) +

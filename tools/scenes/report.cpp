@@ -22,6 +22,15 @@ Json optional(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
+/// Null where nothing can touch.
+Json contact_json(const RunResult& result) {
+  if (result.info.linkages == 0) return nullptr;
+  return {{"points", result.total.contacts},
+          {"guarded_energy", result.total.guarded_energy},
+          {"fell_asleep", result.total.fell_asleep},
+          {"awake_islands", result.total.awake_islands}};
+}
+
 }  // namespace
 
 Json machine_json(const Machine& machine) {
@@ -62,6 +71,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
   // What `auto` picked, if it picked the same for all.
   const Method asked = plan.settings.method;
   const Method method = asked != Method::automatic      ? asked
+                        : result.info.linkages > 0      ? Method::direct
                         : result.info.direct_rods == 0  ? Method::relax
                         : result.info.relaxed_rods == 0 ? Method::direct
                                                         : asked;
@@ -97,6 +107,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"rms_gap", result.total.rms_gap},
       {"inaccurate_steps", result.total.inaccurate_steps},
       {"rod_projections", result.total.rod_projections},
+      {"contact", contact_json(result)},
       {"wall_s", result.wall_s},
       {"ns_per_rod_frame", number(result.ns_per_rod_frame())},
       {"stretch",

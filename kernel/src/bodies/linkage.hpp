@@ -62,6 +62,7 @@ class Linkage {
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }
+  std::uint32_t rods() const { return static_cast<std::uint32_t>(rods_.size()); }
   std::uint32_t constraints() const { return constraints_; }
   const KktPlan& plan() const { return plan_; }
   std::span<const Shape> shapes() const { return shapes_; }

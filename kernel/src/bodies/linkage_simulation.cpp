@@ -274,6 +274,8 @@ class LinkageSimulation final : public Simulation {
     info_.rods = info_.direct_rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.islands = static_cast<std::uint32_t>(islands_.size());
     info_.direct_gradient = Gradient::old;
+    info_.linkages = static_cast<std::uint32_t>(linkages_.size());
+    for (const auto& linkage : linkages_) describe(*linkage);
     info_.skipped_drag = scene.drag == 0;
     project_velocities(scene);
   }
@@ -358,6 +360,19 @@ class LinkageSimulation final : public Simulation {
       state.asleep = asleep;
       if (!asleep) awake_.push_back(i);
     }
+  }
+
+  void describe(const Linkage& linkage) {
+    BlockInfo block{.shape = "linkage", .layout = "aos"};
+    for (const LinkageState& state : islands_) {
+      if (state.linkage != &linkage) continue;
+      ++block.islands;
+      block.particles += linkage.particles();
+      block.rods += linkage.rods();
+      block.bytes += (2 * linkage.particles() + linkage.movable()) * sizeof(Vec3) +
+                     linkage.plan().values() * sizeof(double);
+    }
+    info_.blocks.push_back(block);
   }
 
   /// Initial velocities that pull on rods are projected, once.
