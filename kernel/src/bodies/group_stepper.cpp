@@ -210,7 +210,7 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
   if (touched) bounce(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
-  if (!guard_energy(before, touched, report) && h > shortest_) {
+  if (!guard_energy(before, touched, h > shortest_, report)) {
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (!island.awake) continue;
@@ -781,8 +781,8 @@ double GroupStepper::energy() const {
 }
 
 // Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
-// much motion as energy was gained: something was lifted.
-bool GroupStepper::guard_energy(double before, bool touched, StepReport& report) {
+// much motion as energy was gained: something was lifted. If no shorter substep is to be tried, all stops.
+bool GroupStepper::guard_energy(double before, bool touched, bool can_shorten, StepReport& report) {
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
   bool free = count_ == 1 && !touched, driven = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -838,7 +838,7 @@ bool GroupStepper::guard_energy(double before, bool touched, StepReport& report)
   if (square >= 0.25 && square <= 1.5) {
     scale(square, false);
   } else if (excess > 0) {
-    if (excess > moving + unnoticed * weight) return false;
+    if (can_shorten && excess > moving + unnoticed * weight) return false;
     scale(std::max(0.0, 1 - excess / moving), true);
   }
   return true;
