@@ -383,13 +383,13 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
           const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
           const double nearest = p == q ? 0 : nearest_to_box(p, q, box.half);
           std::uint64_t which = 0;
-          for (const double t : {nearest, 0.0, 1.0}) {
+          for (const double t : touching_box(p, q, box.half, nearest)) {
             ++which;
-            if (which > 1 && (p == q || std::abs(t - nearest) < 1e-3)) continue;
+            if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
             Touch touch = touch_box(between(p, q, t), shape.radius, box.half);
             touch.normal = box.frame.to_space(touch.normal);
             add_contact(i, blend(shape.a, shape.b, t), none, {}, touch, shape.surface, box.surface,
-                        contact_key(2, 4 * k + which, 0, b), h);
+                        contact_key(2, 16 * k + which, 0, b), h);
           }
         }
       }
