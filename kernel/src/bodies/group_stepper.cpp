@@ -17,6 +17,8 @@ constexpr double most_cuts = 4096;
 constexpr double most_guards = 64;
 /// Of a weight's energy, gained at rest.
 constexpr double unnoticed = 1e-10;
+/// Of a motion's energy, left in free flight rather than taken from a rigid whole, whose momentum it would be.
+constexpr double let_be = 1e-6;
 /// Left of constraints, relative to lengths.
 constexpr double exact = 1e-9;
 constexpr int most_corrections = 16;
@@ -837,7 +839,7 @@ bool GroupStepper::guard_energy(double before, bool touched, bool can_shorten, S
   const double square = 1 - excess / loose;
   if (square >= 0.25 && square <= 1.5) {
     scale(square, false);
-  } else if (excess > 0) {
+  } else if (excess > (free ? let_be * moving : 0)) {
     if (can_shorten && excess > moving + unnoticed * weight) return false;
     scale(std::max(0.0, 1 - excess / moving), true);
   }
