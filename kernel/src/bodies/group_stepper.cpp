@@ -17,6 +17,8 @@ constexpr double most_cuts = 4096;
 constexpr double most_guards = 64;
 /// Of a weight's energy, gained at rest.
 constexpr double unnoticed = 1e-10;
+/// Of a motion's energy, left in free flight rather than taken from a rigid whole, whose momentum it would be.
+constexpr double let_be = 1e-6;
 /// Left of constraints, relative to lengths.
 constexpr double exact = 1e-9;
 constexpr int most_corrections = 16;
@@ -216,7 +218,7 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
   if (touched) bounce(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
-  if (!guard_energy(before, touched, report) && h > shortest_) {
+  if (!guard_energy(before, touched, h > shortest_, report)) {
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (!island.awake) continue;
@@ -389,13 +391,13 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
           const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
           const double nearest = p == q ? 0 : nearest_to_box(p, q, box.half);
           std::uint64_t which = 0;
-          for (const double t : {nearest, 0.0, 1.0}) {
+          for (const double t : touching_box(p, q, box.half, nearest)) {
             ++which;
-            if (which > 1 && (p == q || std::abs(t - nearest) < 1e-3)) continue;
+            if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
             Touch touch = touch_box(between(p, q, t), shape.radius, box.half);
             touch.normal = box.frame.to_space(touch.normal);
             add_contact(i, blend(shape.a, shape.b, t), none, {}, touch, shape.surface, box.surface,
-                        contact_key(2, 4 * k + which, 0, b), h);
+                        contact_key(2, 16 * k + which, 0, b), h);
           }
         }
       }
@@ -787,8 +789,8 @@ double GroupStepper::energy() const {
 }
 
 // Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
-// much motion as energy was gained: something was lifted.
-bool GroupStepper::guard_energy(double before, bool touched, StepReport& report) {
+// much motion as energy was gained: something was lifted. If no shorter substep is to be tried, all stops.
+bool GroupStepper::guard_energy(double before, bool touched, bool can_shorten, StepReport& report) {
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
   bool free = count_ == 1 && !touched, driven = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -843,8 +845,8 @@ bool GroupStepper::guard_energy(double before, bool touched, StepReport& report)
   const double square = 1 - excess / loose;
   if (square >= 0.25 && square <= 1.5) {
     scale(square, false);
-  } else if (excess > 0) {
-    if (excess > moving + unnoticed * weight) return false;
+  } else if (excess > (free ? let_be * moving : 0)) {
+    if (can_shorten && excess > moving + unnoticed * weight) return false;
     scale(std::max(0.0, 1 - excess / moving), true);
   }
   return true;

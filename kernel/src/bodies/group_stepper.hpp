@@ -115,7 +115,7 @@ class GroupStepper {
   void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
-  bool guard_energy(double before, bool touched, StepReport& report);
+  bool guard_energy(double before, bool touched, bool can_shorten, StepReport& report);
   double energy() const;
   void keep_contacts(double h);
 

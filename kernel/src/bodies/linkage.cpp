@@ -416,9 +416,11 @@ double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::spa
     angular += m * cross(a, v[j] - velocity);
     inertia += Sym3::diagonal(m * dot(a, b)) - outer_both((0.5 * m) * a, b);
   });
-  // A straight line of rods does not turn about itself.
-  inertia += Sym3::diagonal(1e-12 * trace(inertia) + 1e-300);
-  const Vec3 turn = inverse(inertia) * angular;
+  // A straight line of rods does not turn about itself. What keeps its inertia from being singular, and what
+  // rounding makes of the inverse then, goes out with the second solution.
+  const Sym3 back = inverse(inertia + Sym3::diagonal(1e-8 * trace(inertia) + 1e-300));
+  Vec3 turn = back * angular;
+  turn += back * (angular - inertia * turn);
   double energy = 0;
   for (std::uint32_t i = 0; i < movable_; ++i) rigid[i] = velocity + cross(turn, x[i] - center);
   for_each([&](double m, std::uint32_t i, std::uint32_t j) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "plumb/vec3.hpp"
@@ -88,6 +89,22 @@ inline double nearest_to_box(Vec3 p, Vec3 q, Vec3 half) {
     }
   }
   return (low + high) / 2;
+}
+
+/// Where a segment is to be kept off a box, of those from 0 to 1: where it is nearest, at its ends, and, for
+/// one that lies flat on a face, where it passes over the face's edges.
+inline std::array<double, 9> touching_box(Vec3 p, Vec3 q, Vec3 half, double nearest) {
+  const Vec3 along = q - p;
+  const auto pass = [](double from, double by, double edge) { return by == 0 ? -1 : (edge - from) / by; };
+  return {nearest,
+          0,
+          1,
+          pass(p.x, along.x, -half.x),
+          pass(p.x, along.x, half.x),
+          pass(p.y, along.y, -half.y),
+          pass(p.y, along.y, half.y),
+          pass(p.z, along.z, -half.z),
+          pass(p.z, along.z, half.z)};
 }
 
 }  // namespace plumb::detail
