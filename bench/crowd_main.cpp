@@ -27,7 +27,8 @@ Scene figures(std::uint32_t count, std::uint32_t awake, Phase phase) {
     particle.asleep = false;
     // No two alike, as figures in a game are not.
     const double turn = static_cast<double>(i / each);
-    particle.velocity = {0.4 * particle.position.y * std::cos(turn), 0, 0.4 * particle.position.y * std::sin(turn)};
+    particle.velocity = {0.4 * particle.position.y * std::cos(turn), 0,
+                         0.4 * particle.position.y * std::sin(turn)};
     if (phase == falling) particle.position.y += 5;
   }
   return scene;
@@ -67,8 +68,8 @@ void step(benchmark::State& state, Film& film, double figures) {
     film.world->step(frame);
     ++film.at;
   }
-  state.counters["us_per_figure"] =
-      benchmark::Counter(1e-6 * figures, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["us_per_figure"] = benchmark::Counter(
+      1e-6 * figures, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   say_errors(state, film);
 }
 
@@ -76,7 +77,9 @@ void awake(benchmark::State& state) {
   const auto count = static_cast<std::uint32_t>(state.range(0));
   const auto phase = static_cast<Phase>(state.range(1));
   Film film{.scene = figures(count, count, phase),
-            .settings = {.method = Method::direct, .sleep = false, .threads = static_cast<unsigned>(state.range(2))},
+            .settings = {.method = Method::direct,
+                         .sleep = false,
+                         .threads = static_cast<unsigned>(state.range(2))},
             .skipped = phase == falling ? 5 : 40,
             .frames = phase == falling ? 45 : 80};
   step(state, film, count);

@@ -1,9 +1,7 @@
 #define PLUMB_ARCH xsimd::fma3<xsimd::avx2>
-#include "front_kernels.hpp"
-
 #include "double_vector.hpp"
-
 #include "front_body.hpp"
+#include "front_kernels.hpp"
 
 namespace plumb::simd {
 

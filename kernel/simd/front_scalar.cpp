@@ -1,8 +1,6 @@
-#include "front_kernels.hpp"
-
 #include "double_scalar.hpp"
-
 #include "front_body.hpp"
+#include "front_kernels.hpp"
 
 namespace plumb::simd {
 

@@ -1,9 +1,7 @@
 #define PLUMB_ARCH xsimd::avx512bw
-#include "kkt_kernels.hpp"
-
 #include "double_vector.hpp"
-
 #include "kkt_body.hpp"
+#include "kkt_kernels.hpp"
 
 namespace plumb::simd {
 

@@ -1,5 +1,5 @@
-// Loops on lanes. V is double or a vector of doubles; load<V>(), store() and broadcast<V>() are in scope. Every
-// lane sees the same operations in the same order whatever V is. Included once per instruction set.
+// Loops on lanes. V is double or a vector of doubles; load<V>(), store() and broadcast<V>() are in scope.
+// Every lane sees the same operations in the same order whatever V is. Included once per instruction set.
 #include <cstddef>
 
 namespace plumb::simd {

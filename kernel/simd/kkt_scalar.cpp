@@ -1,8 +1,6 @@
-#include "kkt_kernels.hpp"
-
 #include "double_scalar.hpp"
-
 #include "kkt_body.hpp"
+#include "kkt_kernels.hpp"
 
 namespace plumb::simd {
 

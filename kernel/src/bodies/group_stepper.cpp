@@ -16,16 +16,19 @@ constexpr double most_cuts = 4096;
 /// Nor into more because it would gain energy.
 constexpr double most_guards = 64;
 /// Of a weight's energy, gained at rest.
-constexpr double unnoticed = 1e-10;
-/// Of a motion's energy, left in free flight rather than taken from a rigid whole, whose momentum it would be.
+constexpr double unnoticed = 3e-9;
+/// Of a motion's energy, left in free flight rather than taken from a rigid whole, whose momentum it would
+/// be.
 constexpr double let_be = 1e-6;
 /// Left of constraints, relative to lengths.
-constexpr double exact = 1e-9;
+constexpr double exact = 1e-8;
 constexpr int most_corrections = 16;
 /// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
-constexpr double still = 1e-3, least_still = 1e-9;
+constexpr double still = 2e-3, least_still = 1e-9;
+/// Velocities may be so many times less exact: the next substep's positions tell where things are.
+constexpr double coarser = 5;
 constexpr int most_sweeps = 60;
-constexpr int most_rounds = 4;
+constexpr int most_rounds = 3;
 /// Left of contacts, m, a substep is taken again, shorter.
 constexpr double too_much = 1e-5;
 /// Slower than this nothing bounces, m/s: it would for ever.
@@ -93,7 +96,8 @@ std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t i
 
 double dot_with(const Combination& sum, Vec3 along, std::span<const Vec3> motion) {
   double out = 0;
-  for (std::uint32_t i = 0; i < sum.count; ++i) out += sum.terms[i].weight * dot(along, motion[sum.terms[i].particle]);
+  for (std::uint32_t i = 0; i < sum.count; ++i)
+    out += sum.terms[i].weight * dot(along, motion[sum.terms[i].particle]);
   return out;
 }
 
@@ -101,7 +105,8 @@ double dot_with(const Combination& sum, Vec3 along, std::span<const Vec3> motion
 
 double top_speed(const LinkageState& state) {
   double square = 0;
-  for (std::uint32_t i = 0; i < state.linkage->movable(); ++i) square = std::max(square, dot(state.v[i], state.v[i]));
+  for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
+    square = std::max(square, dot(state.v[i], state.v[i]));
   return std::sqrt(square);
 }
 
@@ -131,7 +136,8 @@ void GroupStepper::step(std::span<LinkageState* const> group, const Surroundings
       // Nothing more can be done: what cannot be solved stays where it is.
       ++report.unsolved;
       for (std::uint32_t i = 0; i < count_; ++i)
-        if (islands_[i].awake) std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), Vec3{});
+        if (islands_[i].awake)
+          std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), Vec3{});
       return;
     }
     ++report.tree_substeps;
@@ -231,9 +237,9 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
     if (islands_[i].awake)
       std::copy_n(islands_[i].v.begin(), islands_[i].state->linkage->movable(), islands_[i].state->v.begin());
   keep_contacts(h);
-  report.contacts = std::max<std::uint64_t>(report.contacts, std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
-    return row.kind == Kind::normal && row.p > 0;
-  }));
+  report.contacts = std::max<std::uint64_t>(
+      report.contacts, std::count_if(rows_.begin(), rows_.end(),
+                                     [](const Row& row) { return row.kind == Kind::normal && row.p > 0; }));
   return true;
 }
 
@@ -308,6 +314,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
     row.kind = axis == 0 ? Kind::normal : Kind::sliding;
     row.island[0] = i;
     row.side[0] = add_side(*one, {at, {}, axes[axis], {}});
+    row.ends = two ? 2 : 1;
     if (two) {
       row.island[1] = j;
       row.side[1] = add_side(*two, {at_other, {}, -1.0 * axes[axis], {}});
@@ -337,6 +344,7 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
       Row row;
       row.kind = kind;
       row.island[0] = i;
+      row.ends = 1;
       row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
       row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
       for (const KeptContact& kept : state.kept)
@@ -379,7 +387,8 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
         for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
           const Linkage::Ball& ball = linkage.balls()[k];
           const Touch touch{dot(plane.normal, ball.center.of(x)) - plane.offset - ball.radius, plane.normal};
-          add_contact(i, ball.center, none, {}, touch, ball.surface, plane.surface, contact_key(1, k, 0, p), h);
+          add_contact(i, ball.center, none, {}, touch, ball.surface, plane.surface, contact_key(1, k, 0, p),
+                      h);
         }
       }
       for (std::uint32_t b = 0; b < surroundings.boxes.size(); ++b) {
@@ -426,8 +435,17 @@ void GroupStepper::find_responses() {
     if (!islands_[i].sides.empty()) couple(islands_[i]);
   for (Row& row : rows_) {
     double own = row.softness;
-    for (int end = 0; end < 2; ++end)
-      if (row.island[end] != none) own += islands_[row.island[end]].row(row.side[end])[row.side[end]];
+    row.across[0] = row.across[1] = 0;
+    for (std::uint32_t i = 0; i < row.ends; ++i) {
+      Island& island = islands_[row.island[i]];
+      const std::uint32_t side = row.side[i];
+      row.end[i] = {island.speed.front().of, island.push.front().of, island.row(side), side,
+                    padded(island.batches())};
+      own += row.end[i].coupling[side];
+      if (row.kind != Kind::normal) continue;
+      for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] += row.end[i].coupling[side + 1 + axis];
+    }
+    row.own = own;
     row.over = own > 0 ? 1 / own : 0;
   }
 }
@@ -487,35 +505,29 @@ void GroupStepper::see(Island& island, std::span<const Vec3> motion) {
   }
 }
 
-double GroupStepper::see(const Row& row) const {
-  double out = islands_[row.island[0]].speed.front().of[row.side[0]];
-  if (row.island[1] != none) out += islands_[row.island[1]].speed.front().of[row.side[1]];
+double GroupStepper::see(const Row& row) {
+  double out = row.end[0].speed[row.end[0].side];
+  if (row.ends == 2) out += row.end[1].speed[row.end[1].side];
   return out;
 }
 
 void GroupStepper::push(const Row& row, double by) {
   if (by == 0) return;
-  for (int end = 0; end < 2; ++end) {
-    if (row.island[end] == none) continue;
-    Island& island = islands_[row.island[end]];
-    const double* const own = island.row(row.side[end]);
-    kernels_->add_three(island.speed.front().of, by, own, 0, own, 0, own, padded(island.batches()));
-    island.push.front().of[row.side[end]] += by;
+  for (std::uint32_t i = 0; i < row.ends; ++i) {
+    const End& end = row.end[i];
+    kernels_->add_three(end.speed, by, end.coupling, 0, end.coupling, 0, end.coupling, end.padded);
+    end.push[end.side] += by;
   }
 }
 
 void GroupStepper::push(const Row& first, double by0, double by1, double by2) {
-  if (by0 == 0 && by1 == 0 && by2 == 0) return;
-  for (int end = 0; end < 2; ++end) {
-    if (first.island[end] == none) continue;
-    Island& island = islands_[first.island[end]];
-    const std::uint32_t side = first.side[end];
-    kernels_->add_three(island.speed.front().of, by0, island.row(side), by1, island.row(side + 1), by2,
-                        island.row(side + 2), padded(island.batches()));
-    double* const push = island.push.front().of;
-    push[side] += by0;
-    push[side + 1] += by1;
-    push[side + 2] += by2;
+  for (std::uint32_t i = 0; i < first.ends; ++i) {
+    const End& end = first.end[i];
+    kernels_->add_three(end.speed, by0, end.coupling, by1, end.coupling + end.padded, by2,
+                        end.coupling + 2 * end.padded, end.padded);
+    end.push[end.side] += by0;
+    end.push[end.side + 1] += by1;
+    end.push[end.side + 2] += by2;
   }
 }
 
@@ -525,7 +537,8 @@ void GroupStepper::apply(Island& island, std::span<Vec3> motion) {
   const std::uint32_t unknowns = linkage.plan().unknowns();
   island.sum.assign(unknowns, Lanes{});
   for (std::size_t batch = 0; batch < island.batches(); ++batch) {
-    kernels_->accumulate(island.sum.front().of, island.push[batch].of, island.response[batch * unknowns].of, unknowns);
+    kernels_->accumulate(island.sum.front().of, island.push[batch].of, island.response[batch * unknowns].of,
+                         unknowns);
     island.push[batch] = {};
   }
   const auto total = [&](std::uint32_t slot) {
@@ -543,9 +556,9 @@ namespace {
 
 /// Shortens (a, b) to `most`.
 void into_disk(double& a, double& b, double most) {
-  const double length = std::sqrt(a * a + b * b);
-  if (length <= most) return;
-  const double by = length > 0 ? most / length : 0;
+  const double square = a * a + b * b;
+  if (square <= most * most) return;
+  const double by = most / std::sqrt(square);
   a *= by;
   b *= by;
 }
@@ -582,7 +595,7 @@ double GroupStepper::sweep_positions() {
     const double by = p - row.p;
     row.p = p;
     push(row, by);
-    if (row.over > 0) worst = std::max(worst, std::abs(by) / row.over);
+    worst = std::max(worst, std::abs(by) * row.own);
   }
   return worst;
 }
@@ -601,17 +614,17 @@ double GroupStepper::sweep_velocities() {
     const double by = q - row.q;
     row.q = q;
     push(row, by);
-    if (row.over > 0) worst = std::max(worst, std::abs(by) / row.over);
+    worst = std::max(worst, std::abs(by) * row.own);
   }
   return worst;
 }
 
 /// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
-double GroupStepper::contact(std::size_t r, double Row::* of, double normal, double most) {
+double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most) {
   Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
   const double by0 = normal - n.*of;
   // The normal push moves the others, too.
-  const double u1 = see(s) + by0 * coupling(n, 1), u2 = see(t) + by0 * coupling(n, 2);
+  const double u1 = see(s) + by0 * n.across[0], u2 = see(t) + by0 * n.across[1];
   double first = s.*of - s.over * u1, second = t.*of - t.over * u2;
   into_disk(first, second, most);
   const double by1 = first - s.*of, by2 = second - t.*of;
@@ -619,20 +632,7 @@ double GroupStepper::contact(std::size_t r, double Row::* of, double normal, dou
   s.*of = first;
   t.*of = second;
   push(n, by0, by1, by2);
-  double worst = 0;
-  if (n.over > 0) worst = std::abs(by0) / n.over;
-  if (s.over > 0) worst = std::max(worst, std::abs(by1) / s.over);
-  if (t.over > 0) worst = std::max(worst, std::abs(by2) / t.over);
-  return worst;
-}
-
-/// What a push along a contact's normal does along its first or second direction across.
-double GroupStepper::coupling(const Row& normal, std::uint32_t axis) const {
-  double out = 0;
-  for (int end = 0; end < 2; ++end)
-    if (normal.island[end] != none)
-      out += islands_[normal.island[end]].row(normal.side[end])[normal.side[end] + axis];
-  return out;
+  return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
 }
 
 bool GroupStepper::solve_positions(StepReport& report) {
@@ -678,7 +678,8 @@ bool GroupStepper::solve_positions(StepReport& report) {
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    if (worst <= exact && (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
+    if (worst <= exact &&
+        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
@@ -748,6 +749,7 @@ void GroupStepper::bounce(double h) {
     row.q = lasts ? 0.5 / h * row.p : 0;
     push(row, row.q);
   }
+  const double enough = coarser * still_ / h;
   for (int round = 0; round < most_rounds; ++round) {
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
@@ -756,8 +758,8 @@ void GroupStepper::bounce(double h) {
       see(island, island.v);
     }
     double left = sweep_velocities();
-    if (left <= still_ / h) return;
-    for (int i = 1; i < most_sweeps && left > still_ / h; ++i) left = sweep_velocities();
+    if (left <= enough) return;
+    for (int i = 1; i < most_sweeps && left > enough; ++i) left = sweep_velocities();
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
@@ -860,7 +862,8 @@ void GroupStepper::keep_contacts(double h) {
     Island& island = islands_[row.island[0]];
     Vec3 force{row.p, 0, 0};
     if (row.kind == Kind::normal)
-      force = row.p * island.sides[row.side[0]].along_a + rows_[r + 1].p * island.sides[rows_[r + 1].side[0]].along_a +
+      force = row.p * island.sides[row.side[0]].along_a +
+              rows_[r + 1].p * island.sides[rows_[r + 1].side[0]].along_a +
               rows_[r + 2].p * island.sides[rows_[r + 2].side[0]].along_a;
     island.state->kept.push_back({row.key, (1 / (h * h)) * force});
   }

@@ -49,15 +49,26 @@ class GroupStepper {
   enum class Kind : std::uint8_t { normal, sliding, limit, drive, brake };
   static constexpr std::uint32_t none = 0xffffffff;
 
+  /// Where a row finds what its side of an island sees, and what its pushes do there.
+  struct End {
+    double* speed = nullptr;  ///< of the island's sides
+    double* push = nullptr;
+    const double* coupling = nullptr;  ///< the side's row; of a contact's other rows, the next ones
+    std::uint32_t side = 0, padded = 0;
+  };
   struct Row {
     Kind kind = Kind::normal;
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
-    double gap = 0;       ///< m or rad, what may be lost; drives: how far away
-    double softness = 0;  ///< of drives
-    double bound = 0;     ///< of brakes; of normals the coefficient of friction
-    double bounce = 0;    ///< m/s, what it leaves with
-    double over = 0;      ///< 1 / (its response to itself + softness)
-    double p = 0, q = 0;  ///< what pushes positions, and velocities
+    std::uint32_t ends = 0;  ///< islands that it acts on
+    End end[2]{};
+    double gap = 0;             ///< m or rad, what may be lost; drives: how far away
+    double softness = 0;        ///< of drives
+    double bound = 0;           ///< of brakes; of normals the coefficient of friction
+    double bounce = 0;          ///< m/s, what it leaves with
+    double own = 0;             ///< its response to itself + softness
+    double over = 0;            ///< 1 / own, or 0
+    double p = 0, q = 0;        ///< what pushes positions, and velocities
+    double across[2] = {0, 0};  ///< of normals: what they do along the two rows that follow
     std::uint64_t key = 0;
   };
   struct alignas(64) Lanes {
@@ -102,11 +113,10 @@ class GroupStepper {
   void find_responses();
   void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
-  double see(const Row& row) const;
+  static double see(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
-  double contact(std::size_t r, double Row::* of, double normal, double most);
-  double coupling(const Row& normal, std::uint32_t axis) const;
+  double contact(std::size_t r, double Row::*of, double normal, double most);
   void apply(Island& island, std::span<Vec3> motion);
   double sweep_positions();
   double sweep_velocities();

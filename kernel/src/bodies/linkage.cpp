@@ -84,8 +84,16 @@ Linkage::Linkage(const Scene& part, std::uint32_t movable)
   constraints_ = row - 3 * movable_;
   for (const AngleControl& angle : part.angles) {
     const Combination u = difference(angle.u.to, angle.u.from), v = difference(angle.v.to, angle.v.from);
-    const Angle own{u, v, 1 / norm(u.of(x)), 1 / norm(v.of(x)), angle.lower, angle.upper, angle.friction,
-                    angle.target, angle.stiffness, angle.damping};
+    const Angle own{u,
+                    v,
+                    1 / norm(u.of(x)),
+                    1 / norm(v.of(x)),
+                    angle.lower,
+                    angle.upper,
+                    angle.friction,
+                    angle.target,
+                    angle.stiffness,
+                    angle.damping};
     const bool limited = angle.lower > 0 || angle.upper < std::numbers::pi;
     if (limited || angle.friction > 0 || angle.stiffness > 0) angles_.push_back(own);
     if (angle.damping > 0 && angle.stiffness == 0) dampers_.push_back(own);
@@ -160,7 +168,8 @@ void Linkage::plan(const Scene& part) {
     for (const Combination* sum : {&each.u, &each.v})
       for (std::uint32_t i = 0; i < sum->count; ++i) {
         const std::uint32_t particle = sum->terms[i].particle;
-        if (particle < movable_ && std::find(each.touched.begin(), each.touched.end(), particle) == each.touched.end())
+        if (particle < movable_ &&
+            std::find(each.touched.begin(), each.touched.end(), particle) == each.touched.end())
           each.touched.push_back(particle);
       }
     for (const std::uint32_t particle : each.touched) couple(particle, each.row);
@@ -175,7 +184,8 @@ void Linkage::plan(const Scene& part) {
 
   template_.assign(plan_.values(), 0);
   for (std::uint32_t i = 0; i < movable_; ++i)
-    for (std::uint32_t axis = 0; axis < 3; ++axis) template_[plan_.place(3 * i + axis, 3 * i + axis)] = masses_[i];
+    for (std::uint32_t axis = 0; axis < 3; ++axis)
+      template_[plan_.place(3 * i + axis, 3 * i + axis)] = masses_[i];
   for (const Coupling& c : couplings_)
     for (std::uint32_t axis = 0; axis < 3; ++axis)
       template_[plan_.place(3 * c.a + axis, 3 * c.b + axis)] = c.mass;
@@ -292,7 +302,8 @@ void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::spa
   for (const RodRow& rod : rods_)
     right[plan_.position(rod.row)] += rod.over2 * dot(x[rod.b] - x[rod.a], moved(rod.b) - moved(rod.a));
   for (const DotRow& each : dots_)
-    right[plan_.position(each.row)] += each.over * (dot(each.u.of(x), sum_moved(each.v)) + dot(each.v.of(x), sum_moved(each.u)));
+    right[plan_.position(each.row)] +=
+        each.over * (dot(each.u.of(x), sum_moved(each.v)) + dot(each.v.of(x), sum_moved(each.u)));
   for (const PinRow& pin : pins_) {
     const Vec3 by = sum_moved(pin.sum);
     right[plan_.position(pin.rows[0])] += by.x;
@@ -337,8 +348,8 @@ Linkage::AngleSlope Linkage::slope(const Angle& angle, std::span<const Vec3> x) 
           (-over_sine * angle.over_v) * (u - cosine * v)};
 }
 
-void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant, double h,
-                     std::span<Vec3> out) const {
+void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant,
+                     double h, std::span<Vec3> out) const {
   for (std::uint32_t i = 0; i < movable_; ++i) out[i] = weights_[i] * gravity_ + constant[i];
   for (const Air& air : airs_) {
     const Vec3 axis = air.over * (x[air.b] - x[air.a]);

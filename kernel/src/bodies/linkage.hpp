@@ -52,7 +52,7 @@ class Linkage {
   };
   /// How an angle changes with the particles of its two directions: rate = along_u·u' + along_v·v'.
   struct AngleSlope {
-    double value;  ///< rad
+    double value;           ///< rad
     Vec3 along_u, along_v;  ///< 1/m
   };
   static AngleSlope slope(const Angle& angle, std::span<const Vec3> x);
@@ -71,9 +71,9 @@ class Linkage {
   bool is_grounded() const { return movable_ < particles_; }
   bool has_drives() const { return has_drives_; }
   bool has_air() const { return has_air_; }
-  double size() const { return size_; }           ///< m, the largest rod or shape: what errors are held against
-  double mass() const { return mass_; }           ///< kg, of what moves
-  double drag() const { return drag_; }           ///< 1/s
+  double size() const { return size_; }  ///< m, the largest rod or shape: what errors are held against
+  double mass() const { return mass_; }  ///< kg, of what moves
+  double drag() const { return drag_; }  ///< 1/s
   double joint_drag() const { return joint_drag_; }  ///< 1/s
   Vec3 gravity() const { return gravity_; }
 
@@ -149,8 +149,8 @@ class Linkage {
   std::vector<Air> airs_;
   std::vector<Shape> shapes_;
   std::vector<Ball> balls_;
-  std::vector<Angle> angles_;    ///< with limits, friction or a drive
-  std::vector<Angle> dampers_;   ///< angles with damping alone
+  std::vector<Angle> angles_;   ///< with limits, friction or a drive
+  std::vector<Angle> dampers_;  ///< angles with damping alone
   Vec3 gravity_{};
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
   bool has_drives_ = false, has_air_ = false;

@@ -110,13 +110,12 @@ class Likeness {
 
   void add(const Vec3& v) { add(v.x, v.y, v.z); }
   void add(const Point& point) {
-    for (std::size_t i = 0; i < 4; ++i) add(point.weights[i] == 0 ? 0u : point.particles[i], point.weights[i]);
+    for (std::size_t i = 0; i < 4; ++i)
+      add(point.weights[i] == 0 ? 0u : point.particles[i], point.weights[i]);
   }
   template <class Number>
-    requires std::is_arithmetic_v<Number>
-  void add(Number number) {
-    numbers_.push_back(static_cast<double>(number));
-  }
+  requires std::is_arithmetic_v<Number>
+  void add(Number number) { numbers_.push_back(static_cast<double>(number)); }
   template <class First, class Second, class... Rest>
   void add(const First& first, const Second& second, const Rest&... rest) {
     add(first);
@@ -135,7 +134,8 @@ struct Home {
 /// Cuts a scene into its islands, each a scene of its own with the movable particles first.
 class Cutter {
  public:
-  explicit Cutter(const Scene& scene) : scene_(scene), ties_(scene), islands_(layouts::find_islands(ties_.view())) {
+  explicit Cutter(const Scene& scene)
+      : scene_(scene), ties_(scene), islands_(layouts::find_islands(ties_.view())) {
     const std::uint32_t count = islands_.count();
     const std::uint32_t none = 0xffffffff;
     island_of_.assign(scene.particles.size(), none);
@@ -205,7 +205,8 @@ class Cutter {
     }
   }
 
-  std::uint32_t movable_of(const std::array<std::uint32_t, 4>& particles, const std::array<double, 4>& weights) const {
+  std::uint32_t movable_of(const std::array<std::uint32_t, 4>& particles,
+                           const std::array<double, 4>& weights) const {
     for (std::size_t i = 0; i < 4; ++i)
       if (weights[i] != 0 && !scene_.particles[particles[i]].fixed) return island_of_[particles[i]];
     return 0xffffffff;
@@ -214,7 +215,8 @@ class Cutter {
   std::uint32_t island_of(const Points&... points) const {
     std::uint32_t out = 0xffffffff;
     ((out = out == 0xffffffff ? movable_of(points.particles, points.weights) : out), ...);
-    if (out == 0xffffffff) refuse("a joint or shape on fixed particles alone moves nothing; use planes and boxes");
+    if (out == 0xffffffff)
+      refuse("a joint or shape on fixed particles alone moves nothing; use planes and boxes");
     return out;
   }
   std::uint32_t local(std::uint32_t island, std::uint32_t particle) const {
@@ -223,7 +225,8 @@ class Cutter {
     return static_cast<std::uint32_t>(std::find(order.begin(), order.end(), particle) - order.begin());
   }
   Point local(std::uint32_t island, Point point) const {
-    for (std::size_t i = 0; i < 4; ++i) point.particles[i] = point.weights[i] == 0 ? 0 : local(island, point.particles[i]);
+    for (std::size_t i = 0; i < 4; ++i)
+      point.particles[i] = point.weights[i] == 0 ? 0 : local(island, point.particles[i]);
     return point;
   }
   Direction local(std::uint32_t island, const Direction& direction) const {
@@ -251,7 +254,8 @@ Surroundings surroundings_of(const Scene& scene) {
     };
     const Vec3 most{far(frame.x.x, frame.y.x, frame.z.x), far(frame.x.y, frame.y.y, frame.z.y),
                     far(frame.x.z, frame.y.z, frame.z.z)};
-    out.boxes.push_back({box.center, box.half_size, frame, {box.center - most, box.center + most}, box.surface});
+    out.boxes.push_back(
+        {box.center, box.half_size, frame, {box.center - most, box.center + most}, box.surface});
   }
   return out;
 }
@@ -310,7 +314,8 @@ class LinkageSimulation final : public Simulation {
   }
 
   Vec3 position(std::uint32_t particle) const override {
-    return fixed_[particle] ? anchors_[particle] : islands_[homes_[particle].island].x[homes_[particle].particle];
+    return fixed_[particle] ? anchors_[particle]
+                            : islands_[homes_[particle].island].x[homes_[particle].particle];
   }
   Vec3 velocity(std::uint32_t particle) const override {
     return fixed_[particle] ? Vec3{} : islands_[homes_[particle].island].v[homes_[particle].particle];
@@ -565,7 +570,8 @@ class LinkageSimulation final : public Simulation {
 
   void start_anchors(double dt) {
     for (std::uint32_t i = 0; i < fixed_.size(); ++i)
-      for (const Home& pin : pins_[i]) islands_[pin.island].v[pin.particle] = (1 / dt) * (targets_[i] - anchors_[i]);
+      for (const Home& pin : pins_[i])
+        islands_[pin.island].v[pin.particle] = (1 / dt) * (targets_[i] - anchors_[i]);
   }
   /// At their targets exactly, without the rounding of the way.
   void finish_anchors() {
@@ -609,8 +615,9 @@ class LinkageSimulation final : public Simulation {
 
 std::unique_ptr<Simulation> make_linkage_simulation(const Scene& scene, const Settings& settings) {
   if (settings.method != Method::automatic && settings.method != Method::direct)
-    refuse("method ", to_string(settings.method),
-           " knows particles and rods alone; limbs that touch, bodies, joints and sleepers want direct or auto");
+    refuse(
+        "method ", to_string(settings.method),
+        " knows particles and rods alone; limbs that touch, bodies, joints and sleepers want direct or auto");
   if (settings.accuracy) refuse("accuracy cannot be asked for where limbs may touch; use substeps");
   return std::make_unique<LinkageSimulation>(scene, settings);
 }

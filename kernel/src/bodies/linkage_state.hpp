@@ -32,13 +32,13 @@ struct LinkageState {
   std::vector<Vec3> force;               ///< N, constant, on movable particles
   std::vector<double> factors;           ///< at x
   std::vector<KeptContact> kept;
-  std::uint32_t number = 0;          ///< of this island
+  std::uint32_t number = 0;  ///< of this island
   bool factored = false;
   bool asleep = false;
   bool frozen = false;
-  double calm = 0;                   ///< s, for how long it has been slow
-  std::optional<double> energy{};    ///< J, that free flight keeps
-  std::uint32_t hash_mark = 0;       ///< of the last search that found it
+  double calm = 0;                 ///< s, for how long it has been slow
+  std::optional<double> energy{};  ///< J, that free flight keeps
+  std::uint32_t hash_mark = 0;     ///< of the last search that found it
 };
 
 /// A pair of contact's own settings, and of sleep.

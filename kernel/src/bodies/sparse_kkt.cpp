@@ -104,7 +104,8 @@ KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
   }
   for (std::uint32_t k = 0; k < size; ++k)
     for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i)
-      for (std::uint32_t j = i; j < start_[k + 1]; ++j) targets_.push_back(place(order_[rows_[i]], order_[rows_[j]]));
+      for (std::uint32_t j = i; j < start_[k + 1]; ++j)
+        targets_.push_back(place(order_[rows_[i]], order_[rows_[j]]));
 }
 
 std::uint32_t KktPlan::place(std::uint32_t a, std::uint32_t b) const {

@@ -34,8 +34,10 @@ inline Touch touch(const Segment& a, const Segment& b) {
   const double least = 1e-24;
   double s = 0, t = 0;
   const double area = uu * vv - uv * uv;
-  if (uu > least && vv > least && area > 1e-12 * uu * vv) s = std::clamp((uv * vr - vv * ur) / area, 0.0, 1.0);
-  else if (uu > least && vv > least) s = 0.5;  // parallel: any place will do
+  if (uu > least && vv > least && area > 1e-12 * uu * vv)
+    s = std::clamp((uv * vr - vv * ur) / area, 0.0, 1.0);
+  else if (uu > least && vv > least)
+    s = 0.5;  // parallel: any place will do
   if (vv > least) t = std::clamp((uv * s + vr) / vv, 0.0, 1.0);
   if (uu > least) s = std::clamp((uv * t - ur) / uu, 0.0, 1.0);
   const Vec3 apart = between(a.p, a.q, s) - between(b.p, b.q, t);
