@@ -2,7 +2,10 @@
 #include <iterator>
 #include <xsimd/xsimd.hpp>
 
+#include "front_kernels.hpp"
 #include "kernels.hpp"
+#include "kkt_kernels.hpp"
+#include "tree_kernels.hpp"
 
 namespace plumb {
 namespace {
@@ -13,6 +16,10 @@ struct Row {
   bool (*is_supported)();
   const simd::Kernels<float>* floats;
   const simd::Kernels<double>* doubles;
+  const simd::TreeKernels<float>* tree_floats;
+  const simd::TreeKernels<double>* tree_doubles;
+  const simd::FrontKernels* fronts;
+  const simd::KktKernels* kkts;
 };
 
 #define PLUMB_ROW(isa, supported)                                               \
@@ -21,7 +28,12 @@ struct Row {
      [[maybe_unused]] static const auto cpu = xsimd::available_architectures(); \
      return static_cast<bool>(supported);                                       \
    },                                                                           \
-   &simd::isa##_float, &simd::isa##_double},
+   &simd::isa##_float,                                                          \
+   &simd::isa##_double,                                                         \
+   &simd::tree_##isa##_float,                                                   \
+   &simd::tree_##isa##_double,                                                  \
+   &simd::front_##isa,                                                          \
+   &simd::kkt_##isa},
 constexpr Row rows[] = {PLUMB_FOR_EACH_ISA(PLUMB_ROW)};
 #undef PLUMB_ROW
 
@@ -65,6 +77,24 @@ const Kernels<float>& kernels<float>(Isa isa) {
 template <>
 const Kernels<double>& kernels<double>(Isa isa) {
   return *find_row(isa)->doubles;
+}
+
+template <>
+const TreeKernels<float>& tree_kernels<float>(Isa isa) {
+  return *find_row(isa)->tree_floats;
+}
+
+template <>
+const TreeKernels<double>& tree_kernels<double>(Isa isa) {
+  return *find_row(isa)->tree_doubles;
+}
+
+const FrontKernels& front_kernels(Isa isa) {
+  return *find_row(isa)->fronts;
+}
+
+const KktKernels& kkt_kernels(Isa isa) {
+  return *find_row(isa)->kkts;
 }
 
 }  // namespace simd

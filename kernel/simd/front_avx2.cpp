@@ -1,7 +1,6 @@
 #define PLUMB_ARCH xsimd::fma3<xsimd::avx2>
 #include "double_vector.hpp"
 #include "front_body.hpp"
-#include "front_kernels.hpp"
 
 namespace plumb::simd {
 

@@ -1,7 +1,6 @@
 #define PLUMB_ARCH xsimd::avx512bw
 #include "double_vector.hpp"
 #include "front_body.hpp"
-#include "front_kernels.hpp"
 
 namespace plumb::simd {
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "front_kernels.hpp"
+
 namespace plumb::simd {
 namespace {
 

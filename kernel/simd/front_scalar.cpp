@@ -1,6 +1,5 @@
 #include "double_scalar.hpp"
 #include "front_body.hpp"
-#include "front_kernels.hpp"
 
 namespace plumb::simd {
 

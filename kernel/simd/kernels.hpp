@@ -78,7 +78,7 @@ struct Kernels {
 };
 
 /// Every instruction set, slowest first, and what a processor must have for it (`cpu` is xsimd's list). The
-/// file of that name defines its two tables, and CMakeLists.txt gives that file its flags; Isa names it.
+/// files of that name define its tables, and CMakeLists.txt gives those files its flags; Isa names it.
 #define PLUMB_FOR_EACH_ISA(row)                                             \
   row(scalar, true) row(sse2, cpu.sse2) row(avx2, cpu.avx2&& cpu.fma3_avx2) \
       row(avx512, cpu.avx512bw&& cpu.avx512dq&& cpu.avx512cd&& __builtin_cpu_supports("avx512vl"))

@@ -1,7 +1,6 @@
 #define PLUMB_ARCH xsimd::avx512bw
 #include "double_vector.hpp"
 #include "kkt_body.hpp"
-#include "kkt_kernels.hpp"
 
 namespace plumb::simd {
 

@@ -2,6 +2,8 @@
 // Every lane sees the same operations in the same order whatever V is. Included once per instruction set.
 #include <cstddef>
 
+#include "kkt_kernels.hpp"
+
 namespace plumb::simd {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "double_scalar.hpp"
 #include "kkt_body.hpp"
-#include "kkt_kernels.hpp"
 
 namespace plumb::simd {
 

@@ -4,7 +4,7 @@
 #   cmake -DNM=... -DOBJECTS=a.o;b.o -P symbols_test.cmake
 set(seen)
 foreach(object IN LISTS OBJECTS)
-  if(NOT object MATCHES "/simd/([^/]+)\\.cpp\\.o$" OR object MATCHES "/simd/([a-z]+_)?dispatch\\.cpp\\.o$")
+  if(NOT object MATCHES "/simd/([^/]+)\\.cpp\\.o$" OR object MATCHES "/simd/dispatch\\.cpp\\.o$")
     continue()
   endif()
   string(REGEX REPLACE "^.*/simd/([^/]+)\\.cpp\\.o$" "\\1" isa ${object})
