@@ -203,6 +203,25 @@ TEST(BallAtBody, KeepsTheMomentaOfTheWhole) {
     }
 }
 
+// Two bodies that fly at each other, head-on: islands of their own, which exchange their momenta (eq. 2.34).
+TEST(TwoBodies, BounceOffEachOther) {
+  Scene scene;
+  scene.gravity = {};
+  for (const double side : {-1.0, 1.0}) {
+    MassProperties ball = solid_sphere(2, 0.1);
+    ball.center = {side, 0, 0};
+    const std::uint32_t body = add_body(scene, ball);
+    const Point middle = point_on_body(scene, body, ball.center);
+    scene.capsules.push_back({middle, middle, 0.1, {.friction = 0, .restitution = 1}});
+    test::set_motion(scene, body, {-3 * side, 0, 0}, {0, 2, 0});
+  }
+  World world(scene, test::limbs());
+  EXPECT_EQ(world.info().islands, 2u);
+  test::run(world, frame, 60);
+  EXPECT_NEAR(test::velocity_of(world, scene.bodies[0]).x, -3, 1e-5);
+  EXPECT_NEAR(test::velocity_of(world, scene.bodies[1]).x, 3, 1e-5);
+}
+
 /// A block on eight corners, on ground that slopes by `slope` (its tangent): gravity leans instead.
 Scene block_on_slope(double slope, double friction) {
   Scene scene;

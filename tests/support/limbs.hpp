@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "plumb/joints.hpp"
@@ -75,6 +76,13 @@ inline Vec3 spin_of(const World& world, const Body& body) {
     twice += cross((1 / volume) * cross(e[(i + 1) % 3], e[(i + 2) % 3]),
                    world.velocity(body.particles[i + 1]) - world.velocity(body.particles[0]));
   return 0.5 * twice;
+}
+
+/// Of the centre, if its particles have equal masses: those of four_points().
+inline Vec3 velocity_of(const World& world, const Body& body) {
+  Vec3 sum{};
+  for (const std::uint32_t i : body.particles) sum += world.velocity(i);
+  return 0.25 * sum;
 }
 
 inline Vec3 place_of(const World& world, const Point& point) {

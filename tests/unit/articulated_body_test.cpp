@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "support/articulated_body.hpp"
 #include "support/random_trees.hpp"
 
 namespace plumb::detail {
@@ -17,35 +18,11 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::advance;
+using test::start_of;
+using test::State;
 
 constexpr Vec3 gravity{0, -9.81, 0};
-
-struct State {
-  VectorXd q, v;
-};
-
-State start_of(const ArticulatedBody& body) {
-  return {VectorXd::Zero(body.coordinates()), VectorXd::Zero(body.speeds())};
-}
-
-/// Classical Runge-Kutta.
-void advance(ArticulatedBody& body, State& s, const BodyLoad& load, double duration, int steps) {
-  const double h = duration / steps;
-  const auto slope = [&](const State& at) {
-    State k;
-    body.rates(at.q, at.v, k.q);
-    body.accelerations(at.q, at.v, load, k.v);
-    return k;
-  };
-  const auto moved = [&](const State& k, double by) { return State{s.q + by * k.q, s.v + by * k.v}; };
-  for (int i = 0; i < steps; ++i) {
-    const State k1 = slope(s), k2 = slope(moved(k1, h / 2)), k3 = slope(moved(k2, h / 2)),
-                k4 = slope(moved(k3, h));
-    s.q += h / 6 * (k1.q + 2 * k2.q + 2 * k3.q + k4.q);
-    s.v += h / 6 * (k1.v + 2 * k2.v + 2 * k3.v + k4.v);
-    body.settle(s.q, s.v);
-  }
-}
 
 /// Links as they move, their centres of mass, and what follows.
 struct Motion {

@@ -355,7 +355,12 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
     if (angle.lower > 0 && value + by - angle.lower < near) add(Kind::limit, 1).gap = value - angle.lower;
     if (angle.upper < std::numbers::pi && angle.upper - value - by < near)
       add(Kind::limit, -1).gap = angle.upper - value;
-    if (angle.friction > 0) add(Kind::brake, 1).bound = h * h * angle.friction;
+    if (angle.friction > 0) {
+      // Half in either half of the substep.
+      Row& row = add(Kind::brake, 1);
+      row.bound = 0.5 * h * h * angle.friction;
+      row.bounce = 0.5 * h * angle.friction;
+    }
     if (angle.stiffness > 0) {
       const double stiff = h * h * angle.stiffness + h * angle.damping;
       Row& row = add(Kind::drive, 1);
@@ -604,8 +609,10 @@ double GroupStepper::sweep_velocities() {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
-    if (row.p <= 0 || (row.kind != Kind::normal && row.kind != Kind::limit)) continue;
-    const double q = std::max(0.0, row.q - row.over * (see(row) - row.bounce));
+    const bool brakes = row.kind == Kind::brake;
+    if (!brakes && (row.p <= 0 || (row.kind != Kind::normal && row.kind != Kind::limit))) continue;
+    const double q = brakes ? std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce)
+                            : std::max(0.0, row.q - row.over * (see(row) - row.bounce));
     if (row.kind == Kind::normal) {
       worst = std::max(worst, contact(r, &Row::q, q, row.bound * q));
       r += 2;

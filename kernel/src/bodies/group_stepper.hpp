@@ -64,7 +64,7 @@ class GroupStepper {
     double gap = 0;             ///< m or rad, what may be lost; drives: how far away
     double softness = 0;        ///< of drives
     double bound = 0;           ///< of brakes; of normals the coefficient of friction
-    double bounce = 0;          ///< m/s, what it leaves with
+    double bounce = 0;          ///< m/s, what it leaves with; of brakes the bound of q
     double own = 0;             ///< its response to itself + softness
     double over = 0;            ///< 1 / own, or 0
     double p = 0, q = 0;        ///< what pushes positions, and velocities

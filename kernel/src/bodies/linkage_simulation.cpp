@@ -28,7 +28,7 @@ struct Ties {
   explicit Ties(const Scene& scene) {
     for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
     for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
-    for (const Body& body : scene.bodies) tie(body.particles, {1, 1, 1, 1});
+    for (const Body& body : scene.bodies) tie(Point{body.particles, {1, 1, 1, 1}});
     for (const Pin& pin : scene.pins) tie(pin.a, pin.b);
     for (const Alignment& each : scene.alignments) tie(each.u.from, each.u.to, each.v.from, each.v.to);
     for (const AngleControl& each : scene.angles) tie(each.u.from, each.u.to, each.v.from, each.v.to);
@@ -41,23 +41,25 @@ struct Ties {
   std::vector<std::uint8_t> movable;
 
  private:
-  void tie(const std::array<std::uint32_t, 4>& particles, const std::array<double, 4>& weights) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (weights[i] == 0) continue;
-      if (last != none && last != particles[i] && (movable[last] || movable[particles[i]]))
-        edges.push_back({last, particles[i]});
-      if (last == none || movable[particles[i]]) last = particles[i];
-    }
+  void name(const std::array<std::uint32_t, 4>& particles, const std::array<double, 4>& weights) {
+    for (std::size_t i = 0; i < 4; ++i)
+      if (weights[i] != 0) named.push_back(particles[i]);
+  }
+  /// All to the first that is movable; fixed ones may be its neighbours only.
+  void tie_named() {
+    const auto hub = std::find_if(named.begin(), named.end(), [&](std::uint32_t i) { return movable[i] != 0; });
+    if (hub != named.end())
+      for (const std::uint32_t i : named)
+        if (i != *hub) edges.push_back({*hub, i});
+    named.clear();
   }
   template <class... Points>
   void tie(const Points&... points) {
-    last = none;
-    (tie(points.particles, points.weights), ...);
-    last = none;
+    (name(points.particles, points.weights), ...);
+    tie_named();
   }
 
-  static constexpr std::uint32_t none = 0xffffffff;
-  std::uint32_t last = none;
+  std::vector<std::uint32_t> named;
 };
 
 /// Everything that makes two islands of one kind, as numbers: all but where they are.
