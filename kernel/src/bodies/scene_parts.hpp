@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "plumb/layouts/islands.hpp"
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// A scene cut into its islands, each a scene of its own with the movable particles first; fixed ones are in
+/// every island that hangs from them. Throws InputError on a joint or shape that nothing movable has.
+class SceneParts {
+ public:
+  explicit SceneParts(const Scene& scene);
+
+  std::uint32_t count() const { return static_cast<std::uint32_t>(parts_.size()); }
+  const Scene& part(std::uint32_t i) const { return parts_[i]; }
+  /// Its particles' numbers in the whole scene.
+  const std::vector<std::uint32_t>& particles(std::uint32_t i) const { return particles_[i]; }
+
+ private:
+  void hand_out();
+  std::uint32_t movable_of(const Point& point) const;
+  template <class... Points>
+  std::uint32_t island_of(const Points&... points) const;
+  std::uint32_t local(std::uint32_t island, std::uint32_t particle) const;
+  Point local(std::uint32_t island, Point point) const;
+  Direction local(std::uint32_t island, const Direction& direction) const;
+
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  const Scene& scene_;
+  std::vector<std::uint32_t> island_of_, local_;  ///< by particle
+  std::vector<Scene> parts_;
+  std::vector<std::vector<std::uint32_t>> particles_;
+};
+
+/// All that makes two islands of one kind, as numbers: everything but where they are.
+std::vector<double> likeness(const Scene& part);
+
+}  // namespace plumb::detail
