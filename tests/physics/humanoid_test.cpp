@@ -1,0 +1,103 @@
+// The thesis's figures (section 4.5) under blows that nothing prepared them for, falling, and at rest.
+
+#include "scenes/humanoid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "scenes/spec.hpp"
+#include "support/limbs.hpp"
+#include "support/random_trees.hpp"
+
+namespace plumb {
+namespace {
+
+using scenes::BodyType;
+using test::frame;
+
+/// A standing figure and a ball from anywhere at up to 100 m/s, at any of its limbs.
+Scene random_hit(test::Random& random, BodyType body) {
+  Scene scene = scenes::make_humanoid({.body = body});
+  const auto limb = static_cast<std::uint32_t>(4.5 * (1 + test::signed_unit(random)));
+  const Rod& rod = scene.rods[std::min(limb, 8u)];
+  const Vec3 target = 0.5 * (scene.particles[rod.a].position + scene.particles[rod.b].position);
+  Vec3 way = test::random_vector(random) + Vec3{0.01, 0, 0};
+  way.y *= 0.3;
+  scenes::throw_ball(scene,
+                     {.speed = 50.5 + 49.5 * test::signed_unit(random),
+                      .direction = way,
+                      .elasticity = 0.5 + 0.5 * test::signed_unit(random),
+                      .distance = 3},
+                     target);
+  return scene;
+}
+
+struct Watched {
+  double stretch = 0;  ///< largest of any frame
+  double rise = 0;     ///< of energy, from the least that it had been, relative to what it was at first
+  double depth = -1;   ///< m
+  bool finite = true;
+  StepReport report{}, last{};
+};
+Watched watch(const Scene& scene, World& world, double dt, double duration) {
+  Watched out;
+  const double first = std::abs(test::energy_of(scene, world, MassModel::consistent));
+  double least = INFINITY;
+  while (world.time() < duration) {
+    out.last = world.step(dt);
+    out.report += out.last;
+    out.finite = out.finite && test::all_finite(world);
+    const double energy = test::energy_of(scene, world, MassModel::consistent);
+    out.rise = std::max(out.rise, (energy - least) / first);
+    least = std::min(least, energy);
+    out.stretch = std::max(out.stretch, test::stretch_of(scene, world).max);
+    out.depth = std::max(out.depth, test::deepest(scene, world));
+  }
+  return out;
+}
+
+// 1 % of stretch and 1e-6 of energy are the bars for blows of any kind, at any step a game may take.
+TEST(StruckFigure, StaysWhole) {
+  test::Random random(17);
+  const double steps[] = {1.0 / 240, 1.0 / 60, 1.0 / 30, 1.0 / 15};
+  for (int i = 0; i < 40; ++i)
+    for (const BodyType body : {BodyType::thin, BodyType::medium, BodyType::wide}) {
+      const double dt = steps[i % 4];
+      SCOPED_TRACE(testing::Message() << "hit " << i << ", " << to_string(body) << ", dt " << dt);
+      const Scene scene = random_hit(random, body);
+      World world(scene, test::limbs(1, true));
+      const Watched seen = watch(scene, world, dt, 2);
+      EXPECT_TRUE(seen.finite);
+      EXPECT_LE(seen.stretch, 0.01);
+      EXPECT_LE(seen.rise, 1e-6);
+      EXPECT_EQ(seen.report.frozen_islands, 0u);
+      EXPECT_EQ(seen.report.unsolved, 0u);
+    }
+}
+
+// Awake and without a muscle: it falls over, and lies still within ten seconds. Heads and legs of the stouter
+// figures hang off their torsos and swing; with joints without friction they would for minutes, rightly.
+TEST(FallingFigure, ComesToRestWholeAndOnTheGround) {
+  for (const BodyType body : {BodyType::thin, BodyType::medium, BodyType::wide})
+    for (const std::uint32_t substeps : {1u, 4u}) {
+      SCOPED_TRACE(testing::Message() << to_string(body) << ", substeps " << substeps);
+      Scene scene = scenes::make_humanoid({.body = body});
+      for (Particle& particle : scene.particles) particle.asleep = false;
+      scene.particles[0].velocity = {0.5, 0, 0.2};
+      scene.joint_drag = body == BodyType::thin ? 0 : 3;
+      World world(scene, test::limbs(substeps, true));
+      const Watched seen = watch(scene, world, frame, 10);
+      EXPECT_LE(seen.stretch, 1e-5);
+      EXPECT_LE(seen.depth, 1e-3);
+      EXPECT_LE(seen.rise, 1e-6);
+      EXPECT_EQ(seen.last.awake_islands, 0u)
+          << "still awake at " << test::energy_of(scene, world).kinetic << " J";
+      EXPECT_EQ(seen.report.unsolved, 0u);
+    }
+}
+
+}  // namespace
+}  // namespace plumb
