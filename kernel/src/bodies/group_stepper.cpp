@@ -21,14 +21,12 @@ constexpr double unnoticed = 3e-9;
 /// be.
 constexpr double let_be = 1e-6;
 /// Left of constraints, relative to lengths.
-constexpr double exact = 1e-8;
+constexpr double exact = 1e-9;
 constexpr int most_corrections = 16;
 /// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
-constexpr double still = 2e-3, least_still = 1e-9;
-/// Velocities may be so many times less exact: the next substep's positions tell where things are.
-constexpr double coarser = 5;
+constexpr double still = 1e-3, least_still = 1e-9;
 constexpr int most_sweeps = 60;
-constexpr int most_rounds = 3;
+constexpr int most_rounds = 4;
 /// Left of contacts, m, a substep is taken again, shorter.
 constexpr double too_much = 1e-5;
 /// Slower than this nothing bounces, m/s: it would for ever.
@@ -756,7 +754,7 @@ void GroupStepper::bounce(double h) {
     row.q = lasts ? 0.5 / h * row.p : 0;
     push(row, row.q);
   }
-  const double enough = coarser * still_ / h;
+  const double enough = still_ / h;
   for (int round = 0; round < most_rounds; ++round) {
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
