@@ -363,7 +363,9 @@ void add_humanoid_command(CLI::App& app, Action& action) {
                     std::numeric_limits<double>::infinity(),
                     "Friction in all joints alike, 1/s: relative motion of limbs decays at this rate [3]");
   add_seconds(*command, "--dt", run.dt, "Length of a frame [1/60]");
-  add_count(*command, "--substeps", run.substeps, "Integrations per frame [4]");
+  add_count(
+      *command, "--substeps", run.substeps,
+      "Integrations per frame; with 8 the distance of 71 in 72 throws was within 10 % of that with 64 [8]");
   add_seconds(*command, "--duration", run.most,
               "Most simulated time; a run ends when the figure sleeps again [10]");
   command
@@ -376,9 +378,10 @@ void add_humanoid_command(CLI::App& app, Action& action) {
           },
           "Aims the ball up to 1 cm off, each seed elsewhere; 0: at the middle of the upper torso [0]")
       ->type_name("N");
-  CLI::Option* experiments = command->add_flag("--experiments", o.experiments,
-                                               "The thesis's figures 4.11 to 4.14, each case three times and "
-                                               "in 8 times as many substeps; balls are theirs");
+  CLI::Option* experiments = command->add_flag(
+      "--experiments", o.experiments,
+      "The thesis's figures 4.11 to 4.14 with balls of their own, each case three times and in 8 times as "
+      "many substeps");
   for (CLI::Option* option : ball) experiments->excludes(option);
   command
       ->add_option("--report", o.report,

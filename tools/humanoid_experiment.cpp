@@ -61,14 +61,14 @@ double distance_to_segment(Vec3 point, Vec3 a, Vec3 b) {
   return norm(a + t * along - point);
 }
 
-/// Numbers of the frames to show: the start, then from the impact on ever farther apart, since the fall is
+/// Numbers of the frames to show: the last one before the impact, then ever farther apart, since the fall is
 /// quick and coming to rest is slow.
-std::vector<std::size_t> frames_to_show(std::size_t impact, std::size_t last) {
-  std::vector<std::size_t> out{0};
-  const double steps = static_cast<double>(poses_shown - 2);
-  for (std::size_t i = 0; i + 1 < poses_shown; ++i) {
-    const double share = std::pow(static_cast<double>(i) / steps, 1.5);
-    out.push_back(impact + static_cast<std::size_t>(std::lround(share * static_cast<double>(last - impact))));
+std::vector<std::size_t> frames_to_show(std::size_t before, std::size_t last) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < poses_shown; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(poses_shown - 1);
+    out.push_back(before +
+                  static_cast<std::size_t>(std::lround(share * share * static_cast<double>(last - before))));
   }
   return out;
 }
@@ -212,7 +212,7 @@ HumanoidResult run_humanoid(const HumanoidRun& run, bool with_poses) {
     result.time_to_rest = time_to_rest(result.track, *impact);
   }
   if (!with_poses) return result;
-  for (const std::size_t i : frames_to_show(impact ? impact->first : 0, positions.size() - 1))
+  for (const std::size_t i : frames_to_show(impact ? impact->first - 1 : 0, positions.size() - 1))
     result.poses.push_back({.t = result.track[i].t, .positions = positions[i], .velocities = {}});
   return result;
 }

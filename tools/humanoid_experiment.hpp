@@ -20,7 +20,7 @@ struct HumanoidRun {
   scenes::HumanoidShape figure{.body = scenes::BodyType::medium};
   scenes::Ball ball;
   double dt = 1.0 / 60;  ///< s, of a frame
-  std::uint32_t substeps = 4;
+  std::uint32_t substeps = 8;
   double most = 10;        ///< s, after which it ends though the body still moves
   std::uint64_t seed = 0;  ///< the ball is aimed up to 1 cm off, up and sideways; 0: not at all
 };
@@ -74,7 +74,7 @@ struct HumanoidResult {
   std::uint64_t frozen = 0;    ///< islands that went non-finite
   bool finite = true;
   std::vector<Instant> track{};
-  std::vector<Frame> poses{};  ///< `poses_shown` of them, from the start to the end, if asked for
+  std::vector<Frame> poses{};  ///< `poses_shown` of them, from before the impact to the end, if asked for
 };
 inline constexpr std::size_t poses_shown = 6;
 
