@@ -20,8 +20,8 @@ struct HumanoidRun {
   scenes::HumanoidShape figure{.body = scenes::BodyType::medium};
   scenes::Ball ball;
   double dt = 1.0 / 60;  ///< s, of a frame
-  std::uint32_t substeps = 4;
-  double most = 10;        ///< s, after which it ends though something still moves
+  std::uint32_t substeps = 8;
+  double most = 10;        ///< s, after which it ends though the body still moves
   std::uint64_t seed = 0;  ///< the ball is aimed up to 1 cm off, up and sideways; 0: not at all
 };
 
@@ -34,8 +34,8 @@ struct Instant {
   Vec3 center{};            ///< m, the body's centre of mass
   double body_energy = 0;   ///< J, kinetic and potential, without the ball
   double body_fastest = 0;  ///< m/s, of its particles
-  double ball_speed = 0;    ///< m/s
   Vec3 ball_velocity{};     ///< m/s
+  bool asleep = false;      ///< the body, all through the frame that ends here
 };
 
 /// From the frame in which the ball's velocity first changed by more than gravity has it, with the body
@@ -44,19 +44,20 @@ struct Impact {
   std::size_t first = 0, last = 0;  ///< numbers of instants: their frames are the ones that end there
 };
 
-/// Slower than this for this long is at rest.
+/// Slower than this for this long is what World lets sleep.
 inline constexpr double rest_speed = 0.02;    ///< m/s
 inline constexpr double rest_duration = 0.5;  ///< s
 
 std::optional<Impact> find_impact(std::span<const Instant> track, Vec3 gravity);
 /// J: what the body has after the impact over what it had before.
 double energy_received(std::span<const Instant> track, const Impact& impact);
-/// Seconds from the impact until the body is at rest; none if it never is. Only a whole rest_duration counts.
+/// Seconds from the impact until the body rests, that is, is slower than rest_speed until it sleeps; none if
+/// it never does.
 std::optional<double> time_to_rest(std::span<const Instant> track, const Impact& impact);
 /// m, along the ground, between the body's centres of mass at the first and the last instant.
 double distance_over_ground(std::span<const Instant> track);
-/// Whether body and ball have been at rest for rest_duration.
-bool all_at_rest(std::span<const Instant> track, const std::optional<Impact>& impact);
+/// Whether the body sleeps again after the impact. The ball may roll on, or lie far off.
+bool body_rests(std::span<const Instant> track, const std::optional<Impact>& impact);
 
 struct HumanoidResult {
   bool hit = false;
@@ -73,7 +74,7 @@ struct HumanoidResult {
   std::uint64_t frozen = 0;    ///< islands that went non-finite
   bool finite = true;
   std::vector<Instant> track{};
-  std::vector<Frame> poses{};  ///< `poses_shown` of them, from the start to the end, if asked for
+  std::vector<Frame> poses{};  ///< `poses_shown` of them, from before the impact to the end, if asked for
 };
 inline constexpr std::size_t poses_shown = 6;
 

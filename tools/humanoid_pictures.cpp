@@ -31,20 +31,24 @@ struct Window {
   double width() const { return right - left; }
 };
 
-/// All that the figures of all rows ever cover, and where they stood; balls may fly out of it.
+/// All that the figures of all rows ever cover, where they stood, and the balls at the first instants; later
+/// they may fly out of it.
 Window window_of(std::span<const PoseRow> rows) {
   Window window{.left = -0.5, .right = 0.5, .top = 0.5};
-  for (const PoseRow& row : rows)
+  const auto take_in = [&](const Capsule& capsule, const Frame& pose) {
+    for (const Point* point : {&capsule.a, &capsule.b}) {
+      const Vec3 at = place_of(*point, pose.positions);
+      window.left = std::min(window.left, at.x - capsule.radius);
+      window.right = std::max(window.right, at.x + capsule.radius);
+      window.top = std::max(window.top, at.y + capsule.radius);
+    }
+  };
+  for (const PoseRow& row : rows) {
+    if (row.poses.empty() || row.scene.capsules.empty()) continue;
+    take_in(row.scene.capsules.back(), row.poses.front());
     for (const Frame& pose : row.poses)
-      for (std::size_t i = 0; i + 1 < row.scene.capsules.size(); ++i) {
-        const Capsule& capsule = row.scene.capsules[i];
-        for (const Point* point : {&capsule.a, &capsule.b}) {
-          const Vec3 at = place_of(*point, pose.positions);
-          window.left = std::min(window.left, at.x - capsule.radius);
-          window.right = std::max(window.right, at.x + capsule.radius);
-          window.top = std::max(window.top, at.y + capsule.radius);
-        }
-      }
+      for (std::size_t i = 0; i + 1 < row.scene.capsules.size(); ++i) take_in(row.scene.capsules[i], pose);
+  }
   window.left -= margin;
   window.right += margin;
   window.top += margin;
@@ -79,20 +83,24 @@ std::string draw_limb(const Panel& panel, const Capsule& capsule, const Frame& p
   return line("edge", "#fff", thickness + 0.8) + line("limb", near ? near_color : far_color, thickness - 0.8);
 }
 
-/// The figure's limbs from the farthest to the nearest; of a pair of legs the farther one is pale.
+/// The figure's limbs from the farthest to the nearest. Those that are on the far side when it stands are
+/// pale all the way.
 std::string draw_figure(const Panel& panel, const PoseRow& row, const Frame& pose) {
   const std::vector<Capsule>& capsules = row.scene.capsules;
   std::vector<std::size_t> order(capsules.empty() ? 0 : capsules.size() - 1);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto depth = [&](std::size_t i) {
-    return place_of(capsules[i].a, pose.positions).z + place_of(capsules[i].b, pose.positions).z;
+  const auto depth_in = [&](std::size_t i, std::span<const Vec3> positions) {
+    return place_of(capsules[i].a, positions).z + place_of(capsules[i].b, positions).z;
   };
+  const auto depth = [&](std::size_t i) { return depth_in(i, pose.positions); };
   // Of limbs one behind the other by less than a centimetre the thicker one is behind.
   const auto key = [&](std::size_t i) { return std::pair(std::lround(50 * depth(i)), -capsules[i].radius); };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t k) { return key(i) < key(k); });
-  const double middle = order.empty() ? 0 : depth(0);
+  std::vector<Vec3> standing;
+  for (const Particle& particle : row.scene.particles) standing.push_back(particle.position);
   std::string out;
-  for (const std::size_t i : order) out += draw_limb(panel, capsules[i], pose, depth(i) >= middle - 0.02);
+  for (const std::size_t i : order)
+    out += draw_limb(panel, capsules[i], pose, depth_in(i, standing) >= -0.02);
   return out;
 }
 
@@ -135,7 +143,9 @@ std::string draw_poses(std::span<const PoseRow> rows) {
   const double height = row_height * static_cast<double>(rows.size());
   std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + short_number(width) +
                     "\" height=\"" + short_number(height, 6) + "\" viewBox=\"0 0 " + short_number(width) +
-                    " " + short_number(height, 6) + "\" font-family=\"sans-serif\" fill=\"#222\">\n";
+                    " " + short_number(height, 6) +
+                    "\" font-family=\"sans-serif\" fill=\"#222\">\n"
+                    "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const double top = row_height * static_cast<double>(r);
     out += text_at(short_number(left), top + 17, "start", rows[r].title, 14);

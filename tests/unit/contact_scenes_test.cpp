@@ -87,8 +87,18 @@ TEST(StandingHumanoid, WithoutABodyIsTheTreeOfTheFrontier) {
   EXPECT_NEAR(scene.particles[6].position.z, 15 * inch, 1e-15);
   EXPECT_NEAR(scene.particles[7].position.z, -15 * inch, 1e-15);
   EXPECT_NE(message_of("humanoid:friction=0.1").find("body"), std::string::npos);
+  EXPECT_NE(message_of("humanoid:joint_drag=1").find("body"), std::string::npos);
+  EXPECT_EQ(scene.joint_drag, 0);
   EXPECT_NE(message_of("humanoid:body=fat").find("thin, medium, wide"), std::string::npos);
   EXPECT_NE(message_of("humanoid:body=thin,friction=-1").find("friction"), std::string::npos);
+  EXPECT_NE(message_of("humanoid:body=thin,joint_drag=-1").find("joint_drag"), std::string::npos);
+}
+
+TEST(StandingHumanoid, JointsAreBraked) {
+  for (const char* spec : {"humanoid:body=thin", "humanoid:body=wide,arms=1", "crowd:humanoids=2,hit=1"}) {
+    EXPECT_EQ(load_scene(spec).joint_drag, usual_joint_drag) << spec;
+    EXPECT_EQ(load_scene(std::string(spec) + ",joint_drag=0.5").joint_drag, 0.5) << spec;
+  }
 }
 
 /// The angle in degrees that angle control `i` of the scene is at.

@@ -16,7 +16,8 @@ constexpr double dt = 1.0 / 60;
 const Vec3 gravity{0, -9.81, 0};
 
 /// A body that stands until frame `hit`, then slides along (3, 0, 4)/5 from 1 m/s, slower and slower, and
-/// stops after `sliding` seconds; the ball flies freely, bounces back in two frames and goes on.
+/// stops after `sliding` seconds and sleeps half a second later; the ball flies freely, bounces back in two
+/// frames and goes on.
 std::vector<Instant> made_up(std::size_t hit, double sliding, double duration) {
   std::vector<Instant> track;
   Vec3 ball{-10, 2, 0};
@@ -34,8 +35,8 @@ std::vector<Instant> made_up(std::size_t hit, double sliding, double duration) {
                                     : i == hit ? 130.0
                                                : 150.0 - since,
                      .body_fastest = speed,
-                     .ball_speed = norm(ball),
-                     .ball_velocity = ball});
+                     .ball_velocity = ball,
+                     .asleep = i < hit || since > sliding + 0.5});
   }
   return track;
 }
@@ -55,10 +56,10 @@ TEST(HumanoidTrack, ABallThatBouncesOffTheGroundHitsNobody) {
   for (Instant& now : track) now.body_fastest = 0;
   EXPECT_FALSE(find_impact(track, gravity));
   EXPECT_FALSE(find_impact({}, gravity));
-  EXPECT_FALSE(all_at_rest(track, {}));
+  EXPECT_FALSE(body_rests(track, {}));
 }
 
-TEST(HumanoidTrack, RestBeginsWhereHalfASecondOfItDoes) {
+TEST(HumanoidTrack, RestIsTheSlownessThatSleepEnds) {
   // 1 - s/2 < 0.02 from s = 1.96 s on; the impact began a frame before its first instant.
   const std::vector<Instant> track = made_up(12, 2, 4);
   const auto impact = find_impact(track, gravity);
@@ -66,21 +67,20 @@ TEST(HumanoidTrack, RestBeginsWhereHalfASecondOfItDoes) {
   const auto rest = time_to_rest(track, *impact);
   ASSERT_TRUE(rest);
   EXPECT_NEAR(*rest, 1.96 + dt, dt);
-  // It stops being still in the half second, and again never is.
+  // It stirs before it sleeps; without sleep, however slow, it does not rest.
   std::vector<Instant> stirred = track;
   stirred[static_cast<std::size_t>(std::lround((12 * dt + 2.3) / dt))].body_fastest = 0.1;
   EXPECT_GT(*time_to_rest(stirred, *impact), 2.3);
-  EXPECT_FALSE(time_to_rest(std::span(track).first(track.size() - 120), *impact));
+  for (Instant& now : stirred) now.asleep = false;
+  EXPECT_FALSE(time_to_rest(stirred, *impact));
 }
 
 TEST(HumanoidTrack, TheBallMayMoveOnWhenTheBodyRests) {
-  std::vector<Instant> track = made_up(12, 2, 4);
+  const std::vector<Instant> track = made_up(12, 2, 4);
   const auto impact = find_impact(track, gravity);
-  EXPECT_FALSE(all_at_rest(track, impact));
-  for (Instant& now : track)
-    if (now.t > 3.4) now.ball_speed = 0.01;
-  EXPECT_TRUE(all_at_rest(track, impact));
-  EXPECT_FALSE(all_at_rest(std::span(track).first(track.size() - 12), impact));
+  EXPECT_TRUE(body_rests(track, impact));  // the ball flies on
+  EXPECT_FALSE(body_rests(std::span(track).first(track.size() - 90), impact));
+  EXPECT_FALSE(body_rests(track, {}));
 }
 
 TEST(HumanoidTrack, DistanceIsAlongTheGround) {
@@ -159,6 +159,20 @@ TEST(HumanoidRuns, EndInTimeAndSayWhetherTheyHit) {
   EXPECT_EQ(result.poses.size(), poses_shown);
   run.most = -1;
   EXPECT_THROW(run_humanoid(run), InputError);
+}
+
+TEST(HumanoidRuns, EndWhenTheBodySleeps) {
+  HumanoidRun run;
+  run.ball.speed = 20;
+  const HumanoidResult result = run_humanoid(run);
+  ASSERT_TRUE(result.hit);
+  ASSERT_TRUE(result.time_to_rest);
+  EXPECT_LT(result.simulated, run.most);
+  EXPECT_TRUE(result.track.back().asleep);
+  EXPECT_FALSE((result.track.end() - 2)->asleep);
+  // World lets it sleep after rest_duration; asleep is a whole frame, and rounding may take another one.
+  const double flown = result.track[find_impact(result.track, gravity)->first - 1].t;
+  EXPECT_NEAR(result.simulated, flown + *result.time_to_rest + rest_duration, 2.5 * run.dt);
 }
 
 std::size_t count(const pugi::xml_node& root, const char* path) {

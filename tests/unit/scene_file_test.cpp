@@ -240,10 +240,10 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1, "stiffness": 1})")),
             "f.json: rods[0].stiffness is not a known key; known are a, b, length, mass, center, inertia, "
             "linear_drag, orthogonal_drag");
-  EXPECT_EQ(
-      message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
-      "f.json: Gravity is not a known key; known are plumb, gravity, drag, particles, rods, bodies, pins, "
-      "alignments, angles, capsules, planes, boxes");
+  EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
+            "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
+            "rods, bodies, pins, "
+            "alignments, angles, capsules, planes, boxes");
 }
 
 TEST(SceneFile, MissingAndMistypedValuesAreNamedWithTheirPath) {

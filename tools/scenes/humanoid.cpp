@@ -32,9 +32,9 @@ void require_share(double value, const char* name) {
   if (!(value >= 0 && value <= 1)) throw InputError(std::string(name) + " must be from 0 to 1");
 }
 
-void require_friction(double friction) {
-  if (!(friction >= 0) || !std::isfinite(friction))
-    throw InputError("friction must be at least 0 and finite");
+void require_from_zero(double value, const char* name) {
+  if (!(value >= 0) || !std::isfinite(value))
+    throw InputError(std::string(name) + " must be at least 0 and finite");
 }
 
 void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>& joints, Vec3 place,
@@ -79,9 +79,11 @@ double inertia_across(double mass, double radius, double length) {
   return mass * (3 * radius * radius + length * length) / 12;
 }
 
-Scene ground_with(double friction) {
-  require_friction(friction);
+Scene ground_with(double friction, double joint_drag) {
+  require_from_zero(friction, "friction");
+  require_from_zero(joint_drag, "joint_drag");
   Scene scene;
+  scene.joint_drag = joint_drag;
   scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0, .surface = {.friction = friction}});
   return scene;
 }
@@ -118,13 +120,15 @@ Scene make_humanoid(const HumanoidShape& shape) {
   if (shape.body == BodyType::none) {
     if (shape.friction != HumanoidShape{}.friction)
       throw InputError("friction is of a figure that stands; give body=thin, medium or wide");
+    if (shape.joint_drag != usual_joint_drag)
+      throw InputError("joint_drag is of a figure that stands; give body=thin, medium or wide");
     if (shape.arms != 0) throw InputError("arms are of a figure that stands; give body=thin, medium or wide");
     return make_humanoid();
   }
   if (shape.arms > 1) throw InputError("arms must be 0 or 1");
   if (shape.arms == 1) return make_humanoid_with_arms(shape);
   const Build& build = build_of(shape.body);
-  Scene scene = ground_with(shape.friction);
+  Scene scene = ground_with(shape.friction, shape.joint_drag);
   append_figure(scene, build, joints_of(build), {}, {.friction = shape.friction});
   return scene;
 }
@@ -141,7 +145,7 @@ Scene make_crowd(const CrowdShape& shape) {
   const auto place = [&](std::uint64_t i) {
     return Vec3{apart * static_cast<double>(i % side), 0, apart * static_cast<double>(i / side)};
   };
-  Scene scene = ground_with(shape.friction);
+  Scene scene = ground_with(shape.friction, shape.joint_drag);
   for (std::uint32_t i = 0; i < shape.humanoids; ++i)
     append_figure(scene, build, joints, place(i), {.friction = shape.friction});
   for (std::uint64_t k = 0; k < shape.hit; ++k) {
@@ -159,7 +163,7 @@ std::uint32_t throw_ball(Scene& scene, const Ball& ball, Vec3 target) {
   require_positive(ball.mass, "the ball's mass");
   require_positive(ball.distance, "the ball's distance");
   require_share(ball.elasticity, "the ball's elasticity");
-  require_friction(ball.friction);
+  require_from_zero(ball.friction, "the ball's friction");
   const double length = norm(ball.direction);
   require_positive(length, "the length of the ball's direction");
   const Vec3 velocity = (ball.speed / length) * ball.direction;

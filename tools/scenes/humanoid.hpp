@@ -16,16 +16,22 @@ inline constexpr double pound = 0.45359237;  ///< kg
 enum class BodyType : std::uint8_t { none, thin, medium, wide };
 std::string_view to_string(BodyType);
 
+/// 1/s, Scene::joint_drag of figures that stand. Limbs on two points with joints that nothing brakes swing
+/// for ever; the thesis's came to rest because its relaxation loses energy by its error. A passive human
+/// joint does it by friction: so do these, and the rate does not depend on the step.
+inline constexpr double usual_joint_drag = 3;
+
 struct HumanoidShape {
   BodyType body = BodyType::none;
-  double friction = 0.6;   ///< Coulomb's coefficient between limbs, ball and ground
-  std::uint32_t arms = 0;  ///< 1: the fuller figure of humanoid_arms.hpp
+  double friction = 0.6;                 ///< Coulomb's coefficient between limbs, ball and ground
+  double joint_drag = usual_joint_drag;  ///< 1/s
+  std::uint32_t arms = 0;                ///< 1: the fuller figure of humanoid_arms.hpp
 };
 
 /// Without a body make_humanoid() of generators.hpp. With one, nine limbs as capsules around rods, from the
 /// head down, standing on the plane y = 0 above the origin, front towards +x, legs apart along z: free,
-/// asleep, the feet's balls just touching the ground. Throws InputError on a friction that is no number from
-/// 0 on, or on arms or a friction that nothing would have.
+/// asleep, the feet's balls just touching the ground. Throws InputError on a friction or a joint drag that is
+/// no number from 0 on, or on one of them or arms that nothing would have.
 Scene make_humanoid(const HumanoidShape& shape);
 
 /// Many that stand in a square field, 2.5 m apart along x and z, on one plane.
@@ -34,7 +40,8 @@ struct CrowdShape {
   std::uint32_t hit = 100;  ///< of them, evenly strewn, have a ball flying at them
   BodyType body = BodyType::medium;
   double friction = 0.6;
-  double speed = 10;  ///< m/s, of the balls
+  double joint_drag = usual_joint_drag;  ///< 1/s
+  double speed = 10;                     ///< m/s, of the balls
 };
 /// Humanoids first, one after another, then the balls. Equal figures are equal but for where they stand.
 Scene make_crowd(const CrowdShape& shape);

@@ -138,7 +138,7 @@ void add_arm(Figure& figure, const Build& build, std::uint32_t on, Vec3 shoulder
 
 Scene make_humanoid_with_arms(const HumanoidShape& shape) {
   const Build& build = build_of(shape.body);
-  Scene scene = ground_with(shape.friction);
+  Scene scene = ground_with(shape.friction, shape.joint_drag);
   Figure figure(scene, {.friction = shape.friction});
   const std::array<double, 6> heights = trunk_heights(build);
   const auto limb = [&](std::size_t i) {

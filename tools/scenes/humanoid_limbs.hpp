@@ -42,7 +42,8 @@ const Build& build_of(BodyType body);
 /// A solid cylinder's inertia about an axis through its middle and across it, in kg m^2.
 double inertia_across(double mass, double radius, double length);
 
-/// A scene with the plane y = 0 alone. Throws InputError on a friction that is no number from 0 on.
-Scene ground_with(double friction);
+/// A scene with the plane y = 0 alone and joints that are braked. Throws InputError on a friction or a joint
+/// drag (1/s) that is no number from 0 on.
+Scene ground_with(double friction, double joint_drag);
 
 }  // namespace plumb::scenes

@@ -13,8 +13,8 @@ namespace {
 
 Scene scene_of(const json& root) {
   const Object top(root, "",
-                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bodies", "pins", "alignments", "angles",
-                    "capsules", "planes", "boxes"});
+                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bodies", "pins",
+                    "alignments", "angles", "capsules", "planes", "boxes"});
   const json& version = top.at("plumb");
   if (!version.is_number_integer() || version != 1) {
     refuse("plumb", "is the version of the format and must be 1, not " + version.dump());

@@ -8,7 +8,7 @@
 
 /// Scene files: JSON, version 1, SI units.
 ///
-///   {"plumb": 1, "gravity": [0, -9.81, 0], "drag": 0,
+///   {"plumb": 1, "gravity": [0, -9.81, 0], "drag": 0, "joint_drag": 0,
 ///    "particles": [{"position": [x, y, z], "velocity": [x, y, z], "mass": 1, "fixed": false,
 ///                   "asleep": false}, ...],
 ///    "rods": [{"a": 0, "b": 1, "length": 0.1, "mass": 0, "center": 0.5, "inertia": 0,

@@ -152,7 +152,11 @@ const std::vector<Generator>& generators() {
                   "the thesis's nine limbs as rods with mass, level from the top of the head; "
                   "body=thin|medium|wide: standing on the ground, asleep; arms=1: with them, and knees that "
                   "bend one way",
-                  make_humanoid, {{"body", &H::body}, {"friction", &H::friction}, {"arms", &H::arms}}),
+                  make_humanoid,
+                  {{"body", &H::body},
+                   {"friction", &H::friction},
+                   {"joint_drag", &H::joint_drag},
+                   {"arms", &H::arms}}),
       describe<G>("graph", "particles strewn over a cube, the nearest tied together, masses 0.5 to 2 kg",
                   make_graph,
                   {{"particles", &G::particles},
@@ -165,6 +169,7 @@ const std::vector<Generator>& generators() {
                    {"hit", &W::hit},
                    {"body", &W::body},
                    {"friction", &W::friction},
+                   {"joint_drag", &W::joint_drag},
                    {"speed", &W::speed}}),
       describe<S>("stick_box", "the thesis's stick, thrown in a box of six planes", make_stick_box,
                   {{"length", &S::length},
