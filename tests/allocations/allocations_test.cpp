@@ -13,6 +13,7 @@
 
 #include "plumb/plumb.hpp"
 #include "scenes/generators.hpp"
+#include "scenes/spec.hpp"
 #include "support/executors.hpp"
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
@@ -268,6 +269,22 @@ TEST_F(Allocations, AreNoneInStepsOfMultipliersAndFeatherstone) {
                 }),
                 0u)
           << to_string(method) << ", " << to_string(integrator);
+    }
+}
+
+// Limbs that touch: once a scene has been as lively as it gets. Contacts come and go, and groups of islands with
+// them; what they need is kept, but a new most takes memory.
+TEST_F(Allocations, AreNoneInStepsOfLimbsOnceWarm) {
+  for (const char* spec :
+       {"humanoid:body=medium", "stick_box", "drop", "crowd:humanoids=16,hit=8,body=thin"})
+    for (const bool sleep : {false, true}) {
+      Scene scene = scenes::load_scene(spec);
+      for (Particle& particle : scene.particles) particle.asleep = false;
+      World world(scene, {.method = Method::direct, .sleep = sleep, .threads = 1});
+      test::run(world, 1.0 / 60, 600);
+      EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 300); }), 0u) << spec;
+      world.set_force(0, {1, 2, 3});
+      EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 90, 100); }), 0u) << spec << ", a force";
     }
 }
 

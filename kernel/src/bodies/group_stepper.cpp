@@ -92,6 +92,13 @@ std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t i
   return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
 }
 
+bool is_finite(const LinkageState& state) {
+  const auto all = [](std::span<const Vec3> of) {
+    return std::all_of(of.begin(), of.end(), [](Vec3 v) { return plumb::is_finite(v); });
+  };
+  return all(state.x) && all(state.v);
+}
+
 double dot_with(const Combination& sum, Vec3 along, std::span<const Vec3> motion) {
   double out = 0;
   for (std::uint32_t i = 0; i < sum.count; ++i)
@@ -119,7 +126,7 @@ void GroupStepper::step(std::span<LinkageState* const> group, const Surroundings
   if (islands_.size() < count_) islands_.resize(count_);
   for (std::uint32_t i = 0; i < count_; ++i) {
     islands_[i].state = group[i];
-    islands_[i].awake = !group[i]->asleep;
+    islands_[i].awake = !group[i]->asleep && !group[i]->frozen;
   }
   double left = dt;
   const double least = dt / most_cuts;
@@ -170,6 +177,18 @@ bool GroupStepper::factor(LinkageState& state) {
   state.linkage->assemble(state.x, state.factors);
   state.factored = state.linkage->plan().factor(state.factors);
   return state.factored;
+}
+
+// Back to where it was before the substep, for good.
+void GroupStepper::freeze(Island& island, StepReport& report) {
+  LinkageState& state = *island.state;
+  std::swap(state.x, island.there);
+  std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
+  state.kept.clear();
+  state.energy.reset();
+  state.frozen = true;
+  island.awake = false;
+  ++report.frozen_islands;
 }
 
 void GroupStepper::start(Island& island, double h) {
@@ -235,6 +254,8 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
     if (islands_[i].awake)
       std::copy_n(islands_[i].v.begin(), islands_[i].state->linkage->movable(), islands_[i].state->v.begin());
   keep_contacts(h);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   report.contacts = std::max<std::uint64_t>(
       report.contacts, std::count_if(rows_.begin(), rows_.end(),
                                      [](const Row& row) { return row.kind == Kind::normal && row.p > 0; }));
@@ -248,7 +269,7 @@ bool GroupStepper::find_positions(const Surroundings& surroundings, double h, St
     woken_ = false;
     find_contacts(surroundings, h);
     for (std::uint32_t i = 0; woken_ && i < count_; ++i)
-      if (!islands_[i].state->asleep && !islands_[i].awake) {
+      if (!islands_[i].state->asleep && !islands_[i].awake && !islands_[i].state->frozen) {
         islands_[i].awake = true;
         islands_[i].state->calm = 0;
         start(islands_[i], h);
@@ -290,7 +311,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
   }
   for (Island* island : {one, two})
     if (island && !island->awake) {
-      if (touch.gap + closing < 0) {
+      if (island->state->asleep && touch.gap + closing < 0) {
         island->state->asleep = false;
         woken_ = true;
       }

@@ -102,6 +102,7 @@ class GroupStepper {
   bool substep(const Surroundings& surroundings, double h, StepReport& report);
   double longest_substep(double most) const;
   void start(Island& island, double h);
+  void freeze(Island& island, StepReport& report);
   bool factor(LinkageState& state);
   bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
   bool is_contact_missed() const;

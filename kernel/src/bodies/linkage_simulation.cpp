@@ -316,16 +316,13 @@ class LinkageSimulation final : public Simulation {
     for (const StepReport& own : reports_) report += own;
   }
 
-  /// Puts back what is no longer finite, takes in those that were woken, and lets groups that rest sleep.
+  /// Takes in those that were woken, and lets groups that rest sleep.
   void settle(double dt, StepReport& report) {
     for (std::size_t g = 0; g + 1 < starts_.size(); ++g) {
       bool calm = rules_.sleep;
       for (std::uint32_t k = starts_[g]; k < starts_[g + 1]; ++k) {
         LinkageState& state = *group_[k];
         if (state.asleep) continue;
-        for (std::uint32_t p = 0; p < state.linkage->movable(); ++p)
-          if (!is_finite(state.x[p]) || !is_finite(state.v[p])) state.frozen = true;
-        if (state.frozen) ++report.frozen_islands;
         const bool slow = top_speed(state) < rules_.sleep_speed;
         state.calm = slow && !moving_ ? state.calm + dt : 0;
         calm = calm && state.calm >= rules_.sleep_time;

@@ -1,0 +1,168 @@
+// Scenes with limbs that touch: what cannot move them is refused with the reason, extremes stay finite, and
+// what breaks is one island's alone.
+
+#include "support/limbs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "scenes/humanoid.hpp"
+#include "scenes/spec.hpp"
+
+namespace plumb {
+namespace {
+
+using test::frame;
+
+std::string refusal(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+// The reason names what was asked for.
+TEST(Limbs, AreRefusedToMethodsThatKnowRodsAlone) {
+  const Scene scene = scenes::load_scene("humanoid:body=thin");
+  for (const Method method : {Method::relax, Method::springs, Method::multipliers, Method::featherstone}) {
+    const std::string reason = refusal([&] { World(scene, {.method = method, .threads = 1}); });
+    EXPECT_NE(reason.find(to_string(method)), std::string::npos) << reason;
+    EXPECT_NE(reason.find("limbs"), std::string::npos) << reason;
+  }
+  for (const Method method : {Method::automatic, Method::direct}) {
+    EXPECT_EQ(refusal([&] { World(scene, {.method = method, .threads = 1}); }), "");
+    const std::string reason =
+        refusal([&] { World(scene, {.method = method, .accuracy = 1e-3, .threads = 1}); });
+    EXPECT_NE(reason.find("accuracy"), std::string::npos) << reason;
+    EXPECT_NE(reason.find("substeps"), std::string::npos) << reason;
+  }
+}
+
+// A shape or an angle that nothing moves.
+TEST(Limbs, OnFixedParticlesAloneAreRefused) {
+  Scene scene;
+  scene.particles = {test::fixed({0, 0, 0}), test::fixed({1, 0, 0}), test::movable({0, 1, 0})};
+  scene.capsules.push_back({.a = point_at(0), .b = point_at(1), .radius = 0.1});
+  EXPECT_NE(refusal([&] { World(scene, test::limbs()); }).find("fixed"), std::string::npos);
+}
+
+TEST(Limbs, RefuseStepsAndChangesThatMakeNoSense) {
+  World world(scenes::load_scene("humanoid:body=thin"), test::limbs());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double dt : {0.0, -1.0, nan})
+    EXPECT_NE(refusal([&] { world.step(dt); }).find("dt"), std::string::npos);
+  EXPECT_NE(refusal([&] { world.set_force(0, {nan, 0, 0}); }).find("particle 0"), std::string::npos);
+  EXPECT_NE(refusal([&] { world.set_force(99, {}); }).find("99"), std::string::npos);
+  EXPECT_NE(refusal([&] { world.move_anchor(0, {}); }).find("movable"), std::string::npos);
+}
+
+/// A figure whose limbs weigh from 1 to `ratio` times one of them, and a ball of 1 kg that hits it.
+Scene lopsided(double unit, double ratio) {
+  Scene scene = scenes::make_humanoid({.body = scenes::BodyType::thin});
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    const double mass = unit * std::pow(ratio, static_cast<double>(i % 3) / 2);
+    *scene.rods[i].inertia *= mass / scene.rods[i].mass;
+    scene.rods[i].mass = mass;
+  }
+  scenes::throw_ball(scene, {.speed = 20, .mass = 1}, scenes::torso_center(scenes::BodyType::thin));
+  return scene;
+}
+
+// 1 g to 100 t, in one figure and against the ball. 1 % is the bar for stretch.
+TEST(Limbs, StayFiniteAtExtremeMasses) {
+  for (const double unit : {1e-3, 1.0, 1e5})
+    for (const double ratio : {1.0, 1e4, 1e-4}) {
+      SCOPED_TRACE(testing::Message() << unit << " kg, ratio " << ratio);
+      const Scene scene = lopsided(unit, ratio);
+      World world(scene, test::limbs(1, true));
+      double stretch = 0;
+      StepReport report;
+      for (int i = 0; i < 120; ++i) {
+        report += world.step(frame);
+        ASSERT_TRUE(test::all_finite(world)) << "step " << i;
+        stretch = std::max(stretch, test::stretch_of(scene, world).max);
+      }
+      EXPECT_LE(stretch, 0.01);
+      EXPECT_EQ(report.frozen_islands, 0u);
+    }
+}
+
+TEST(Limbs, StayFiniteAtExtremeSteps) {
+  for (const char* spec : {"humanoid:body=wide", "stick_box", "drop", "crowd:humanoids=4,hit=4,body=thin"})
+    for (const double dt : {1e-5, 1e-3, 0.1, 0.5, 1.0}) {
+      SCOPED_TRACE(testing::Message() << spec << ", dt " << dt);
+      Scene scene = scenes::load_scene(spec);
+      for (Particle& particle : scene.particles) particle.asleep = false;
+      World world(scene, test::limbs(1, true));
+      for (int i = 0; i < 50; ++i) {
+        world.step(dt);
+        ASSERT_TRUE(test::all_finite(world)) << "step " << i;
+      }
+      EXPECT_LE(test::stretch_of(scene, world).max, 0.01);
+    }
+}
+
+/// Three figures, awake, in a scene with a ball for one of them, far enough from another ball to be alone.
+Scene figures_and_a_loose_ball() {
+  Scene scene = scenes::load_scene("crowd:humanoids=3,hit=1,body=thin");
+  for (Particle& particle : scene.particles) particle.asleep = false;
+  test::add_ball(scene, {-50, 3, 0}, 0.1, 1);
+  return scene;
+}
+
+void expect_alike(const World& world, const World& twin, std::uint32_t first, std::uint32_t last) {
+  for (std::uint32_t i = first; i < last; ++i) {
+    EXPECT_EQ(world.position(i), twin.position(i)) << i;
+    EXPECT_EQ(world.velocity(i), twin.velocity(i)) << i;
+  }
+}
+
+// A force that no step is short enough for: the figure stays where it is, and that is reported. The others go
+// on, to the bit.
+TEST(Limbs, LeaveTheOthersAloneWhenOneCannotBeSolved) {
+  const Scene scene = figures_and_a_loose_ball();
+  World world(scene, test::limbs()), twin(scene, test::limbs());
+  test::run(world, frame, 2);
+  test::run(twin, frame, 2);
+  const std::vector<Vec3> before = test::positions_of(world);
+  world.set_force(13, {1e308, 1e308, 0});
+  EXPECT_EQ(test::run(world, frame, 10).unsolved, 10u);
+  test::run(twin, frame, 10);
+  for (std::uint32_t i = 10; i < 20; ++i) {
+    EXPECT_EQ(world.position(i), before[i]) << i;
+    EXPECT_EQ(world.velocity(i), Vec3{}) << i;
+  }
+  expect_alike(world, twin, 0, 10);
+  expect_alike(world, twin, 20, 32);
+}
+
+// A ball whose numbers run out is put back to where it was, stands still from then on, and is counted once.
+TEST(Limbs, FreezeOnlyTheIslandThatBroke) {
+  const Scene scene = figures_and_a_loose_ball();
+  const std::uint32_t ball = 31;
+  for (const double mass : {1.0, 1e-8}) {
+    Scene light = scene;
+    light.particles[ball].mass = mass;
+    World world(light, test::limbs()), twin(light, test::limbs());
+    world.set_force(ball, {0, 1.7e308, 0});
+    std::uint32_t frozen = 0;
+    for (int i = 0; i < 30; ++i) {
+      frozen += world.step(0.5).frozen_islands;
+      twin.step(0.5);
+      ASSERT_TRUE(test::all_finite(world)) << "step " << i;
+    }
+    EXPECT_EQ(frozen, 1u) << mass;
+    EXPECT_EQ(world.velocity(ball), Vec3{});
+    EXPECT_TRUE(test::all_finite(twin));
+  }
+}
+
+}  // namespace
+}  // namespace plumb
