@@ -212,7 +212,10 @@ TEST_P(Joints, MoveAsReducedCoordinatesSay) {
     errors[k] = rms_distance(test::positions_of(world), exact);
   }
   EXPECT_LE(errors[1], 1e-4);
-  EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.1) << errors[0] << " " << errors[1];
+  // A slide under a constant force is exact at any substep.
+  if (errors[0] > 1e-12) {
+    EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.1);
+  }
 }
 
 // 1e-6 of the range, or of the energy where nothing falls; freedoms that are forbidden, 1e-6 m at 1 m.

@@ -71,7 +71,7 @@ Scene lopsided(double unit, double ratio) {
     *scene.rods[i].inertia *= mass / scene.rods[i].mass;
     scene.rods[i].mass = mass;
   }
-  scenes::throw_ball(scene, {.speed = 20, .mass = 1}, scenes::torso_center(scenes::BodyType::thin));
+  scenes::throw_ball(scene, {.speed = 20, .mass = 1}, scenes::torso_center({.body = scenes::BodyType::thin}));
   return scene;
 }
 

@@ -402,7 +402,14 @@ std::unique_ptr<Simulation> make_linkage_simulation(const Scene& scene, const Se
     refuse(
         "method ", to_string(settings.method),
         " knows particles and rods alone; limbs that touch, bodies, joints and sleepers want direct or auto");
-  if (settings.accuracy) refuse("accuracy cannot be asked for where limbs may touch; use substeps");
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) refuse(what, " where limbs may touch");
+  };
+  require(!settings.accuracy, "accuracy cannot be asked for, substeps can,");
+  require(settings.gradient.value_or(Gradient::old) == Gradient::old, "there is no gradient but old");
+  require(settings.time_order == 2, "there is no time order but 2");
+  require(settings.precision == Precision::double_, "there is no precision but double");
+  require(mass_model_of(settings) == MassModel::consistent, "there is no mass but consistent");
   return std::make_unique<LinkageSimulation>(scene, settings);
 }
 
