@@ -182,6 +182,7 @@ class Cutter {
     }
     for (Body body : scene_.bodies) {
       const std::uint32_t island = movable_of(body.particles, {1, 1, 1, 1});
+      if (island == 0xffffffff) continue;  // all of it is fixed: what others are jointed to
       for (std::uint32_t& particle : body.particles) particle = local(island, particle);
       parts_[island].bodies.push_back(body);
     }
