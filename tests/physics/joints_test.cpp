@@ -212,7 +212,9 @@ TEST_P(Joints, MoveAsReducedCoordinatesSay) {
     errors[k] = rms_distance(test::positions_of(world), exact);
   }
   EXPECT_LE(errors[1], 1e-4);
-  EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.1);
+  if (errors[1] > 1e-9) {  // sliding from a fixed body is even: exact
+    EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.1);
+  }
 }
 
 // 1e-6 of the range, or of the energy where nothing falls; freedoms that are forbidden, 1e-6 m at 1 m.
