@@ -201,8 +201,8 @@ TEST_P(Joints, StartAsTheyMove) {
   EXPECT_LE(world.info().projected_velocity, 1e-12) << "the velocities given are those of the joint";
 }
 
-// Runge-Kutta at half a millisecond errs by less than 1e-9 here; the substep errs by its square, by which the
-// rest is 1e-4 at most.
+// Runge-Kutta at half a millisecond errs by less than 1e-9 here; a substep by its square, at 1/1920 s and
+// turns of 3 rad/s by some 1e-6 m.
 TEST_P(Joints, MoveAsReducedCoordinatesSay) {
   const std::vector<Vec3> exact = exact_positions(pair, 1);
   double errors[2];
@@ -211,9 +211,8 @@ TEST_P(Joints, MoveAsReducedCoordinatesSay) {
     test::run(world, frame, 60);
     errors[k] = rms_distance(test::positions_of(world), exact);
   }
-  EXPECT_LE(errors[1], 1e-4);
-  // A slide under a constant force is exact at any substep.
-  if (errors[0] > 1e-12) {
+  EXPECT_LE(errors[1], 1e-5);
+  if (errors[1] > 1e-9) {  // sliding from a fixed body is even: exact
     EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2, 0.1);
   }
 }
