@@ -248,6 +248,23 @@ TEST_P(Joints, KeepMomenta) {
   EXPECT_LE(norm(after.angular - before.angular), 1e-10 * norm(before.angular));
 }
 
+// The same of a rod alone, which is all rigid: what energy is held to must not cost it momentum.
+TEST(FreeRod, KeepsMomenta) {
+  Scene scene;
+  scene.gravity = {};
+  test::add_limb(scene, {0, 0, -0.5}, {0, 0, 0.5}, 2, 0.05);
+  scene.particles[0].velocity = {1, 0.5, 0.3};
+  scene.particles[1].velocity = {0, -0.5, 0.3};
+  for (const std::uint32_t substeps : {1u, 16u, 64u}) {
+    World world(scene, test::limbs(substeps));
+    const Momentum before = test::momentum_of(scene, world);
+    test::run(world, frame, 120);
+    const Momentum after = test::momentum_of(scene, world);
+    EXPECT_LE(norm(after.linear - before.linear), 1e-10 * norm(before.linear)) << substeps;
+    EXPECT_LE(norm(after.angular - before.angular), 1e-10 * norm(before.angular)) << substeps;
+  }
+}
+
 /// A rod of 2 kg and 1 m, level, that turns about a fixed particle, and its angle with what points up there.
 constexpr double rod_mass = 2, rod_length = 1, rod_inertia = rod_mass * rod_length * rod_length / 3;
 Scene held_rod(AngleControl control, Vec3 gravity = {0, -test::earth, 0}) {
