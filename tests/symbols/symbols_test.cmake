@@ -23,8 +23,8 @@ foreach(object IN LISTS OBJECTS)
     endif()
   endforeach()
   set(wanted 2)  # one for float, one for double
-  if(isa MATCHES "^front_")
-    set(wanted 1)  # fronts are of double alone
+  if(isa MATCHES "^(front|kkt)_")
+    set(wanted 1)  # these are of double alone
   endif()
   if(NOT tables EQUAL wanted)
     message(FATAL_ERROR "${object}: ${tables} tables instead of ${wanted}")

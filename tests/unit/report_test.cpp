@@ -80,7 +80,7 @@ TEST(Report, HasEveryField) {
                                                  "unsolved",
                                                  "largest_gap",
                                                  "rms_gap",
-                                                 "inaccurate_steps"}));
+                                                 "inaccurate_steps", "contact"}));
   EXPECT_EQ(keys(report["settings"]),
             (std::set<std::string>{
                 "method",        "duration",       "dt",         "substeps",  "sweeps",    "tolerance",

@@ -21,7 +21,7 @@ constexpr double unnoticed = 3e-9;
 /// be.
 constexpr double let_be = 1e-6;
 /// Left of constraints, relative to lengths.
-constexpr double exact = 1e-9;
+constexpr double exact = 1e-8;
 constexpr int most_corrections = 16;
 /// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
 constexpr double still = 1e-3, least_still = 1e-9;
@@ -445,9 +445,12 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
         const Segment first{a.a.of(x), a.b.of(x), a.radius};
         for (std::uint32_t l = 0; l < linkage_j.shapes().size(); ++l) {
           const Linkage::Shape& b = linkage_j.shapes()[l];
-          const Touch at = touch(first, {b.a.of(other.state->x), b.b.of(other.state->x), b.radius});
-          add_contact(i, blend(a.a, a.b, at.a), j, blend(b.a, b.b, at.b), at, a.surface, b.surface,
-                      contact_key(3, k, other.state->number, l), h);
+          const Touches near = touches(first, {b.a.of(other.state->x), b.b.of(other.state->x), b.radius});
+          for (std::uint32_t n = 0; n < near.count; ++n) {
+            const Touch& at = near.at[n];
+            add_contact(i, blend(a.a, a.b, at.a), j, blend(b.a, b.b, at.b), at, a.surface, b.surface,
+                        contact_key(3, 4 * k + n, other.state->number, l), h);
+          }
         }
       }
     }

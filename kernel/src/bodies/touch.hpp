@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "plumb/vec3.hpp"
 
@@ -44,6 +45,30 @@ inline Touch touch(const Segment& a, const Segment& b) {
   const double distance = norm(apart);
   const Vec3 normal = distance > 1e-12 ? (1 / distance) * apart : Vec3{0, 1, 0};
   return {distance - a.radius - b.radius, normal, s, t};
+}
+
+/// Where two segments are to be kept apart: where they are nearest and, for two that lie along each other, at
+/// either end of where they do. `count` of `at` are set.
+struct Touches {
+  Touch at[3];
+  std::uint32_t count = 0;
+};
+inline Touches touches(const Segment& a, const Segment& b) {
+  Touches out;
+  out.at[out.count++] = touch(a, b);
+  const Vec3 u = a.q - a.p, v = b.q - b.p;
+  const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v);
+  constexpr double along = 0.97;  // squared cosine: less than 10 degrees apart
+  if (uu == 0 || vv == 0 || uv * uv < along * uu * vv) return out;
+  const double first = std::clamp(dot(b.p - a.p, u) / uu, 0.0, 1.0);
+  const double second = std::clamp(dot(b.q - a.p, u) / uu, 0.0, 1.0);
+  for (const double s : {first, second}) {
+    const Vec3 p = between(a.p, a.q, s);
+    Touch end = touch({p, p, a.radius}, b);
+    end.a = s;
+    if (std::abs(first - second) > 1e-3 && std::abs(s - out.at[0].a) > 1e-3) out.at[out.count++] = end;
+  }
+  return out;
 }
 
 /// Three axes of length one at right angles.
