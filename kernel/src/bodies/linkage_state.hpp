@@ -38,7 +38,6 @@ struct LinkageState {
   bool frozen = false;
   double calm = 0;                 ///< s, for how long it has been slow
   std::optional<double> energy{};  ///< J, that free flight keeps
-  std::uint32_t hash_mark = 0;     ///< of the last search that found it
 };
 
 /// A pair of contact's own settings, and of sleep.

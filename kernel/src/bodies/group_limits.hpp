@@ -1,0 +1,36 @@
+#pragma once
+
+/// How far the steps of groups go, and how exact they are.
+namespace plumb::detail::group {
+
+/// Radians that a rod turns by in a substep, at most: corrections along the gradients of the start then take
+/// a digit off what is left every time.
+inline constexpr double most_turn = 0.35;
+/// Of the radii of two that approach, how far they do in a substep.
+inline constexpr double most_approach = 0.5;
+/// A step is cut into no more than so many.
+inline constexpr double most_cuts = 4096;
+/// Nor into more because it would gain energy.
+inline constexpr double most_guards = 64;
+/// Of a weight's energy, gained at rest.
+inline constexpr double unnoticed = 3e-9;
+/// Of a motion's energy, left in free flight rather than taken from a rigid whole, whose momentum it would
+/// be.
+inline constexpr double let_be = 1e-6;
+/// Left of constraints, relative to lengths.
+inline constexpr double exact = 1e-8;
+inline constexpr int most_corrections = 16;
+/// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
+inline constexpr double still = 1e-3, least_still = 1e-9;
+inline constexpr int most_sweeps = 60;
+inline constexpr int most_rounds = 4;
+/// Left of contacts, m, a substep is taken again, shorter.
+inline constexpr double too_much = 1e-5;
+/// Slower than this nothing bounces, m/s: it would for ever.
+inline constexpr double least_bounce = 0.05;
+/// What is near enough to be kept from touching, m.
+inline constexpr double margin = 2e-3;
+/// Overlap beyond this is taken back, a tenth a substep, m.
+inline constexpr double most_overlap = 5e-4;
+
+}  // namespace plumb::detail::group

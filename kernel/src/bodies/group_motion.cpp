@@ -1,0 +1,190 @@
+#include <algorithm>
+#include <cmath>
+
+#include "group_limits.hpp"
+#include "group_stepper.hpp"
+
+namespace plumb::detail {
+using namespace group;
+
+// Of Island::impulse and what its sides push, along the constraints where the island is now.
+void GroupStepper::find_velocities(Island& island) {
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  linkage.anchor_rates(state.x, state.v, island.right);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+    double* const at = &island.right[linkage.slot(k)];
+    at[0] = island.impulse[k].x;
+    at[1] = island.impulse[k].y;
+    at[2] = island.impulse[k].z;
+  }
+  const auto add = [&](const Combination& sum, Vec3 by) {
+    for (std::uint32_t k = 0; k < sum.count; ++k) {
+      if (sum.terms[k].particle >= linkage.movable()) continue;
+      double* const at = &island.right[linkage.slot(sum.terms[k].particle)];
+      at[0] += sum.terms[k].weight * by.x;
+      at[1] += sum.terms[k].weight * by.y;
+      at[2] += sum.terms[k].weight * by.z;
+    }
+  };
+  for (std::size_t s = 0; s < island.sides.size(); ++s) {
+    const double by = island.push.front().of[s];
+    if (by == 0) continue;
+    add(island.sides[s].a, by * island.sides[s].along_a);
+    add(island.sides[s].b, by * island.sides[s].along_b);
+  }
+  linkage.plan().solve(state.factors, island.right);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+    const double* at = &island.right[linkage.slot(k)];
+    island.v[k] = {at[0], at[1], at[2]};
+  }
+}
+
+void GroupStepper::finish(double h, bool touched) {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    LinkageState& state = *island.state;
+    const Linkage& linkage = *state.linkage;
+    std::swap(state.x, island.there);  // there: where it was
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
+    factor(state);
+    if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, h, island.force);
+    island.impulse.resize(linkage.movable());
+    linkage.momenta(island.v, island.impulse);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
+    std::fill(island.push.begin(), island.push.end(), Lanes{});
+    if (island.sides.empty() || !touched) find_velocities(island);
+  }
+}
+
+// Pushes act along the constraints where the islands are now; the responses of where they were only lead
+// there, in a few rounds.
+void GroupStepper::bounce(double h) {
+  // At rest what pushes in the second half of a substep is what pushed in the first.
+  for (Row& row : rows_) {
+    const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
+    row.q = lasts ? 0.5 / h * row.p : 0;
+    push(row, row.q);
+  }
+  const double enough = still_ / h;
+  for (int round = 0; round < most_rounds; ++round) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (island.sides.empty()) continue;
+      find_velocities(island);
+      see(island, island.v);
+    }
+    double left = sweep_velocities();
+    if (left <= enough) return;
+    for (int i = 1; i < most_sweeps && left > enough; ++i) left = sweep_velocities();
+  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
+}
+
+void GroupStepper::brake(Island& island, double h) {
+  const Linkage& linkage = *island.state->linkage;
+  if (linkage.drag() != 0) {
+    const double kept = std::exp(-0.5 * h * linkage.drag());
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
+  }
+  if (linkage.joint_drag() == 0 || (linkage.movable() == 1 && !linkage.is_grounded())) return;
+  const double kept = std::exp(-h * linkage.joint_drag());
+  island.rigid.assign(linkage.movable(), Vec3{});
+  if (!linkage.is_grounded()) linkage.split(island.state->x, island.v, island.rigid);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+    island.v[k] = island.rigid[k] + kept * (island.v[k] - island.rigid[k]);
+}
+
+double GroupStepper::energy() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    sum += state.linkage->kinetic(state.v) + state.linkage->potential(state.x, state.force);
+  }
+  return sum;
+}
+
+// Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
+// much motion as energy was gained: something was lifted. If no shorter substep is to be tried, all stops.
+bool GroupStepper::guard_energy(double before, bool touched, bool can_shorten, StepReport& report) {
+  double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
+  bool free = count_ == 1 && !touched, driven = false;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    const double kinetic = state.linkage->kinetic(island.v);
+    moving += kinetic;
+    weight += state.linkage->mass() * norm(state.linkage->gravity()) * state.linkage->size();
+    now += kinetic + state.linkage->potential(state.x, state.force);
+    free = free && !state.linkage->has_air();
+    driven = driven || state.linkage->has_drives();
+    for (std::size_t k = state.linkage->movable(); k < state.v.size(); ++k)
+      driven = driven || state.v[k] != Vec3{};
+  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!free || driven) islands_[i].state->energy.reset();
+  if (driven || moving == 0) return true;
+  LinkageState& first = *islands_[0].state;
+  if (free && !first.energy) first.energy = before;
+  const double wanted = free ? *first.energy : before;
+  double excess = now - wanted;
+  if (!free && excess <= 0) return true;
+  if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
+  if (excess > 0) ++report.guarded_energy;
+
+  // Of the motion that is not a rigid whole's, then, if that is not enough, of all.
+  double loose = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const Linkage& linkage = *island.state->linkage;
+    island.rigid.assign(linkage.movable(), Vec3{});
+    if (linkage.is_grounded())
+      loose += linkage.kinetic(island.v);
+    else if (linkage.movable() > 1)
+      loose += linkage.split(island.state->x, island.v, island.rigid);
+    else
+      island.rigid[0] = island.v[0];
+  }
+  const auto scale = [&](double square, bool all) {
+    const double by = std::sqrt(square);
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (!island.awake) continue;
+      for (std::uint32_t k = 0; k < island.state->linkage->movable(); ++k) {
+        const Vec3 rigid = all ? Vec3{} : island.rigid[k];
+        island.v[k] = rigid + by * (island.v[k] - rigid);
+      }
+    }
+  };
+  const double square = 1 - excess / loose;
+  if (square >= 0.25 && square <= 1.5) {
+    scale(square, false);
+  } else if (excess > (free ? let_be * moving : 0)) {
+    if (can_shorten && excess > moving + unnoticed * weight) return false;
+    scale(std::max(0.0, 1 - excess / moving), true);
+  }
+  return true;
+}
+
+void GroupStepper::keep_contacts(double h) {
+  for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->kept.clear();
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    if (row.kind == Kind::sliding || row.p == 0) continue;
+    Island& island = islands_[row.island[0]];
+    Vec3 force{row.p, 0, 0};
+    if (row.kind == Kind::normal)
+      force = row.p * island.sides[row.side[0]].along_a +
+              rows_[r + 1].p * island.sides[rows_[r + 1].side[0]].along_a +
+              rows_[r + 2].p * island.sides[rows_[r + 2].side[0]].along_a;
+    island.state->kept.push_back({row.key, (1 / (h * h)) * force});
+  }
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <cmath>
+
+#include "group_limits.hpp"
+#include "group_stepper.hpp"
+
+namespace plumb::detail {
+using namespace group;
+
+namespace {
+
+std::uint32_t padded(std::size_t batches) {
+  return static_cast<std::uint32_t>(batches * simd::kkt_lanes);
+}
+
+}  // namespace
+
+void GroupStepper::find_responses() {
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!islands_[i].sides.empty()) couple(islands_[i]);
+  for (Row& row : rows_) {
+    double own = row.softness;
+    row.across[0] = row.across[1] = 0;
+    for (std::uint32_t i = 0; i < row.ends; ++i) {
+      Island& island = islands_[row.island[i]];
+      const std::uint32_t side = row.side[i];
+      row.end[i] = {island.speed.front().of, island.push.front().of, island.row(side), side,
+                    padded(island.batches())};
+      own += row.end[i].coupling[side];
+      if (row.kind != Kind::normal) continue;
+      for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] += row.end[i].coupling[side + 1 + axis];
+    }
+    row.own = own;
+    row.over = own > 0 ? 1 / own : 0;
+  }
+}
+
+/// Solves for what a push of one on each side does, eight at a time, and what every side sees of that.
+void GroupStepper::couple(Island& island) {
+  constexpr std::size_t lanes = simd::kkt_lanes;
+  const Linkage& linkage = *island.state->linkage;
+  const std::uint32_t unknowns = linkage.plan().unknowns();
+  const std::size_t batches = island.batches(), count = island.sides.size();
+  island.response.assign(batches * unknowns, Lanes{});
+  island.coupling.resize(count * batches);
+  island.speed.resize(batches);
+  island.push.assign(batches, Lanes{});
+
+  // Of a side, its unknowns and how it weighs them.
+  std::uint32_t slots[48];
+  double factors[48];
+  const auto gather = [&](const Side& side) {
+    std::uint32_t used = 0;
+    const auto add = [&](const Combination& sum, Vec3 along) {
+      for (std::uint32_t k = 0; k < sum.count; ++k) {
+        if (sum.terms[k].particle >= linkage.movable()) continue;
+        const std::uint32_t slot = linkage.slot(sum.terms[k].particle);
+        const Vec3 by = sum.terms[k].weight * along;
+        for (const auto& [axis, value] : {std::pair{0u, by.x}, std::pair{1u, by.y}, std::pair{2u, by.z}}) {
+          slots[used] = slot + axis;
+          factors[used++] = value;
+        }
+      }
+    };
+    add(side.a, side.along_a);
+    add(side.b, side.along_b);
+    return used;
+  };
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::uint32_t used = gather(island.sides[s]);
+    for (std::uint32_t k = 0; k < used; ++k)
+      island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
+  }
+  const simd::KktView view = linkage.plan().view(island.state->factors);
+  for (std::size_t batch = 0; batch < batches; ++batch)
+    kernels_->solve(view, island.response[batch * unknowns].of);
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::uint32_t used = gather(island.sides[s]);
+    for (std::size_t batch = 0; batch < batches; ++batch)
+      kernels_->combine(island.response[batch * unknowns].of, slots, factors, used,
+                        island.coupling[s * batches + batch].of);
+  }
+}
+
+void GroupStepper::see(Island& island, std::span<const Vec3> motion) {
+  double* const speed = island.speed.front().of;
+  for (std::size_t s = 0; s < island.sides.size(); ++s) {
+    const Side& side = island.sides[s];
+    speed[s] = side.a.along(side.along_a, motion) + side.b.along(side.along_b, motion);
+  }
+}
+
+double GroupStepper::see(const Row& row) {
+  double out = row.end[0].speed[row.end[0].side];
+  if (row.ends == 2) out += row.end[1].speed[row.end[1].side];
+  return out;
+}
+
+void GroupStepper::push(const Row& row, double by) {
+  if (by == 0) return;
+  for (std::uint32_t i = 0; i < row.ends; ++i) {
+    const End& end = row.end[i];
+    kernels_->add_three(end.speed, by, end.coupling, 0, end.coupling, 0, end.coupling, end.padded);
+    end.push[end.side] += by;
+  }
+}
+
+void GroupStepper::push(const Row& first, double by0, double by1, double by2) {
+  for (std::uint32_t i = 0; i < first.ends; ++i) {
+    const End& end = first.end[i];
+    kernels_->add_three(end.speed, by0, end.coupling, by1, end.coupling + end.padded, by2,
+                        end.coupling + 2 * end.padded, end.padded);
+    end.push[end.side] += by0;
+    end.push[end.side + 1] += by1;
+    end.push[end.side + 2] += by2;
+  }
+}
+
+/// What has been pushed since, onto a motion.
+void GroupStepper::apply(Island& island, std::span<Vec3> motion) {
+  const Linkage& linkage = *island.state->linkage;
+  const std::uint32_t unknowns = linkage.plan().unknowns();
+  island.sum.assign(unknowns, Lanes{});
+  for (std::size_t batch = 0; batch < island.batches(); ++batch) {
+    kernels_->accumulate(island.sum.front().of, island.push[batch].of, island.response[batch * unknowns].of,
+                         unknowns);
+    island.push[batch] = {};
+  }
+  const auto total = [&](std::uint32_t slot) {
+    double out = 0;
+    for (const double each : island.sum[slot].of) out += each;
+    return out;
+  };
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+    const std::uint32_t slot = linkage.slot(k);
+    motion[k] += {total(slot), total(slot + 1), total(slot + 2)};
+  }
+}
+
+namespace {
+
+/// Shortens (a, b) to `most`.
+void into_disk(double& a, double& b, double most) {
+  const double square = a * a + b * b;
+  if (square <= most * most) return;
+  const double by = most / std::sqrt(square);
+  a *= by;
+  b *= by;
+}
+
+}  // namespace
+
+// The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
+// the largest change that they made, in m or m/s.
+double GroupStepper::sweep_positions() {
+  double worst = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    const double u = see(row);
+    double p = 0;
+    switch (row.kind) {
+      case Kind::normal: {
+        const double normal = std::max(0.0, row.p - row.over * (u + row.gap));
+        if (normal > 0 || row.p > 0) worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal));
+        r += 2;
+        continue;
+      }
+      case Kind::sliding:
+        continue;
+      case Kind::limit:
+        p = std::max(0.0, row.p - row.over * (u + row.gap));
+        break;
+      case Kind::drive:
+        p = row.p - row.over * (u + row.softness * row.p + row.gap);
+        break;
+      case Kind::brake:
+        p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
+        break;
+    }
+    const double by = p - row.p;
+    row.p = p;
+    push(row, by);
+    worst = std::max(worst, std::abs(by) * row.own);
+  }
+  return worst;
+}
+
+double GroupStepper::sweep_velocities() {
+  double worst = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    const bool brakes = row.kind == Kind::brake;
+    if (!brakes && (row.p <= 0 || (row.kind != Kind::normal && row.kind != Kind::limit))) continue;
+    const double q = brakes ? std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce)
+                            : std::max(0.0, row.q - row.over * (see(row) - row.bounce));
+    if (row.kind == Kind::normal) {
+      worst = std::max(worst, contact(r, &Row::q, q, row.bound * q));
+      r += 2;
+      continue;
+    }
+    const double by = q - row.q;
+    row.q = q;
+    push(row, by);
+    worst = std::max(worst, std::abs(by) * row.own);
+  }
+  return worst;
+}
+
+/// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
+double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most) {
+  Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
+  const double by0 = normal - n.*of;
+  // The normal push moves the others, too.
+  const double u1 = see(s) + by0 * n.across[0], u2 = see(t) + by0 * n.across[1];
+  double first = s.*of - s.over * u1, second = t.*of - t.over * u2;
+  into_disk(first, second, most);
+  const double by1 = first - s.*of, by2 = second - t.*of;
+  n.*of = normal;
+  s.*of = first;
+  t.*of = second;
+  push(n, by0, by1, by2);
+  return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
+}
+
+bool GroupStepper::solve_positions(StepReport& report) {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.sides.empty()) see(island, island.d);
+  }
+  for (Row& row : rows_) {
+    const double warm = row.p;
+    push(row, warm);
+  }
+  double last = INFINITY;
+  int sweeps = 0;
+  for (int correction = 0; correction < most_corrections; ++correction) {
+    double left = 0;
+    if (!rows_.empty()) {
+      const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
+      int taken = 0;
+      do left = sweep_positions();
+      while (++taken < most && left > still_);
+      sweeps += taken;
+    }
+    double worst = 0;
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (!island.awake) continue;
+      LinkageState& state = *island.state;
+      const Linkage& linkage = *state.linkage;
+      if (!island.sides.empty()) apply(island, island.d);
+      for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
+      if (linkage.constraints() == 0) continue;
+      std::fill(island.right.begin(), island.right.end(), 0.0);
+      const double violation = linkage.violations(island.there, island.right);
+      worst = std::max(worst, violation);
+      if (violation <= exact) continue;
+      if (!std::isfinite(violation)) return false;
+      ++report.newton;
+      linkage.plan().solve(state.factors, island.right);
+      for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+        const double* at = &island.right[linkage.slot(k)];
+        island.d[k] += {at[0], at[1], at[2]};
+        island.there[k] = state.x[k] + island.d[k];
+      }
+      if (!island.sides.empty()) see(island, island.d);
+    }
+    if (worst <= exact &&
+        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
+      report.block_sweeps += static_cast<std::uint64_t>(sweeps);
+      return true;
+    }
+    if (worst > 0.5 || (correction > 3 && worst > exact && worst > 0.9 * last)) return false;
+    last = worst;
+  }
+  return false;
+}
+
+}  // namespace plumb::detail
