@@ -241,7 +241,10 @@ void publish(const FrontierOptions& options, const std::vector<Result>& results)
   scenes::Machine machine = scenes::describe_machine();
   machine.threads = 1;
   scenes::write_file(folder / "frontier.csv", csv_of(results));
-  nlohmann::ordered_json json{{"machine", scenes::machine_json(machine)}};
+  nlohmann::ordered_json json{
+      {"command", "plumb frontier" + options.typed},
+      {"machine", scenes::machine_json(machine)},
+      {"limits", {{"path_s", options.limits.path_s}, {"repeat_s", options.limits.contest_s}}}};
   json["scenes"] = json_of(results);
   scenes::write_file(folder / "frontier.json", scenes::format_json(json));
   Section section("frontier", "The frontier: run time against error", "plumb frontier" + options.typed,
@@ -291,21 +294,15 @@ int run_frontier(FrontierOptions options) {
   return fine;
 }
 
-/// Those of `all` whose names are in a list with commas.
-template <class Item, class Name>
+/// scenes::named(), of an option's value.
+template <class Item, class NameOf>
 std::vector<Item> named(const std::string& option, const std::string& text, const std::vector<Item>& all,
-                        Name name) {
-  std::vector<Item> out;
-  for (const std::string& word : CLI::detail::split(text, ',')) {
-    std::string known;
-    const auto it = std::find_if(all.begin(), all.end(), [&](const Item& item) {
-      append_item(known, name(item));
-      return name(item) == word;
-    });
-    if (it == all.end()) throw CLI::ValidationError(option, "'" + word + "' is not one of " + known);
-    out.push_back(*it);
+                        NameOf name_of) {
+  try {
+    return scenes::named(text, all, name_of);
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError(option, error.what());
   }
-  return out;
 }
 
 }  // namespace
@@ -343,7 +340,7 @@ void add_frontier_command(CLI::App& app, Action& action) {
   add_seconds(*command, "--path-seconds", o.limits.path_s,
               "Wall-clock time for settings from coarse to fine [0.1]");
   add_seconds(*command, "--repeat-seconds", o.limits.contest_s,
-              "Wall-clock time for a scene's repetitions [2.5]");
+              "Wall-clock time for a scene's repetitions [6]");
   command
       ->add_option("--peers", o.peers,
                    "Points of other libraries, as bench_peers writes them, into the same page")

@@ -39,7 +39,7 @@ struct ThesisNumbers {
   Measured five, thousand;    ///< relaxed, 5 sweeps in those steps, 1000 in steps of 1/60 s
   double one_percent = 0;     ///< N/m, with which the top joint opens by 1 % of a link
   double explicit_steps = 0;  ///< per second, that forward Euler then needs
-  double implicit_steps = 0;  ///< per second, that semi-implicit Euler then needs
+  double semi_implicit_steps = 0;  ///< per second, that semi-implicit Euler then needs
   SpringLimit forward, semi_implicit;  ///< at 602 steps a second
   double springs_fps = 0, five_fps = 0, thousand_fps = 0;
 };

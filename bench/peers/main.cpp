@@ -66,19 +66,13 @@ std::string names_of(const std::vector<Item>& items) {
   return out;
 }
 
-/// Those of `all` whose names are in a list with commas.
+/// scenes::named(), of an option's value.
 template <class Item>
 std::vector<Item> named(const std::string& option, std::string_view list, const std::vector<Item>& all) {
-  std::vector<Item> out;
-  for (;;) {
-    const std::size_t comma = list.find(',');
-    const std::string word(list.substr(0, comma));
-    const auto it = std::find_if(all.begin(), all.end(), [&](const Item& item) { return item.name == word; });
-    if (it == all.end())
-      throw std::invalid_argument(option + ": '" + word + "' is not one of " + names_of(all));
-    out.push_back(*it);
-    if (comma == std::string_view::npos) return out;
-    list.remove_prefix(comma + 1);
+  try {
+    return scenes::named(list, all, [](const Item& item) -> const std::string& { return item.name; });
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(option + ": " + error.what());
   }
 }
 

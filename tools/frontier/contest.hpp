@@ -55,7 +55,7 @@ std::optional<Point> run(const Problem& problem, const Path& path, double most_s
 
 struct Limits {
   double path_s = 0.1;     ///< of wall-clock time for a path; its last run may take as much again
-  double contest_s = 2.5;  ///< for the repetitions
+  double contest_s = 6;  ///< for the repetitions
 };
 
 /// Runs every path, from coarse to fine, then times again, in turns, all that is on the front or nearly, and

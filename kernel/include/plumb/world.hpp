@@ -125,7 +125,8 @@ class World {
   /// Advances by dt seconds in Settings::substeps equal substeps; with an accuracy in as many as it takes.
   /// Throws InputError if dt is not positive and finite. Methods relax, direct and auto allocate nothing
   /// after the first call, but to freeze an island, and when an island with loops solved directly with
-  /// gradient old and lumped masses has to fall back for the first time.
+  /// gradient old and lumped masses has to fall back for the first time; where limbs may touch, until no
+  /// more of them touch at once than before.
   StepReport step(double dt);
 
   /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws
