@@ -72,7 +72,7 @@ double GroupStepper::longest_substep(double most) const {
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& a = islands_[i];
     if (a.awake) {
-      const double turning = a.state->linkage->turning(a.state->x, a.state->v);
+      const double turning = a.state->linkage->turning(a.state->v);
       if (turning * out > most_turn) out = most_turn / turning;
     }
     if (count_ == 1) break;

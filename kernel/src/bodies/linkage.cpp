@@ -5,7 +5,6 @@
 #include <map>
 
 #include "../methods/small_matrices.hpp"
-#include "plumb/joints.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -394,13 +393,12 @@ double Linkage::potential(std::span<const Vec3> x, std::span<const Vec3> constan
   return sum;
 }
 
-double Linkage::turning(std::span<const Vec3> x, std::span<const Vec3> v) const {
+double Linkage::turning(std::span<const Vec3> v) const {
   double square = 0;
   for (const RodRow& rod : rods_) {
     const Vec3 d = v[rod.b] - v[rod.a];
     square = std::max(square, rod.over2 * dot(d, d));
   }
-  (void)x;
   return std::sqrt(square);
 }
 

@@ -77,6 +77,7 @@ class Linkage {
   std::span<const Angle> angles() const { return angles_; }
   bool is_grounded() const { return movable_ < particles_; }
   bool has_drives() const { return has_drives_; }
+  /// Whether anything takes energy but contact: air, drag, joint drag or dampers.
   bool has_air() const { return has_air_; }
   double size() const { return size_; }  ///< m, the largest rod or shape: what errors are held against
   double mass() const { return mass_; }  ///< kg, of what moves
@@ -105,7 +106,7 @@ class Linkage {
   double kinetic(std::span<const Vec3> v) const;  ///< J, of movable particles
   double potential(std::span<const Vec3> x, std::span<const Vec3> constant) const;
   /// The fastest turn of a rod, 1/s.
-  double turning(std::span<const Vec3> x, std::span<const Vec3> v) const;
+  double turning(std::span<const Vec3> v) const;
   /// Splits velocities into those of a rigid body, in `rigid`, and the rest; kinetic energy of the rest in J.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
 

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "../flush_denormals.hpp"
 #include "../refuse.hpp"
@@ -12,7 +11,6 @@
 #include "../team.hpp"
 #include "group_stepper.hpp"
 #include "plumb/executor.hpp"
-#include "plumb/layouts/islands.hpp"
 #include "scene_parts.hpp"
 #include "spatial_hash.hpp"
 
@@ -21,8 +19,6 @@ namespace {
 
 /// Awake islands below which one thread is faster than the start of another.
 constexpr std::size_t worth_threads = 16;
-/// A step in which they are put in order again costs less than looking at all; see group_islands().
-constexpr double cells_per_island = 1.5;
 
 /// Where a particle is.
 struct Home {
@@ -248,7 +244,8 @@ class LinkageSimulation final : public Simulation {
     if (a != b) root_[std::max(a, b)] = std::min(a, b);
   }
 
-  /// Groups of islands that may touch within dt, by their numbers; sleepers nearby included.
+  /// Groups of islands that may touch within dt as they move now (reach()), by their numbers; sleepers nearby
+  /// included.
   void group_islands(double dt) {
     members_.clear();
     bool shapes = false;

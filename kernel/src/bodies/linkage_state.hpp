@@ -40,7 +40,7 @@ struct LinkageState {
   std::optional<double> energy{};  ///< J, that free flight keeps
 };
 
-/// A pair of contact's own settings, and of sleep.
+/// How steps are cut, and which islands rest.
 struct ContactRules {
   std::uint32_t substeps = 1;
   double sleep_speed = 0.02;  ///< m/s; slower, for sleep_time, is at rest
@@ -48,7 +48,9 @@ struct ContactRules {
   bool sleep = true;
 };
 
-/// Around its shapes (its particles where it has none), wherever it can get within dt.
+/// Around its shapes, wherever gravity and the speed of its fastest movable particle bring them within dt.
+/// What goes farther is not in it: ends of shapes beyond the particles, anchors that move, and what forces,
+/// drives and hits within dt add.
 Bounds reach(const LinkageState& state, double dt);
 /// The fastest of its particles, m/s.
 double top_speed(const LinkageState& state);

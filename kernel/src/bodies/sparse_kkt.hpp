@@ -13,7 +13,8 @@ namespace plumb::detail {
 /// The plan of factors L D Lᵀ of symmetric matrices of one pattern,
 ///   [M Jᵀ; J -e],
 /// M positive definite, e tiny: quasi-definite, so that every order of elimination has factors without
-/// pivoting (Vanderbei 1995). The first unknowns are those of M in threes, the others constraints. Small
+/// pivoting (Vanderbei 1995). A rod with inertia 0 on particles without mass has a singular M, and factor()
+/// fails. The first unknowns are those of M in threes, the others constraints. Small
 /// matrices with few neighbours: one flat list of places to update, no fronts.
 class KktPlan {
  public:

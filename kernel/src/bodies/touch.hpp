@@ -94,8 +94,8 @@ inline Touch touch_box(Vec3 center, double radius, Vec3 half) {
   return {-z - radius, {0, 0, std::copysign(1, center.z)}, 0, 0};
 }
 
-/// Where on a segment the distance to a box is least, from 0 to 1. The distance is convex along it: halved by
-/// golden section where it is outside, which 40 cuts bring to 1e-8.
+/// Where on a segment the distance to a box is least, from 0 to 1. The distance is convex along it: by
+/// golden section, which 40 cuts bring to 1e-8.
 inline double nearest_to_box(Vec3 p, Vec3 q, Vec3 half) {
   const auto distance2 = [&](double t) {
     const Vec3 c = between(p, q, t);
