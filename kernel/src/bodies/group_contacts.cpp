@@ -31,6 +31,11 @@ std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t i
   return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
 }
 
+/// Beyond a limit, a tenth of the way a substep.
+double to_take_back(double gap) {
+  return gap >= 0 ? gap : 0.1 * gap;
+}
+
 }  // namespace
 
 std::uint32_t GroupStepper::add_side(Island& island, const Side& side) {
@@ -114,9 +119,10 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
       return rows_.emplace_back(row);
     };
     const double near = 0.05 + std::abs(by);
-    if (angle.lower > 0 && value + by - angle.lower < near) add(Kind::limit, 1).gap = value - angle.lower;
+    if (angle.lower > 0 && value + by - angle.lower < near)
+      add(Kind::limit, 1).gap = to_take_back(value - angle.lower);
     if (angle.upper < std::numbers::pi && angle.upper - value - by < near)
-      add(Kind::limit, -1).gap = angle.upper - value;
+      add(Kind::limit, -1).gap = to_take_back(angle.upper - value);
     if (angle.friction > 0) {
       // Half in either half of the substep.
       Row& row = add(Kind::brake, 1);

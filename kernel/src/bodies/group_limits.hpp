@@ -8,6 +8,8 @@ namespace plumb::detail::group {
 inline constexpr double most_turn = 0.35;
 /// Of the radii of two that approach, how far they do in a substep.
 inline constexpr double most_approach = 0.5;
+/// Of its size, how far a force throws an island in a step, at most, for others to be looked for there.
+inline constexpr double farthest_throw = 10;
 /// A step is cut into no more than so many.
 inline constexpr double most_cuts = 4096;
 /// Nor into more because it would gain energy.
@@ -22,10 +24,14 @@ inline constexpr double exact = 1e-8;
 inline constexpr int most_corrections = 16;
 /// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
 inline constexpr double still = 1e-3, least_still = 1e-9;
+/// Of that, once something was lifted: then until the end of the step.
+inline constexpr double tighter = 1e-2;
 inline constexpr int most_sweeps = 60;
 inline constexpr int most_rounds = 4;
 /// Left of contacts, m, a substep is taken again, shorter.
 inline constexpr double too_much = 1e-5;
+/// Of what a push does on a linkage that is free to go, less than this is none: it is held all round.
+inline constexpr double held_response = 1e-8;
 /// Slower than this nothing bounces, m/s: it would for ever.
 inline constexpr double least_bounce = 0.05;
 /// What is near enough to be kept from touching, m.

@@ -135,7 +135,6 @@ bool GroupStepper::guard_energy(double before, bool touched, bool can_shorten, S
   double excess = now - wanted;
   if (!free && excess <= 0) return true;
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
-  if (excess > 0) ++report.guarded_energy;
 
   // Of the motion that is not a rigid whole's, then, if that is not enough, of all.
   double loose = 0;
@@ -168,7 +167,10 @@ bool GroupStepper::guard_energy(double before, bool touched, bool can_shorten, S
   } else if (excess > (free ? let_be * moving : 0)) {
     if (can_shorten && excess > moving + unnoticed * weight) return false;
     scale(std::max(0.0, 1 - excess / moving), true);
+  } else {
+    return true;
   }
+  if (excess > 0) ++report.guarded_energy;
   return true;
 }
 

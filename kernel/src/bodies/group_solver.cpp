@@ -19,7 +19,7 @@ void GroupStepper::find_responses() {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) couple(islands_[i]);
   for (Row& row : rows_) {
-    double own = row.softness;
+    double own = row.softness, heaviest = 0;
     row.across[0] = row.across[1] = 0;
     for (std::uint32_t i = 0; i < row.ends; ++i) {
       Island& island = islands_[row.island[i]];
@@ -27,11 +27,12 @@ void GroupStepper::find_responses() {
       row.end[i] = {island.speed.front().of, island.push.front().of, island.row(side), side,
                     padded(island.batches())};
       own += row.end[i].coupling[side];
+      heaviest = std::max(heaviest, island.state->linkage->mass());
       if (row.kind != Kind::normal) continue;
       for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] += row.end[i].coupling[side + 1 + axis];
     }
     row.own = own;
-    row.over = own > 0 ? 1 / own : 0;
+    row.over = own * heaviest > held_response ? 1 / own : 0;
   }
 }
 

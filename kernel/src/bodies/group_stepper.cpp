@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "group_limits.hpp"
 #include "linkage_bounds.hpp"
@@ -27,13 +28,22 @@ bool is_finite(const LinkageState& state) {
 
 double top_speed(const LinkageState& state) {
   double square = 0;
-  for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
-    square = std::max(square, dot(state.v[i], state.v[i]));
+  const auto see = [&](Vec3 v) { square = std::max(square, dot(v, v)); };
+  for (const Vec3 v : state.v) see(v);
+  for (const Linkage::Shape& shape : state.linkage->shapes()) {
+    see(shape.a.of(state.v));
+    see(shape.b.of(state.v));
+  }
   return std::sqrt(square);
 }
 
 Bounds reach(const LinkageState& state, double dt) {
-  const double fall = 0.5 * norm(state.linkage->gravity()) * dt * dt;
+  double pull = 0;
+  for (const Vec3 force : state.force) pull += norm(force);
+  double fall = 0.5 * pull / state.linkage->mass() * dt * dt;
+  // A force that throws it that far would only bring others into a group that cannot be solved.
+  if (fall > farthest_throw * state.linkage->size()) fall = 0;
+  fall += 0.5 * norm(state.linkage->gravity()) * dt * dt;
   return bounds_of(*state.linkage, state.x, 1.1 * top_speed(state) * dt + fall + margin);
 }
 
@@ -48,10 +58,12 @@ void GroupStepper::step(std::span<LinkageState* const> group, const Surroundings
   double left = dt;
   const double least = dt / most_cuts;
   shortest_ = dt / most_guards;
+  tight_ = false;
   while (left > 1e-12 * dt) {
     const double longest = std::max(std::min(dt / rules.substeps, longest_substep(dt)), least);
     double h = left / std::ceil(left / longest - 1e-9);
     while (!substep(surroundings, h, report)) {
+      if (std::exchange(try_tighter_, false)) continue;
       h /= 2;
       ++report.halvings;
       if (h >= least / 16) continue;
@@ -146,7 +158,8 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
   all_near_ = false;
   still_ = least_still;
   for (std::uint32_t i = 0; i < count_; ++i)
-    still_ = std::max(still_, still * 0.5 * h * h * norm(islands_[i].state->linkage->gravity()));
+    still_ = std::max(
+        still_, (tight_ ? tighter : 1) * still * 0.5 * h * h * norm(islands_[i].state->linkage->gravity()));
   if (!find_positions(surroundings, h, report)) return false;
   if (is_contact_missed()) {
     all_near_ = true;
@@ -165,6 +178,9 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
       std::swap(island.state->x, island.there);
       island.state->factored = false;
     }
+    // What lifted it may be what the sweeps left.
+    try_tighter_ = touched && !tight_;
+    tight_ = true;
     return false;
   }
   for (std::uint32_t i = 0; i < count_; ++i)

@@ -136,8 +136,9 @@ class GroupStepper {
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;
   bool woken_ = false, all_near_ = false;
-  double shortest_ = 0;  ///< s
-  double still_ = 0;     ///< m, a change of a position that no longer matters
+  bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
+  double shortest_ = 0;                       ///< s
+  double still_ = 0;                          ///< m, a change of a position that no longer matters
 };
 
 }  // namespace plumb::detail

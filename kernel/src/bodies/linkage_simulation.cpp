@@ -92,6 +92,7 @@ class LinkageSimulation final : public Simulation {
   }
   void move_anchor(std::uint32_t particle, Vec3 target) override {
     targets_[particle] = target;
+    if (target == anchors_[particle]) return;
     moving_ = true;
     for (const Home& pin : pins_[particle]) wake(pin.island);
   }
@@ -139,7 +140,7 @@ class LinkageSimulation final : public Simulation {
       for (std::uint32_t p = 0; p < part.particles.size(); ++p) {
         const Particle& particle = part.particles[p];
         state.x.push_back(particle.position);
-        state.v.push_back(particle.fixed ? Vec3{} : particle.velocity);
+        state.v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
         if (particle.fixed)
           pins_[state.particles[p]].push_back({i, p});
         else
@@ -231,8 +232,19 @@ class LinkageSimulation final : public Simulation {
     if (!state.asleep) return;
     state.asleep = false;
     state.calm = 0;
-    if (!state.linkage->shapes().empty()) sleepers_.remove(i, bounds_[i]);
     awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), i), i);
+    if (state.linkage->shapes().empty()) return;
+    sleepers_.remove(i, bounds_[i]);
+    wake_neighbours(i);
+  }
+
+  /// Sleepers that may lie on it, or it on them.
+  void wake_neighbours(std::uint32_t i) {
+    std::vector<std::uint32_t> near;
+    sleepers_.find(bounds_[i], [&](std::uint32_t j) {
+      if (bounds_[i].overlaps(bounds_[j])) near.push_back(j);
+    });
+    for (const std::uint32_t j : near) wake(j);
   }
 
   std::uint32_t root(std::uint32_t i) {
@@ -316,17 +328,19 @@ class LinkageSimulation final : public Simulation {
   /// Takes in those that were woken, and lets groups that rest sleep.
   void settle(double dt, StepReport& report) {
     for (std::size_t g = 0; g + 1 < starts_.size(); ++g) {
-      bool calm = rules_.sleep;
+      // What nothing holds is only slow for a while.
+      bool calm = rules_.sleep, held = false;
       for (std::uint32_t k = starts_[g]; k < starts_[g + 1]; ++k) {
         LinkageState& state = *group_[k];
         if (state.asleep) continue;
         const bool slow = top_speed(state) < rules_.sleep_speed;
-        state.calm = slow && !moving_ ? state.calm + dt : 0;
+        state.calm = slow ? state.calm + dt : 0;
+        held = held || state.linkage->is_grounded() || !state.kept.empty();
         calm = calm && state.calm >= rules_.sleep_time;
       }
       for (std::uint32_t k = starts_[g]; k < starts_[g + 1]; ++k) {
         LinkageState& state = *group_[k];
-        if (calm && !state.asleep) {
+        if (calm && held && !state.asleep) {
           state.asleep = true;
           state.calm = 0;
           ++report.fell_asleep;
@@ -344,9 +358,10 @@ class LinkageSimulation final : public Simulation {
         woken_.push_back(i);
       }
     awake_.insert(awake_.end(), woken_.begin(), woken_.end());
-    woken_.clear();
     std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
     std::sort(awake_.begin(), awake_.end());
+    for (const std::uint32_t i : woken_) wake_neighbours(i);
+    woken_.clear();
   }
 
   void start_anchors(double dt) {
