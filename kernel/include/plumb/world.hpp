@@ -50,7 +50,7 @@ struct StepReport {
   double rms_gap = 0;      ///< m, over the joints of an island
 
   // Of scenes with limbs that touch:
-  std::uint64_t contacts = 0;        ///< points at which something pushed, at most in one substep
+  std::uint64_t contacts = 0;        ///< points at which something pushed, at most in one group's substep
   std::uint64_t guarded_energy = 0;  ///< substeps that would have gained energy, and were not let
   std::uint32_t awake_islands = 0;   ///< at the end of the step
   std::uint32_t fell_asleep = 0;     ///< islands, in this step
