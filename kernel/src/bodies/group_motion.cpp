@@ -12,12 +12,7 @@ void GroupStepper::find_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   linkage.anchor_rates(state.x, state.v, island.right);
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-    double* const at = &island.right[linkage.slot(k)];
-    at[0] = island.impulse[k].x;
-    at[1] = island.impulse[k].y;
-    at[2] = island.impulse[k].z;
-  }
+  linkage.put(island.impulse, island.right);
   const auto add = [&](const Combination& sum, Vec3 by) {
     for (std::uint32_t k = 0; k < sum.count; ++k) {
       if (sum.terms[k].particle >= linkage.movable()) continue;
@@ -34,10 +29,7 @@ void GroupStepper::find_velocities(Island& island) {
     add(island.sides[s].b, by * island.sides[s].along_b);
   }
   linkage.plan().solve(state.factors, island.right);
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-    const double* at = &island.right[linkage.slot(k)];
-    island.v[k] = {at[0], at[1], at[2]};
-  }
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(island.right, k);
 }
 
 void GroupStepper::finish(double h, bool touched) {
@@ -48,7 +40,7 @@ void GroupStepper::finish(double h, bool touched) {
     const Linkage& linkage = *state.linkage;
     std::swap(state.x, island.there);  // there: where it was
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
-    factor(state);
+    state.factor();
     if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, h, island.force);
     island.impulse.resize(linkage.movable());
     linkage.momenta(island.v, island.impulse);

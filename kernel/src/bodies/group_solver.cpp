@@ -178,10 +178,7 @@ double GroupStepper::sweep_positions() {
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
         break;
     }
-    const double by = p - row.p;
-    row.p = p;
-    push(row, by);
-    worst = std::max(worst, std::abs(by) * row.own);
+    worst = std::max(worst, set(row, &Row::p, p));
   }
   return worst;
 }
@@ -199,12 +196,16 @@ double GroupStepper::sweep_velocities() {
       r += 2;
       continue;
     }
-    const double by = q - row.q;
-    row.q = q;
-    push(row, by);
-    worst = std::max(worst, std::abs(by) * row.own);
+    worst = std::max(worst, set(row, &Row::q, q));
   }
   return worst;
+}
+
+double GroupStepper::set(Row& row, double Row::*of, double value) {
+  const double by = value - row.*of;
+  row.*of = value;
+  push(row, by);
+  return std::abs(by) * row.own;
 }
 
 /// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
@@ -228,10 +229,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
     Island& island = islands_[i];
     if (!island.sides.empty()) see(island, island.d);
   }
-  for (Row& row : rows_) {
-    const double warm = row.p;
-    push(row, warm);
-  }
+  for (const Row& row : rows_) push(row, row.p);
   double last = INFINITY;
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {
@@ -260,8 +258,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
       ++report.newton;
       linkage.plan().solve(state.factors, island.right);
       for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-        const double* at = &island.right[linkage.slot(k)];
-        island.d[k] += {at[0], at[1], at[2]};
+        island.d[k] += linkage.taken(island.right, k);
         island.there[k] = state.x[k] + island.d[k];
       }
       if (!island.sides.empty()) see(island, island.d);

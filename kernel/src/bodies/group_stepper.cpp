@@ -101,13 +101,6 @@ double GroupStepper::longest_substep(double most) const {
   return out;
 }
 
-bool GroupStepper::factor(LinkageState& state) {
-  state.factors.resize(state.linkage->plan().values());
-  state.linkage->assemble(state.x, state.factors);
-  state.factored = state.linkage->plan().factor(state.factors);
-  return state.factored;
-}
-
 // Back to where it was before the substep, for good.
 void GroupStepper::freeze(Island& island, StepReport& report) {
   LinkageState& state = *island.state;
@@ -124,7 +117,7 @@ void GroupStepper::start(Island& island, double h) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::uint32_t movable = linkage.movable();
-  if (!state.factored) factor(state);
+  if (!state.factored) state.factor();
   island.d.resize(state.x.size());
   island.there.resize(state.x.size());
   island.v.resize(state.x.size());
@@ -148,10 +141,7 @@ void GroupStepper::start(Island& island, double h) {
     island.right[slot + 2] = push.z;
   }
   linkage.plan().solve(state.factors, island.right);
-  for (std::uint32_t i = 0; i < movable; ++i) {
-    const double* at = &island.right[linkage.slot(i)];
-    island.d[i] = {at[0], at[1], at[2]};
-  }
+  for (std::uint32_t i = 0; i < movable; ++i) island.d[i] = linkage.taken(island.right, i);
 }
 
 bool GroupStepper::substep(const Surroundings& surroundings, double h, StepReport& report) {

@@ -103,7 +103,6 @@ class GroupStepper {
   double longest_substep(double most) const;
   void start(Island& island, double h);
   void freeze(Island& island, StepReport& report);
-  bool factor(LinkageState& state);
   bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
   bool is_contact_missed() const;
   void find_contacts(const Surroundings& surroundings, double h);
@@ -117,6 +116,7 @@ class GroupStepper {
   static double see(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
+  double set(Row& row, double Row::*of, double value);
   double contact(std::size_t r, double Row::*of, double normal, double most);
   void apply(Island& island, std::span<Vec3> motion);
   double sweep_positions();

@@ -268,6 +268,15 @@ void Linkage::assemble(std::span<const Vec3> x, std::span<double> values) const 
     }
 }
 
+void Linkage::put(std::span<const Vec3> vectors, std::span<double> solved) const {
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    double* const at = &solved[slots_[i]];
+    at[0] = vectors[i].x;
+    at[1] = vectors[i].y;
+    at[2] = vectors[i].z;
+  }
+}
+
 double Linkage::violations(std::span<const Vec3> x, std::span<double> right) const {
   double worst = 0;
   const auto set = [&](std::uint32_t row, double value) {

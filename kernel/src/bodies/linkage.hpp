@@ -87,6 +87,12 @@ class Linkage {
 
   /// Where a movable particle's x stands in vectors that are solved; y and z follow.
   std::uint32_t slot(std::uint32_t particle) const { return slots_[particle]; }
+  /// Of every movable particle, into its slot and out of it.
+  void put(std::span<const Vec3> vectors, std::span<double> solved) const;
+  Vec3 taken(std::span<const double> solved, std::uint32_t particle) const {
+    const double* const at = &solved[slots_[particle]];
+    return {at[0], at[1], at[2]};
+  }
 
   /// M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::span<double> values) const;

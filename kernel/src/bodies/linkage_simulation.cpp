@@ -170,23 +170,15 @@ class LinkageSimulation final : public Simulation {
       LinkageState& state = islands_[i];
       const Linkage& linkage = *state.linkage;
       if (linkage.constraints() == 0) continue;
-      state.factors.resize(linkage.plan().values());
-      linkage.assemble(state.x, state.factors);
-      state.factored = linkage.plan().factor(state.factors);
+      state.factor();
       std::vector<Vec3> momentum(linkage.movable());
       std::vector<double> right(linkage.plan().unknowns(), 0);
       linkage.momenta(state.v, momentum);
-      for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-        double* const at = &right[linkage.slot(k)];
-        at[0] = momentum[k].x;
-        at[1] = momentum[k].y;
-        at[2] = momentum[k].z;
-      }
+      linkage.put(momentum, right);
       linkage.plan().solve(state.factors, right);
       for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-        const double* const at = &right[linkage.slot(k)];
         const Vec3 given = scene.particles[state.particles[k]].velocity;
-        state.v[k] = {at[0], at[1], at[2]};
+        state.v[k] = linkage.taken(right, k);
         const double change = norm(state.v[k] - given);
         // Nothing to correct but rounding: as it was given, bit for bit.
         if (change <= 1e-12 * norm(given)) state.v[k] = given;

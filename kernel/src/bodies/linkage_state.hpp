@@ -38,6 +38,13 @@ struct LinkageState {
   bool frozen = false;
   double calm = 0;                 ///< s, for how long it has been slow
   std::optional<double> energy{};  ///< J, that free flight keeps
+
+  /// False if the matrix at x has none.
+  bool factor() {
+    factors.resize(linkage->plan().values());
+    linkage->assemble(x, factors);
+    return factored = linkage->plan().factor(factors);
+  }
 };
 
 /// How steps are cut, and which islands rest.

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "../refuse.hpp"
+#include "plumb/joints.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -87,14 +88,8 @@ class Likeness {
   const std::vector<double>& numbers() const { return numbers_; }
 
  private:
-  static Vec3 place(const Scene& part, const Point& point) {
-    Vec3 out{};
-    for (std::size_t i = 0; i < 4; ++i)
-      if (point.weights[i] != 0) out += point.weights[i] * part.particles[point.particles[i]].position;
-    return out;
-  }
   static Vec3 span(const Scene& part, const Direction& direction) {
-    return place(part, direction.to) - place(part, direction.from);
+    return position_of(part, direction.to) - position_of(part, direction.from);
   }
 
   void add(const Vec3& v) { add(v.x, v.y, v.z); }
