@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "choose_method.hpp"
 #include "composition.hpp"
 
 namespace plumb::detail {
@@ -15,7 +16,22 @@ LoopGroup::LoopGroup(const Scene& scene, Gradient gradient, Isa isa)
 
 void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands& islands,
                     std::span<const std::uint32_t> equal, const layouts::Graph& local) {
-  const auto topology = std::make_shared<const LoopTopology>(local, LoopStepper::couples(gradient_, model));
+  const auto carries_mass = [&](std::uint32_t island) {
+    return std::any_of(islands.edges(island).begin(), islands.edges(island).end(),
+                       [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });
+  };
+  const bool couples =
+      model == MassModel::consistent && std::any_of(equal.begin(), equal.end(), carries_mass);
+  const auto topology = std::make_shared<LoopTopology>(local);
+  if (couples || is_thin(local)) {
+    topology->system =
+        std::make_unique<LoopSystem>(topology->rods, topology->nodes, LoopStepper::couples(gradient_, model));
+  } else {
+    std::vector<Vec3> positions;
+    for (const std::uint32_t vertex : islands.vertices(equal.front()))
+      positions.push_back(scene.particles[vertex].position);
+    topology->lines = std::make_unique<RodLines>(topology->rods, topology->nodes, positions);
+  }
   for (const std::uint32_t island : equal) {
     const auto vertices = islands.vertices(island);
     const auto number = size();
@@ -25,9 +41,10 @@ void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands&
       else
         fixed_in_[vertices[i]].push_back({number, i});
     }
-    islands_.push_back({LoopState(topology, scene, model, vertices, islands.edges(island)),
-                        LoopWorkspace(topology, gradient_, isa_),
-                        std::vector<double>(3 * std::size_t{topology->nodes})});
+    LoopState state(topology, scene, model, vertices, islands.edges(island));
+    LoopWorkspace work(state, gradient_, isa_);
+    islands_.push_back(
+        {std::move(state), std::move(work), std::vector<double>(3 * std::size_t{topology->nodes})});
   }
 }
 

@@ -2,24 +2,13 @@
 
 namespace plumb::detail {
 
-LoopTopology::LoopTopology(const layouts::Graph& island, bool couples)
-    : nodes(0),
-      vertices(island.vertices),
-      rods([&] {
-        std::vector<LoopRod> list;
-        for (const layouts::Edge edge : island.edges) {
-          const bool turned = !island.movable[edge.a];
-          list.push_back(turned ? LoopRod{edge.b, edge.a} : LoopRod{edge.a, edge.b});
-        }
-        return list;
-      }()),
-      system(
-          rods,
-          [&] {
-            while (nodes < vertices && island.movable[nodes]) ++nodes;
-            return nodes;
-          }(),
-          couples) {}
+LoopTopology::LoopTopology(const layouts::Graph& island) : vertices(island.vertices) {
+  for (const layouts::Edge edge : island.edges) {
+    const bool turned = !island.movable[edge.a];
+    rods.push_back(turned ? LoopRod{edge.b, edge.a} : LoopRod{edge.a, edge.b});
+  }
+  while (nodes < vertices && island.movable[nodes]) ++nodes;
+}
 
 LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& scene, MassModel model,
                      std::span<const std::uint32_t> members, std::span<const std::uint32_t> edges)

@@ -5,16 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "loop_rod.hpp"
 #include "plumb/layouts/graph.hpp"
 #include "plumb/scene.hpp"
+#include "rod_lines.hpp"
 #include "sparse_ldu.hpp"
 
 namespace plumb::detail {
-
-/// One rod of an island, from a movable node to another or to a fixed vertex.
-struct LoopRod {
-  std::uint32_t a, b;  ///< vertices; a is movable
-};
 
 /// The linear system of an island, for displacements of nodes and multipliers of rods:
 ///
@@ -36,11 +33,14 @@ struct LoopSystem {
 
 /// What equal islands share. Vertices: the movable ones (nodes), then the fixed ones.
 struct LoopTopology {
-  LoopTopology(const layouts::Graph& island, bool couples);
+  explicit LoopTopology(const layouts::Graph& island);
 
-  std::uint32_t nodes, vertices;
+  std::uint32_t nodes = 0, vertices;
   std::vector<LoopRod> rods;
-  LoopSystem system;
+  /// One of both. Lines where factorisations would be dear; systems are then made by who needs them all the
+  /// same.
+  std::unique_ptr<const LoopSystem> system;
+  std::unique_ptr<const RodLines> lines;
 };
 
 /// The numbers of one island that outlive a step. In double, whatever the precision of the world.

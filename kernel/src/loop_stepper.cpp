@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loop_lines.hpp"
 #include "loop_newton.hpp"
 
 namespace plumb::detail {
@@ -83,11 +84,14 @@ bool LoopWorkspace::Factor::worth_carrying() const {
   return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());
 }
 
-LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape, Gradient gradient, Isa instructions)
-    : topology(std::move(shape)), isa(instructions) {
+LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa instructions)
+    : topology(state.topology), isa(instructions) {
   const std::size_t n = topology->nodes, rods = topology->rods.size();
-  first = std::make_unique<Factor>(topology->system, isa);
-  if (gradient != Gradient::mid) projection = std::make_unique<Factor>(topology->system, isa);
+  if (topology->system) {
+    first = std::make_unique<Factor>(*topology->system, isa);
+    if (gradient != Gradient::mid) projection = std::make_unique<Factor>(*topology->system, isa);
+  }
+  if (topology->lines) lines = std::make_unique<LineWorkspace>(*topology->lines, state.mass);
   delta.assign(3 * std::size_t{topology->vertices}, 0);
   load.assign(3 * n, 0);
   d.assign(3 * rods, 0);
@@ -100,7 +104,7 @@ LoopWorkspace::LoopWorkspace(std::shared_ptr<const LoopTopology> shape, Gradient
 }
 
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
-  if (topology->system.couples || !couples) return *first;
+  if (first && (first->system->couples || !couples)) return *first;
   if (!second) {
     coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true);
     second = std::make_unique<Factor>(*coupled, isa);
@@ -108,7 +112,7 @@ LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   return *second;
 }
 
-/// Rods, load, and where Newton starts: displacements and multipliers as they were, for this substep's
+/// Load, and where Newton starts: displacements and multipliers as they were, for this substep's
 /// length.
 void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const LoopTopology& shape = *state.topology;
@@ -116,7 +120,6 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
-  measure_rods(state, work);
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     work.delta[i] = ratio * state.u[i];
     work.load[i] = state.mass[i / 3] * work.delta[i] + kick * state.force[i];
@@ -166,6 +169,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
   bool stale = !carried, converged = false;
   double last = 0;
   int iterations = 0;
+  measure_rods(state, work);
   for (int factors = 0; iterations < most_iterations;) {
     const bool fresh = stale;
     if (fresh) {
@@ -195,6 +199,17 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
 bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
                         DirectCounters& counters) const {
   const double theta = theta_of(gradient);
+  if (work.lines) {
+    begin(state, h, gradient, work);
+    const LineOutcome outcome =
+        iterate_by_lines(state, theta, coefficients(state, h, gradient, drag_).kick, work, counters);
+    if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work)))
+      return true;
+    std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+    // A shorter substep is what helps, and costs less than a factorisation.
+    if (outcome != LineOutcome::stalled) return false;
+    work.lines.reset();
+  }
   const LoopWorkspace::Factor& factor = work.factor(theta > 0);
   for (const bool carried : {true, false}) {
     if (carried && !(factor.worth_carrying() && factor.h == h && factor.theta == theta)) continue;
@@ -277,6 +292,7 @@ void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
                              DirectCounters& counters) const {
   counters.unsolved.fetch_add(1, std::memory_order_relaxed);
   begin(state, h, Gradient::new_, work);
+  measure_rods(state, work);
   LoopWorkspace::Factor& factor = work.factor(true);
   factor.h = 0;
   const double soft = compromise_softness;
@@ -311,6 +327,10 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
     work.delta[3 * i] = v.x;
     work.delta[3 * i + 1] = v.y;
     work.delta[3 * i + 2] = v.z;
+  }
+  if (work.lines) {
+    if (project_by_lines(state, kick, work)) return;
+    work.lines.reset();
   }
   measure_rods(state, work);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);

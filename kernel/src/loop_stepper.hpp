@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "loop_lines.hpp"
 #include "loop_state.hpp"
 #include "plumb/settings.hpp"
 #include "tree_stepper.hpp"
@@ -11,7 +12,7 @@ namespace plumb::detail {
 
 /// What a thread needs while it steps one island; belongs to it, so that a factorisation can be used again.
 struct LoopWorkspace {
-  LoopWorkspace(std::shared_ptr<const LoopTopology> topology, Gradient gradient, Isa isa);
+  LoopWorkspace(const LoopState& state, Gradient gradient, Isa isa);
 
   /// The factor of a system; made when first asked for.
   struct Factor {
@@ -22,12 +23,13 @@ struct LoopWorkspace {
     bool worth_carrying() const;  ///< into the next substep
     double theta = 0, h = 0;      ///< of the substep it was made for; h is 0 if it is not worth keeping
   };
-  /// With couplings, or without if the topology does not have them.
+  /// With couplings, or without if the topology's system does not have them.
   Factor& factor(bool couples);
 
   std::shared_ptr<const LoopTopology> topology;
   Isa isa;
-  std::unique_ptr<LoopSystem> coupled;  ///< if the topology's has no couplings and they were needed
+  std::unique_ptr<LineWorkspace> lines;  ///< as long as they lead anywhere, if the topology has them
+  std::unique_ptr<LoopSystem> coupled;   ///< if the topology has none with couplings and it was needed
   std::unique_ptr<Factor> first, second;
   std::unique_ptr<Factor>
       projection;  ///< but for gradient mid, which projects only in steps, not when asked for velocities

@@ -1,0 +1,169 @@
+#include "loop_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "loop_stepper.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Left of |C|/L² of a rod, and of a displacement relative to a rod.
+constexpr double fitting = 1e-12;
+constexpr int most_iterations = 40;
+/// Slower than this, a shorter substep comes sooner to the end.
+constexpr double lost_rate = 0.6;
+/// Changes of many rod lengths do not lead back.
+constexpr double hopeless = 30;
+/// Of what is left, what one solution leaves at least: the next one's directions are better.
+constexpr double coarse = 0.02;
+/// Nets need 1 to 10.
+constexpr int most_gradients = 200;
+/// What rounding leaves of velocities along rods.
+constexpr double projected = 1e-9;
+
+Vec3 at(std::span<const double> from, std::size_t i) {
+  return {from[3 * i], from[3 * i + 1], from[3 * i + 2]};
+}
+void put(std::span<double> to, std::size_t i, Vec3 v) {
+  to[3 * i] = v.x;
+  to[3 * i + 1] = v.y;
+  to[3 * i + 2] = v.z;
+}
+
+/// Rods as they are, at the start.
+void measure(const LoopState& state, LineWorkspace& lines) {
+  for (std::size_t s = 0; s < lines.lines->slots(); ++s) {
+    if (lines.lines->numbers[s] == RodLines::none) continue;
+    const auto [a, b] = lines.lines->ends[s];
+    const Vec3 d = at(state.x, a) - at(state.x, b);
+    put(lines.d, s, d);
+    lines.excess[s] = 0.5 * (dot(d, d) - state.length2[lines.lines->numbers[s]]);
+  }
+}
+
+/// Where multipliers start: gradient old's run smoothly through substeps of one length; those of the others
+/// swing from one to the next.
+void start(const LoopState& state, double theta, double kick, LineWorkspace& lines) {
+  if (kick != lines.kick || theta > 0) lines.known = 0;
+  for (std::size_t s = 0; s < lines.mu.size(); ++s) {
+    const std::uint32_t k = lines.lines->numbers[s];
+    if (k == RodLines::none) continue;
+    const double last = state.mu[k], before = lines.before[s], earlier = lines.earlier[s];
+    lines.mu[s] = lines.known == 0   ? last
+                  : lines.known == 1 ? 2 * last - before
+                                     : 3 * (last - before) + earlier;
+  }
+}
+
+/// What was found.
+void keep(LoopState& state, double kick, LineWorkspace& lines) {
+  lines.kick = kick;
+  lines.known = state.mu_kick == 0 ? 0 : std::min(lines.known + 1, 2);
+  lines.earlier.swap(lines.before);
+  for (std::size_t s = 0; s < lines.mu.size(); ++s) {
+    const std::uint32_t k = lines.lines->numbers[s];
+    if (k == RodLines::none) continue;
+    lines.before[s] = std::exchange(state.mu[k], lines.mu[s]);
+  }
+}
+
+/// Displacements as loads and multipliers make them, and by how much they change, m.
+double displace(const LoopState& state, double theta, LoopWorkspace& work) {
+  LineWorkspace& lines = *work.lines;
+  const std::span<double> directions = lines.solver.directions();
+  for (std::size_t s = 0; s < lines.mu.size(); ++s) {
+    const auto [a, b] = lines.lines->ends[s];
+    put(directions, s, at(lines.d, s) + theta * (at(work.delta, a) - at(work.delta, b)));
+  }
+  lines.solver.spread(lines.mu, lines.pushed);
+  double most = 0;
+  for (std::uint32_t i = 0; i < state.topology->nodes; ++i)
+    for (std::size_t k = 3 * std::size_t{i}; k < 3 * std::size_t{i} + 3; ++k) {
+      const double goes = lines.solver.inverse_mass(i) * work.load[k] + lines.pushed[k];
+      most = std::max(most, std::abs(goes - work.delta[k]));
+      work.delta[k] = goes;
+    }
+  return most;
+}
+
+}  // namespace
+
+LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
+    : lines(&of),
+      solver(of, mass),
+      d(3 * std::size_t{of.slots()}),
+      excess(of.slots()),
+      mu(of.slots()),
+      wanted(of.slots()),
+      before(of.slots()),
+      earlier(of.slots()),
+      pushed(3 * std::size_t{of.nodes}) {}
+
+LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
+                             DirectCounters& counters) {
+  LineWorkspace& lines = *work.lines;
+  const RodLines& shape = *lines.lines;
+  measure(state, lines);
+  start(state, theta, kick, lines);
+  const double length = std::sqrt(state.scale2), least = fitting * state.scale2;
+  double last = 0;
+  for (int i = 0; i < most_iterations; ++i) {
+    double worst = 0;
+    if (i == 0 || theta > 0) {
+      const double change = displace(state, theta, work);
+      if (theta > 0) worst = length * change;
+      lines.solver.factorize();
+    }
+    double square = 0;
+    for (std::size_t s = 0; s < shape.slots(); ++s) {
+      const auto [a, b] = shape.ends[s];
+      const Vec3 d = at(lines.d, s), e = at(work.delta, a) - at(work.delta, b);
+      const double c = lines.excess[s] + (dot(d, e) + 0.5 * dot(e, e));
+      worst = std::max(worst, std::abs(c));
+      lines.wanted[s] = -c;
+      square += c * c;
+    }
+    if (worst <= least) {
+      keep(state, kick, lines);
+      return LineOutcome::solved;
+    }
+    if (!(worst <= hopeless * state.scale2) || (i > 2 && worst > lost_rate * last)) break;
+    last = worst;
+    counters.newton.fetch_add(1, std::memory_order_relaxed);
+    const double goal = std::max(coarse * std::sqrt(square), 0.1 * least);
+    if (!lines.solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta)) {
+      lines.known = 0;
+      return LineOutcome::stalled;
+    }
+  }
+  lines.known = 0;
+  return LineOutcome::diverged;
+}
+
+bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) {
+  LineWorkspace& lines = *work.lines;
+  const RodLines& shape = *lines.lines;
+  LineSolver& solver = lines.solver;
+  measure(state, lines);
+  std::copy(lines.d.begin(), lines.d.end(), solver.directions().begin());
+  solver.factorize();
+  for (std::uint32_t i = 0; i < shape.nodes; ++i)
+    for (std::size_t k = 3 * std::size_t{i}; k < 3 * std::size_t{i} + 3; ++k)
+      work.delta[k] += kick * solver.inverse_mass(i) * state.force[k];
+  // The second time takes out what rounding left in the first.
+  for (int turn = 0; turn < 2; ++turn) {
+    double square = 0;
+    for (std::size_t s = 0; s < shape.slots(); ++s) {
+      const auto [a, b] = shape.ends[s];
+      lines.wanted[s] = dot(at(lines.d, s), at(work.delta, b) - at(work.delta, a));
+      square += lines.wanted[s] * lines.wanted[s];
+    }
+    if (!solver.solve(lines.wanted, projected * std::sqrt(square), most_gradients, lines.mu, work.delta))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "loop_state.hpp"
+#include "rod_lines.hpp"
+
+namespace plumb::detail {
+
+struct DirectCounters;
+struct LoopWorkspace;
+
+/// What a thread needs to solve an island by its lines. By slot, or three numbers by vertex.
+struct LineWorkspace {
+  LineWorkspace(const RodLines& lines, std::span<const double> mass);
+
+  const RodLines* lines;
+  LineSolver solver;
+  std::vector<double> d, excess;        ///< of rods at the start of a substep: m, (|d|² - L²)/2
+  std::vector<double> mu, wanted;       ///< multipliers; what their change is to do
+  std::vector<double> before, earlier;  ///< multipliers of the substeps before the last one
+  std::vector<double> pushed;           ///< 3 per node: by rods
+  double kick = 0;                      ///< of the last substep
+  int known = 0;                        ///< which of before and earlier are of substeps like the last one
+};
+
+enum class LineOutcome : std::uint8_t {
+  solved,
+  diverged,  ///< directions turn too far in a substep of this length
+  stalled    ///< conjugate gradients do not get there: rods are redundant, or lines mean nothing
+};
+
+/// Newton's iteration of a substep that begin() has prepared, into work.delta and state.mu. Of the matrix
+/// only F W Fᵀ is kept, F the directions of forces: symmetric and definite, without the geometric term. What
+/// that leaves falls by the turn of rods in a substep every time.
+LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
+                             DirectCounters& counters);
+
+/// As project_delta(). False if stalled.
+bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work);
+
+}  // namespace plumb::detail
