@@ -348,9 +348,9 @@ Section loops_section(const Plan& plan) {
   add("truss of 100 bays", scenes::make_truss({.bays = 100}), 50);
   add("truss of 100 bays, swinging", scenes::make_truss({.bays = 100, .fixed = 2}), 50);
   if (plan.full) add("net 16 x 16, one corner", folding_net(16), 0);
-  add("net 32 x 32, one side", scenes::make_net({.width = 32, .height = 32, .level = 1}), 0);
-  if (plan.full) add("net 64 x 64, one side", scenes::make_net({.width = 64, .height = 64, .level = 1}), 0);
-  if (plan.full) add("net 128 x 128, one side", scenes::make_net({.width = 128, .height = 128, .level = 1}), 10);
+  for (const std::uint32_t side : {32u, 64u, 128u})
+    add("net " + std::to_string(side) + " x " + std::to_string(side) + ", one side",
+        scenes::make_net({.width = side, .height = side, .level = 1}), side == 128 ? 10 : 0);
   out.text = "\n## Loops\n\nTo a position error of 1e-4 of the diagonal at 0.5 s. " +
              std::string(comparison_text) + comparison_sheet(comparisons).to_markdown() + "\n" +
              goals.to_markdown();

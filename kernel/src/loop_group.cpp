@@ -30,10 +30,11 @@ void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands&
     std::vector<Vec3> positions;
     for (const std::uint32_t vertex : islands.vertices(equal.front()))
       positions.push_back(scene.particles[vertex].position);
-    topology->lines = std::make_unique<RodLines>(topology->rods, topology->nodes, positions);
+    topology->use_lines(positions);
   }
   for (const std::uint32_t island : equal) {
-    const auto vertices = islands.vertices(island);
+    std::vector<std::uint32_t> vertices;
+    for (const std::uint32_t i : topology->order) vertices.push_back(islands.vertices(island)[i]);
     const auto number = size();
     for (std::uint32_t i = 0; i < vertices.size(); ++i) {
       if (i < topology->nodes)

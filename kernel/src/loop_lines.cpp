@@ -1,6 +1,7 @@
 #include "loop_lines.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -10,7 +11,7 @@ namespace plumb::detail {
 namespace {
 
 /// Left of |C|/L² of a rod, and of a displacement relative to a rod.
-constexpr double fitting = 1e-12;
+constexpr double fitting = 1e-11;
 constexpr int most_iterations = 40;
 /// Slower than this, a shorter substep comes sooner to the end.
 constexpr double lost_rate = 0.6;
@@ -88,6 +89,33 @@ double displace(const LoopState& state, double theta, LoopWorkspace& work) {
   return most;
 }
 
+struct Misfit {
+  double largest, norm;  ///< m²; norm is not finite if any is not
+};
+
+/// C of every rod at work.delta, negative, into `wanted`.
+Misfit find_misfits(LoopWorkspace& work) {
+  constexpr std::size_t lanes = RodLines::lanes;
+  LineWorkspace& lines = *work.lines;
+  std::array<double, lanes> most{}, sum{};
+  for (std::size_t s = 0; s < lines.wanted.size(); s += lanes)
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const auto [a, b] = lines.lines->ends[s + lane];
+      const Vec3 d = at(lines.d, s + lane), e = at(work.delta, a) - at(work.delta, b);
+      const double c = lines.excess[s + lane] + (dot(d, e) + 0.5 * dot(e, e));
+      lines.wanted[s + lane] = -c;
+      most[lane] = std::max(most[lane], std::abs(c));
+      sum[lane] += c * c;
+    }
+  Misfit out{0, 0};
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    out.largest = std::max(out.largest, most[lane]);
+    out.norm += sum[lane];
+  }
+  out.norm = std::sqrt(out.norm);
+  return out;
+}
+
 }  // namespace
 
 LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
@@ -104,7 +132,6 @@ LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
 LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
                              DirectCounters& counters) {
   LineWorkspace& lines = *work.lines;
-  const RodLines& shape = *lines.lines;
   measure(state, lines);
   start(state, theta, kick, lines);
   const double length = std::sqrt(state.scale2), least = fitting * state.scale2;
@@ -116,23 +143,17 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
       if (theta > 0) worst = length * change;
       lines.solver.factorize();
     }
-    double square = 0;
-    for (std::size_t s = 0; s < shape.slots(); ++s) {
-      const auto [a, b] = shape.ends[s];
-      const Vec3 d = at(lines.d, s), e = at(work.delta, a) - at(work.delta, b);
-      const double c = lines.excess[s] + (dot(d, e) + 0.5 * dot(e, e));
-      worst = std::max(worst, std::abs(c));
-      lines.wanted[s] = -c;
-      square += c * c;
-    }
+    const Misfit misfit = find_misfits(work);
+    if (!std::isfinite(misfit.norm)) break;
+    worst = std::max(worst, misfit.largest);
     if (worst <= least) {
       keep(state, kick, lines);
       return LineOutcome::solved;
     }
-    if (!(worst <= hopeless * state.scale2) || (i > 2 && worst > lost_rate * last)) break;
+    if (worst > hopeless * state.scale2 || (i > 2 && worst > lost_rate * last)) break;
     last = worst;
     counters.newton.fetch_add(1, std::memory_order_relaxed);
-    const double goal = std::max(coarse * std::sqrt(square), 0.1 * least);
+    const double goal = std::max(coarse * misfit.norm, 0.1 * least);
     if (!lines.solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta)) {
       lines.known = 0;
       return LineOutcome::stalled;

@@ -1,5 +1,8 @@
 #include "loop_state.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 namespace plumb::detail {
 
 LoopTopology::LoopTopology(const layouts::Graph& island) : vertices(island.vertices) {
@@ -8,6 +11,18 @@ LoopTopology::LoopTopology(const layouts::Graph& island) : vertices(island.verti
     rods.push_back(turned ? LoopRod{edge.b, edge.a} : LoopRod{edge.a, edge.b});
   }
   while (nodes < vertices && island.movable[nodes]) ++nodes;
+  order.resize(vertices);
+  std::iota(order.begin(), order.end(), 0u);
+}
+
+void LoopTopology::use_lines(std::span<const Vec3> positions) {
+  const std::vector<Line> found = find_lines(rods, nodes, positions);
+  const std::vector<std::uint32_t> by_lines = RodLines(found, rods, nodes).node_order();
+  std::copy(by_lines.begin(), by_lines.end(), order.begin());
+  std::vector<std::uint32_t> place(vertices);
+  for (std::uint32_t i = 0; i < vertices; ++i) place[order[i]] = i;
+  for (LoopRod& rod : rods) rod = {place[rod.a], place[rod.b]};
+  lines = std::make_unique<RodLines>(found, rods, nodes);
 }
 
 LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& scene, MassModel model,

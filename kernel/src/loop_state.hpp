@@ -35,7 +35,11 @@ struct LoopSystem {
 struct LoopTopology {
   explicit LoopTopology(const layouts::Graph& island);
 
+  /// Solves by lines, which `positions` of the island's vertices show.
+  void use_lines(std::span<const Vec3> positions);
+
   std::uint32_t nodes = 0, vertices;
+  std::vector<std::uint32_t> order;  ///< by vertex, which of the island's it is
   std::vector<LoopRod> rods;
   /// One of both. Lines where factorisations would be dear; systems are then made by who needs them all the
   /// same.

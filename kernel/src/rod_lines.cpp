@@ -15,8 +15,6 @@ constexpr double least_pivot = 1e-6;
 /// Joins rods at every node, straightest pairs first, and walks the paths that result.
 class Paths {
  public:
-  using Path = std::vector<std::uint32_t>;
-
   Paths(std::span<const LoopRod> rods, std::uint32_t nodes, std::span<const Vec3> positions)
       : rods_(rods), next_(rods.size(), {RodLines::none, RodLines::none}) {
     std::vector<std::vector<std::uint32_t>> at(nodes);
@@ -26,11 +24,11 @@ class Paths {
     for (std::uint32_t i = 0; i < nodes; ++i) join(i, at[i], positions);
   }
 
-  std::vector<Path> walk() const {
+  std::vector<Line> walk() const {
     std::vector<std::uint8_t> seen(rods_.size(), 0);
-    std::vector<Path> paths;
+    std::vector<Line> paths;
     const auto follow = [&](std::uint32_t from) {
-      Path path;
+      Line path;
       for (std::uint32_t k = from, last = RodLines::none; k != RodLines::none && seen[k] == 0;) {
         seen[k] = 1;
         path.push_back(k);
@@ -89,22 +87,27 @@ double sum_of(const Lanes& lanes) {
 
 }  // namespace
 
-RodLines::RodLines(std::span<const LoopRod> rods, std::uint32_t movable, std::span<const Vec3> positions)
+std::vector<Line> find_lines(std::span<const LoopRod> rods, std::uint32_t nodes,
+                             std::span<const Vec3> positions) {
+  std::vector<Line> lines = Paths(rods, nodes, positions).walk();
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const Line& a, const Line& b) { return a.size() > b.size(); });
+  return lines;
+}
+
+RodLines::RodLines(std::span<const Line> of, std::span<const LoopRod> rods, std::uint32_t movable)
     : nodes(movable), packs{0}, first{0} {
-  std::vector<Paths::Path> paths = Paths(rods, nodes, positions).walk();
-  std::stable_sort(paths.begin(), paths.end(),
-                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  for (std::size_t p = 0; p < paths.size(); p += lanes) {
-    for (std::size_t j = 0; j < paths[p].size(); ++j)
+  for (std::size_t p = 0; p < of.size(); p += lanes) {
+    for (std::size_t j = 0; j < of[p].size(); ++j)
       for (std::size_t lane = 0; lane < lanes; ++lane) {
-        const bool empty = p + lane >= paths.size() || j >= paths[p + lane].size();
-        const std::uint32_t k = empty ? none : paths[p + lane][j];
+        const bool empty = p + lane >= of.size() || j >= of[p + lane].size();
+        const std::uint32_t k = empty ? none : of[p + lane][j];
         numbers.push_back(k);
         ends.push_back(empty ? LoopRod{0, 0} : rods[k]);
         joints.push_back(0);
         turns.push_back(0);
         if (empty || j == 0) continue;
-        const auto [a, b] = rods[paths[p + lane][j - 1]];
+        const auto [a, b] = rods[of[p + lane][j - 1]];
         const bool by_a = rods[k].a == a || rods[k].a == b;
         // Two rods between the same nodes would both be right; they are refused long before.
         joints.back() = by_a ? rods[k].a : rods[k].b;
@@ -122,6 +125,24 @@ RodLines::RodLines(std::span<const LoopRod> rods, std::uint32_t movable, std::sp
     meetings.insert(meetings.end(), each.begin(), each.end());
     first.push_back(static_cast<std::uint32_t>(meetings.size()));
   }
+}
+
+std::vector<std::uint32_t> RodLines::node_order() const {
+  std::vector<std::uint32_t> order;
+  std::vector<std::uint8_t> seen(nodes, 0);
+  const auto meet = [&](std::uint32_t vertex) {
+    if (vertex < nodes && std::exchange(seen[vertex], std::uint8_t{1}) == 0) order.push_back(vertex);
+  };
+  for (std::uint32_t s = 0; s < slots(); s += lanes) {
+    for (std::uint32_t lane = 0; lane < lanes; ++lane)
+      if (turns[s + lane] != 0) meet(joints[s + lane]);
+    for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+      if (numbers[s + lane] == none) continue;
+      meet(ends[s + lane].a);
+      meet(ends[s + lane].b);
+    }
+  }
+  return order;
 }
 
 LineSolver::LineSolver(const RodLines& lines, std::span<const double> mass)

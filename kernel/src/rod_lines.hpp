@@ -9,15 +9,23 @@
 
 namespace plumb::detail {
 
-/// An island's rods as lines, paths that run on as straight as they can: the rows and columns of a net. Lines
-/// of about the same length lie side by side, `lanes` of them; a rod's slot says where: the first rods of all
-/// of them, then the second. Slots that no rod has are padding.
+using Line = std::vector<std::uint32_t>;  ///< rods, one after the other
+
+/// All rods on paths that run on as straight as they can, such as the rows and columns of a net; the longest
+/// first. `positions` of the vertices, the first `nodes` of which are movable.
+std::vector<Line> find_lines(std::span<const LoopRod> rods, std::uint32_t nodes,
+                             std::span<const Vec3> positions);
+
+/// Lines side by side, `lanes` of about the same length; a rod's slot says where: the first rods of all of
+/// them, then the second. Slots that no rod has are padding.
 struct RodLines {
   static constexpr std::uint32_t lanes = 8;
   static constexpr std::uint32_t none = 0xffffffff;
 
-  /// `positions` of the vertices; the first `nodes` are movable.
-  RodLines(std::span<const LoopRod> rods, std::uint32_t nodes, std::span<const Vec3> positions);
+  RodLines(std::span<const Line> of, std::span<const LoopRod> rods, std::uint32_t nodes);
+
+  /// Nodes in the order in which slots meet them, so that what is used together lies together.
+  std::vector<std::uint32_t> node_order() const;
 
   std::uint32_t slots() const { return static_cast<std::uint32_t>(ends.size()); }
 
