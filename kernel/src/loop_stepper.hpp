@@ -46,13 +46,15 @@ struct LoopWorkspace {
 /// Advances islands with loops (rings, ladders, trusses, nets) by substeps in which all rods are solved at
 /// once. The same schemes, and the same guard, as TreeStepper: see there.
 ///
-/// Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers together
-/// (see LoopSystem); a factorisation serves for more than one iteration, and for later substeps, as long as
-/// they converge fast.
+/// Wide islands of massless rods are solved by their lines (see iterate_by_lines()), in time that grows with
+/// the rods: some 0.1 us a rod and substep on one thread of a Xeon at 2.5 GHz. If a substep is too long for
+/// that it is halved; if lines are no help, as where rods are redundant, the island is factorised from then on.
 ///
-/// Costs of a factorisation and of a solution with it, for nets of 32, 64 and 128 particles squared on one
-/// thread of a Xeon at 2.5 GHz: 3.4 + 0.25, 34 + 2.3 and 370 + 12 ms for gradient old with lumped masses,
-/// where displacements couple through rods only; 18 + 1.4, 200 + 8.4 and 1500 + 45 ms otherwise.
+/// Of others Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers
+/// together (see LoopSystem); a factorisation serves for more than one iteration, and for later substeps, as
+/// long as they converge fast. For nets of 32, 64 and 128 particles squared a factorisation and a solution
+/// with it cost 3.4 + 0.25, 34 + 2.3 and 370 + 12 ms for gradient old with lumped masses, where displacements
+/// couple through rods only; 18 + 1.4, 200 + 8.4 and 1500 + 45 ms otherwise.
 ///
 /// Rods that others make redundant are those whose pivot vanishes against what both ends could yield: they
 /// are left out where they are found, so that rods that fit together are all kept. Where rods do not fit

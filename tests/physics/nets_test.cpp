@@ -1,0 +1,134 @@
+// Method direct on wide nets, which conjugate gradients over lines solve.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "scenes/generators.hpp"
+#include "support/graphs.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr double frame = 1.0 / 60;
+
+Settings direct(Gradient gradient, std::uint32_t substeps) {
+  return {.method = Method::direct, .gradient = gradient, .substeps = substeps, .threads = 1};
+}
+
+/// Held along one side, uneven masses, pulled sideways so that no symmetry is left.
+Scene sideways_net(std::uint32_t n) {
+  test::Random random(n);
+  Scene scene = scenes::make_net({.width = n, .height = n, .level = 1});
+  for (Particle& particle : scene.particles)
+    if (!particle.fixed) particle.mass = 1.5 + test::signed_unit(random);
+  scene.gravity = {3, -9, 2};
+  return scene;
+}
+
+Frame after(const Scene& scene, Gradient gradient, std::uint32_t substeps, int steps) {
+  World world(scene, direct(gradient, substeps));
+  const StepReport report = test::run(world, frame, steps);
+  EXPECT_EQ(report.halvings, 0u);
+  EXPECT_EQ(report.unsolved, 0u);
+  return {steps * frame, test::positions_of(world), test::velocities_of(world)};
+}
+
+// A rod with a mass, however small, couples its ends, and the island is factorised.
+TEST(Nets, MoveAsTheFactorisationMovesThem) {
+  Scene scene = sideways_net(14);
+  scene.drag = 0.2;
+  Scene coupled = scene;
+  coupled.rods[30].mass = 1e-14;
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    World lines(scene, direct(gradient, 8)), factors(coupled, direct(gradient, 8));
+    for (int i = 0; i < 20; ++i)
+      for (World* world : {&lines, &factors}) {
+        world->move_anchor(3, scene.particles[3].position + 1e-3 * i * Vec3{0, 1, 0.3});
+        world->set_force(100, {5, 0, i % 3 - 1.0});
+        EXPECT_EQ(world->step(frame).halvings, 0u);
+      }
+    // What is left of lengths, 1e-11, and what motion makes of it.
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+      EXPECT_LE(norm(lines.position(i) - factors.position(i)), 1e-9) << to_string(gradient);
+      EXPECT_LE(norm(lines.velocity(i) - factors.velocity(i)), 1e-7) << to_string(gradient);
+    }
+  }
+}
+
+// Against gradient mid with 1/8 of the finer step, which adds 1/64 of its error.
+TEST(Nets, OrderOfGradientsOldAndMidIsTwo) {
+  const Scene scene = sideways_net(16);
+  const Frame truth = after(scene, Gradient::mid, 128, 20);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
+    const Frame coarse = after(scene, gradient, 8, 20), fine = after(scene, gradient, 16, 20);
+    EXPECT_NEAR(std::log2(rms_distance(coarse.positions, truth.positions) /
+                          rms_distance(fine.positions, truth.positions)),
+                2, 0.15)
+        << to_string(gradient);
+    EXPECT_NEAR(std::log2(rms_distance(coarse.velocities, truth.velocities) /
+                          rms_distance(fine.velocities, truth.velocities)),
+                2, 0.2)
+        << to_string(gradient);
+  }
+}
+
+TEST(Nets, GradientMidKeepsEnergy) {
+  const Scene scene = sideways_net(20);
+  World world(scene, direct(Gradient::mid, 8));
+  const auto energy = [&] {
+    return measure_energy(scene, test::positions_of(world), test::velocities_of(world)).total() /
+           energy_range(scene);
+  };
+  const double before = energy();
+  double largest = 0;
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_EQ(world.step(frame).unsolved, 0u);
+    largest = std::max(largest, std::abs(energy() - before));
+  }
+  EXPECT_LE(largest, 1e-10);  // asked for: 1e-9
+  EXPECT_LE(test::stretch_of(scene, world).max, 1e-10);
+}
+
+TEST(Nets, InFreeFlightKeepTheirMomentum) {
+  test::Random random(7);
+  Scene scene = scenes::make_net({.width = 15, .height = 15, .level = 1});
+  scene.gravity = {};
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+    Particle& particle = scene.particles[i];
+    if (particle.fixed && i + 1 < 15) scene.rods.push_back({.a = i, .b = i + 1});
+    particle.fixed = false;
+    particle.mass = 1;
+    particle.velocity = {test::signed_unit(random), test::signed_unit(random), test::signed_unit(random)};
+  }
+  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
+    World world(scene, direct(gradient, 16));
+    const auto momentum = [&] {
+      return measure_momentum(scene, test::positions_of(world), test::velocities_of(world));
+    };
+    const Momentum before = momentum();
+    test::run(world, frame, 30);
+    const Momentum now = momentum();
+    EXPECT_LE(norm(now.linear - before.linear), 1e-12 * scene.particles.size());
+    EXPECT_LE(norm(now.angular - before.angular), 1e-12 * scene.particles.size());
+  }
+}
+
+// A straight row between fixed corners cannot be held: counted, and everything stays finite and near.
+TEST(Nets, ThatCannotHangSagAndAreCounted) {
+  const Scene scene = scenes::make_net(14, 14);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
+    World world(scene, direct(gradient, 2));
+    const StepReport report = test::run(world, frame, 20);
+    EXPECT_GT(report.unsolved + report.fallbacks, 0u);
+    EXPECT_TRUE(test::all_finite(world));
+    EXPECT_LE(test::stretch_of(scene, world).max, 1e-2) << to_string(gradient);
+  }
+}
+
+}  // namespace
+}  // namespace plumb
