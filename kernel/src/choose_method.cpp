@@ -6,8 +6,9 @@ namespace plumb::detail {
 namespace {
 
 /// Particles in the widest layer up to which an island with loops is thin: rings, ladders and trusses are,
-/// nets are not. Measured by bench_direct: a truss of 100 bays is solved 16 to some hundred times faster than
-/// relaxed, a ring of 24 about as fast, a net of 32 x 32 tens of times slower.
+/// nets are not. Measured by bench_direct, to an error of 1e-4: a truss of 100 bays is solved 20 to some
+/// hundred times faster than relaxed, a ring of 24 about as fast; nets of 32 x 32 and 128 x 128 twice and
+/// four times as fast, but at errors of a hundredth relaxation is cheaper there.
 constexpr std::size_t thin_layer = 12;
 
 /// Accuracy from which composed substeps reach it in less time, with an estimate that takes a third of it
@@ -49,7 +50,7 @@ bool is_thin(const layouts::Graph& island) {
 
 Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
                      const Settings& settings) {
-  if (shape_is_for_direct) return Method::direct;
+  if (shape_is_for_direct || settings.accuracy) return Method::direct;
   const bool carries_mass =
       mass_model_of(settings) == MassModel::consistent &&
       std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });

@@ -16,7 +16,6 @@ namespace {
 /// A scene of its own for the islands that one method moves.
 struct Part {
   Method method = Method::relax;
-  bool has_loops = false;
   Scene scene;
   std::vector<std::uint32_t> particles;  ///< the whole scene's numbers, by the part's
   std::unique_ptr<Simulation> simulation;
@@ -32,10 +31,9 @@ Settings settings_for(const Part& part, const Settings& settings) {
   Settings own = settings;
   own.method = part.method;
   if (part.method == Method::relax) {
-    own.accuracy.reset();
     own.mass.reset();
   } else {
-    own.time_order = part.has_loops ? 2 : choose_time_order(settings);  // accuracy steers trees alone
+    own.time_order = choose_time_order(settings);
     own.gradient = choose_gradient(part.scene, own);
   }
   return own;
@@ -132,12 +130,7 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   const layouts::Graph graph = owner.view();
   const layouts::Islands islands = layouts::find_islands(graph);
 
-  struct Kind {
-    Method method;
-    bool has_loops;
-  };
-  constexpr std::array<Kind, 3> kinds{
-      {{Method::direct, false}, {Method::direct, true}, {Method::relax, true}}};
+  constexpr std::array kinds{Method::direct, Method::relax};
   std::array<std::vector<std::uint8_t>, kinds.size()> has_particle, has_rod;
   for (auto& flags : has_particle) flags.assign(scene.particles.size(), 0);
   for (auto& flags : has_rod) flags.assign(scene.rods.size(), 0);
@@ -145,11 +138,10 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   std::size_t first_used = kinds.size();
   for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
     const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
-    const bool is_tree = layouts::find_tree(local.view()).has_value();
-    const bool shape_is_for_direct = is_tree || is_thin(local.view());
+    const bool shape_is_for_direct = layouts::find_tree(local.view()).has_value() || is_thin(local.view());
     for (const std::uint32_t island : equal) {
       const Method method = choose_method(scene, shape_is_for_direct, islands.edges(island), settings);
-      const std::size_t m = method == Method::relax ? 2 : is_tree ? 0 : 1;
+      const std::size_t m = method == Method::direct ? 0 : 1;
       first_used = std::min(first_used, m);
       for (const std::uint32_t v : islands.vertices(island)) has_particle[m][v] = placed[v] = 1;
       for (const std::uint32_t e : islands.edges(island)) has_rod[m][e] = 1;
@@ -163,8 +155,7 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   std::vector<std::uint32_t> number(scene.particles.size());
   for (std::size_t m = 0; m < kinds.size(); ++m) {
     Part part;
-    part.method = kinds[m].method;
-    part.has_loops = kinds[m].has_loops;
+    part.method = kinds[m];
     for (std::uint32_t v = 0; v < number.size(); ++v) {
       if (!has_particle[m][v]) continue;
       number[v] = static_cast<std::uint32_t>(part.particles.size());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "accuracy_control.hpp"
 #include "composition.hpp"
 #include "loop_group.hpp"
 #include "plumb/layouts/islands.hpp"
@@ -19,18 +20,11 @@ namespace {
 
 using layouts::lane_width;
 
-// Of the control of substeps by accuracy: the share of the error allowed that is aimed at, and by how much
-// the substep may change at once: at least doubled, or two substeps a step would never become one.
-constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;
 /// Relative to the velocity of an anchor: below, it differs by the rounding of its path only.
 constexpr double unchanged = 1e-9;
-constexpr int most_attempts = 8;
 /// Of a step: in float, displacements of shorter ones are rounding.
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
-/// Of the first step, when nothing is known yet. The estimate sees if they are too few; the step is then done
-/// again.
-constexpr std::uint32_t first_substeps = 4;
 
 template <class T>
 class DirectSimulation final : public Simulation {
@@ -66,8 +60,7 @@ class DirectSimulation final : public Simulation {
         const std::size_t count = loops_.size() + groups_.size();
         for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
           if (i < loops_.size()) {
-            loops_.advance(static_cast<std::uint32_t>(i), dt / settings_.substeps, settings_.substeps,
-                           settings_.accuracy ? 2 : settings_.time_order, counters);
+            advance_loops(static_cast<std::uint32_t>(i), dt, counters);
           } else {
             advance(groups_[i - loops_.size()], dt, part, counters);
           }
@@ -253,7 +246,7 @@ class DirectSimulation final : public Simulation {
     info_.rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.direct_rods = info_.rods;
     info_.direct_gradient = gradient_of(settings_);
-    info_.direct_time_order = settings_.accuracy && groups_.empty() ? 2 : settings_.time_order;
+    info_.direct_time_order = settings_.time_order;
     info_.isa = isa_;
     info_.threads = team_.size();
     info_.parallel = uses_threads();
@@ -299,41 +292,37 @@ class DirectSimulation final : public Simulation {
     Crew& crew = crews_[group.kind][part];
     if (group.anchors_changed && gradient_of(settings_) == Gradient::mid)
       stepper_.project_velocities(group.state, crew.work);
-    if (!settings_.accuracy || diagonal_ == 0) {  // one particle has no length for an error to be relative to
+    if (!is_controlled()) {
       advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
       return;
     }
-    const std::uint32_t order = settings_.time_order;
+    const AccuracyControl control = accuracy_control(most_substeps<T>, settings_.time_order > 2);
     group.start->copy_motion(group.state);
-    if (group.substep == 0) group.substep = dt / first_substeps;
-    double last_rate = std::numeric_limits<double>::infinity();
-    for (int attempt = 1;; ++attempt) {
-      const double wanted = std::ceil(dt / group.substep);
-      auto substeps =
-          static_cast<std::uint32_t>(std::clamp(wanted, double{1} * settings_.substeps,
-                                                double{1} * std::max(most_substeps<T>, settings_.substeps)));
-      if (order > 2) substeps += substeps % 2;
-      const double h = dt / substeps;
-      const double error = order == 2 ? advance(group, crew, h, substeps, counters)
-                                      : advance_twice(group, crew, h, substeps, counters) / substeps;
-      const double rate = error / (h * *settings_.accuracy * diagonal_);
-      // The error of a step of order p grows by h^p a second.
-      group.substep = h * std::clamp(std::pow(safety / rate, 1.0 / order), slowest_change, fastest_change);
-      if (rate <= 1) return;
-      // Where rounding is what is estimated, shorter steps make it worse.
-      const bool hopeless = attempt > 2 && !(rate < last_rate);
-      if (hopeless || attempt == most_attempts || substeps >= most_substeps<T>) {
-        group.substep = h;
-        counters.inaccurate.fetch_add(1, std::memory_order_relaxed);
-        return;
-      }
-      last_rate = rate;
-      group.state.copy_motion(*group.start);
-      counters.repeated.fetch_add(1, std::memory_order_relaxed);
-    }
+    control.step(
+        dt, group.substep, counters,
+        [&](double h, std::uint32_t substeps) {
+          return control.even ? control.share_of_distance() *
+                                    advance_twice(group, crew, h, substeps, counters) / substeps
+                              : advance(group, crew, h, substeps, counters);
+        },
+        [&] { group.state.copy_motion(*group.start); });
   }
-  /// With substeps of h and, before, half as many of twice that, which is what an estimate of the error after
-  /// all of them is made of: RMS over the particles of the worst tree (or segment of a line).
+
+  void advance_loops(std::uint32_t island, double dt, DirectCounters& counters) {
+    if (is_controlled())
+      loops_.advance(island, dt, accuracy_control(most_substeps<double>, true), counters);
+    else
+      loops_.advance(island, dt / settings_.substeps, settings_.substeps, settings_.time_order, counters);
+  }
+
+  /// One particle alone has no length for an error to be relative to.
+  bool is_controlled() const { return settings_.accuracy && diagonal_ > 0; }
+  AccuracyControl accuracy_control(std::uint32_t most, bool even) const {
+    return {*settings_.accuracy * diagonal_, settings_.substeps, most, settings_.time_order, even};
+  }
+
+  /// With substeps of h and, before, half as many of twice that. Returns how far apart they end: RMS over the
+  /// particles of the worst tree (or segment of a line), m.
   double advance_twice(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
     advance(group, crew, 2 * h, substeps / 2, counters);
     std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
@@ -349,7 +338,7 @@ class DirectSimulation final : public Simulation {
       }
       worst = std::max(worst, sum);
     }
-    return std::sqrt(worst / group.state.topology->nodes) / (std::pow(2, settings_.time_order) - 1);
+    return std::sqrt(worst / group.state.topology->nodes);
   }
   /// The largest error estimate of the substeps.
   double advance(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {

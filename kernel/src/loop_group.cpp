@@ -1,6 +1,7 @@
 #include "loop_group.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "choose_method.hpp"
 #include "composition.hpp"
@@ -49,13 +50,51 @@ void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands&
   }
 }
 
-void LoopGroup::advance(std::uint32_t island, double h, std::uint32_t substeps, std::uint32_t time_order,
+void LoopGroup::advance(std::uint32_t number, double h, std::uint32_t substeps, std::uint32_t time_order,
                         DirectCounters& counters) {
-  auto& [state, work, velocity, anchors_changed, velocity_known] = islands_[island];
-  velocity_known = false;
-  if (anchors_changed && gradient_ == Gradient::mid) stepper_.project_velocities(state, work);
+  Island& island = islands_[number];
+  begin_step(island);
+  advance(island, h, substeps, time_order, counters);
+}
+
+void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& control,
+                        DirectCounters& counters) {
+  Island& island = islands_[number];
+  begin_step(island);
+  if (!island.start) island.start = std::make_unique<LoopState>(island.state);
+  *island.start = island.state;
+  const auto restore = [&] {
+    island.state = *island.start;
+    if (island.work.lines) island.work.lines->forget();
+  };
+  control.step(
+      dt, island.substep, counters,
+      [&](double h, std::uint32_t substeps) {
+        advance(island, 2 * h, substeps / 2, control.order, counters);
+        island.coarse = island.state.x;
+        restore();
+        advance(island, h, substeps, control.order, counters);
+        double sum = 0;
+        for (std::size_t i = 0; i < island.coarse.size(); ++i) {
+          const double apart = island.state.x[i] - island.coarse[i];
+          sum += apart * apart;
+        }
+        return control.share_of_distance() * std::sqrt(sum / island.state.topology->nodes) / substeps;
+      },
+      restore);
+}
+
+void LoopGroup::begin_step(Island& island) const {
+  island.velocity_known = false;
+  if (island.anchors_changed && gradient_ == Gradient::mid)
+    stepper_.project_velocities(island.state, island.work);
+}
+
+void LoopGroup::advance(Island& island, double h, std::uint32_t substeps, std::uint32_t time_order,
+                        DirectCounters& counters) const {
   for (std::uint32_t i = 0; i < substeps; ++i)
-    for (const double share : composition(time_order)) stepper_.advance(state, share * h, work, counters);
+    for (const double share : composition(time_order))
+      stepper_.advance(island.state, share * h, island.work, counters);
 }
 
 Vec3 LoopGroup::position(std::uint32_t particle) const {

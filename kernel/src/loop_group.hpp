@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "accuracy_control.hpp"
 #include "loop_stepper.hpp"
 #include "plumb/layouts/islands.hpp"
 
@@ -25,6 +26,9 @@ class LoopGroup {
   /// Different islands may be advanced at the same time.
   void advance(std::uint32_t island, double h, std::uint32_t substeps, std::uint32_t time_order,
                DirectCounters& counters);
+  /// With as many substeps as accuracy wants. Every step is taken twice, with substeps of h and of 2 h; their
+  /// distance, RMS over particles, says how wrong the better one is.
+  void advance(std::uint32_t island, double dt, const AccuracyControl& control, DirectCounters& counters);
 
   Vec3 position(std::uint32_t particle) const;
   Vec3 displacement(std::uint32_t particle) const;  ///< as it is stored, for a hash
@@ -52,7 +56,15 @@ class LoopGroup {
     LoopWorkspace work;
     std::vector<double> velocity;  ///< m/s, 3 per node; at the end of the last step if known
     bool anchors_changed = false, velocity_known = false;
+    // With accuracy:
+    std::unique_ptr<LoopState> start{};  ///< of the step
+    std::vector<double> coarse{};        ///< m, 3 per vertex: where longer substeps lead
+    double substep = 0;                  ///< s, that the last step thought best; 0: none yet
   };
+
+  void begin_step(Island& island) const;
+  void advance(Island& island, double h, std::uint32_t substeps, std::uint32_t time_order,
+               DirectCounters& counters) const;
 
   Gradient gradient_;
   Isa isa_;

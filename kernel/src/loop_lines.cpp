@@ -47,7 +47,7 @@ void measure(const LoopState& state, LineWorkspace& lines) {
 /// Where multipliers start: gradient old's run smoothly through substeps of one length; those of the others
 /// swing from one to the next.
 void start(const LoopState& state, double theta, double kick, LineWorkspace& lines) {
-  if (kick != lines.kick || theta > 0) lines.known = 0;
+  if (kick != lines.kick || theta > 0) lines.forget();
   for (std::size_t s = 0; s < lines.mu.size(); ++s) {
     const std::uint32_t k = lines.lines->numbers[s];
     if (k == RodLines::none) continue;
@@ -155,11 +155,11 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
     counters.newton.fetch_add(1, std::memory_order_relaxed);
     const double goal = std::max(coarse * misfit.norm, 0.1 * least);
     if (!lines.solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta)) {
-      lines.known = 0;
+      lines.forget();
       return LineOutcome::stalled;
     }
   }
-  lines.known = 0;
+  lines.forget();
   return LineOutcome::diverged;
 }
 

@@ -16,6 +16,9 @@ struct LoopWorkspace;
 struct LineWorkspace {
   LineWorkspace(const RodLines& lines, std::span<const double> mass);
 
+  /// The next substep does not follow the last one.
+  void forget() { known = 0; }
+
   const RodLines* lines;
   LineSolver solver;
   std::vector<double> d, excess;        ///< of rods at the start of a substep: m, (|d|² - L²)/2

@@ -98,7 +98,7 @@ struct Settings {
   std::uint32_t substeps = 1;  ///< h = dt / substeps; the fewest if accuracy is set
   /// 2, 4 or 6, for direct with gradient old: every substep is put together from 1, 5 or 9 shorter ones, some
   /// of them backwards (Suzuki 1990; Kahan and Li 1997), so that its error falls with that power of its
-  /// length. With an accuracy, islands with loops keep 2.
+  /// length.
   std::uint32_t time_order = 2;
   /// For direct, and for springs with adaptive_implicit_euler: picks substeps so that the estimated error
   /// grows by no more than this share of the scene's diagonal per second.
