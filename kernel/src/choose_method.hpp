@@ -15,8 +15,8 @@ namespace plumb::detail {
 bool is_thin(const layouts::Graph& island);
 
 /// What method automatic takes for an island: direct if its shape is for that, if its rods carry mass, which
-/// relaxation cannot represent, or if an accuracy is asked for, which relaxation cannot promise; relax for the
-/// rest, wide nets of massless rods.
+/// relaxation cannot represent, or if an accuracy is asked for, which relaxation cannot promise; relax for
+/// the rest, wide nets of massless rods.
 Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
                      const Settings& settings);
 

@@ -181,8 +181,8 @@ bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) 
       lines.wanted[s] = dot(at(lines.d, s), at(work.delta, b) - at(work.delta, a));
       square += lines.wanted[s] * lines.wanted[s];
     }
-    if (!solver.solve(lines.wanted, projected * std::sqrt(square), most_gradients, lines.mu, work.delta))
-      return false;
+    const double goal = projected * std::sqrt(square);
+    if (!solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta) && turn == 0) return false;
   }
   return true;
 }

@@ -27,6 +27,7 @@ struct LineWorkspace {
   std::vector<double> pushed;           ///< 3 per node: by rods
   double kick = 0;                      ///< of the last substep
   int known = 0;                        ///< which of before and earlier are of substeps like the last one
+  int stalls = 0;                       ///< without a solution between them
 };
 
 enum class LineOutcome : std::uint8_t {
@@ -41,7 +42,7 @@ enum class LineOutcome : std::uint8_t {
 LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
                              DirectCounters& counters);
 
-/// As project_delta(). False if stalled.
+/// As project_delta(). False if stalled: work.delta has got its kick then, and still pulls on rods.
 bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work);
 
 }  // namespace plumb::detail

@@ -38,6 +38,9 @@ constexpr double lost_rate = 0.5;
 /// faster than a new one: a net of 16 x 16 particles has 30.
 constexpr double costly_factor = 30;
 
+/// After so many substeps in a row for which lines were no help they are given up.
+constexpr int most_stalls = 3;
+
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
@@ -201,14 +204,16 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
   const double theta = theta_of(gradient);
   if (work.lines) {
     begin(state, h, gradient, work);
-    const LineOutcome outcome =
-        iterate_by_lines(state, theta, coefficients(state, h, gradient, drag_).kick, work, counters);
-    if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work)))
+    const double kick = coefficients(state, h, gradient, drag_).kick;
+    const LineOutcome outcome = iterate_by_lines(state, theta, kick, work, counters);
+    if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
+      work.lines->stalls = 0;
       return true;
+    }
     std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
     // A shorter substep is what helps, and costs less than a factorisation.
     if (outcome != LineOutcome::stalled) return false;
-    work.lines.reset();
+    if (++work.lines->stalls == most_stalls) work.lines.reset();
   }
   const LoopWorkspace::Factor& factor = work.factor(theta > 0);
   for (const bool carried : {true, false}) {
@@ -330,7 +335,7 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
   }
   if (work.lines) {
     if (project_by_lines(state, kick, work)) return;
-    work.lines.reset();
+    kick = 0;
   }
   measure_rods(state, work);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);

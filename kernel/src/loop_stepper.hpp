@@ -48,7 +48,7 @@ struct LoopWorkspace {
 ///
 /// Wide islands of massless rods are solved by their lines (see iterate_by_lines()), in time that grows with
 /// the rods: some 0.1 us a rod and substep on one thread of a Xeon at 2.5 GHz. If a substep is too long for
-/// that it is halved; if lines are no help, as where rods are redundant, the island is factorised from then on.
+/// that it is halved; where lines are no help the island is factorised, after a few such substeps always.
 ///
 /// Of others Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers
 /// together (see LoopSystem); a factorisation serves for more than one iteration, and for later substeps, as
