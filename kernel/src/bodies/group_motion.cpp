@@ -13,13 +13,14 @@ void GroupStepper::find_velocities(Island& island) {
   const Linkage& linkage = *state.linkage;
   linkage.anchor_rates(state.x, state.v, island.right);
   linkage.put(island.impulse, island.right);
-  const auto add = [&](const Combination& sum, Vec3 by) {
-    for (std::uint32_t k = 0; k < sum.count; ++k) {
-      if (sum.terms[k].particle >= linkage.movable()) continue;
-      double* const at = &island.right[linkage.slot(sum.terms[k].particle)];
-      at[0] += sum.terms[k].weight * by.x;
-      at[1] += sum.terms[k].weight * by.y;
-      at[2] += sum.terms[k].weight * by.z;
+  const auto add = [&](Sum sum, Vec3 by) {
+    for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+      const auto [particle, weight] = island.terms[k];
+      if (particle >= linkage.movable()) continue;
+      double* const at = &island.right[linkage.slot(particle)];
+      at[0] += weight * by.x;
+      at[1] += weight * by.y;
+      at[2] += weight * by.z;
     }
   };
   for (std::size_t s = 0; s < island.sides.size(); ++s) {

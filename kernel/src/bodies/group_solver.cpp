@@ -52,14 +52,15 @@ void GroupStepper::couple(Island& island) {
   double factors[48];
   const auto gather = [&](const Side& side) {
     std::uint32_t used = 0;
-    const auto add = [&](const Combination& sum, Vec3 along) {
-      for (std::uint32_t k = 0; k < sum.count; ++k) {
-        if (sum.terms[k].particle >= linkage.movable()) continue;
-        const std::uint32_t slot = linkage.slot(sum.terms[k].particle);
-        const Vec3 by = sum.terms[k].weight * along;
-        for (const auto& [axis, value] : {std::pair{0u, by.x}, std::pair{1u, by.y}, std::pair{2u, by.z}}) {
+    const auto add = [&](Sum sum, Vec3 along) {
+      for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+        const auto [particle, weight] = island.terms[k];
+        if (particle >= linkage.movable()) continue;
+        const std::uint32_t slot = linkage.slot(particle);
+        const double by[3] = {weight * along.x, weight * along.y, weight * along.z};
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
           slots[used] = slot + axis;
-          factors[used++] = value;
+          factors[used++] = by[axis];
         }
       }
     };
@@ -85,9 +86,15 @@ void GroupStepper::couple(Island& island) {
 
 void GroupStepper::see(Island& island, std::span<const Vec3> motion) {
   double* const speed = island.speed.front().of;
+  Vec3 a{}, b{};
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
     const Side& side = island.sides[s];
-    speed[s] = side.a.along(side.along_a, motion) + side.b.along(side.along_b, motion);
+    // The rows of a contact are along three axes of one sum.
+    if (s == 0 || side.a.first != island.sides[s - 1].a.first) {
+      a = island.of(side.a, motion);
+      b = island.of(side.b, motion);
+    }
+    speed[s] = dot(side.along_a, a) + dot(side.along_b, b);
   }
 }
 

@@ -41,9 +41,13 @@ class GroupStepper {
             double dt, StepReport& report);
 
  private:
+  /// A sum of particles, among an island's terms.
+  struct Sum {
+    std::uint32_t first = 0, end = 0;
+  };
   /// A push on an island: along_a on a sum of its particles, along_b on another.
   struct Side {
-    Combination a, b;
+    Sum a, b;
     Vec3 along_a{}, along_b{};
   };
   enum class Kind : std::uint8_t { normal, sliding, limit, drive, brake };
@@ -80,6 +84,7 @@ class GroupStepper {
     Bounds bounds{};
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
     std::vector<double> right;
+    std::vector<Combination::Term> terms;
     std::vector<Side> sides;
     // Padded to whole lanes, or by lanes:
     std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown
@@ -89,14 +94,21 @@ class GroupStepper {
     std::vector<Lanes> sum;       ///< of responses
 
     std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
+    Vec3 of(Sum which, std::span<const Vec3> values) const {
+      Vec3 out{};
+      for (std::uint32_t k = which.first; k < which.end; ++k)
+        out += terms[k].weight * values[terms[k].particle];
+      return out;
+    }
     const double* row(std::uint32_t side) const { return coupling[side * batches()].of; }
   };
 
   /// A contact that does not seem to come about in this substep.
   struct LeftOut {
     std::uint32_t island, other;
-    Combination at, at_other;
-    Touch touch;
+    Sum at, at_other;
+    double gap;
+    Vec3 normal;
   };
 
   bool substep(const Surroundings& surroundings, double h, StepReport& report);
@@ -109,7 +121,8 @@ class GroupStepper {
   void add_contact(std::uint32_t i, const Combination& at, std::uint32_t j, const Combination& at_other,
                    const Touch& touch, const Surface& a, const Surface& b, std::uint64_t key, double h);
   void add_angles(std::uint32_t i, double h);
-  std::uint32_t add_side(Island& island, const Side& side);
+  static Sum add_sum(Island& island, const Combination& sum);
+  static std::uint32_t add_side(Island& island, const Side& side);
   void find_responses();
   void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);

@@ -25,13 +25,6 @@ struct Combination {
     for (std::uint32_t i = 0; i < count; ++i) sum += terms[i].weight * values[terms[i].particle];
     return sum;
   }
-  /// Of their components along a direction.
-  double along(Vec3 direction, std::span<const Vec3> values) const {
-    double sum = 0;
-    for (std::uint32_t i = 0; i < count; ++i)
-      sum += terms[i].weight * dot(direction, values[terms[i].particle]);
-    return sum;
-  }
 };
 
 /// What all islands of one make have in common: limbs that are held together, their masses, shapes and
