@@ -68,9 +68,9 @@ void GroupStepper::bounce(double h) {
       find_velocities(island);
       see(island, island.v);
     }
-    double left = sweep_velocities();
-    if (left <= enough) return;
-    for (int i = 1; i < most_sweeps && left > enough; ++i) left = sweep_velocities();
+    if (sweep_velocities(Sweep::looks) <= enough) return;
+    double left = INFINITY;
+    for (int i = 0; i < most_sweeps && left > enough; ++i) left = sweep_velocities(Sweep::pushes);
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);

@@ -160,7 +160,7 @@ void into_disk(double& a, double& b, double most) {
 
 // The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
 // the largest change that they made, in m or m/s.
-double GroupStepper::sweep_positions() {
+double GroupStepper::sweep_positions(Sweep sweep) {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
@@ -169,7 +169,7 @@ double GroupStepper::sweep_positions() {
     switch (row.kind) {
       case Kind::normal: {
         const double normal = std::max(0.0, row.p - row.over * (u + row.gap));
-        if (normal > 0 || row.p > 0) worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal));
+        if (normal > 0 || row.p > 0) worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal, sweep));
         r += 2;
         continue;
       }
@@ -185,12 +185,12 @@ double GroupStepper::sweep_positions() {
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
         break;
     }
-    worst = std::max(worst, set(row, &Row::p, p));
+    worst = std::max(worst, set(row, &Row::p, p, sweep));
   }
   return worst;
 }
 
-double GroupStepper::sweep_velocities() {
+double GroupStepper::sweep_velocities(Sweep sweep) {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
@@ -199,24 +199,26 @@ double GroupStepper::sweep_velocities() {
     const double q = brakes ? std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce)
                             : std::max(0.0, row.q - row.over * (see(row) - row.bounce));
     if (row.kind == Kind::normal) {
-      worst = std::max(worst, contact(r, &Row::q, q, row.bound * q));
+      worst = std::max(worst, contact(r, &Row::q, q, row.bound * q, sweep));
       r += 2;
       continue;
     }
-    worst = std::max(worst, set(row, &Row::q, q));
+    worst = std::max(worst, set(row, &Row::q, q, sweep));
   }
   return worst;
 }
 
-double GroupStepper::set(Row& row, double Row::*of, double value) {
+double GroupStepper::set(Row& row, double Row::*of, double value, Sweep sweep) {
   const double by = value - row.*of;
-  row.*of = value;
-  push(row, by);
+  if (sweep == Sweep::pushes) {
+    row.*of = value;
+    push(row, by);
+  }
   return std::abs(by) * row.own;
 }
 
 /// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
-double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most) {
+double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most, Sweep sweep) {
   Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
   const double by0 = normal - n.*of;
   // The normal push moves the others, too.
@@ -224,10 +226,12 @@ double GroupStepper::contact(std::size_t r, double Row::*of, double normal, doub
   double first = s.*of - s.over * u1, second = t.*of - t.over * u2;
   into_disk(first, second, most);
   const double by1 = first - s.*of, by2 = second - t.*of;
-  n.*of = normal;
-  s.*of = first;
-  t.*of = second;
-  push(n, by0, by1, by2);
+  if (sweep == Sweep::pushes) {
+    n.*of = normal;
+    s.*of = first;
+    t.*of = second;
+    push(n, by0, by1, by2);
+  }
   return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
 }
 
@@ -240,11 +244,13 @@ bool GroupStepper::solve_positions(StepReport& report) {
   double last = INFINITY;
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {
-    double left = 0;
-    if (!rows_.empty()) {
+    // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
+    double left = correction == 0 ? INFINITY : sweep_positions(Sweep::looks);
+    const bool sweeps_on = !rows_.empty() && left > still_;
+    if (sweeps_on) {
       const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
       int taken = 0;
-      do left = sweep_positions();
+      do left = sweep_positions(Sweep::pushes);
       while (++taken < most && left > still_);
       sweeps += taken;
     }
@@ -254,7 +260,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
       if (!island.awake) continue;
       LinkageState& state = *island.state;
       const Linkage& linkage = *state.linkage;
-      if (!island.sides.empty()) apply(island, island.d);
+      if (sweeps_on && !island.sides.empty()) apply(island, island.d);
       for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
       if (linkage.constraints() == 0) continue;
       std::fill(island.right.begin(), island.right.end(), 0.0);

@@ -129,11 +129,13 @@ class GroupStepper {
   static double see(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
-  double set(Row& row, double Row::*of, double value);
-  double contact(std::size_t r, double Row::*of, double normal, double most);
+  /// Whether a sweep pushes or only says how far it would.
+  enum class Sweep : std::uint8_t { pushes, looks };
+  double set(Row& row, double Row::*of, double value, Sweep sweep);
+  double contact(std::size_t r, double Row::*of, double normal, double most, Sweep sweep);
   void apply(Island& island, std::span<Vec3> motion);
-  double sweep_positions();
-  double sweep_velocities();
+  double sweep_positions(Sweep sweep);
+  double sweep_velocities(Sweep sweep);
   bool solve_positions(StepReport& report);
   void finish(double h, bool touched);
   void find_velocities(Island& island);
