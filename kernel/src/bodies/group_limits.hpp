@@ -26,6 +26,9 @@ inline constexpr int most_corrections = 16;
 inline constexpr double still = 1e-3, least_still = 1e-9;
 /// Of that, once something was lifted: then until the end of the step.
 inline constexpr double tighter = 1e-2;
+/// Of what the first of several sweeps changes, what the last may: the rest waits for what they will be
+/// corrected by, which changes about as much.
+inline constexpr double rough = 0.1;
 inline constexpr int most_sweeps = 60;
 inline constexpr int most_rounds = 4;
 /// Left of contacts, m, a substep is taken again, shorter.

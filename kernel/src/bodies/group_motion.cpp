@@ -68,9 +68,11 @@ void GroupStepper::bounce(double h) {
       find_velocities(island);
       see(island, island.v);
     }
-    if (sweep_velocities(Sweep::looks) <= enough) return;
-    double left = INFINITY;
-    for (int i = 0; i < most_sweeps && left > enough; ++i) left = sweep_velocities(Sweep::pushes);
+    double left = sweep_velocities(Sweep::looks);
+    if (left <= enough) return;
+    const double till = round + 1 < most_rounds ? std::max(enough, rough * left) : enough;
+    left = INFINITY;
+    for (int i = 0; i < most_sweeps && left > till; ++i) left = sweep_velocities(Sweep::pushes);
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);

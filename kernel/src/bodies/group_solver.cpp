@@ -249,9 +249,10 @@ bool GroupStepper::solve_positions(StepReport& report) {
     const bool sweeps_on = !rows_.empty() && left > still_;
     if (sweeps_on) {
       const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
-      int taken = 0;
-      do left = sweep_positions(Sweep::pushes);
-      while (++taken < most && left > still_);
+      left = sweep_positions(Sweep::pushes);
+      const double till = std::max(still_, rough * left);
+      int taken = 1;
+      for (; taken < most && left > till; ++taken) left = sweep_positions(Sweep::pushes);
       sweeps += taken;
     }
     double worst = 0;
