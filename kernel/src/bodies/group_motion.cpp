@@ -81,7 +81,7 @@ void GroupStepper::bounce(double h) {
 void GroupStepper::brake(Island& island, double h) {
   const Linkage& linkage = *island.state->linkage;
   if (linkage.drag() != 0) {
-    const double kept = std::exp(-0.5 * h * linkage.drag());
+    const double kept = linkage.kept(0.5 * h);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
   }
   if (linkage.joint_drag() == 0 || (linkage.movable() == 1 && !linkage.is_grounded())) return;

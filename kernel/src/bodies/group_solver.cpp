@@ -169,7 +169,8 @@ double GroupStepper::sweep_positions(Sweep sweep) {
     switch (row.kind) {
       case Kind::normal: {
         const double normal = std::max(0.0, row.p - row.over * (u + row.gap));
-        if (normal > 0 || row.p > 0) worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal, sweep));
+        if (normal > 0 || row.p > 0)
+          worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal, sweep));
         r += 2;
         continue;
       }

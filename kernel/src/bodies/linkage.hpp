@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -75,6 +76,8 @@ class Linkage {
   double size() const { return size_; }  ///< m, the largest rod or shape: what errors are held against
   double mass() const { return mass_; }  ///< kg, of what moves
   double drag() const { return drag_; }  ///< 1/s
+  /// Of a velocity, what drag leaves after t.
+  double kept(double t) const { return drag_ == 0 ? 1 : std::exp(-t * drag_); }
   double joint_drag() const { return joint_drag_; }  ///< 1/s
   Vec3 gravity() const { return gravity_; }
 

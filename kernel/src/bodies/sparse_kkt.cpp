@@ -11,8 +11,8 @@ namespace {
 
 /// Eliminates on the graph of nodes, a triple or a constraint each, one with the fewest neighbours first, of
 /// several the one that waits for the shortest chain of others: factor() and solve() wait for arithmetic
-/// along the longest. A constraint comes after all its triples, or as the first one of a triple that is gone: its pivot is then
-/// well away from zero however the others lie.
+/// along the longest. A constraint comes after all its triples, or as the first one of a triple that is gone:
+/// its pivot is then well away from zero however the others lie.
 class Elimination {
  public:
   Elimination(std::uint32_t threes, std::uint32_t constraints,
