@@ -80,9 +80,9 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
   const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
   const double restitution = std::max(a.restitution, b.restitution);
   const auto [t1, t2] = across(touch.normal);
-  Vec3 warm{};
+  KeptContact held{};
   for (const KeptContact& kept : one->state->kept)
-    if (kept.key == key) warm = (h * h) * kept.force;
+    if (kept.key == key) held = kept;
   const Vec3 axes[3] = {touch.normal, t1, t2};
   const Sum sum = add_sum(*one, at), sum_other = two ? add_sum(*two, at_other) : Sum{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -96,12 +96,15 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
       row.side[1] = add_side(*two, {sum_other, {}, -1.0 * axes[axis], {}});
     }
     row.key = key;
-    row.p = dot(warm, axes[axis]);
+    row.held = held.key == key;
+    row.p = h * h * dot(held.force, axes[axis]);
+    row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
       row.gap = touch.gap >= 0 ? touch.gap : std::min(0.0, 0.1 * (touch.gap + most_overlap));
       row.bound = std::sqrt(a.friction * b.friction);
       row.bounce = hit > least_bounce ? restitution * hit : 0;
       row.p = std::max(row.p, 0.0);
+      row.q = std::max(row.q, 0.0);
     }
   }
 }
@@ -123,7 +126,11 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
       row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
       row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
       for (const KeptContact& kept : state.kept)
-        if (kept.key == row.key) row.p = h * h * kept.force.x;
+        if (kept.key == row.key) {
+          row.held = true;
+          row.p = h * h * kept.force.x;
+          row.q = 0.5 * h * kept.end_force.x;
+        }
       return row;
     };
     const double near = 0.05 + std::abs(by);

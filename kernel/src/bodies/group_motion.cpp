@@ -54,10 +54,13 @@ void GroupStepper::finish(double h, bool touched) {
 // Pushes act along the constraints where the islands are now; the responses of where they were only lead
 // there, in a few rounds.
 void GroupStepper::bounce(double h) {
-  // At rest what pushes in the second half of a substep is what pushed in the first.
+  // What pushed at the end of the last substep; if nothing did, at rest what pushes in the second half is
+  // what pushed in the first.
+  bool pushes = false;
   for (Row& row : rows_) {
+    if (row.kind != Kind::sliding) pushes = row.p != 0;
     const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
-    row.q = lasts ? 0.5 / h * row.p : 0;
+    if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
     push(row, row.q);
   }
   const double enough = still_ / h;
@@ -175,12 +178,13 @@ void GroupStepper::keep_contacts(double h) {
     const Row& row = rows_[r];
     if (row.kind == Kind::sliding || row.p == 0) continue;
     Island& island = islands_[row.island[0]];
-    Vec3 force{row.p, 0, 0};
-    if (row.kind == Kind::normal)
-      force = row.p * island.sides[row.side[0]].along_a +
-              rows_[r + 1].p * island.sides[rows_[r + 1].side[0]].along_a +
-              rows_[r + 2].p * island.sides[rows_[r + 2].side[0]].along_a;
-    island.state->kept.push_back({row.key, (1 / (h * h)) * force});
+    const auto pushed = [&](double Row::*of) {
+      if (row.kind != Kind::normal) return Vec3{row.*of, 0, 0};
+      Vec3 sum{};
+      for (std::size_t k = r; k < r + 3; ++k) sum += (rows_[k].*of) * island.sides[rows_[k].side[0]].along_a;
+      return sum;
+    };
+    island.state->kept.push_back({row.key, (1 / (h * h)) * pushed(&Row::p), (2 / h) * pushed(&Row::q)});
   }
 }
 

@@ -62,6 +62,7 @@ class GroupStepper {
   };
   struct Row {
     Kind kind = Kind::normal;
+    bool held = false;  ///< in the last substep: p and q are what did
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};

@@ -18,10 +18,11 @@ struct Bounds {
   }
 };
 
-/// What held at a contact, to start from in the next substep.
+/// What held at a contact, to start from in the next substep: forces on the way, and those at its end, which
+/// differ from them for many substeps in the same way.
 struct KeptContact {
   std::uint64_t key = 0;
-  Vec3 force{};  ///< N
+  Vec3 force{}, end_force{};  ///< N
 };
 
 /// One island of a linkage's kind, wherever it is.
