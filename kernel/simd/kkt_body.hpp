@@ -37,17 +37,21 @@ void solve(const KktView& view, double* x) {
 }
 
 template <class V>
-void combine(const double* x, const std::uint32_t* slots, const double* factors, std::uint32_t count,
-             double* out) {
+void combine(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
+             const double* factors, std::uint32_t count, double* out) {
   constexpr std::size_t vectors = kkt_lanes / width<V>;
-  V sum[vectors];
-  for (std::size_t v = 0; v < vectors; ++v) sum[v] = broadcast<V>(0);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const V factor = broadcast<V>(factors[i]);
-    for (std::size_t v = 0; v < vectors; ++v)
-      sum[v] = sum[v] + factor * load<V>(x + kkt_lanes * slots[i] + v * width<V>);
+  for (std::size_t batch = 0; batch < batches; ++batch) {
+    V sum[vectors];
+    for (std::size_t v = 0; v < vectors; ++v) sum[v] = broadcast<V>(0);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const V factor = broadcast<V>(factors[i]);
+      for (std::size_t v = 0; v < vectors; ++v)
+        sum[v] = sum[v] + factor * load<V>(x + kkt_lanes * slots[i] + v * width<V>);
+    }
+    for (std::size_t v = 0; v < vectors; ++v) store(sum[v], out + v * width<V>);
+    x += kkt_lanes * unknowns;
+    out += kkt_lanes;
   }
-  for (std::size_t v = 0; v < vectors; ++v) store(sum[v], out + v * width<V>);
 }
 
 template <class V>

@@ -24,9 +24,10 @@ struct KktView {
 struct KktKernels {
   /// x: unknowns x kkt_lanes.
   void (*solve)(const KktView&, double* x);
-  /// out, kkt_lanes numbers = sum over i of factors[i] * x[slots[i]], of x as solve() leaves it.
-  void (*combine)(const double* x, const std::uint32_t* slots, const double* factors, std::uint32_t count,
-                  double* out);
+  /// out, kkt_lanes numbers = sum over i of factors[i] * x[slots[i]], of each of `batches` x as solve()
+  /// leaves them, one after the other.
+  void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
+                  const double* factors, std::uint32_t count, double* out);
   /// to += a * x + b * y + c * z, of `count` numbers, a multiple of kkt_lanes.
   void (*add_three)(double* to, double a, const double* x, double b, const double* y, double c,
                     const double* z, std::uint32_t count);

@@ -162,9 +162,9 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
     island.sides.clear();
     island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
     if (!island.awake) continue;
-    for (const Linkage::Shape& shape : island.state->linkage->shapes())
-      for (const Combination* end : {&shape.a, &shape.b})
-        include(island.bounds, end->of(island.state->x) + 1.25 * end->of(island.d), shape.radius + margin);
+    for (const Linkage::Ball& ball : island.state->linkage->balls())
+      include(island.bounds, ball.center.of(island.state->x) + 1.25 * ball.center.of(island.d),
+              ball.radius + margin);
   }
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];

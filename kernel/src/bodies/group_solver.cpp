@@ -78,9 +78,8 @@ void GroupStepper::couple(Island& island) {
     kernels_->solve(view, island.response[batch * unknowns].of);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t used = gather(island.sides[s]);
-    for (std::size_t batch = 0; batch < batches; ++batch)
-      kernels_->combine(island.response[batch * unknowns].of, slots, factors, used,
-                        island.coupling[s * batches + batch].of);
+    kernels_->combine(island.response.front().of, unknowns, batches, slots, factors, used,
+                      island.coupling[s * batches].of);
   }
 }
 

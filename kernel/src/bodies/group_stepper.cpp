@@ -30,10 +30,8 @@ double top_speed(const LinkageState& state) {
   double square = 0;
   const auto see = [&](Vec3 v) { square = std::max(square, dot(v, v)); };
   for (const Vec3 v : state.v) see(v);
-  for (const Linkage::Shape& shape : state.linkage->shapes()) {
-    see(shape.a.of(state.v));
-    see(shape.b.of(state.v));
-  }
+  for (const Linkage::Ball& ball : state.linkage->balls())
+    if (ball.center.count > 1) see(ball.center.of(state.v));
   return std::sqrt(square);
 }
 
