@@ -18,7 +18,8 @@ std::uint32_t padded(std::size_t batches) {
 void GroupStepper::find_responses() {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) couple(islands_[i]);
-  for (Row& row : rows_) {
+  for (std::size_t r = rows_.size(); r-- > 0;) {
+    Row& row = rows_[r];
     double own = row.softness, heaviest = 0;
     row.across[0] = row.across[1] = 0;
     for (std::uint32_t i = 0; i < row.ends; ++i) {
@@ -33,6 +34,8 @@ void GroupStepper::find_responses() {
     }
     row.own = own;
     row.over = own * heaviest > held_response ? 1 / own : 0;
+    if (row.kind != Kind::normal) continue;
+    for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] *= rows_[r + 1 + axis].over;
   }
 }
 
@@ -167,7 +170,7 @@ double GroupStepper::sweep_positions(Sweep sweep) {
     double p = 0;
     switch (row.kind) {
       case Kind::normal: {
-        const double normal = std::max(0.0, row.p - row.over * (u + row.gap));
+        const double normal = std::max(0.0, row.p - row.over * row.gap - row.over * u);
         if (normal > 0 || row.p > 0)
           worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal, sweep));
         r += 2;
@@ -221,9 +224,9 @@ double GroupStepper::set(Row& row, double Row::*of, double value, Sweep sweep) {
 double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most, Sweep sweep) {
   Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
   const double by0 = normal - n.*of;
-  // The normal push moves the others, too.
-  const double u1 = see(s) + by0 * n.across[0], u2 = see(t) + by0 * n.across[1];
-  double first = s.*of - s.over * u1, second = t.*of - t.over * u2;
+  // The normal push moves the others, too. What does not wait for it comes first.
+  const double first_alone = s.*of - s.over * see(s), second_alone = t.*of - t.over * see(t);
+  double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
   into_disk(first, second, most);
   const double by1 = first - s.*of, by2 = second - t.*of;
   if (sweep == Sweep::pushes) {

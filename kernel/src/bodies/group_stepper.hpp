@@ -73,7 +73,7 @@ class GroupStepper {
     double own = 0;             ///< its response to itself + softness
     double over = 0;            ///< 1 / own, or 0
     double p = 0, q = 0;        ///< what pushes positions, and velocities
-    double across[2] = {0, 0};  ///< of normals: what they do along the two rows that follow
+    double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
     std::uint64_t key = 0;
   };
   struct alignas(64) Lanes {
