@@ -110,6 +110,7 @@ class Linkage {
   /// The fastest turn of a rod, 1/s.
   double turning(std::span<const Vec3> v) const;
   /// Splits velocities into those of a rigid body, in `rigid`, and the rest; kinetic energy of the rest in J.
+  /// Of linkages without fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
 
  private:
