@@ -22,8 +22,8 @@ struct KktView {
 
 /// All arrays of lanes start on 64 bytes.
 struct KktKernels {
-  /// x: unknowns x kkt_lanes.
-  void (*solve)(const KktView&, double* x);
+  /// x: batches x unknowns x kkt_lanes.
+  void (*solve)(const KktView&, std::size_t batches, double* x);
   /// out, kkt_lanes numbers = sum over i of factors[i] * x[slots[i]], of each of `batches` x as solve()
   /// leaves them, one after the other.
   void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,

@@ -76,9 +76,7 @@ void GroupStepper::couple(Island& island) {
     for (std::uint32_t k = 0; k < used; ++k)
       island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
   }
-  const simd::KktView view = linkage.plan().view(island.state->factors);
-  for (std::size_t batch = 0; batch < batches; ++batch)
-    kernels_->solve(view, island.response[batch * unknowns].of);
+  kernels_->solve(linkage.plan().view(island.state->factors), batches, island.response.front().of);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t used = gather(island.sides[s]);
     kernels_->combine(island.response.front().of, unknowns, batches, slots, factors, used,
