@@ -24,8 +24,7 @@ struct KktView {
 struct KktKernels {
   /// x: batches x unknowns x kkt_lanes.
   void (*solve)(const KktView&, std::size_t batches, double* x);
-  /// out, kkt_lanes numbers = sum over i of factors[i] * x[slots[i]], of each of `batches` x as solve()
-  /// leaves them, one after the other.
+  /// out, batches x kkt_lanes = sum over i of factors[i] * x[slots[i]], of every batch as solve() leaves it.
   void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
                   const double* factors, std::uint32_t count, double* out);
   /// to += a * x + b * y + c * z, of `count` numbers, a multiple of kkt_lanes.
