@@ -10,6 +10,9 @@ inline constexpr double most_turn = 0.35;
 inline constexpr double most_approach = 0.5;
 /// Of its size, how far a force throws an island in a step, at most, for others to be looked for there.
 inline constexpr double farthest_throw = 10;
+/// Of its size, how far what pulls moves an island in a substep, at most, to be expected in the next again:
+/// farther it was a hit.
+inline constexpr double farthest_pull = 0.05;
 /// A step is cut into no more than so many.
 inline constexpr double most_cuts = 4096;
 /// Nor into more because it would gain energy.

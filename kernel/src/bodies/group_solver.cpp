@@ -246,8 +246,8 @@ bool GroupStepper::solve_positions(StepReport& report) {
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {
     // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
-    double left = correction == 0 ? INFINITY : sweep_positions(Sweep::looks);
-    const bool sweeps_on = !rows_.empty() && left > still_;
+    double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions(Sweep::looks);
+    const bool sweeps_on = left > still_;
     if (sweeps_on) {
       const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
       left = sweep_positions(Sweep::pushes);

@@ -123,11 +123,14 @@ void GroupStepper::start(Island& island, double h) {
   island.force.resize(movable);
   island.right.resize(linkage.plan().unknowns());
   const double kept = linkage.kept(0.5 * h);
+  // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.
+  const double farthest = farthest_pull * linkage.size() / (h * h);
+  const bool again = std::all_of(state.pull.begin(), state.pull.end(),
+                                 [&](Vec3 pull) { return dot(pull, pull) <= farthest * farthest; });
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     island.v[i] = i < movable ? kept * state.v[i] : state.v[i];
-    // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.
     island.d[i] = h * island.v[i];
-    if (i < movable) island.d[i] += (h * h) * state.pull[i];
+    if (again && i < movable) island.d[i] += (h * h) * state.pull[i];
     island.there[i] = state.x[i] + island.d[i];
   }
   linkage.forces(state.x, island.v, state.force, h, island.force);
