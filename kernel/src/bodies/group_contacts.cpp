@@ -31,6 +31,18 @@ std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t i
   return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
 }
 
+/// How near is looked at, of what moves so far in a substep, m.
+double in_sight(double moves) {
+  return 0.1 + 2 * moves;
+}
+/// Of a box above a plane, the lowest.
+double height(const Bounds& bounds, const Plane& plane) {
+  const Vec3 center = 0.5 * (bounds.low + bounds.high), half = 0.5 * (bounds.high - bounds.low);
+  const Vec3 n = plane.normal;
+  return dot(n, center) - plane.offset -
+         (std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z);
+}
+
 /// Beyond a limit, a tenth of the way a substep.
 double to_take_back(double gap) {
   return gap >= 0 ? gap : 0.1 * gap;
@@ -60,7 +72,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
   const Vec3 shift = motion(one, at, one->d) - (two ? motion(two, at_other, two->d) : Vec3{});
   const double closing = dot(touch.normal, shift);
   if (!all_near_ && touch.gap + closing > margin + 0.25 * norm(shift)) {
-    if (touch.gap < 0.1 + 2 * norm(shift))
+    if (touch.gap < in_sight(norm(shift)))
       left_out_.push_back(
           {i, j, add_sum(*one, at), two ? add_sum(*two, at_other) : Sum{}, touch.gap, touch.normal});
     return;
@@ -162,9 +174,13 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
     island.sides.clear();
     island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
     if (!island.awake) continue;
-    for (const Linkage::Ball& ball : island.state->linkage->balls())
-      include(island.bounds, ball.center.of(island.state->x) + 1.25 * ball.center.of(island.d),
-              ball.radius + margin);
+    double square = 0;
+    for (const Linkage::Ball& ball : island.state->linkage->balls()) {
+      const Vec3 by = ball.center.of(island.d);
+      include(island.bounds, ball.center.of(island.state->x) + 1.25 * by, ball.radius + margin);
+      square = std::max(square, dot(by, by));
+    }
+    island.moves = std::sqrt(square);
   }
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
@@ -173,6 +189,7 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
     if (island.awake) {
       for (std::uint32_t p = 0; p < surroundings.planes.size(); ++p) {
         const Plane& plane = surroundings.planes[p];
+        if (!all_near_ && height(island.bounds, plane) > in_sight(island.moves)) continue;
         for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
           const Linkage::Ball& ball = linkage.balls()[k];
           const Touch touch{dot(plane.normal, ball.center.of(x)) - plane.offset - ball.radius, plane.normal};

@@ -83,6 +83,7 @@ class GroupStepper {
     LinkageState* state = nullptr;
     bool awake = false;
     Bounds bounds{};
+    double moves = 0;  ///< m, the ends of its shapes in the substep, at most
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
     std::vector<double> right;
     std::vector<Combination::Term> terms;
