@@ -22,11 +22,11 @@ struct KktView {
 
 /// All arrays of lanes start on 64 bytes.
 struct KktKernels {
-  /// x: unknowns x kkt_lanes.
-  void (*solve)(const KktView&, double* x);
-  /// out, kkt_lanes numbers = sum over i of factors[i] * x[slots[i]], of x as solve() leaves it.
-  void (*combine)(const double* x, const std::uint32_t* slots, const double* factors, std::uint32_t count,
-                  double* out);
+  /// x: batches x unknowns x kkt_lanes.
+  void (*solve)(const KktView&, std::size_t batches, double* x);
+  /// out, batches x kkt_lanes = sum over i of factors[i] * x[slots[i]], of every batch as solve() leaves it.
+  void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
+                  const double* factors, std::uint32_t count, double* out);
   /// to += a * x + b * y + c * z, of `count` numbers, a multiple of kkt_lanes.
   void (*add_three)(double* to, double a, const double* x, double b, const double* y, double c,
                     const double* z, std::uint32_t count);

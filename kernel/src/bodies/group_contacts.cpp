@@ -31,12 +31,30 @@ std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t i
   return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
 }
 
+/// How near is looked at, of what moves so far in a substep, m.
+double in_sight(double moves) {
+  return 0.1 + 2 * moves;
+}
+/// Of a box above a plane, the lowest.
+double height(const Bounds& bounds, const Plane& plane) {
+  const Vec3 center = 0.5 * (bounds.low + bounds.high), half = 0.5 * (bounds.high - bounds.low);
+  const Vec3 n = plane.normal;
+  return dot(n, center) - plane.offset -
+         (std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z);
+}
+
 /// Beyond a limit, a tenth of the way a substep.
 double to_take_back(double gap) {
   return gap >= 0 ? gap : 0.1 * gap;
 }
 
 }  // namespace
+
+GroupStepper::Sum GroupStepper::add_sum(Island& island, const Combination& sum) {
+  const auto first = static_cast<std::uint32_t>(island.terms.size());
+  island.terms.insert(island.terms.end(), sum.terms.begin(), sum.terms.begin() + sum.count);
+  return {first, first + sum.count};
+}
 
 std::uint32_t GroupStepper::add_side(Island& island, const Side& side) {
   island.sides.push_back(side);
@@ -54,7 +72,9 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
   const Vec3 shift = motion(one, at, one->d) - (two ? motion(two, at_other, two->d) : Vec3{});
   const double closing = dot(touch.normal, shift);
   if (!all_near_ && touch.gap + closing > margin + 0.25 * norm(shift)) {
-    if (touch.gap < 0.1 + 2 * norm(shift)) left_out_.push_back({i, j, at, at_other, touch});
+    if (touch.gap < in_sight(norm(shift)))
+      left_out_.push_back(
+          {i, j, add_sum(*one, at), two ? add_sum(*two, at_other) : Sum{}, touch.gap, touch.normal});
     return;
   }
   for (Island* island : {one, two})
@@ -72,29 +92,32 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
   const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
   const double restitution = std::max(a.restitution, b.restitution);
   const auto [t1, t2] = across(touch.normal);
-  Vec3 warm{};
+  KeptContact held{};
   for (const KeptContact& kept : one->state->kept)
-    if (kept.key == key) warm = (h * h) * kept.force;
+    if (kept.key == key) held = kept;
   const Vec3 axes[3] = {touch.normal, t1, t2};
+  const Sum sum = add_sum(*one, at), sum_other = two ? add_sum(*two, at_other) : Sum{};
   for (int axis = 0; axis < 3; ++axis) {
-    Row row;
+    Row& row = rows_.emplace_back();
     row.kind = axis == 0 ? Kind::normal : Kind::sliding;
     row.island[0] = i;
-    row.side[0] = add_side(*one, {at, {}, axes[axis], {}});
+    row.side[0] = add_side(*one, {sum, {}, axes[axis], {}});
     row.ends = two ? 2 : 1;
     if (two) {
       row.island[1] = j;
-      row.side[1] = add_side(*two, {at_other, {}, -1.0 * axes[axis], {}});
+      row.side[1] = add_side(*two, {sum_other, {}, -1.0 * axes[axis], {}});
     }
     row.key = key;
-    row.p = dot(warm, axes[axis]);
+    row.held = held.key == key;
+    row.p = h * h * dot(held.force, axes[axis]);
+    row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
       row.gap = touch.gap >= 0 ? touch.gap : std::min(0.0, 0.1 * (touch.gap + most_overlap));
       row.bound = std::sqrt(a.friction * b.friction);
       row.bounce = hit > least_bounce ? restitution * hit : 0;
       row.p = std::max(row.p, 0.0);
+      row.q = std::max(row.q, 0.0);
     }
-    rows_.push_back(row);
   }
 }
 
@@ -105,18 +128,22 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
   for (const Linkage::Angle& angle : state.linkage->angles()) {
     const std::uint64_t key = contact_key(4, number++, 0, 0);
     const auto [value, along_u, along_v] = Linkage::slope(angle, state.x);
-    const Side side{angle.u, angle.v, along_u, along_v};
-    const double by = side.a.along(side.along_a, island.d) + side.b.along(side.along_b, island.d);
+    const Side side{add_sum(island, angle.u), add_sum(island, angle.v), along_u, along_v};
+    const double by = dot(along_u, island.of(side.a, island.d)) + dot(along_v, island.of(side.b, island.d));
     const auto add = [&](Kind kind, double sign) -> Row& {
-      Row row;
+      Row& row = rows_.emplace_back();
       row.kind = kind;
       row.island[0] = i;
       row.ends = 1;
       row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
       row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
       for (const KeptContact& kept : state.kept)
-        if (kept.key == row.key) row.p = h * h * kept.force.x;
-      return rows_.emplace_back(row);
+        if (kept.key == row.key) {
+          row.held = true;
+          row.p = h * h * kept.force.x;
+          row.q = 0.5 * h * kept.end_force.x;
+        }
+      return row;
     };
     const double near = 0.05 + std::abs(by);
     if (angle.lower > 0 && value + by - angle.lower < near)
@@ -143,12 +170,17 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
   left_out_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
+    island.terms.clear();
     island.sides.clear();
     island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
     if (!island.awake) continue;
-    for (const Linkage::Shape& shape : island.state->linkage->shapes())
-      for (const Combination* end : {&shape.a, &shape.b})
-        include(island.bounds, end->of(island.state->x) + 1.25 * end->of(island.d), shape.radius + margin);
+    double square = 0;
+    for (const Linkage::Ball& ball : island.state->linkage->balls()) {
+      const Vec3 by = ball.center.of(island.d);
+      include(island.bounds, ball.center.of(island.state->x) + 1.25 * by, ball.radius + margin);
+      square = std::max(square, dot(by, by));
+    }
+    island.moves = std::sqrt(square);
   }
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
@@ -157,6 +189,7 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
     if (island.awake) {
       for (std::uint32_t p = 0; p < surroundings.planes.size(); ++p) {
         const Plane& plane = surroundings.planes[p];
+        if (!all_near_ && height(island.bounds, plane) > in_sight(island.moves)) continue;
         for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
           const Linkage::Ball& ball = linkage.balls()[k];
           const Touch touch{dot(plane.normal, ball.center.of(x)) - plane.offset - ball.radius, plane.normal};
@@ -209,11 +242,11 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
 /// Whether something went through what it was not expected to reach, pushed by other contacts.
 bool GroupStepper::is_contact_missed() const {
   return std::any_of(left_out_.begin(), left_out_.end(), [&](const LeftOut& each) {
-    const auto moved = [&](std::uint32_t i, const Combination& at) {
-      return i != none && islands_[i].awake ? at.of(islands_[i].d) : Vec3{};
+    const auto moved = [&](std::uint32_t i, Sum at) {
+      return i != none && islands_[i].awake ? islands_[i].of(at, islands_[i].d) : Vec3{};
     };
     const Vec3 shift = moved(each.island, each.at) - moved(each.other, each.at_other);
-    return each.touch.gap + dot(each.touch.normal, shift) < -too_much;
+    return each.gap + dot(each.normal, shift) < -too_much;
   });
 }
 

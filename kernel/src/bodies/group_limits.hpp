@@ -10,6 +10,9 @@ inline constexpr double most_turn = 0.35;
 inline constexpr double most_approach = 0.5;
 /// Of its size, how far a force throws an island in a step, at most, for others to be looked for there.
 inline constexpr double farthest_throw = 10;
+/// Of its size, how far what pulls moves an island in a substep, at most, to be expected in the next again:
+/// farther it was a hit.
+inline constexpr double farthest_pull = 0.05;
 /// A step is cut into no more than so many.
 inline constexpr double most_cuts = 4096;
 /// Nor into more because it would gain energy.
@@ -26,6 +29,9 @@ inline constexpr int most_corrections = 16;
 inline constexpr double still = 1e-3, least_still = 1e-9;
 /// Of that, once something was lifted: then until the end of the step.
 inline constexpr double tighter = 1e-2;
+/// Of what the first of several sweeps changes, what the last may: the rest waits for what they will be
+/// corrected by, which changes about as much.
+inline constexpr double rough = 0.1;
 inline constexpr int most_sweeps = 60;
 inline constexpr int most_rounds = 4;
 /// Left of contacts, m, a substep is taken again, shorter.

@@ -13,13 +13,14 @@ void GroupStepper::find_velocities(Island& island) {
   const Linkage& linkage = *state.linkage;
   linkage.anchor_rates(state.x, state.v, island.right);
   linkage.put(island.impulse, island.right);
-  const auto add = [&](const Combination& sum, Vec3 by) {
-    for (std::uint32_t k = 0; k < sum.count; ++k) {
-      if (sum.terms[k].particle >= linkage.movable()) continue;
-      double* const at = &island.right[linkage.slot(sum.terms[k].particle)];
-      at[0] += sum.terms[k].weight * by.x;
-      at[1] += sum.terms[k].weight * by.y;
-      at[2] += sum.terms[k].weight * by.z;
+  const auto add = [&](Sum sum, Vec3 by) {
+    for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+      const auto [particle, weight] = island.terms[k];
+      if (particle >= linkage.movable()) continue;
+      double* const at = &island.right[linkage.slot(particle)];
+      at[0] += weight * by.x;
+      at[1] += weight * by.y;
+      at[2] += weight * by.z;
     }
   };
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
@@ -53,10 +54,13 @@ void GroupStepper::finish(double h, bool touched) {
 // Pushes act along the constraints where the islands are now; the responses of where they were only lead
 // there, in a few rounds.
 void GroupStepper::bounce(double h) {
-  // At rest what pushes in the second half of a substep is what pushed in the first.
+  // What pushed at the end of the last substep; if nothing did, at rest what pushes in the second half is
+  // what pushed in the first.
+  bool pushes = false;
   for (Row& row : rows_) {
+    if (row.kind != Kind::sliding) pushes = row.p != 0;
     const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
-    row.q = lasts ? 0.5 / h * row.p : 0;
+    if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
     push(row, row.q);
   }
   const double enough = still_ / h;
@@ -67,9 +71,11 @@ void GroupStepper::bounce(double h) {
       find_velocities(island);
       see(island, island.v);
     }
-    double left = sweep_velocities();
+    double left = sweep_velocities(Sweep::looks);
     if (left <= enough) return;
-    for (int i = 1; i < most_sweeps && left > enough; ++i) left = sweep_velocities();
+    const double till = round + 1 < most_rounds ? std::max(enough, rough * left) : enough;
+    left = INFINITY;
+    for (int i = 0; i < most_sweeps && left > till; ++i) left = sweep_velocities(Sweep::pushes);
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
@@ -78,7 +84,7 @@ void GroupStepper::bounce(double h) {
 void GroupStepper::brake(Island& island, double h) {
   const Linkage& linkage = *island.state->linkage;
   if (linkage.drag() != 0) {
-    const double kept = std::exp(-0.5 * h * linkage.drag());
+    const double kept = linkage.kept(0.5 * h);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
   }
   if (linkage.joint_drag() == 0 || (linkage.movable() == 1 && !linkage.is_grounded())) return;
@@ -172,12 +178,13 @@ void GroupStepper::keep_contacts(double h) {
     const Row& row = rows_[r];
     if (row.kind == Kind::sliding || row.p == 0) continue;
     Island& island = islands_[row.island[0]];
-    Vec3 force{row.p, 0, 0};
-    if (row.kind == Kind::normal)
-      force = row.p * island.sides[row.side[0]].along_a +
-              rows_[r + 1].p * island.sides[rows_[r + 1].side[0]].along_a +
-              rows_[r + 2].p * island.sides[rows_[r + 2].side[0]].along_a;
-    island.state->kept.push_back({row.key, (1 / (h * h)) * force});
+    const auto pushed = [&](double Row::*of) {
+      if (row.kind != Kind::normal) return Vec3{row.*of, 0, 0};
+      Vec3 sum{};
+      for (std::size_t k = r; k < r + 3; ++k) sum += (rows_[k].*of) * island.sides[rows_[k].side[0]].along_a;
+      return sum;
+    };
+    island.state->kept.push_back({row.key, (1 / (h * h)) * pushed(&Row::p), (2 / h) * pushed(&Row::q)});
   }
 }
 

@@ -18,7 +18,8 @@ std::uint32_t padded(std::size_t batches) {
 void GroupStepper::find_responses() {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) couple(islands_[i]);
-  for (Row& row : rows_) {
+  for (std::size_t r = rows_.size(); r-- > 0;) {
+    Row& row = rows_[r];
     double own = row.softness, heaviest = 0;
     row.across[0] = row.across[1] = 0;
     for (std::uint32_t i = 0; i < row.ends; ++i) {
@@ -33,6 +34,8 @@ void GroupStepper::find_responses() {
     }
     row.own = own;
     row.over = own * heaviest > held_response ? 1 / own : 0;
+    if (row.kind != Kind::normal) continue;
+    for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] *= rows_[r + 1 + axis].over;
   }
 }
 
@@ -52,14 +55,15 @@ void GroupStepper::couple(Island& island) {
   double factors[48];
   const auto gather = [&](const Side& side) {
     std::uint32_t used = 0;
-    const auto add = [&](const Combination& sum, Vec3 along) {
-      for (std::uint32_t k = 0; k < sum.count; ++k) {
-        if (sum.terms[k].particle >= linkage.movable()) continue;
-        const std::uint32_t slot = linkage.slot(sum.terms[k].particle);
-        const Vec3 by = sum.terms[k].weight * along;
-        for (const auto& [axis, value] : {std::pair{0u, by.x}, std::pair{1u, by.y}, std::pair{2u, by.z}}) {
+    const auto add = [&](Sum sum, Vec3 along) {
+      for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+        const auto [particle, weight] = island.terms[k];
+        if (particle >= linkage.movable()) continue;
+        const std::uint32_t slot = linkage.slot(particle);
+        const double by[3] = {weight * along.x, weight * along.y, weight * along.z};
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
           slots[used] = slot + axis;
-          factors[used++] = value;
+          factors[used++] = by[axis];
         }
       }
     };
@@ -72,22 +76,25 @@ void GroupStepper::couple(Island& island) {
     for (std::uint32_t k = 0; k < used; ++k)
       island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
   }
-  const simd::KktView view = linkage.plan().view(island.state->factors);
-  for (std::size_t batch = 0; batch < batches; ++batch)
-    kernels_->solve(view, island.response[batch * unknowns].of);
+  kernels_->solve(linkage.plan().view(island.state->factors), batches, island.response.front().of);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t used = gather(island.sides[s]);
-    for (std::size_t batch = 0; batch < batches; ++batch)
-      kernels_->combine(island.response[batch * unknowns].of, slots, factors, used,
-                        island.coupling[s * batches + batch].of);
+    kernels_->combine(island.response.front().of, unknowns, batches, slots, factors, used,
+                      island.coupling[s * batches].of);
   }
 }
 
 void GroupStepper::see(Island& island, std::span<const Vec3> motion) {
   double* const speed = island.speed.front().of;
+  Vec3 a{}, b{};
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
     const Side& side = island.sides[s];
-    speed[s] = side.a.along(side.along_a, motion) + side.b.along(side.along_b, motion);
+    // The rows of a contact are along three axes of one sum.
+    if (s == 0 || side.a.first != island.sides[s - 1].a.first) {
+      a = island.of(side.a, motion);
+      b = island.of(side.b, motion);
+    }
+    speed[s] = dot(side.along_a, a) + dot(side.along_b, b);
   }
 }
 
@@ -153,7 +160,7 @@ void into_disk(double& a, double& b, double most) {
 
 // The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
 // the largest change that they made, in m or m/s.
-double GroupStepper::sweep_positions() {
+double GroupStepper::sweep_positions(Sweep sweep) {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
@@ -161,8 +168,9 @@ double GroupStepper::sweep_positions() {
     double p = 0;
     switch (row.kind) {
       case Kind::normal: {
-        const double normal = std::max(0.0, row.p - row.over * (u + row.gap));
-        if (normal > 0 || row.p > 0) worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal));
+        const double normal = std::max(0.0, row.p - row.over * row.gap - row.over * u);
+        if (normal > 0 || row.p > 0)
+          worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal, sweep));
         r += 2;
         continue;
       }
@@ -178,12 +186,12 @@ double GroupStepper::sweep_positions() {
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
         break;
     }
-    worst = std::max(worst, set(row, &Row::p, p));
+    worst = std::max(worst, set(row, &Row::p, p, sweep));
   }
   return worst;
 }
 
-double GroupStepper::sweep_velocities() {
+double GroupStepper::sweep_velocities(Sweep sweep) {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
@@ -192,35 +200,39 @@ double GroupStepper::sweep_velocities() {
     const double q = brakes ? std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce)
                             : std::max(0.0, row.q - row.over * (see(row) - row.bounce));
     if (row.kind == Kind::normal) {
-      worst = std::max(worst, contact(r, &Row::q, q, row.bound * q));
+      worst = std::max(worst, contact(r, &Row::q, q, row.bound * q, sweep));
       r += 2;
       continue;
     }
-    worst = std::max(worst, set(row, &Row::q, q));
+    worst = std::max(worst, set(row, &Row::q, q, sweep));
   }
   return worst;
 }
 
-double GroupStepper::set(Row& row, double Row::*of, double value) {
+double GroupStepper::set(Row& row, double Row::*of, double value, Sweep sweep) {
   const double by = value - row.*of;
-  row.*of = value;
-  push(row, by);
+  if (sweep == Sweep::pushes) {
+    row.*of = value;
+    push(row, by);
+  }
   return std::abs(by) * row.own;
 }
 
 /// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
-double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most) {
+double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most, Sweep sweep) {
   Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
   const double by0 = normal - n.*of;
-  // The normal push moves the others, too.
-  const double u1 = see(s) + by0 * n.across[0], u2 = see(t) + by0 * n.across[1];
-  double first = s.*of - s.over * u1, second = t.*of - t.over * u2;
+  // The normal push moves the others, too. What does not wait for it comes first.
+  const double first_alone = s.*of - s.over * see(s), second_alone = t.*of - t.over * see(t);
+  double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
   into_disk(first, second, most);
   const double by1 = first - s.*of, by2 = second - t.*of;
-  n.*of = normal;
-  s.*of = first;
-  t.*of = second;
-  push(n, by0, by1, by2);
+  if (sweep == Sweep::pushes) {
+    n.*of = normal;
+    s.*of = first;
+    t.*of = second;
+    push(n, by0, by1, by2);
+  }
   return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
 }
 
@@ -233,12 +245,15 @@ bool GroupStepper::solve_positions(StepReport& report) {
   double last = INFINITY;
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {
-    double left = 0;
-    if (!rows_.empty()) {
+    // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
+    double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions(Sweep::looks);
+    const bool sweeps_on = left > still_;
+    if (sweeps_on) {
       const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
-      int taken = 0;
-      do left = sweep_positions();
-      while (++taken < most && left > still_);
+      left = sweep_positions(Sweep::pushes);
+      const double till = std::max(still_, rough * left);
+      int taken = 1;
+      for (; taken < most && left > till; ++taken) left = sweep_positions(Sweep::pushes);
       sweeps += taken;
     }
     double worst = 0;
@@ -247,7 +262,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
       if (!island.awake) continue;
       LinkageState& state = *island.state;
       const Linkage& linkage = *state.linkage;
-      if (!island.sides.empty()) apply(island, island.d);
+      if (sweeps_on && !island.sides.empty()) apply(island, island.d);
       for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
       if (linkage.constraints() == 0) continue;
       std::fill(island.right.begin(), island.right.end(), 0.0);

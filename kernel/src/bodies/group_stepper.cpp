@@ -30,10 +30,8 @@ double top_speed(const LinkageState& state) {
   double square = 0;
   const auto see = [&](Vec3 v) { square = std::max(square, dot(v, v)); };
   for (const Vec3 v : state.v) see(v);
-  for (const Linkage::Shape& shape : state.linkage->shapes()) {
-    see(shape.a.of(state.v));
-    see(shape.b.of(state.v));
-  }
+  for (const Linkage::Ball& ball : state.linkage->balls())
+    if (ball.center.count > 1) see(ball.center.of(state.v));
   return std::sqrt(square);
 }
 
@@ -124,10 +122,15 @@ void GroupStepper::start(Island& island, double h) {
   island.momentum.resize(movable);
   island.force.resize(movable);
   island.right.resize(linkage.plan().unknowns());
-  const double kept = linkage.drag() == 0 ? 1 : std::exp(-0.5 * h * linkage.drag());
+  const double kept = linkage.kept(0.5 * h);
+  // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.
+  const double farthest = farthest_pull * linkage.size() / (h * h);
+  const bool again = std::all_of(state.pull.begin(), state.pull.end(),
+                                 [&](Vec3 pull) { return dot(pull, pull) <= farthest * farthest; });
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     island.v[i] = i < movable ? kept * state.v[i] : state.v[i];
     island.d[i] = h * island.v[i];
+    if (again && i < movable) island.d[i] += (h * h) * state.pull[i];
     island.there[i] = state.x[i] + island.d[i];
   }
   linkage.forces(state.x, island.v, state.force, h, island.force);
@@ -173,9 +176,16 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
     tight_ = true;
     return false;
   }
-  for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake)
-      std::copy_n(islands_[i].v.begin(), islands_[i].state->linkage->movable(), islands_[i].state->v.begin());
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
+    if (!island.awake) continue;
+    LinkageState& state = *island.state;
+    const double kept = state.linkage->kept(0.5 * h);
+    for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
+      state.pull[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
+      state.v[k] = island.v[k];
+    }
+  }
   keep_contacts(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);

@@ -41,9 +41,13 @@ class GroupStepper {
             double dt, StepReport& report);
 
  private:
+  /// A sum of particles, among an island's terms.
+  struct Sum {
+    std::uint32_t first = 0, end = 0;
+  };
   /// A push on an island: along_a on a sum of its particles, along_b on another.
   struct Side {
-    Combination a, b;
+    Sum a, b;
     Vec3 along_a{}, along_b{};
   };
   enum class Kind : std::uint8_t { normal, sliding, limit, drive, brake };
@@ -58,6 +62,7 @@ class GroupStepper {
   };
   struct Row {
     Kind kind = Kind::normal;
+    bool held = false;  ///< in the last substep: p and q are what did
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};
@@ -68,7 +73,7 @@ class GroupStepper {
     double own = 0;             ///< its response to itself + softness
     double over = 0;            ///< 1 / own, or 0
     double p = 0, q = 0;        ///< what pushes positions, and velocities
-    double across[2] = {0, 0};  ///< of normals: what they do along the two rows that follow
+    double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
     std::uint64_t key = 0;
   };
   struct alignas(64) Lanes {
@@ -78,8 +83,10 @@ class GroupStepper {
     LinkageState* state = nullptr;
     bool awake = false;
     Bounds bounds{};
+    double moves = 0;  ///< m, the ends of its shapes in the substep, at most
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
     std::vector<double> right;
+    std::vector<Combination::Term> terms;
     std::vector<Side> sides;
     // Padded to whole lanes, or by lanes:
     std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown
@@ -89,14 +96,21 @@ class GroupStepper {
     std::vector<Lanes> sum;       ///< of responses
 
     std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
+    Vec3 of(Sum which, std::span<const Vec3> values) const {
+      Vec3 out{};
+      for (std::uint32_t k = which.first; k < which.end; ++k)
+        out += terms[k].weight * values[terms[k].particle];
+      return out;
+    }
     const double* row(std::uint32_t side) const { return coupling[side * batches()].of; }
   };
 
   /// A contact that does not seem to come about in this substep.
   struct LeftOut {
     std::uint32_t island, other;
-    Combination at, at_other;
-    Touch touch;
+    Sum at, at_other;
+    double gap;
+    Vec3 normal;
   };
 
   bool substep(const Surroundings& surroundings, double h, StepReport& report);
@@ -109,18 +123,21 @@ class GroupStepper {
   void add_contact(std::uint32_t i, const Combination& at, std::uint32_t j, const Combination& at_other,
                    const Touch& touch, const Surface& a, const Surface& b, std::uint64_t key, double h);
   void add_angles(std::uint32_t i, double h);
-  std::uint32_t add_side(Island& island, const Side& side);
+  static Sum add_sum(Island& island, const Combination& sum);
+  static std::uint32_t add_side(Island& island, const Side& side);
   void find_responses();
   void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
   static double see(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
-  double set(Row& row, double Row::*of, double value);
-  double contact(std::size_t r, double Row::*of, double normal, double most);
+  /// Whether a sweep pushes or only says how far it would.
+  enum class Sweep : std::uint8_t { pushes, looks };
+  double set(Row& row, double Row::*of, double value, Sweep sweep);
+  double contact(std::size_t r, double Row::*of, double normal, double most, Sweep sweep);
   void apply(Island& island, std::span<Vec3> motion);
-  double sweep_positions();
-  double sweep_velocities();
+  double sweep_positions(Sweep sweep);
+  double sweep_velocities(Sweep sweep);
   bool solve_positions(StepReport& report);
   void finish(double h, bool touched);
   void find_velocities(Island& island);

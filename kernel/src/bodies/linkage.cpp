@@ -413,37 +413,35 @@ double Linkage::turning(std::span<const Vec3> v) const {
 
 double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const {
   Vec3 linear{}, moment{};
-  double mass = 0;
-  const auto for_each = [&](auto&& f) {
-    for (std::uint32_t i = 0; i < movable_; ++i) f(masses_[i], i, i);
-    for (const Coupling& c : couplings_) {
-      f(c.mass, c.a, c.b);
-      f(c.mass, c.b, c.a);
-    }
-  };
-  for_each([&](double m, std::uint32_t i, std::uint32_t j) {
-    mass += m;
-    linear += m * v[j];
-    moment += m * x[i];
-  });
-  const Vec3 center = (1 / mass) * moment, velocity = (1 / mass) * linear;
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    linear += weights_[i] * v[i];
+    moment += weights_[i] * x[i];
+  }
+  const Vec3 center = (1 / mass_) * moment, velocity = (1 / mass_) * linear;
   Vec3 angular{};
   Sym3 inertia{};
-  for_each([&](double m, std::uint32_t i, std::uint32_t j) {
-    const Vec3 a = x[i] - center, b = x[j] - center;
-    angular += m * cross(a, v[j] - velocity);
-    inertia += Sym3::diagonal(m * dot(a, b)) - outer_both((0.5 * m) * a, b);
-  });
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    const Vec3 a = x[i] - center;
+    angular += masses_[i] * cross(a, v[i] - velocity);
+    inertia += Sym3::diagonal(masses_[i] * dot(a, a)) - outer_both((0.5 * masses_[i]) * a, a);
+  }
+  for (const Coupling& c : couplings_) {
+    const Vec3 a = x[c.a] - center, b = x[c.b] - center;
+    angular += c.mass * (cross(a, v[c.b] - velocity) + cross(b, v[c.a] - velocity));
+    inertia += Sym3::diagonal(2 * c.mass * dot(a, b)) - outer_both(c.mass * a, b);
+  }
   // A straight line of rods does not turn about itself. What keeps its inertia from being singular, and what
   // rounding makes of the inverse then, goes out with the second solution.
   const Sym3 back = inverse(inertia + Sym3::diagonal(1e-8 * trace(inertia) + 1e-300));
   Vec3 turn = back * angular;
   turn += back * (angular - inertia * turn);
   double energy = 0;
-  for (std::uint32_t i = 0; i < movable_; ++i) rigid[i] = velocity + cross(turn, x[i] - center);
-  for_each([&](double m, std::uint32_t i, std::uint32_t j) {
-    energy += 0.5 * m * dot(v[i] - rigid[i], v[j] - rigid[j]);
-  });
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    rigid[i] = velocity + cross(turn, x[i] - center);
+    const Vec3 loose = v[i] - rigid[i];
+    energy += 0.5 * masses_[i] * dot(loose, loose);
+  }
+  for (const Coupling& c : couplings_) energy += c.mass * dot(v[c.a] - rigid[c.a], v[c.b] - rigid[c.b]);
   return energy;
 }
 

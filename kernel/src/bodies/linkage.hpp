@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -23,13 +24,6 @@ struct Combination {
   Vec3 of(std::span<const Vec3> values) const {
     Vec3 sum{};
     for (std::uint32_t i = 0; i < count; ++i) sum += terms[i].weight * values[terms[i].particle];
-    return sum;
-  }
-  /// Of their components along a direction.
-  double along(Vec3 direction, std::span<const Vec3> values) const {
-    double sum = 0;
-    for (std::uint32_t i = 0; i < count; ++i)
-      sum += terms[i].weight * dot(direction, values[terms[i].particle]);
     return sum;
   }
 };
@@ -82,6 +76,8 @@ class Linkage {
   double size() const { return size_; }  ///< m, the largest rod or shape: what errors are held against
   double mass() const { return mass_; }  ///< kg, of what moves
   double drag() const { return drag_; }  ///< 1/s
+  /// Of a velocity, what drag leaves after t.
+  double kept(double t) const { return drag_ == 0 ? 1 : std::exp(-t * drag_); }
   double joint_drag() const { return joint_drag_; }  ///< 1/s
   Vec3 gravity() const { return gravity_; }
 
@@ -114,6 +110,7 @@ class Linkage {
   /// The fastest turn of a rod, 1/s.
   double turning(std::span<const Vec3> v) const;
   /// Splits velocities into those of a rigid body, in `rigid`, and the rest; kinetic energy of the rest in J.
+  /// Of linkages without fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
 
  private:

@@ -20,10 +20,7 @@ inline constexpr Bounds nowhere{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INF
 /// Around a linkage's shapes at x.
 inline Bounds bounds_of(const Linkage& linkage, std::span<const Vec3> x, double further) {
   Bounds out = nowhere;
-  for (const Linkage::Shape& shape : linkage.shapes()) {
-    include(out, shape.a.of(x), shape.radius + further);
-    include(out, shape.b.of(x), shape.radius + further);
-  }
+  for (const Linkage::Ball& ball : linkage.balls()) include(out, ball.center.of(x), ball.radius + further);
   return out;
 }
 

@@ -18,10 +18,11 @@ struct Bounds {
   }
 };
 
-/// What held at a contact, to start from in the next substep.
+/// What held at a contact, to start from in the next substep: forces on the way, and those at its end, which
+/// differ from them for many substeps in the same way.
 struct KeptContact {
   std::uint64_t key = 0;
-  Vec3 force{};  ///< N
+  Vec3 force{}, end_force{};  ///< N
 };
 
 /// One island of a linkage's kind, wherever it is.
@@ -30,7 +31,8 @@ struct LinkageState {
   std::vector<std::uint32_t> particles;  ///< the scene's numbers
   std::vector<Vec3> x, v;                ///< m and m/s; fixed particles too
   std::vector<Vec3> force;               ///< N, constant, on movable particles
-  std::vector<double> factors;           ///< at x
+  std::vector<Vec3> pull;       ///< m/s², what made the last substep's way differ from h v, over h²
+  std::vector<double> factors;  ///< at x
   std::vector<KeptContact> kept;
   std::uint32_t number = 0;  ///< of this island
   bool factored = false;

@@ -4,18 +4,23 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 
 namespace plumb::detail {
 namespace {
 
-/// Eliminates on the graph of nodes, a triple or a constraint each, one with the fewest neighbours first. A
-/// constraint comes after all its triples, or as the first one of a triple that is gone: its pivot is then
-/// well away from zero however the others lie.
+/// Eliminates on the graph of nodes, a triple or a constraint each, one with the fewest neighbours first, of
+/// several the one that waits for the shortest chain of others: factor() and solve() wait for arithmetic
+/// along the longest. A constraint comes after all its triples, or as the first one of a triple that is gone:
+/// its pivot is then well away from zero however the others lie.
 class Elimination {
  public:
   Elimination(std::uint32_t threes, std::uint32_t constraints,
               std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings)
-      : threes_(threes), neighbours_(threes + constraints), waiting_(neighbours_.size(), 0) {
+      : threes_(threes),
+        neighbours_(threes + constraints),
+        waiting_(neighbours_.size(), 0),
+        behind_(neighbours_.size(), 0) {
     for (const auto& [a, b] : couplings) {
       const std::uint32_t m = node(a), n = node(b);
       if (m == n || !neighbours_[m].insert(n).second) continue;
@@ -28,13 +33,13 @@ class Elimination {
     for (std::uint32_t n = threes_; n < waiting_.size(); ++n)
       waiting_[n] = static_cast<std::uint32_t>(own_[n].size());
     for (std::uint32_t n = 0; n < neighbours_.size(); ++n)
-      if (waiting_[n] == 0) queue_.insert({neighbours_[n].size(), n});
+      if (waiting_[n] == 0) queue_.insert(rank(n));
   }
 
   std::vector<std::uint32_t> run() {
     std::vector<std::uint32_t> order;
     while (!queue_.empty()) {
-      const std::uint32_t n = queue_.begin()->second;
+      const std::uint32_t n = std::get<2>(*queue_.begin());
       queue_.erase(queue_.begin());
       order.push_back(n);
       remove(n);
@@ -43,17 +48,21 @@ class Elimination {
   }
 
  private:
+  using Rank = std::tuple<std::size_t, std::uint32_t, std::uint32_t>;
+
+  Rank rank(std::uint32_t n) const { return {neighbours_[n].size(), behind_[n], n}; }
   std::uint32_t node(std::uint32_t unknown) const {
     return unknown < 3 * threes_ ? unknown / 3 : unknown - 2 * threes_;
   }
 
   void remove(std::uint32_t n) {
     for (const std::uint32_t m : neighbours_[n]) {
-      const bool queued = queue_.erase({neighbours_[m].size(), m}) > 0;
+      const bool queued = queue_.erase(rank(m)) > 0;
+      behind_[m] = std::max(behind_[m], behind_[n] + 1);
       neighbours_[m].erase(n);
       for (const std::uint32_t k : neighbours_[n])
         if (k != m) neighbours_[m].insert(k);
-      if (queued) queue_.insert({neighbours_[m].size(), m});
+      if (queued) queue_.insert(rank(m));
     }
     if (n >= threes_) return;
     bool spent = false;
@@ -63,7 +72,7 @@ class Elimination {
       if (waiting_[c] == 0 || !spent) {
         if (waiting_[c] > 0) spent = true;
         waiting_[c] = 0;
-        queue_.insert({neighbours_[c].size(), c});
+        queue_.insert(rank(c));
       }
     }
   }
@@ -72,7 +81,8 @@ class Elimination {
   std::vector<std::set<std::uint32_t>> neighbours_;
   std::vector<std::vector<std::uint32_t>> own_;  ///< of a triple its constraints, of a constraint its triples
   std::vector<std::uint32_t> waiting_;           ///< triples to go before a constraint may be eliminated
-  std::set<std::pair<std::size_t, std::uint32_t>> queue_;
+  std::vector<std::uint32_t> behind_;            ///< the longest chain of neighbours that went one by one
+  std::set<Rank> queue_;
 };
 
 }  // namespace
