@@ -187,8 +187,8 @@ TEST_F(Allocations, AreNoneInStepsAfterChanges) {
   EXPECT_EQ(allocations_in([&] { world.step(1.0 / 60); }), 0u);
 }
 
-// Thin ones are factorised anew in most substeps; the flat net falls back and compromises too. The wide net is
-// solved by its lines.
+// Thin ones are factorised anew in most substeps; the flat net falls back and compromises too. The wide net
+// is solved by its lines.
 TEST_F(Allocations, AreNoneInStepsOfLoops) {
   for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
     const Settings settings{.method = Method::direct, .gradient = gradient, .substeps = 2, .threads = 1};
