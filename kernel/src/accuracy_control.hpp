@@ -1,43 +1,52 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
-#include "tree_stepper.hpp"
+#include "direct_counters.hpp"
 
 namespace plumb::detail {
 
-/// Steps in as many substeps as keep the estimated error's growth within `allowed`.
+/// Steps in as many substeps as keep the estimated error's growth within `allowed`. Times in s.
 struct AccuracyControl {
   double allowed;             ///< m/s
   std::uint32_t least, most;  ///< substeps of a step
   std::uint32_t order;        ///< in time
-  bool even;                  ///< whether estimates want an even number of substeps
+  bool by_two_runs;           ///< estimates are of a run with half as many substeps, too: they are even
 
-  /// `substep` (s) is what the last step thought best; 0 if there was none. `advance(h, substeps)` returns
-  /// the estimated error of a substep, m; `restore()` takes back what it did.
+  struct Attempt {
+    double error;           ///< estimated, of a substep, m
+    bool is_blind = false;  ///< substeps were cut: what was compared is more alike than it should be
+    bool is_final = false;  ///< it cannot be solved, however many substeps there are
+  };
+
+  /// `substep` is what the last step thought best; 0 if there was none. `advance(h, substeps)` returns an
+  /// Attempt; `restore()` takes back what it did.
   template <class Advance, class Restore>
   void step(double dt, double& substep, DirectCounters& counters, Advance&& advance,
             Restore&& restore) const {
     if (substep == 0) substep = dt / first_substeps;
-    double last_rate = std::numeric_limits<double>::infinity();
+    double last_rate = std::numeric_limits<double>::infinity(), first = 0;
     for (int attempt = 1;; ++attempt) {
       const double wanted = std::ceil(dt / substep);
       auto substeps = static_cast<std::uint32_t>(
           std::clamp(wanted, double{1} * least, double{1} * std::max(most, least)));
-      if (even) substeps += substeps % 2;
+      if (by_two_runs) substeps += substeps % 2;
       const double h = dt / substeps;
-      const double rate = advance(h, substeps) / (h * allowed);
+      if (attempt == 1) first = h;
+      const Attempt result = advance(h, substeps);
+      const double rate = std::max(result.error / (h * allowed), result.is_blind ? blind_rate : 0);
       // The error of a step of order p grows by h^p a second.
-      substep = h * std::clamp(std::pow(safety / rate, 1.0 / order), slowest_change, fastest_change);
-      if (rate <= 1) return;
-      // Where rounding is what is estimated, shorter steps make it worse.
-      const bool hopeless = attempt > 2 && !(rate < last_rate);
+      const double change = std::pow(safety / rate, 1.0 / order);
+      substep = std::isnan(change) ? h : h * std::clamp(change, slowest_change, fastest_change);
+      if (rate <= 1 && !result.is_final) return;
+      // Where rounding is what is estimated, shorter steps make it worse; after a blow, which no substep
+      // resolves, hardly better.
+      const bool hopeless = result.is_final || (attempt > 2 && !(rate < last_rate * least_gain));
       if (hopeless || attempt == most_attempts || substeps >= most) {
-        substep = h;
+        substep = hopeless ? first : h;
         counters.inaccurate.fetch_add(1, std::memory_order_relaxed);
         return;
       }
@@ -47,15 +56,20 @@ struct AccuracyControl {
     }
   }
 
-  /// Of two runs through the same step, one with substeps twice as long: by which share of the distance
-  /// between their ends the better one is wrong.
-  double share_of_distance() const { return 1 / (std::pow(2, order) - 1); }
+  /// Of a run, from how far it ends from one with substeps twice as long (Richardson), m a substep.
+  double error_of_substep(double distance, std::uint32_t substeps) const {
+    return distance / ((std::pow(2, order) - 1) * substeps);
+  }
 
  private:
   /// The share of the error allowed that is aimed at, and by how much the substep may change at once: at
   /// least doubled, or two substeps a step would never become one.
   static constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;
   static constexpr int most_attempts = 8;
+  /// What a third and later attempt must leave at most of the one before.
+  static constexpr double least_gain = 0.6;
+  /// Of the error allowed, what is taken for one that could not be seen: next time half as long, about.
+  static constexpr double blind_rate = 4;
   /// Of the first step, when nothing is known yet. The estimate sees if they are too few.
   static constexpr std::uint32_t first_substeps = 4;
 };

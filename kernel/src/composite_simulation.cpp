@@ -7,7 +7,6 @@
 #include "choose_method.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
-#include "plumb/measures.hpp"
 #include "scene_graph.hpp"
 
 namespace plumb::detail {
@@ -46,13 +45,7 @@ class CompositeSimulation final : public Simulation {
     for (std::uint32_t p = 0; p < parts_.size(); ++p) {
       Part& part = parts_[p];
       for (std::uint32_t i = 0; i < part.particles.size(); ++i) homes_[part.particles[i]].push_back({p, i});
-      Settings own = settings_for(part, settings);
-      if (own.accuracy) {
-        // It is relative to the diagonal of the whole.
-        const double diagonal = bounding_diagonal(part.scene);
-        if (diagonal > 0) own.accuracy = *own.accuracy * bounding_diagonal(scene) / diagonal;
-      }
-      part.simulation = make_simulation(part.scene, own);
+      part.simulation = make_simulation(part.scene, settings_for(part, settings));
       part.scene = {};
     }
     gather_info(scene);

@@ -156,7 +156,7 @@ class DirectSimulation final : public Simulation {
     // With accuracy:
     std::unique_ptr<TreeState<T>> start = nullptr;  ///< of the step
     double substep = 0;                             ///< s, that the last one thought best; 0: none yet
-    layouts::AlignedBuffer<double> coarse{};  ///< m, with time orders above 2: positions by longer steps
+    layouts::AlignedBuffer<double> coarse{};        ///< m, with takes_two_runs(): positions by longer steps
   };
   /// What each thread needs for one topology.
   struct Crew {
@@ -205,7 +205,7 @@ class DirectSimulation final : public Simulation {
       const auto g = static_cast<std::uint32_t>(groups_.size());
       Group& group = groups_.emplace_back(Group{TreeState<T>(topology, lanes), trees, kind, {}});
       if (settings_.accuracy) group.start = std::make_unique<TreeState<T>>(topology, lanes);
-      if (settings_.time_order > 2) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
+      if (takes_two_runs()) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
       group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
       for (std::uint32_t lane = 0; lane < lanes; ++lane) {
         // Lanes without a tree repeat the last one; nobody looks at them.
@@ -234,7 +234,7 @@ class DirectSimulation final : public Simulation {
     group.line = std::make_unique<Line>(
         Line{segments, std::move(group.state), TreeWorkspace<T>(*state.topology, state.lanes)});
     group.state = std::move(state);
-    if (settings_.time_order > 2) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
+    if (takes_two_runs()) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
     if (group.start) group.start = std::make_unique<TreeState<T>>(group.state.topology, group.state.lanes);
     group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
     for (std::uint32_t i = 0; i < tree.nodes(); ++i)
@@ -296,29 +296,37 @@ class DirectSimulation final : public Simulation {
       advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
       return;
     }
-    const AccuracyControl control = accuracy_control(most_substeps<T>, settings_.time_order > 2);
+    const AccuracyControl control = accuracy_control(most_substeps<T>, takes_two_runs());
     group.start->copy_motion(group.state);
     control.step(
         dt, group.substep, counters,
         [&](double h, std::uint32_t substeps) {
-          return control.even ? control.share_of_distance() *
-                                    advance_twice(group, crew, h, substeps, counters) / substeps
-                              : advance(group, crew, h, substeps, counters);
+          const double error =
+              control.by_two_runs
+                  ? control.error_of_substep(advance_twice(group, crew, h, substeps, counters), substeps)
+                  : advance(group, crew, h, substeps, counters);
+          return AccuracyControl::Attempt{error};
         },
         [&] { group.state.copy_motion(*group.start); });
   }
 
   void advance_loops(std::uint32_t island, double dt, DirectCounters& counters) {
     if (is_controlled())
-      loops_.advance(island, dt, accuracy_control(most_substeps<double>, true), counters);
+      loops_.advance(island, dt, accuracy_control(most_substeps<double>, true), settings_.time_order,
+                     counters);
     else
       loops_.advance(island, dt / settings_.substeps, settings_.substeps, settings_.time_order, counters);
   }
 
+  /// Steppers estimate the errors of second order by themselves.
+  bool takes_two_runs() const {
+    return settings_.accuracy && (settings_.time_order > 2 || gradient_of(settings_) == Gradient::new_);
+  }
   /// One particle alone has no length for an error to be relative to.
   bool is_controlled() const { return settings_.accuracy && diagonal_ > 0; }
-  AccuracyControl accuracy_control(std::uint32_t most, bool even) const {
-    return {*settings_.accuracy * diagonal_, settings_.substeps, most, settings_.time_order, even};
+  AccuracyControl accuracy_control(std::uint32_t most, bool by_two_runs) const {
+    const std::uint32_t order = gradient_of(settings_) == Gradient::new_ ? 1 : settings_.time_order;
+    return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, by_two_runs};
   }
 
   /// With substeps of h and, before, half as many of twice that. Returns how far apart they end: RMS over the

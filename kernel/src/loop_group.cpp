@@ -58,7 +58,7 @@ void LoopGroup::advance(std::uint32_t number, double h, std::uint32_t substeps, 
 }
 
 void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& control,
-                        DirectCounters& counters) {
+                        std::uint32_t time_order, DirectCounters& counters) {
   Island& island = islands_[number];
   begin_step(island);
   if (!island.start) island.start = std::make_unique<LoopState>(island.state);
@@ -67,21 +67,40 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
     island.state = *island.start;
     if (island.work.lines) island.work.lines->forget();
   };
+  std::uint64_t kept[4]{};
   control.step(
       dt, island.substep, counters,
       [&](double h, std::uint32_t substeps) {
-        advance(island, 2 * h, substeps / 2, control.order, counters);
+        // Of the runs that are thrown away only the work counts.
+        DirectCounters coarse, fine;
+        const auto keep = [&](const DirectCounters& of) {
+          counters.newton.fetch_add(coarse.newton + fine.newton, std::memory_order_relaxed);
+          kept[0] = of.substeps, kept[1] = of.halvings, kept[2] = of.fallbacks, kept[3] = of.unsolved;
+        };
+        advance(island, 2 * h, substeps / 2, time_order, coarse);
+        if (coarse.unsolved > 0) {
+          keep(coarse);
+          return AccuracyControl::Attempt{.error = 0, .is_final = true};
+        }
         island.coarse = island.state.x;
         restore();
-        advance(island, h, substeps, control.order, counters);
+        advance(island, h, substeps, time_order, fine);
+        keep(fine);
         double sum = 0;
         for (std::size_t i = 0; i < island.coarse.size(); ++i) {
           const double apart = island.state.x[i] - island.coarse[i];
           sum += apart * apart;
         }
-        return control.share_of_distance() * std::sqrt(sum / island.state.topology->nodes) / substeps;
+        const double distance = std::sqrt(sum / island.state.topology->nodes);
+        return AccuracyControl::Attempt{.error = control.error_of_substep(distance, substeps),
+                                        .is_blind = coarse.halvings + coarse.fallbacks + fine.fallbacks > 0,
+                                        .is_final = fine.unsolved > 0};
       },
       restore);
+  counters.substeps.fetch_add(kept[0], std::memory_order_relaxed);
+  counters.halvings.fetch_add(kept[1], std::memory_order_relaxed);
+  counters.fallbacks.fetch_add(kept[2], std::memory_order_relaxed);
+  counters.unsolved.fetch_add(kept[3], std::memory_order_relaxed);
 }
 
 void LoopGroup::begin_step(Island& island) const {
@@ -122,7 +141,14 @@ Vec3 LoopGroup::velocity(std::uint32_t particle) const {
 
 void LoopGroup::set_force(std::uint32_t particle, Vec3 newton) {
   const Place place = places_[particle];
-  islands_[place.island].state.set_force(place.vertex, newton);
+  LoopState& state = islands_[place.island].state;
+  if (gradient_ == Gradient::old && state.u_step != 0) {
+    // A displacement stands for the velocity of now under the force that made it.
+    velocity(particle);
+    state.u = islands_[place.island].velocity;
+    state.u_step = 0;
+  }
+  state.set_force(place.vertex, newton);
 }
 
 void LoopGroup::set_velocity(std::uint32_t particle, Vec3 velocity) {

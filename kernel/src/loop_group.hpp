@@ -28,7 +28,8 @@ class LoopGroup {
                DirectCounters& counters);
   /// With as many substeps as accuracy wants. Every step is taken twice, with substeps of h and of 2 h; their
   /// distance, RMS over particles, says how wrong the better one is.
-  void advance(std::uint32_t island, double dt, const AccuracyControl& control, DirectCounters& counters);
+  void advance(std::uint32_t island, double dt, const AccuracyControl& control, std::uint32_t time_order,
+               DirectCounters& counters);
 
   Vec3 position(std::uint32_t particle) const;
   Vec3 displacement(std::uint32_t particle) const;  ///< as it is stored, for a hash

@@ -10,15 +10,19 @@
 namespace plumb::detail {
 namespace {
 
-/// Left of |C|/L² of a rod, and of a displacement relative to a rod.
+/// Left of |C|/L² of a rod, and of a displacement relative to a rod, L² the mean of the island.
 constexpr double fitting = 1e-11;
 constexpr int most_iterations = 40;
-/// Slower than this, a shorter substep comes sooner to the end.
+/// Slower than this, a shorter substep comes sooner to the end. The first iterations need not be fast:
+/// multipliers that were extrapolated are sorted out in them.
 constexpr double lost_rate = 0.6;
+constexpr int settling_iterations = 3;
 /// Changes of many rod lengths do not lead back.
 constexpr double hopeless = 30;
 /// Of what is left, what one solution leaves at least: the next one's directions are better.
 constexpr double coarse = 0.02;
+/// Of what may be left of the worst rod, the norm over all that is aimed at.
+constexpr double below_fitting = 0.1;
 /// Nets need 1 to 10.
 constexpr int most_gradients = 200;
 /// What rounding leaves of velocities along rods.
@@ -150,10 +154,10 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
       keep(state, kick, lines);
       return LineOutcome::solved;
     }
-    if (worst > hopeless * state.scale2 || (i > 2 && worst > lost_rate * last)) break;
+    if (worst > hopeless * state.scale2 || (i >= settling_iterations && worst > lost_rate * last)) break;
     last = worst;
     counters.newton.fetch_add(1, std::memory_order_relaxed);
-    const double goal = std::max(coarse * misfit.norm, 0.1 * least);
+    const double goal = std::max(coarse * misfit.norm, below_fitting * least);
     if (!lines.solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta)) {
       lines.forget();
       return LineOutcome::stalled;

@@ -4,12 +4,12 @@
 #include <span>
 #include <vector>
 
+#include "direct_counters.hpp"
 #include "loop_state.hpp"
 #include "rod_lines.hpp"
 
 namespace plumb::detail {
 
-struct DirectCounters;
 struct LoopWorkspace;
 
 /// What a thread needs to solve an island by its lines. By slot, or three numbers by vertex.

@@ -5,6 +5,7 @@
 
 #include "loop_lines.hpp"
 #include "loop_newton.hpp"
+#include "verlet.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -50,10 +51,6 @@ constexpr int compromise_iterations = 60;
 
 double theta_of(Gradient gradient) {
   return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
-}
-
-double mean_decay(double z) {
-  return z > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
 }
 
 void calm_down(LoopState& state) {
@@ -337,6 +334,9 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
     if (project_by_lines(state, kick, work)) return;
     kick = 0;
   }
+  // Of its own, so that it changes nothing that a later substep starts from.
+  if (shape.lines && !work.projection)
+    work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   measure_rods(state, work);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
   project_delta(state, kick, work, factor);
@@ -355,7 +355,8 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
   // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
   // earlier.
-  if (step > 0) project(state, gradient_ == Gradient::old ? step / 2 : 0, work);
+  if (step > 0)
+    project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
 }
 
 }  // namespace plumb::detail

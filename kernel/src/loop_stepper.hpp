@@ -70,7 +70,8 @@ class LoopStepper {
     return gradient != Gradient::old || model == MassModel::consistent;
   }
 
-  /// One substep. Allocates nothing, but the first time that gradient old with lumped masses falls back.
+  /// One substep. Allocates nothing, but the first time that gradient old with lumped masses falls back or
+  /// lines do not lead to a solution.
   void advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
 
   /// Takes from u, which must hold velocities, what pulls on rods.

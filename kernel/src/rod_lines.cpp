@@ -12,6 +12,9 @@ namespace {
 /// between fixed particles. Only the preconditioner's; it need not be exact.
 constexpr double least_pivot = 1e-6;
 
+/// A hub of more rods has no way straight on, and all their pairs are many.
+constexpr std::size_t most_at_joint = 64;
+
 /// Joins rods at every node, straightest pairs first, and walks the paths that result.
 class Paths {
  public:
@@ -59,6 +62,7 @@ class Paths {
       std::uint32_t one, other;
     };
     std::vector<Pair> pairs;
+    if (at.size() > most_at_joint) return;
     for (std::size_t i = 0; i < at.size(); ++i)
       for (std::size_t j = i + 1; j < at.size(); ++j)
         if (const double cosine = dot(outward(at[i]), outward(at[j])); cosine < 0)
@@ -255,7 +259,8 @@ bool LineSolver::solve(std::span<double> b, double goal, int most, std::span<dou
     if (i == most || !std::isfinite(sum_of(sum))) return false;
     const double last = std::exchange(height, precondition(b));
     const double beta = i > 0 ? height / last : 0;
-    for (std::size_t s = 0; s < along_.size(); ++s) along_[s] = near_[s] + beta * along_[s];
+    for (std::size_t s = 0; s < along_.size(); ++s)
+      along_[s] = i > 0 ? near_[s] + beta * along_[s] : near_[s];
     const double step = height / multiply();
     sum = {};
     for (std::size_t s = 0; s < along_.size(); s += lanes)

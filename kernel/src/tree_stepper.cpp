@@ -399,7 +399,9 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
     // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
     // earlier.
-    work.kick[lane] = gradient_ == Gradient::old && displacements ? static_cast<T>(step / 2) : T(0);
+    work.kick[lane] = gradient_ == Gradient::old && displacements
+                          ? static_cast<T>(mean_decay(drag_ * step / 2) * step / 2)
+                          : T(0);
     work.active[lane] = displacements ? T(1) : T(0);
   }
   if (any) {

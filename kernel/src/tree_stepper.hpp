@@ -1,21 +1,15 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "direct_counters.hpp"
 #include "line_segments.hpp"
 #include "plumb/settings.hpp"
 #include "tree_state.hpp"
 
 namespace plumb::detail {
-
-/// Counts of a step, added to from several threads; substeps and iterations per tree.
-struct DirectCounters {
-  std::atomic<std::uint64_t> substeps{0}, newton{0}, halvings{0}, fallbacks{0}, unsolved{0}, repeated{0},
-      inaccurate{0};
-};
 
 /// Advances trees by substeps in which all rods of a tree are solved at once by Newton's method.
 ///

@@ -6,7 +6,7 @@
 namespace plumb::detail {
 
 double mean_decay(double z) {
-  return z > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
+  return std::abs(z) > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
 }
 
 namespace {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -166,6 +168,29 @@ TEST(LineSolver, RedundantRodsAreNoObstacle) {
   std::vector<double> b = solved.right(1), m(b.size()), motion(3 * solved.net.nodes());
   EXPECT_TRUE(solved.solver.solve(b, 1e-9 * norm_of(b), 100, m, motion));
   for (const double each : m) EXPECT_TRUE(std::isfinite(each));
+}
+
+TEST(LineSolver, ForgetsWhatOverflowed) {
+  Solved solved{Net(crumpled_net(9, 9, 3))};
+  std::vector<double> huge = solved.right(1), b = huge, m(b.size()), motion(3 * solved.net.nodes());
+  for (double& each : huge) each *= 1e150;
+  EXPECT_FALSE(solved.solver.solve(huge, 1, 100, m, motion));
+  EXPECT_TRUE(solved.solver.solve(b, 1e-9 * norm_of(b), 100, m, motion));
+}
+
+TEST(RodLines, EndAtHubs) {
+  Scene wheel;
+  constexpr std::uint32_t spokes = 3000;
+  wheel.particles.push_back({.position = {0, 0, 0}});
+  for (std::uint32_t i = 0; i < spokes; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / spokes;
+    wheel.particles.push_back({.position = {std::cos(angle), std::sin(angle), 0}});
+    wheel.rods.push_back({.a = 0, .b = i + 1});
+    wheel.rods.push_back({.a = i + 1, .b = (i + 1) % spokes + 1});
+  }
+  const std::vector<Line> lines = Net(wheel).lines();
+  EXPECT_EQ(lines.size(), spokes + 1u);
+  EXPECT_EQ(lines.front().size(), spokes);
 }
 
 TEST(LineSolver, SaysWhenItDoesNotGetThere) {

@@ -33,16 +33,16 @@ struct StepReport {
   std::uint32_t frozen_islands = 0;
 
   // Of islands solved directly:
-  std::uint64_t tree_substeps = 0;   ///< substeps that trees took, those after halvings included
-  std::uint64_t newton = 0;          ///< Newton steps, summed over trees
-  std::uint64_t halvings = 0;        ///< times a tree's substep did not converge and was cut in two
+  std::uint64_t tree_substeps = 0;   ///< substeps that islands took, those after halvings included
+  std::uint64_t newton = 0;          ///< Newton steps, summed over islands
+  std::uint64_t halvings = 0;        ///< times an island's substep did not converge and was cut in two
   std::uint64_t fallbacks = 0;       ///< substeps taken with gradient new because nothing else converged
-  std::uint64_t repeated_steps = 0;  ///< steps (of a group of trees) done again, finer, to be accurate enough
+  std::uint64_t repeated_steps = 0;  ///< steps of islands done again, finer, to be accurate enough
   /// Substeps that not even that solved: the tree stayed where it was, an island with loops took its rods as
   /// slightly elastic. Of multipliers: projections that did not converge.
   std::uint64_t unsolved = 0;
-  /// Steps taken, of a group of trees or by adaptive_implicit_euler, although shorter ones would not, or
-  /// could not, be accurate enough.
+  /// Steps taken, of islands or by adaptive_implicit_euler, although shorter ones would not, or could not, be
+  /// accurate enough.
   std::uint64_t inaccurate_steps = 0;
 
   // Of method springs, at the end of a step; of several steps or islands the worst:
@@ -124,9 +124,9 @@ class World {
 
   /// Advances by dt seconds in Settings::substeps equal substeps; with an accuracy in as many as it takes.
   /// Throws InputError if dt is not positive and finite. Methods relax, direct and auto allocate nothing
-  /// after the first call, but to freeze an island, and when an island with loops solved directly with
-  /// gradient old and lumped masses has to fall back for the first time; where limbs may touch, until no
-  /// more of them touch at once than before.
+  /// after the first call, but to freeze an island, when an island with loops solved directly has to fall back
+  /// for the first time (a net with any gradient; others with gradient old and lumped masses), and for the
+  /// first anchor that moves; where limbs may touch, until no more of them touch at once than before.
   StepReport step(double dt);
 
   /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws

@@ -24,7 +24,7 @@ void GroupStepper::find_velocities(Island& island) {
     }
   };
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
-    const double by = island.push.front().of[s];
+    const double by = island.push[s / simd::kkt_lanes].of[s % simd::kkt_lanes];
     if (by == 0) continue;
     add(island.sides[s].a, by * island.sides[s].along_a);
     add(island.sides[s].b, by * island.sides[s].along_b);
