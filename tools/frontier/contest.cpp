@@ -135,12 +135,13 @@ void mark_front(std::vector<Point>& points, double floor) {
 std::vector<Point> compete(const Problem& problem, const std::vector<std::string>& families,
                            const Limits& limits) {
   std::vector<Point> points;
+  const double path_s = problem.patience * limits.path_s;
   for (const std::string& family : families) {
     const std::size_t before = points.size();
     for (const Path& path : paths_of(family, problem)) {
       const auto start = Clock::now();
-      follow(problem, path, limits.path_s, points);
-      if (points.size() == before && seconds_since(start) > hopeless * limits.path_s) break;
+      follow(problem, path, path_s, points);
+      if (points.size() == before && seconds_since(start) > hopeless * path_s) break;
     }
   }
   time_again(problem, points, choose(points, problem.truth_error), limits.contest_s);

@@ -155,8 +155,7 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "direct") return direct(family, Method::direct);
   if (family == "relax") return relaxed(family, false);
   if (family == "over-relaxed") return relaxed(family, true);
-  if (family == "springs")
-    return sprung(family, problem, {Integrator::semi_implicit_euler, Integrator::rk4});
+  if (family == "springs") return sprung(family, problem, {Integrator::semi_implicit_euler, Integrator::rk4});
   if (family == "implicit-springs") return sprung(family, problem, {Integrator::implicit_euler});
   if (family == "multipliers") return multiplied(family);
   if (family == "featherstone") return problem.is_tree ? reduced(family) : std::vector<Path>{};

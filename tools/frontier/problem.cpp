@@ -79,10 +79,16 @@ std::vector<Problem> all_problems() {
   out.push_back({.name = "ensemble", .spec = "ensemble:chains=64,links=32"});
   out.push_back({.name = "ring", .spec = "ring", .is_tree = false});
   out.push_back({.name = "truss", .spec = "truss:bays=20,fixed=2", .is_tree = false});
-  out.push_back(
-      {.name = "net32", .spec = "net:width=32,height=32,level=1", .duration = 0.5, .is_tree = false});
-  out.push_back(
-      {.name = "net128", .spec = "net:width=128,height=128,level=1", .duration = 0.5, .is_tree = false});
+  out.push_back({.name = "net32",
+                 .spec = "net:width=32,height=32,level=1",
+                 .duration = 0.5,
+                 .is_tree = false,
+                 .patience = 2});
+  out.push_back({.name = "net128",
+                 .spec = "net:width=128,height=128,level=1",
+                 .duration = 0.5,
+                 .is_tree = false,
+                 .patience = 20});
   return out;
 }
 

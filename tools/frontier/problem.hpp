@@ -15,6 +15,7 @@ struct Problem {
   std::string spec{};   ///< as scenes::load_scene reads it
   double duration = 1;  ///< s, a whole number of frames of 1/20 s and of 1/60 s
   bool is_tree = true;
+  double patience = 1;  ///< times Limits::path_s that a path is followed: large scenes take long for a point
 
   Scene scene{};
   std::vector<Frame> truth{};  ///< one frame, at the end

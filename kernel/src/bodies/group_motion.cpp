@@ -54,9 +54,9 @@ void GroupStepper::finish(double h, bool touched) {
 // Pushes act along the constraints where the islands are now; the responses of where they were only lead
 // there, in a few rounds.
 void GroupStepper::bounce(double h) {
-  // What pushed at the end of the last substep; if nothing did, at rest what pushes in the second half is
-  // what pushed in the first.
-  bool pushes = false;
+  // What pushed at the end of the last substep, if the row was there then and pushes in this one. Else, at
+  // rest, what pushes in the second half is what pushed in the first.
+  bool pushes = false;  // sliding rows follow their normal
   for (Row& row : rows_) {
     if (row.kind != Kind::sliding) pushes = row.p != 0;
     const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
