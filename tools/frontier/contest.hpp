@@ -54,8 +54,8 @@ struct TooLong {};
 std::optional<Point> run(const Problem& problem, const Path& path, double most_s);
 
 struct Limits {
-  double path_s =
-      0.1;  ///< of wall-clock time for a path, times Problem::patience; its last run may take as much again
+  /// Of wall-clock time for a path, times Problem::patience; its last run may take as much again.
+  double path_s = 0.1;
   double contest_s = 6;  ///< for the repetitions
 };
 
