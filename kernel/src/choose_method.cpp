@@ -7,8 +7,8 @@ namespace {
 
 /// Particles in the widest layer up to which an island with loops is thin: rings, ladders and trusses are,
 /// nets are not. Measured by bench_direct, to an error of 1e-4: a truss of 100 bays is solved 20 to some
-/// hundred times faster than relaxed, a ring of 24 about as fast; nets of 32 x 32 and 128 x 128 twice and
-/// four times as fast, but at errors of a hundredth relaxation is cheaper there.
+/// hundred times faster than relaxed, a ring of 24 about as fast; nets of 32 x 32 and 128 x 128 two and
+/// seven times as fast, but at errors of a hundredth relaxation is cheaper there.
 constexpr std::size_t thin_layer = 12;
 
 /// Accuracy from which composed substeps reach it in less time, with an estimate that takes a third of it
