@@ -92,7 +92,7 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
                    std::string(to_string(s.precision)) +
                    (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
     print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
-                            plural(result.total.tree_substeps, "substep") + " of a tree, " +
+                            plural(result.total.tree_substeps, "substep") + " of an island, " +
                             plural(result.total.newton, "Newton step") + ", " +
                             plural(result.total.halvings, "halving") + ", " +
                             plural(result.total.fallbacks, "fallback"));
@@ -223,8 +223,9 @@ int run(const RunOptions& options) {
     throw CheckFailed(plural(result.total.frozen_islands, "island") +
                       " went non-finite; put back to the last finite state and left standing");
   if (result.total.unsolved > 0)
-    throw CheckFailed(plural(result.total.unsolved, "substep") +
-                      " could not be solved; the trees concerned stayed where they were");
+    throw CheckFailed(
+        plural(result.total.unsolved, "substep") +
+        " could not be solved: trees stayed where they were, islands with loops took elastic rods");
   return fine;
 }
 
