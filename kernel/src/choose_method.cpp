@@ -48,13 +48,15 @@ bool is_thin(const layouts::Graph& island) {
   return widest_layer(island) <= thin_layer;
 }
 
+bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassModel model) {
+  return model == MassModel::consistent &&
+         std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });
+}
+
 Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
                      const Settings& settings) {
   if (shape_is_for_direct || settings.accuracy) return Method::direct;
-  const bool carries_mass =
-      mass_model_of(settings) == MassModel::consistent &&
-      std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });
-  return carries_mass ? Method::direct : Method::relax;
+  return carries_mass(scene, rods, mass_model_of(settings)) ? Method::direct : Method::relax;
 }
 
 std::uint32_t choose_time_order(const Settings& settings) {

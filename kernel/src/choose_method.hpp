@@ -14,6 +14,9 @@ namespace plumb::detail {
 /// as much as a few sweeps, and no number of sweeps that costs the same comes near.
 bool is_thin(const layouts::Graph& island);
 
+/// Whether rods carry masses that couple their ends.
+bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassModel model);
+
 /// What method automatic takes for an island: direct if its shape is for that, if its rods carry mass, which
 /// relaxation cannot represent, or if an accuracy is asked for, which relaxation cannot promise; relax for
 /// the rest, wide nets of massless rods.

@@ -17,12 +17,9 @@ LoopGroup::LoopGroup(const Scene& scene, Gradient gradient, Isa isa)
 
 void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands& islands,
                     std::span<const std::uint32_t> equal, const layouts::Graph& local) {
-  const auto carries_mass = [&](std::uint32_t island) {
-    return std::any_of(islands.edges(island).begin(), islands.edges(island).end(),
-                       [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });
-  };
-  const bool couples =
-      model == MassModel::consistent && std::any_of(equal.begin(), equal.end(), carries_mass);
+  const bool couples = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+    return carries_mass(scene, islands.edges(island), model);
+  });
   const auto topology = std::make_shared<LoopTopology>(local);
   if (couples || is_thin(local)) {
     topology->system =
@@ -130,25 +127,28 @@ Vec3 LoopGroup::displacement(std::uint32_t particle) const {
 Vec3 LoopGroup::velocity(std::uint32_t particle) const {
   const Place place = places_[particle];
   Island& island = islands_[place.island];
-  if (!island.velocity_known) {
-    stepper_.find_velocities(island.state, island.work);
-    std::copy_n(island.work.delta.begin(), island.velocity.size(), island.velocity.begin());
-    island.velocity_known = true;
-  }
+  find_velocities(island);
   const double* v = island.velocity.data() + 3 * std::size_t{place.vertex};
   return {v[0], v[1], v[2]};
 }
 
+void LoopGroup::find_velocities(Island& island) const {
+  if (island.velocity_known) return;
+  stepper_.find_velocities(island.state, island.work);
+  std::copy_n(island.work.delta.begin(), island.velocity.size(), island.velocity.begin());
+  island.velocity_known = true;
+}
+
 void LoopGroup::set_force(std::uint32_t particle, Vec3 newton) {
   const Place place = places_[particle];
-  LoopState& state = islands_[place.island].state;
-  if (gradient_ == Gradient::old && state.u_step != 0) {
+  Island& island = islands_[place.island];
+  if (gradient_ == Gradient::old && island.state.u_step != 0) {
     // A displacement stands for the velocity of now under the force that made it.
-    velocity(particle);
-    state.u = islands_[place.island].velocity;
-    state.u_step = 0;
+    find_velocities(island);
+    island.state.u = island.velocity;
+    island.state.u_step = 0;
   }
-  state.set_force(place.vertex, newton);
+  island.state.set_force(place.vertex, newton);
 }
 
 void LoopGroup::set_velocity(std::uint32_t particle, Vec3 velocity) {

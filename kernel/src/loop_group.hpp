@@ -64,6 +64,7 @@ class LoopGroup {
   };
 
   void begin_step(Island& island) const;
+  void find_velocities(Island& island) const;
   void advance(Island& island, double h, std::uint32_t substeps, std::uint32_t time_order,
                DirectCounters& counters) const;
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "loop_stepper.hpp"
+#include "loop_vectors.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -28,22 +29,13 @@ constexpr int most_gradients = 200;
 /// What rounding leaves of velocities along rods.
 constexpr double projected = 1e-9;
 
-Vec3 at(std::span<const double> from, std::size_t i) {
-  return {from[3 * i], from[3 * i + 1], from[3 * i + 2]};
-}
-void put(std::span<double> to, std::size_t i, Vec3 v) {
-  to[3 * i] = v.x;
-  to[3 * i + 1] = v.y;
-  to[3 * i + 2] = v.z;
-}
-
 /// Rods as they are, at the start.
 void measure(const LoopState& state, LineWorkspace& lines) {
   for (std::size_t s = 0; s < lines.lines->slots(); ++s) {
     if (lines.lines->numbers[s] == RodLines::none) continue;
     const auto [a, b] = lines.lines->ends[s];
     const Vec3 d = at(state.x, a) - at(state.x, b);
-    put(lines.d, s, d);
+    put(&lines.d[3 * s], d);
     lines.excess[s] = 0.5 * (dot(d, d) - state.length2[lines.lines->numbers[s]]);
   }
 }
@@ -80,7 +72,7 @@ double displace(const LoopState& state, double theta, LoopWorkspace& work) {
   const std::span<double> directions = lines.solver.directions();
   for (std::size_t s = 0; s < lines.mu.size(); ++s) {
     const auto [a, b] = lines.lines->ends[s];
-    put(directions, s, at(lines.d, s) + theta * (at(work.delta, a) - at(work.delta, b)));
+    put(&directions[3 * s], at(lines.d, s) + theta * (at(work.delta, a) - at(work.delta, b)));
   }
   lines.solver.spread(lines.mu, lines.pushed);
   double most = 0;
@@ -106,7 +98,7 @@ Misfit find_misfits(LoopWorkspace& work) {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const auto [a, b] = lines.lines->ends[s + lane];
       const Vec3 d = at(lines.d, s + lane), e = at(work.delta, a) - at(work.delta, b);
-      const double c = lines.excess[s + lane] + (dot(d, e) + 0.5 * dot(e, e));
+      const double c = constraint(d, e, lines.excess[s + lane]);
       lines.wanted[s + lane] = -c;
       most[lane] = std::max(most[lane], std::abs(c));
       sum[lane] += c * c;

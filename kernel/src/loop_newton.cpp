@@ -3,26 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loop_vectors.hpp"
+
 namespace plumb::detail {
 namespace {
 
 /// A pivot below this, relative to what both ends of the rod could yield, is rounding.
 constexpr double redundant_pivot = 1e-12;
 
-Vec3 at(const std::vector<double>& from, std::uint32_t i) {
-  return {from[3 * std::size_t{i}], from[3 * std::size_t{i} + 1], from[3 * std::size_t{i} + 2]};
-}
-
 void add(double* to, Vec3 v) {
   to[0] += v.x;
   to[1] += v.y;
   to[2] += v.z;
-}
-
-void put(double* to, Vec3 v) {
-  to[0] = v.x;
-  to[1] = v.y;
-  to[2] = v.z;
 }
 
 /// A rod's directions at the present delta: of its force, of the gradient of C; and C.
@@ -33,7 +25,7 @@ struct Stretched {
 
 Stretched stretched(const LoopRod& rod, std::uint32_t k, double theta, const LoopWorkspace& work) {
   const Vec3 d = at(work.d, k), e = at(work.delta, rod.a) - at(work.delta, rod.b);
-  return {d + theta * e, d + e, work.excess[k] + (dot(d, e) + 0.5 * dot(e, e))};
+  return {d + theta * e, d + e, constraint(d, e, work.excess[k])};
 }
 
 void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {

@@ -31,6 +31,14 @@ std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t i
   return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
 }
 
+/// What held there in the last substep; without that key if nothing did.
+KeptContact kept_at(const LinkageState& state, std::uint64_t key) {
+  KeptContact out{};
+  for (const KeptContact& kept : state.kept)
+    if (kept.key == key) out = kept;
+  return out;
+}
+
 /// How near is looked at, of what moves so far in a substep, m.
 double in_sight(double moves) {
   return 0.1 + 2 * moves;
@@ -92,9 +100,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
   const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
   const double restitution = std::max(a.restitution, b.restitution);
   const auto [t1, t2] = across(touch.normal);
-  KeptContact held{};
-  for (const KeptContact& kept : one->state->kept)
-    if (kept.key == key) held = kept;
+  const KeptContact held = kept_at(*one->state, key);
   const Vec3 axes[3] = {touch.normal, t1, t2};
   const Sum sum = add_sum(*one, at), sum_other = two ? add_sum(*two, at_other) : Sum{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -137,12 +143,10 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
       row.ends = 1;
       row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
       row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
-      for (const KeptContact& kept : state.kept)
-        if (kept.key == row.key) {
-          row.held = true;
-          row.p = h * h * kept.force.x;
-          row.q = 0.5 * h * kept.end_force.x;
-        }
+      const KeptContact held = kept_at(state, row.key);
+      row.held = held.key == row.key;
+      row.p = h * h * held.force.x;
+      row.q = 0.5 * h * held.end_force.x;
       return row;
     };
     const double near = 0.05 + std::abs(by);
