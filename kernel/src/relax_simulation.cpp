@@ -190,7 +190,7 @@ void RelaxSimulation<T>::run_blocks(RelaxCounters& counters) {
     for (std::uint32_t substep = 0; substep < settings_.substeps; ++substep)
       relax_block(blocks_[b], relax, counters, team_);
   }
-  team_.for_each(static_cast<std::uint32_t>(schedule_.lone_work.size()), [&](std::uint32_t i) {
+  team_.for_each(static_cast<std::uint32_t>(schedule_.lone_work.size()), [&](std::uint32_t i, unsigned) {
     const auto [b, begin, end] = schedule_.lone_work[i];
     RelaxSettings<T> mine = relax;
     mine.budget_us = budget * team_.parts() * blocks_[b].rods(begin, end) / rods;

@@ -40,8 +40,8 @@ class Team {
   }
   unsigned parts() const { return active_ ? size_ : 1; }
 
-  /// Inside lead(): calls f(i) for every i in [0, n): each part works through a stretch of its own, then
-  /// helps others.
+  /// Inside lead(): calls f(i, part) for every i in [0, n): each part works through a stretch of its own, then
+  /// helps others. No two calls with the same part run at once.
   template <class F>
   void for_each(std::uint32_t n, F&& f) {
     const unsigned count = parts();
@@ -51,7 +51,8 @@ class Team {
       for (unsigned k = 0; k < count; ++k) {
         const unsigned victim = (part + k) % count;
         const std::uint32_t end = begin_of(n, victim + 1, count);
-        for (std::uint32_t i; (i = lanes_[victim].next.fetch_add(1, std::memory_order_relaxed)) < end;) f(i);
+        for (std::uint32_t i; (i = lanes_[victim].next.fetch_add(1, std::memory_order_relaxed)) < end;)
+          f(i, part);
       }
     });
   }

@@ -68,8 +68,8 @@ TEST(Team, RunsEachOfManyItemsOnce) {
         Team team(threads);
         std::vector<int> times(n, 0);
         team.lead(named.executor.get(), [&] {
-          team.for_each(n, [&](std::uint32_t i) { ++times[i]; });
-          team.for_each(n, [&](std::uint32_t i) { ++times[i]; });
+          team.for_each(n, [&](std::uint32_t i, unsigned) { ++times[i]; });
+          team.for_each(n, [&](std::uint32_t i, unsigned) { ++times[i]; });
         });
         for (std::uint32_t i = 0; i < n; ++i)
           EXPECT_EQ(times[i], 2) << named.name << ", item " << i << " of " << n;

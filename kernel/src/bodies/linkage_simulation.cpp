@@ -1,15 +1,14 @@
 #include "linkage_simulation.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 
-#include "../flush_denormals.hpp"
 #include "../refuse.hpp"
 #include "../state_hash.hpp"
 #include "../team.hpp"
 #include "group_stepper.hpp"
+#include "linkage_bounds.hpp"
 #include "plumb/executor.hpp"
 #include "scene_parts.hpp"
 #include "spatial_hash.hpp"
@@ -46,7 +45,13 @@ Surroundings surroundings_of(const Scene& scene) {
 class LinkageSimulation final : public Simulation {
  public:
   LinkageSimulation(const Scene& scene, const Settings& settings)
-      : surroundings_(surroundings_of(scene)), homes_(scene.particles.size()), pins_(scene.particles.size()) {
+      : surroundings_(surroundings_of(scene)),
+        homes_(scene.particles.size()),
+        pins_(scene.particles.size()),
+        own_executor_(settings.executor || settings.threads == 1 ? nullptr
+                                                                 : make_tbb_executor(settings.threads)),
+        executor_(settings.executor ? settings.executor : own_executor_.get()),
+        team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1) {
     rules_.substeps = settings.substeps;
     rules_.sleep = settings.sleep;
     for (const Particle& particle : scene.particles) {
@@ -56,7 +61,11 @@ class LinkageSimulation final : public Simulation {
     targets_ = anchors_;
     make_islands(scene);
     start_hashes();
-    start_threads(settings);
+    info_.threads = team_.size();
+    info_.parallel = team_.size() > 1 && islands_.size() >= worth_threads;
+    info_.isa = settings.isa.value_or(best_isa());
+    steppers_.assign(team_.size(), GroupStepper(info_.isa));
+    reports_.resize(team_.size());
     info_.particles = static_cast<std::uint32_t>(scene.particles.size());
     info_.rods = info_.direct_rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.islands = static_cast<std::uint32_t>(islands_.size());
@@ -68,15 +77,15 @@ class LinkageSimulation final : public Simulation {
   }
 
   StepReport step(double dt) override {
-    const FlushDenormals flush;
     StepReport report;
     report.substeps = rules_.substeps;
     if (moving_) start_anchors(dt);
-    if (!awake_.empty()) {
-      group_islands(dt);
-      move_groups(dt, report);
-      settle(dt, report);
-    }
+    if (!awake_.empty())
+      team_.lead(awake_.size() >= worth_threads ? executor_ : nullptr, [&] {
+        group_islands(dt);
+        move_groups(dt, report);
+        settle(report);
+      });
     if (moving_) finish_anchors();
     report.awake_islands = static_cast<std::uint32_t>(awake_.size());
     return report;
@@ -197,27 +206,13 @@ class LinkageSimulation final : public Simulation {
     marks_.assign(islands_.size(), 0);
     root_.resize(islands_.size());
     bounds_.resize(islands_.size());
-    for (const LinkageState& state : islands_)
-      if (state.asleep && !state.linkage->shapes().empty()) {
-        bounds_[state.number] = reach(state, 0);
-        sleepers_.insert(state.number, bounds_[state.number]);
-      }
-  }
-
-  void start_threads(const Settings& settings) {
-    executor_ = settings.executor;
-    if (executor_ == nullptr && settings.threads != 1) {
-      own_executor_ = make_tbb_executor(settings.threads);
-      executor_ = own_executor_.get();
+    for (const LinkageState& state : islands_) {
+      if (state.linkage->shapes().empty()) continue;
+      any_shapes_ = true;
+      if (!state.asleep) continue;
+      bounds_[state.number] = reach(state, 0);
+      sleepers_.insert(state.number, bounds_[state.number]);
     }
-    unsigned threads = executor_ ? executor_->concurrency() : 1;
-    if (settings.threads != 0) threads = std::min(threads, settings.threads);
-    threads = std::min(threads, Team::max_size);
-    info_.threads = threads;
-    info_.parallel = threads > 1 && islands_.size() >= worth_threads;
-    info_.isa = settings.isa.value_or(best_isa());
-    steppers_.assign(threads, GroupStepper(info_.isa));
-    reports_.resize(threads);
   }
 
   void wake(std::uint32_t i) {
@@ -252,19 +247,17 @@ class LinkageSimulation final : public Simulation {
   /// Groups of islands that may touch within dt as they move now (reach()), by their numbers; sleepers nearby
   /// included.
   void group_islands(double dt) {
-    members_.clear();
-    bool shapes = false;
-    for (const std::uint32_t i : awake_) {
-      root_[i] = i;
-      members_.push_back(i);
-      shapes = shapes || !islands_[i].linkage->shapes().empty();
-    }
-    if (shapes && islands_.size() > 1) {
+    members_ = awake_;
+    for (const std::uint32_t i : awake_) root_[i] = i;
+    if (any_shapes_ && islands_.size() > 1) {
       walkers_.start(walkers_cell_, 8 * awake_.size());
       ++mark_;
+      team_.for_each(static_cast<std::uint32_t>(awake_.size()), [&](std::uint32_t k, unsigned) {
+        const LinkageState& state = islands_[awake_[k]];
+        bounds_[state.number] = state.linkage->shapes().empty() ? nowhere : reach(state, dt);
+      });
       for (const std::uint32_t i : awake_) {
-        if (islands_[i].linkage->shapes().empty()) continue;
-        bounds_[i] = reach(islands_[i], dt);
+        if (bounds_[i].is_empty()) continue;
         walkers_.find(bounds_[i], [&](std::uint32_t j) {
           if (bounds_[i].overlaps(bounds_[j])) join(i, j);
         });
@@ -283,7 +276,7 @@ class LinkageSimulation final : public Simulation {
     // By group, and within a group by number.
     order_.clear();
     for (const std::uint32_t i : members_) order_.push_back(std::uint64_t{root(i)} << 32 | i);
-    std::sort(order_.begin(), order_.end());
+    if (!std::is_sorted(order_.begin(), order_.end())) std::sort(order_.begin(), order_.end());
     group_.clear();
     starts_.clear();
     for (std::size_t k = 0; k < order_.size(); ++k) {
@@ -293,65 +286,59 @@ class LinkageSimulation final : public Simulation {
     starts_.push_back(static_cast<std::uint32_t>(group_.size()));
   }
 
+  std::span<LinkageState* const> group(std::uint32_t g) const {
+    return {group_.data() + starts_[g], starts_[g + 1] - starts_[g]};
+  }
+
   void move_groups(double dt, StepReport& report) {
     const auto groups = static_cast<std::uint32_t>(starts_.size() - 1);
-    const auto move = [&](std::uint32_t g, GroupStepper& stepper, StepReport& own) {
-      stepper.step({group_.data() + starts_[g], starts_[g + 1] - starts_[g]}, surroundings_, rules_, dt, own);
-    };
-    if (steppers_.size() == 1 || groups < 2 || awake_.size() < worth_threads) {
-      for (std::uint32_t g = 0; g < groups; ++g) move(g, steppers_[0], report);
-      return;
-    }
-    std::atomic<std::uint32_t> next{0};
+    rests_.resize(groups);
     for (StepReport& own : reports_) own = {};
-    auto work = [&](unsigned worker) {
-      const FlushDenormals flush;
-      constexpr std::uint32_t at_once = 8;
-      for (std::uint32_t first; (first = next.fetch_add(at_once)) < groups;)
-        for (std::uint32_t g = first; g < std::min(first + at_once, groups); ++g)
-          move(g, steppers_[worker], reports_[worker]);
-    };
-    using Work = decltype(work);
-    executor_->run(
-        static_cast<unsigned>(steppers_.size()),
-        [](void* context, unsigned worker) { (*static_cast<Work*>(context))(worker); }, &work);
+    team_.for_each(groups, [&](std::uint32_t g, unsigned part) {
+      steppers_[part].step(group(g), surroundings_, rules_, dt, reports_[part]);
+      rests_[g] = rests(group(g), dt);
+    });
     for (const StepReport& own : reports_) report += own;
   }
 
+  /// Whether a group has been slow for long enough to sleep, and something holds it: what nothing holds is
+  /// only slow for a while.
+  bool rests(std::span<LinkageState* const> group, double dt) const {
+    bool calm = rules_.sleep, held = false;
+    for (LinkageState* const state : group) {
+      if (state->asleep) continue;
+      const bool slow = top_speed(*state) < rules_.sleep_speed;
+      state->calm = slow ? state->calm + dt : 0;
+      held = held || state->linkage->is_grounded() || !state->kept.empty();
+      calm = calm && state->calm >= rules_.sleep_time;
+    }
+    return calm && held;
+  }
+
   /// Takes in those that were woken, and lets groups that rest sleep.
-  void settle(double dt, StepReport& report) {
-    for (std::size_t g = 0; g + 1 < starts_.size(); ++g) {
-      // What nothing holds is only slow for a while.
-      bool calm = rules_.sleep, held = false;
-      for (std::uint32_t k = starts_[g]; k < starts_[g + 1]; ++k) {
-        LinkageState& state = *group_[k];
-        if (state.asleep) continue;
-        const bool slow = top_speed(state) < rules_.sleep_speed;
-        state.calm = slow ? state.calm + dt : 0;
-        held = held || state.linkage->is_grounded() || !state.kept.empty();
-        calm = calm && state.calm >= rules_.sleep_time;
-      }
-      for (std::uint32_t k = starts_[g]; k < starts_[g + 1]; ++k) {
-        LinkageState& state = *group_[k];
-        if (calm && held && !state.asleep) {
-          state.asleep = true;
-          state.calm = 0;
-          ++report.fell_asleep;
-          if (!state.linkage->shapes().empty()) {
-            bounds_[state.number] = reach(state, 0);
-            sleepers_.insert(state.number, bounds_[state.number]);
-          }
-        }
+  void settle(StepReport& report) {
+    for (std::uint32_t g = 0; g < rests_.size(); ++g) {
+      if (rests_[g] == 0) continue;
+      for (LinkageState* const state : group(g)) {
+        if (state->asleep) continue;
+        state->asleep = true;
+        state->calm = 0;
+        ++report.fell_asleep;
+        if (state->linkage->shapes().empty()) continue;
+        bounds_[state->number] = reach(*state, 0);
+        sleepers_.insert(state->number, bounds_[state->number]);
       }
     }
-    // Those that sleepers' neighbours woke within the step are still listed as sleepers.
-    for (const std::uint32_t i : members_)
-      if (!islands_[i].asleep && marks_[i] == mark_ && !std::binary_search(awake_.begin(), awake_.end(), i)) {
+    // Those that sleepers' neighbours woke within the step are still listed as sleepers; in members_ they
+    // follow the others.
+    for (std::size_t k = awake_.size(); k < members_.size(); ++k)
+      if (const std::uint32_t i = members_[k]; !islands_[i].asleep) {
         sleepers_.remove(i, bounds_[i]);
         woken_.push_back(i);
       }
+    if (report.fell_asleep > 0) std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
+    if (woken_.empty()) return;
     awake_.insert(awake_.end(), woken_.begin(), woken_.end());
-    std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
     std::sort(awake_.begin(), awake_.end());
     for (const std::uint32_t i : woken_) wake_neighbours(i);
     woken_.clear();
@@ -387,17 +374,20 @@ class LinkageSimulation final : public Simulation {
 
   std::vector<std::uint32_t> awake_;  ///< ascending
   SpatialHash sleepers_, walkers_;
+  bool any_shapes_ = false;
   double walkers_cell_ = 1;
   std::vector<Bounds> bounds_;  ///< by island: of sleepers as listed, of others this step's reach
   std::vector<std::uint32_t> marks_, root_, members_, starts_, woken_;
   std::uint32_t mark_ = 0;
   std::vector<std::uint64_t> order_;
   std::vector<LinkageState*> group_;
+  std::vector<std::uint8_t> rests_;  ///< by group, after its step
 
   std::unique_ptr<Executor> own_executor_;
-  Executor* executor_ = nullptr;
-  std::vector<GroupStepper> steppers_;
-  std::vector<StepReport> reports_;
+  Executor* executor_;
+  Team team_;
+  std::vector<GroupStepper> steppers_;  ///< by part of the team
+  std::vector<StepReport> reports_;     ///< likewise
 };
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace plumb::detail {
 struct Bounds {
   Vec3 low{}, high{};
 
+  bool is_empty() const { return !(low.x <= high.x); }
   bool overlaps(const Bounds& o) const {
     return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y &&
            low.z <= o.high.z && o.low.z <= high.z;
