@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "loop_stepper.hpp"
@@ -20,6 +21,9 @@ constexpr double lost_rate = 0.6;
 constexpr int settling_iterations = 3;
 /// Changes of many rod lengths do not lead back.
 constexpr double hopeless = 30;
+/// Left of |C|/L² where each iteration leaves the same share of what it finds; of more than that share it is
+/// worth while to go on along it.
+constexpr double settled = 3e-4, slow_rate = 0.1;
 /// Of what is left, what one solution leaves at least: the next one's directions are better.
 constexpr double coarse = 0.02;
 /// Of what may be left of the worst rod, the norm over all that is aimed at.
@@ -112,6 +116,34 @@ Misfit find_misfits(LoopWorkspace& work) {
   return out;
 }
 
+/// Goes on along what two iterations with the same directions have in common. What such leave is mostly one
+/// mode, where rods turn most, that falls by the same share every time: Anderson's acceleration (1965), one
+/// iteration deep, takes it out. `again`: there was one before.
+void accelerate(bool again, LoopWorkspace& work) {
+  constexpr std::size_t lanes = RodLines::lanes;
+  LineWorkspace& lines = *work.lines;
+  std::array<double, lanes> along{}, square{};
+  for (std::size_t s = 0; s < lines.mu.size(); s += lanes)
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const double change = lines.mu[s + lane] - lines.start[s + lane];
+      const double by = change - lines.last_change[s + lane];
+      along[lane] += by * change;
+      square[lane] += by * by;
+      lines.last_change[s + lane] = change;
+    }
+  const double all = std::accumulate(square.begin(), square.end(), 0.0);
+  const double back = again && all > 0 ? std::accumulate(along.begin(), along.end(), 0.0) / all : 0;
+  const auto go_on = [back](std::span<double> values, std::vector<double>& last) {
+    for (std::size_t k = 0; k < last.size(); ++k) {
+      const double came_to = values[k];
+      values[k] = came_to - back * (came_to - last[k]);
+      last[k] = came_to;
+    }
+  };
+  go_on(lines.mu, lines.last_mu);
+  go_on(work.delta, lines.last_delta);  // which depend on multipliers linearly
+}
+
 }  // namespace
 
 LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
@@ -123,7 +155,11 @@ LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
       wanted(of.slots()),
       before(of.slots()),
       earlier(of.slots()),
-      pushed(3 * std::size_t{of.nodes}) {}
+      pushed(3 * std::size_t{of.nodes}),
+      start(of.slots()),
+      last_change(of.slots()),
+      last_mu(of.slots()),
+      last_delta(3 * std::size_t{of.nodes}) {}
 
 LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
                              DirectCounters& counters) {
@@ -132,6 +168,7 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
   start(state, theta, kick, lines);
   const double length = std::sqrt(state.scale2), least = fitting * state.scale2;
   double last = 0;
+  bool crawled = false;
   for (int i = 0; i < most_iterations; ++i) {
     double worst = 0;
     if (i == 0 || theta > 0) {
@@ -147,6 +184,8 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
       return LineOutcome::solved;
     }
     if (worst > hopeless * state.scale2 || (i >= settling_iterations && worst > lost_rate * last)) break;
+    const bool crawls = theta == 0 && worst <= settled * state.scale2 && worst > slow_rate * last;
+    if (crawls) lines.start = lines.mu;
     last = worst;
     counters.newton.fetch_add(1, std::memory_order_relaxed);
     const double goal = std::max(coarse * misfit.norm, below_fitting * least);
@@ -154,6 +193,8 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
       lines.forget();
       return LineOutcome::stalled;
     }
+    if (crawls) accelerate(crawled, work);
+    crawled = crawls;
   }
   lines.forget();
   return LineOutcome::diverged;

@@ -25,9 +25,11 @@ struct LineWorkspace {
   std::vector<double> mu, wanted;       ///< multipliers; what their change is to do
   std::vector<double> before, earlier;  ///< multipliers of the substeps before the last one
   std::vector<double> pushed;           ///< 3 per node: by rods
-  double kick = 0;                      ///< of the last substep
-  int known = 0;                        ///< which of before and earlier are of substeps like the last one
-  int stalls = 0;                       ///< without a solution between them
+  std::vector<double> start;            ///< multipliers before an iteration
+  std::vector<double> last_change, last_mu, last_delta;  ///< what the last one did to them, and came to
+  double kick = 0;                                       ///< of the last substep
+  int known = 0;   ///< which of before and earlier are of substeps like the last one
+  int stalls = 0;  ///< without a solution between them
 };
 
 enum class LineOutcome : std::uint8_t {
