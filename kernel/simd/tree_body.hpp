@@ -383,7 +383,7 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
   for (std::size_t i = 0; i < tree.nodes; ++i) {
     guess_multiplier(at, scale, tree.mu, tree.mu_start, i);
     const Vec<V> u = ratio * at.get3(tree.u, 3 * i);
-    if (tree.keeps_acceleration)
+    if (tree.guesses)
       at.put3(tree.delta, 3 * i,
               (u + guess * at.get3(tree.acceleration, 3 * i)) +
                   guess_before * at.get3(tree.acceleration_before, 3 * i));

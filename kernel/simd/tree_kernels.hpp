@@ -50,6 +50,7 @@ struct TreeView {
   const T* pin_delta = nullptr;   ///< its displacement in this substep, 3 per pin
   const T* pin_u = nullptr;       ///< and in the one before, 3 per pin
 
+  bool guesses = false;              ///< whether delta starts from the next two
   bool keeps_acceleration = false;   ///< if not, the next two and what is made of them are left alone
   T* acceleration_before = nullptr;  ///< of the one before
   T* acceleration = nullptr;         ///< 3 per node, of the last substep, rods included (m/s^2)

@@ -230,6 +230,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .pin_x = state.pin_x.data(),
           .pin_delta = state.pin_delta.data(),
           .pin_u = state.pin_u.data(),
+          .guesses = guesses,
           .keeps_acceleration = keeps_acceleration,
           .acceleration_before = state.acceleration_before.data(),
           .acceleration = state.acceleration.data(),

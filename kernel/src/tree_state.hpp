@@ -77,7 +77,8 @@ struct TreeWorkspace {
   layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before,
       inverse_kick, push, jolt, mu_start, pin_mu_start;
-  bool keeps_acceleration = true;    ///< for first guesses and estimates of error
+  bool guesses = true;             ///< displacements, from accelerations; lines find theirs from multipliers
+  bool keeps_acceleration = true;  ///< for guesses and estimates of error
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve
   std::vector<std::uint8_t> first;   ///< per lane: no acceleration is known from two substeps before
 };

@@ -104,7 +104,8 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     work.active[lane] = lane < trees ? T(1) : T(0);
   }
   if (state.pins_move) set_pin_displacements(state, h, work);
-  work.keeps_acceleration = estimates_ || !is_line(state, gradient);
+  work.guesses = !is_line(state, gradient);
+  work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
 }
 
