@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "plumb/measures.hpp"
 #include "plumb/world.hpp"
@@ -21,16 +22,18 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// Below this error float is not tried.
 constexpr double float_error = 1e-4;
 
-/// Follows a sequence of ever finer settings, as long as the hardest target is not met and runs stay short.
+/// Follows a sequence of ever finer settings, as long as the hardest target is not met and runs stay short,
+/// and one further: substeps that are too long are cut, and shorter ones can be cheaper.
 template <class Next>
 void follow(const Problem& problem, const std::vector<Target>& targets, double most_s, Setting setting,
             std::vector<Trial>& trials, Next&& refine, double most_ms = never) {
-  for (;;) {
+  for (bool all_met = false;;) {
     const Trial trial = run_trial(problem, setting, never);
     trials.push_back(trial);
-    const bool all_met =
-        std::all_of(targets.begin(), targets.end(), [&](const Target& t) { return t.is_met(trial); });
-    if (all_met || trial.ms > most_ms || 2e-3 * trial.ms * problem.duration > most_s ||
+    const bool were_met = std::exchange(
+        all_met,
+        std::all_of(targets.begin(), targets.end(), [&](const Target& t) { return t.is_met(trial); }));
+    if (were_met || trial.ms > most_ms || 2e-3 * trial.ms * problem.duration > most_s ||
         !refine(setting.settings))
       return;
   }
