@@ -64,7 +64,7 @@ Watched watch(const Scene& scene, World& world, double dt, double duration) {
 TEST(StruckFigure, StaysWhole) {
   test::Random random(17);
   const double steps[] = {1.0 / 240, 1.0 / 60, 1.0 / 30, 1.0 / 15};
-  for (int i = 0; i < 40; ++i)
+  for (int i = 0; i < 200; ++i)
     for (const BodyType body : {BodyType::thin, BodyType::medium, BodyType::wide}) {
       const double dt = steps[i % 4];
       SCOPED_TRACE(testing::Message() << "hit " << i << ", " << to_string(body) << ", dt " << dt);
