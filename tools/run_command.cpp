@@ -92,7 +92,7 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
                    std::string(to_string(s.precision)) +
                    (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
     print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
-                            plural(result.total.tree_substeps, "substep") + " of an island, " +
+                            plural(result.total.direct_substeps, "substep") + " of an island, " +
                             plural(result.total.newton, "Newton step") + ", " +
                             plural(result.total.halvings, "halving") + ", " +
                             plural(result.total.fallbacks, "fallback"));

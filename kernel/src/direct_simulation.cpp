@@ -71,7 +71,7 @@ class DirectSimulation final : public Simulation {
 
     StepReport report;
     report.substeps = settings_.substeps;
-    report.tree_substeps = counters.substeps;
+    report.direct_substeps = counters.substeps;
     report.newton = counters.newton;
     report.halvings = counters.halvings;
     report.fallbacks = counters.fallbacks;

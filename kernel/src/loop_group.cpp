@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "choose_method.hpp"
 #include "composition.hpp"
@@ -64,15 +65,16 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
     island.state = *island.start;
     if (island.work.lines) island.work.lines->forget();
   };
-  std::uint64_t kept[4]{};
+  std::optional<DirectCounters> kept;
   control.step(
       dt, island.substep, counters,
       [&](double h, std::uint32_t substeps) {
         // Of the runs that are thrown away only the work counts.
         DirectCounters coarse, fine;
-        const auto keep = [&](const DirectCounters& of) {
+        const auto keep = [&](DirectCounters& of) {
           counters.newton.fetch_add(coarse.newton + fine.newton, std::memory_order_relaxed);
-          kept[0] = of.substeps, kept[1] = of.halvings, kept[2] = of.fallbacks, kept[3] = of.unsolved;
+          of.newton = 0;
+          kept.emplace().add(of);
         };
         advance(island, 2 * h, substeps / 2, time_order, coarse);
         if (coarse.unsolved > 0) {
@@ -94,10 +96,7 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
                                         .is_final = fine.unsolved > 0};
       },
       restore);
-  counters.substeps.fetch_add(kept[0], std::memory_order_relaxed);
-  counters.halvings.fetch_add(kept[1], std::memory_order_relaxed);
-  counters.fallbacks.fetch_add(kept[2], std::memory_order_relaxed);
-  counters.unsolved.fetch_add(kept[3], std::memory_order_relaxed);
+  counters.add(*kept);
 }
 
 void LoopGroup::begin_step(Island& island) const {

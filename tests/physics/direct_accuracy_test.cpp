@@ -118,7 +118,7 @@ TEST(DirectAccuracy, DoesNotChaseWhatCannotBeHad) {
     EXPECT_LE(blow.repeated_steps, 7u);
     world.set_force(100, {});
     StepReport after = test::run(world, 1.0 / 60, 2);
-    EXPECT_LE(after.tree_substeps, 4000u) << to_string(gradient);
+    EXPECT_LE(after.direct_substeps, 4000u) << to_string(gradient);
     EXPECT_TRUE(test::all_finite(world));
 
     World taut(scenes::make_net(8, 8), settings);
@@ -161,7 +161,7 @@ TEST(DirectAccuracy, RepeatsStepsThatWereTooCoarse) {
   world.set_force(10, {300, 0, 0});
   const StepReport blow = test::run(world, 1.0 / 60, 2);
   EXPECT_GT(blow.repeated_steps, 0u);
-  EXPECT_GT(blow.tree_substeps / 2, calm.tree_substeps / 60);
+  EXPECT_GT(blow.direct_substeps / 2, calm.direct_substeps / 60);
   EXPECT_LE(test::stretch_of(scene, world).max, 1e-9);
 }
 
@@ -173,7 +173,7 @@ TEST(DirectAccuracy, CostsTheRootOfWhatIsAsked) {
     Settings settings = test::direct(Gradient::mid);
     settings.accuracy = accuracy;
     World world(scene, settings);
-    return static_cast<double>(test::run(world, 1.0 / 60, 60).tree_substeps);
+    return static_cast<double>(test::run(world, 1.0 / 60, 60).direct_substeps);
   };
   EXPECT_LE(substeps(1e-3), substeps(1e-4));
   EXPECT_NEAR(substeps(1e-7) / substeps(1e-5), 10, 3);

@@ -48,7 +48,7 @@ TEST(Sleepers, CostNothingAndDoNotMoveByABit) {
   const std::uint64_t before = world.state_hash();
   const StepReport report = test::run(world, frame, 1000);
   EXPECT_EQ(report.awake_islands, 0u);
-  EXPECT_EQ(report.tree_substeps, 0u);
+  EXPECT_EQ(report.direct_substeps, 0u);
   EXPECT_EQ(world.state_hash(), before);
   for (std::uint32_t i = 0; i < s.scene.particles.size(); ++i)
     EXPECT_EQ(world.position(i), s.scene.particles[i].position) << i;

@@ -73,7 +73,7 @@ TEST(Report, HasEveryField) {
                                                  "direct_rods",
                                                  "direct_gradient",
                                                  "direct_time_order",
-                                                 "tree_substeps",
+                                                 "direct_substeps",
                                                  "halvings",
                                                  "fallbacks",
                                                  "repeated_steps",

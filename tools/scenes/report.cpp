@@ -97,7 +97,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"frames", result.frames},
       {"steps", result.total.substeps},
       {"sweeps", result.total.block_sweeps},
-      {"tree_substeps", result.total.tree_substeps},
+      {"direct_substeps", result.total.direct_substeps},
       {"newton", result.total.newton},
       {"halvings", result.total.halvings},
       {"fallbacks", result.total.fallbacks},

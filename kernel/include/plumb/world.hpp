@@ -33,7 +33,7 @@ struct StepReport {
   std::uint32_t frozen_islands = 0;
 
   // Of islands solved directly:
-  std::uint64_t tree_substeps = 0;   ///< substeps that islands took, those after halvings included
+  std::uint64_t direct_substeps = 0;   ///< substeps that islands took, those after halvings included
   std::uint64_t newton = 0;          ///< Newton steps, summed over islands
   std::uint64_t halvings = 0;        ///< times an island's substep did not converge and was cut in two
   std::uint64_t fallbacks = 0;       ///< substeps taken with gradient new because nothing else converged

@@ -41,7 +41,7 @@ KeptContact kept_at(const LinkageState& state, std::uint64_t key) {
 
 /// How near is looked at, of what moves so far in a substep, m.
 double in_sight(double moves) {
-  return 0.1 + 2 * moves;
+  return sight + sight_of_moves * moves;
 }
 /// Of a box above a plane, the lowest.
 double height(const Bounds& bounds, const Plane& plane) {
@@ -51,9 +51,9 @@ double height(const Bounds& bounds, const Plane& plane) {
          (std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z);
 }
 
-/// Beyond a limit, a tenth of the way a substep.
+/// Beyond a limit, of the way what a substep takes.
 double to_take_back(double gap) {
-  return gap >= 0 ? gap : 0.1 * gap;
+  return gap >= 0 ? gap : taken_back * gap;
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
     row.p = h * h * dot(held.force, axes[axis]);
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
-      row.gap = touch.gap >= 0 ? touch.gap : std::min(0.0, 0.1 * (touch.gap + most_overlap));
+      row.gap = touch.gap >= 0 ? touch.gap : std::min(0.0, taken_back * (touch.gap + most_overlap));
       row.bound = std::sqrt(a.friction * b.friction);
       row.bounce = hit > least_bounce ? restitution * hit : 0;
       row.p = std::max(row.p, 0.0);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "group_limits.hpp"
 #include "group_stepper.hpp"
@@ -51,8 +52,9 @@ void GroupStepper::couple(Island& island) {
   island.push.assign(batches, Lanes{});
 
   // Of a side, its unknowns and how it weighs them.
-  std::uint32_t slots[48];
-  double factors[48];
+  constexpr std::size_t most = 2 * 3 * std::tuple_size_v<decltype(Combination::terms)>;
+  std::uint32_t slots[most];
+  double factors[most];
   const auto gather = [&](const Side& side) {
     std::uint32_t used = 0;
     const auto add = [&](Sum sum, Vec3 along) {

@@ -72,7 +72,7 @@ void GroupStepper::step(std::span<LinkageState* const> group, const Surroundings
           std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), Vec3{});
       return;
     }
-    ++report.tree_substeps;
+    ++report.direct_substeps;
     left -= h;
   }
 }
@@ -125,12 +125,12 @@ void GroupStepper::start(Island& island, double h) {
   const double kept = linkage.kept(0.5 * h);
   // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.
   const double farthest = farthest_pull * linkage.size() / (h * h);
-  const bool again = std::all_of(state.pull.begin(), state.pull.end(),
-                                 [&](Vec3 pull) { return dot(pull, pull) <= farthest * farthest; });
+  const bool again = std::all_of(state.acceleration.begin(), state.acceleration.end(),
+                                 [&](Vec3 a) { return dot(a, a) <= farthest * farthest; });
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     island.v[i] = i < movable ? kept * state.v[i] : state.v[i];
     island.d[i] = h * island.v[i];
-    if (again && i < movable) island.d[i] += (h * h) * state.pull[i];
+    if (again && i < movable) island.d[i] += (h * h) * state.acceleration[i];
     island.there[i] = state.x[i] + island.d[i];
   }
   linkage.forces(state.x, island.v, state.force, h, island.force);
@@ -182,7 +182,7 @@ bool GroupStepper::substep(const Surroundings& surroundings, double h, StepRepor
     LinkageState& state = *island.state;
     const double kept = state.linkage->kept(0.5 * h);
     for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
-      state.pull[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
+      state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
   }

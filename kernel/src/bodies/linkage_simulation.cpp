@@ -146,7 +146,7 @@ class LinkageSimulation final : public Simulation {
       state.number = i;
       state.particles = parts.particles(i);
       state.force.resize(movable);
-      state.pull.resize(movable);
+      state.acceleration.resize(movable);
       for (std::uint32_t p = 0; p < part.particles.size(); ++p) {
         const Particle& particle = part.particles[p];
         state.x.push_back(particle.position);
