@@ -51,9 +51,12 @@ constexpr double clearly = 1.1;
 
 const char* color_of(const std::string& family) {
   static const std::pair<const char*, const char*> colors[] = {
-      {"auto", "#000000"},         {"direct", "#d1495b"},      {"relax", "#1f5fa8"},
-      {"over-relaxed", "#66a3dd"}, {"springs", "#2a9d5c"},     {"implicit-springs", "#8fd19e"},
-      {"multipliers", "#e09f3e"},  {"featherstone", "#8e44ad"}};
+      {"auto", "#000000"},        {"direct", "#d1495b"},
+      {"relax", "#1f5fa8"},       {"over-relaxed", "#66a3dd"},
+      {"springs", "#2a9d5c"},     {"implicit-springs", "#8fd19e"},
+      {"multipliers", "#e09f3e"}, {"featherstone", "#8e44ad"},
+      {"Bullet soft", "#a8a8a8"}, {"Bullet multibody", "#5f5f5f"},
+      {"MuJoCo", "#9c6b4a"},      {"Simbody", "#c08497"}};
   for (const auto& [name, color] : colors)
     if (family == name) return color;
   return "#888888";
@@ -104,7 +107,9 @@ Table target_table(const Result& result) {
 
 /// The points of a family that none of its own dominates.
 Series series_of(const Result& result, const std::string& family) {
-  Series series{.name = family, .color = color_of(family)};
+  const auto& own_families = frontier::all_families();
+  const bool is_own = std::find(own_families.begin(), own_families.end(), family) != own_families.end();
+  Series series{.name = family, .color = color_of(family), .dashed = !is_own};
   std::vector<const Point*> own;
   std::vector<std::pair<double, double>> list;
   for (const Point& point : result.points) {
