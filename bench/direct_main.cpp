@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* usage =
     "bench_direct [--full] [--only SECTIONS] [--rounds N] [--csv FILE] [--summary FILE]\n"
-    "  --full             a net of 128 squared and longer searches: about half an hour\n"
+    "  --full             a net that folds and longer searches: about half an hour\n"
     "  --only SECTIONS    some of lanes, line, targets, loops; more than one with commas [all]\n"
     "  --rounds N         samples of each contestant of lanes and line, at least 2 [25]\n"
     "  --csv FILE         all numbers\n"

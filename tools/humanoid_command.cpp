@@ -368,21 +368,23 @@ void add_humanoid_command(CLI::App& app, Action& action) {
       "Integrations per frame; with 8 the distance of 71 in 72 throws was within 10 % of that with 64 [8]");
   add_seconds(*command, "--duration", run.most,
               "Most simulated time; a run ends when the figure sleeps again [10]");
-  command
-      ->add_option_function<std::string>(
-          "--seed",
-          [&run](const std::string& text) {
-            const auto value = scenes::parse_number<std::uint64_t>(text);
-            if (!value) throw CLI::ValidationError("--seed", "'" + text + "' is not a whole number");
-            run.seed = *value;
-          },
-          "Aims the ball up to 1 cm off, each seed elsewhere; 0: at the middle of the upper torso [0]")
-      ->type_name("N");
+  CLI::Option* const seed =
+      command
+          ->add_option_function<std::string>(
+              "--seed",
+              [&run](const std::string& text) {
+                const auto value = scenes::parse_number<std::uint64_t>(text);
+                if (!value) throw CLI::ValidationError("--seed", "'" + text + "' is not a whole number");
+                run.seed = *value;
+              },
+              "Aims the ball up to 1 cm off, each seed elsewhere; 0: at the middle of the upper torso [0]")
+          ->type_name("N");
   CLI::Option* experiments = command->add_flag(
       "--experiments", o.experiments,
       "The thesis's figures 4.11 to 4.14 with balls of their own, each case three times and in 8 times as "
       "many substeps");
   for (CLI::Option* option : ball) experiments->excludes(option);
+  experiments->excludes(seed);
   command
       ->add_option("--report", o.report,
                    "Write what was thrown, what came of it and the machine to this file")

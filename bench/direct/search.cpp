@@ -259,7 +259,8 @@ std::optional<Trial> direct_effort(const Problem& problem, double error, double 
       const Setting setting{.settings = {.method = Method::direct, .gradient = gradient, .threads = 1},
                             .frames = frames};
       follow(problem, {target}, most_s, setting, trials, double_substeps, least_ms);
-      if (target.is_met(trials.back())) least_ms = std::min(least_ms, trials.back().ms);
+      for (const Trial& trial : trials)
+        if (target.is_met(trial)) least_ms = std::min(least_ms, trial.ms);
     }
   }
   take_cheapest(trials, target, 2, candidates);

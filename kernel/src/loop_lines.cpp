@@ -21,8 +21,8 @@ constexpr double lost_rate = 0.6;
 constexpr int settling_iterations = 3;
 /// Changes of many rod lengths do not lead back.
 constexpr double hopeless = 30;
-/// Left of |C|/L² where each iteration leaves the same share of what it finds; of more than that share it is
-/// worth while to go on along it.
+/// Left of |C|/L² where each iteration leaves the same share of what it finds; from which share on, or in a
+/// first iteration, which knows none, it is worth while to go on along it.
 constexpr double settled = 3e-4, slow_rate = 0.1;
 /// Of what is left, what one solution leaves at least: the next one's directions are better.
 constexpr double coarse = 0.02;

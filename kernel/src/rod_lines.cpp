@@ -262,6 +262,7 @@ bool LineSolver::solve(std::span<double> b, double goal, int most, std::span<dou
     for (std::size_t s = 0; s < along_.size(); ++s)
       along_[s] = i > 0 ? near_[s] + beta * along_[s] : near_[s];
     const double step = height / multiply();
+    if (!std::isfinite(step)) return false;  // rods that can do nothing about what is left
     sum = {};
     for (std::size_t s = 0; s < along_.size(); s += lanes)
       for (std::size_t lane = 0; lane < lanes; ++lane) {

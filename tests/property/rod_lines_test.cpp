@@ -170,6 +170,22 @@ TEST(LineSolver, RedundantRodsAreNoObstacle) {
   for (const double each : m) EXPECT_TRUE(std::isfinite(each));
 }
 
+// Rods straight between fixed particles can be loaded as nothing they do relieves: no solution, and no NaN.
+TEST(LineSolver, RefusesWhatRodsCanDoNothingAbout) {
+  Scene row;
+  for (std::uint32_t i = 0; i < 5; ++i)
+    row.particles.push_back({.position = {0.1 * i, 0, 0}, .mass = 1, .fixed = i == 0 || i == 4});
+  for (std::uint32_t i = 0; i < 4; ++i) row.rods.push_back({.a = i, .b = i + 1});
+  Solved solved{Net(row)};
+  std::vector<double> b(solved.lines.slots()), m(b.size()), motion(3 * solved.net.nodes());
+  for (std::uint32_t s = 0; s < b.size(); ++s) {  // all longer at once
+    if (solved.lines.numbers[s] != RodLines::none) b[s] = 1e-3;
+  }
+  EXPECT_FALSE(solved.solver.solve(b, 1e-12, 200, m, motion));
+  for (const auto* values : {&m, &motion})
+    for (const double each : *values) EXPECT_TRUE(std::isfinite(each));
+}
+
 TEST(LineSolver, ForgetsWhatOverflowed) {
   Solved solved{Net(crumpled_net(9, 9, 3))};
   std::vector<double> huge = solved.right(1), b = huge, m(b.size()), motion(3 * solved.net.nodes());

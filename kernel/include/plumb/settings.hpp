@@ -90,8 +90,8 @@ struct StopRule {
 struct Settings {
   Method method = Method::relax;
   Precision precision = Precision::double_;  ///< islands with loops solved directly: double whatever this is
-  std::optional<Gradient> gradient{};        ///< none: new_, the thesis's, for relax; mid for direct
-  std::optional<MassModel> mass{};           ///< none: lumped for relax, which has no other; else consistent
+  std::optional<Gradient> gradient{};  ///< none: new_, the thesis's, for relax; mid for direct; auto chooses
+  std::optional<MassModel> mass{};     ///< none: lumped for relax, which has no other; else consistent
   Weights weights = Weights::mass;
   SweepOrder order = SweepOrder::gauss_seidel;
   double omega = 1;            ///< over-relaxation factor, in (0, 2)

@@ -33,11 +33,11 @@ struct StepReport {
   std::uint32_t frozen_islands = 0;
 
   // Of islands solved directly:
-  std::uint64_t direct_substeps = 0;   ///< substeps that islands took, those after halvings included
-  std::uint64_t newton = 0;          ///< Newton steps, summed over islands
-  std::uint64_t halvings = 0;        ///< times an island's substep did not converge and was cut in two
-  std::uint64_t fallbacks = 0;       ///< substeps taken with gradient new because nothing else converged
-  std::uint64_t repeated_steps = 0;  ///< steps of islands done again, finer, to be accurate enough
+  std::uint64_t direct_substeps = 0;  ///< substeps that islands took, those after halvings included
+  std::uint64_t newton = 0;           ///< Newton steps, summed over islands
+  std::uint64_t halvings = 0;         ///< times an island's substep did not converge and was cut in two
+  std::uint64_t fallbacks = 0;        ///< substeps taken with gradient new because nothing else converged
+  std::uint64_t repeated_steps = 0;   ///< steps of islands done again, finer, to be accurate enough
   /// Substeps that not even that solved: the tree stayed where it was, an island with loops took its rods as
   /// slightly elastic. Of multipliers: projections that did not converge.
   std::uint64_t unsolved = 0;
@@ -60,7 +60,7 @@ struct StepReport {
 
 /// How a scene was laid out, for `plumb info` and reports.
 struct BlockInfo {
-  std::string shape;   ///< chain, grid, lanes (equal islands side by side) or graph
+  std::string shape;   ///< chain, grid, lanes (equal islands side by side), graph or linkage
   std::string layout;  ///< aos, soa or aosoa
   std::uint32_t islands = 0;
   std::uint32_t particles = 0;
@@ -79,8 +79,8 @@ struct WorldInfo {
   bool parallel = false;           ///< false: one thread, or the scene is below the size where threads win
   std::uint32_t relaxed_rods = 0;  ///< rods moved by method relax
   std::uint32_t direct_rods = 0;   ///< rods moved by method direct
-  Gradient direct_gradient = Gradient::mid;   ///< the one that method direct takes
-  std::uint32_t direct_time_order = 2;        ///< and its time order
+  Gradient direct_gradient = Gradient::mid;  ///< the one that method direct takes
+  std::uint32_t direct_time_order = 2;       ///< and its time order
   std::uint32_t linkages = 0;  ///< kinds of islands in a scene with limbs, joints or contact; else 0
   std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
   bool skipped_drag = true;                   ///< no drag: no factor on displacements
@@ -124,9 +124,9 @@ class World {
 
   /// Advances by dt seconds in Settings::substeps equal substeps; with an accuracy in as many as it takes.
   /// Throws InputError if dt is not positive and finite. Methods relax, direct and auto allocate nothing
-  /// after the first call, but to freeze an island, when an island with loops solved directly has to fall back
-  /// for the first time (a net with any gradient; others with gradient old and lumped masses), and for the
-  /// first anchor that moves; where limbs may touch, until no more of them touch at once than before.
+  /// after the first call, but to freeze an island, when an island with loops solved directly has to fall
+  /// back for the first time (a net with any gradient; others with gradient old and lumped masses), and for
+  /// the first anchor that moves; where limbs may touch, until no more of them touch at once than before.
   StepReport step(double dt);
 
   /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws
