@@ -28,8 +28,7 @@ std::uint32_t choose_time_order(const Settings& settings);
 
 /// The gradient that its direct solves take if none is set: old with a time order above 2, or where an
 /// accuracy is asked for and no rod has mass, since a step then costs a fraction of one of mid's; mid
-/// otherwise, which keeps energy and stays stable in any step: so also where an accuracy of a tenth or
-/// coarser is asked of short islands.
+/// otherwise, which keeps energy however long.
 Gradient choose_gradient(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb::detail

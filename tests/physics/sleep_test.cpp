@@ -87,6 +87,26 @@ TEST(Sleepers, AreWokenByTouchOneAfterTheOther) {
   EXPECT_EQ(world.position(s.limb), s.scene.particles[s.limb].position);
 }
 
+// In a step longer than what it takes to fall asleep a ball that is hit may sleep again before it ends; it is
+// still one ball, that a force moves as far as friction lets it.
+TEST(Sleepers, AreWokenAndSleepAgainInOneLongStep) {
+  for (const double dt : {0.49, 0.5, 0.6}) {
+    Scene scene;
+    const Surface surface{.friction = 0.5};
+    scene.planes.push_back({.surface = surface});
+    const std::uint32_t ball = test::add_ball(scene, {0, 0.1, 0}, 0.1, 1, {}, surface);
+    scene.particles[ball].asleep = true;
+    test::add_ball(scene, {-0.25, 0.1, 0}, 0.1, 1, {1, 0, 0}, surface);
+    World world(scene, {.method = Method::direct, .substeps = 960, .threads = 1});
+    test::run(world, dt, 6);
+    const double before = world.position(ball).z;
+    world.set_force(ball, {0, 0, 8});
+    world.step(dt);
+    // Rounding and the substep that starts it: the first has no friction yet.
+    EXPECT_NEAR(world.position(ball).z - before, 0.5 * (8 - 0.5 * 9.81) * dt * dt, 2e-3) << dt;
+  }
+}
+
 // The foot is touched, and the head wakes.
 TEST(Sleepers, WakeWholeFigures) {
   Scene scene = scenes::make_humanoid({.body = scenes::BodyType::thin});

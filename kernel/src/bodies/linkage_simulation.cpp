@@ -317,6 +317,15 @@ class LinkageSimulation final : public Simulation {
 
   /// Takes in those that were woken, and lets groups that rest sleep.
   void settle(StepReport& report) {
+    // Those that sleepers' neighbours woke within the step are still listed as sleepers; in members_ they
+    // follow the others. In a long step they may sleep again at once.
+    for (std::size_t k = awake_.size(); k < members_.size(); ++k)
+      if (const std::uint32_t i = members_[k]; !islands_[i].asleep) {
+        sleepers_.remove(i, bounds_[i]);
+        woken_.push_back(i);
+      }
+    awake_.insert(awake_.end(), woken_.begin(), woken_.end());
+    if (!woken_.empty()) std::sort(awake_.begin(), awake_.end());
     for (std::uint32_t g = 0; g < rests_.size(); ++g) {
       if (rests_[g] == 0) continue;
       for (LinkageState* const state : group(g)) {
@@ -329,18 +338,9 @@ class LinkageSimulation final : public Simulation {
         sleepers_.insert(state->number, bounds_[state->number]);
       }
     }
-    // Those that sleepers' neighbours woke within the step are still listed as sleepers; in members_ they
-    // follow the others.
-    for (std::size_t k = awake_.size(); k < members_.size(); ++k)
-      if (const std::uint32_t i = members_[k]; !islands_[i].asleep) {
-        sleepers_.remove(i, bounds_[i]);
-        woken_.push_back(i);
-      }
     if (report.fell_asleep > 0) std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
-    if (woken_.empty()) return;
-    awake_.insert(awake_.end(), woken_.begin(), woken_.end());
-    std::sort(awake_.begin(), awake_.end());
-    for (const std::uint32_t i : woken_) wake_neighbours(i);
+    for (const std::uint32_t i : woken_)
+      if (!islands_[i].asleep) wake_neighbours(i);
     woken_.clear();
   }
 
