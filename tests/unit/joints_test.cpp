@@ -245,7 +245,8 @@ TEST(Joints, AllowWhatTheyAreNamedFor) {
   test::Random random(45);
   for (int round = 0; round < 20; ++round) {
     const Scene free = two_bodies(random);
-    const auto [position, x, y, z] = random_place(random);
+    const auto [at, x, y, z] = random_place(random);
+    const Vec3 position = at;  // clang 14 cannot capture a structured binding
     const auto after = [&](Scene scene, Vec3 axis, double angle, Vec3 shift) {
       move_b(scene, [&](Vec3 p) { return position + turned(p - position, axis, angle) + shift; });
       return worst(scene);
