@@ -73,6 +73,7 @@ class SpatialHash {
  private:
   static constexpr std::uint32_t none = 0xffffffff;
   static constexpr double most_cells = 64;
+  static constexpr double farthest_cell = 1e18;  ///< beyond, cells have no numbers
 
   struct Entry {
     std::uint32_t id, next;
@@ -80,8 +81,13 @@ class SpatialHash {
 
   bool is_large(const Bounds& b) const {
     const Vec3 size = over_ * (b.high - b.low);
-    // A comparison that is false for infinities, too.
-    return !((size.x + 1) * (size.y + 1) * (size.z + 1) <= most_cells);
+    // Comparisons that are false for infinities, too.
+    const auto is_numbered = [&](Vec3 p) {
+      return std::abs(p.x * over_) < farthest_cell && std::abs(p.y * over_) < farthest_cell &&
+             std::abs(p.z * over_) < farthest_cell;
+    };
+    return !((size.x + 1) * (size.y + 1) * (size.z + 1) <= most_cells) || !is_numbered(b.low) ||
+           !is_numbered(b.high);
   }
 
   template <class F>
