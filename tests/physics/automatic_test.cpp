@@ -15,7 +15,8 @@ Settings automatic() {
 TEST(Automatic, PicksByShape) {
   const auto direct_rods = [](const char* spec) {
     const Scene scene = scenes::load_scene(spec);
-    const WorldInfo& info = World(scene, automatic()).info();
+    const World world(scene, automatic());
+    const WorldInfo& info = world.info();
     EXPECT_EQ(info.direct_rods + info.relaxed_rods, scene.rods.size()) << spec;
     return info.direct_rods;
   };
