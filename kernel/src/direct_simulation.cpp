@@ -11,8 +11,8 @@
 #include "plumb/layouts/trees.hpp"
 #include "scene_graph.hpp"
 #include "state_hash.hpp"
-#include "team.hpp"
 #include "tree_stepper.hpp"
+#include "workers.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -31,10 +31,7 @@ class DirectSimulation final : public Simulation {
   DirectSimulation(const Scene& scene, const Settings& settings)
       : settings_(settings),
         isa_(settings.isa.value_or(best_isa())),
-        own_executor_(settings.executor || settings.threads == 1 ? nullptr
-                                                                 : make_tbb_executor(settings.threads)),
-        executor_(settings.executor ? settings.executor : own_executor_.get()),
-        team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
+        workers_(settings),
         stepper_(gradient_of(settings), scene.drag, settings.accuracy.has_value(), isa_),
         loops_(scene, gradient_of(settings), isa_),
         diagonal_(bounding_diagonal(scene)),
@@ -53,9 +50,9 @@ class DirectSimulation final : public Simulation {
   StepReport step(double dt) override {
     DirectCounters counters;
     start_anchors(dt);
-    team_.lead(uses_threads() ? executor_ : nullptr, [&] {
+    workers_.lead(uses_threads(), [&] {
       std::atomic<std::size_t> next{0};
-      team_.for_parts([&](unsigned part) {
+      workers_.team().for_parts([&](unsigned part) {
         const std::size_t count = loops_.size() + groups_.size();
         for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
           if (i < loops_.size()) {
@@ -196,7 +193,7 @@ class DirectSimulation final : public Simulation {
     const auto topology = std::make_shared<const TreeTopology>(tree);
     const std::size_t kind = crews_.size();
     std::vector<Crew>& crews = crews_.emplace_back();
-    for (unsigned part = 0; part < team_.size(); ++part)
+    for (unsigned part = 0; part < workers_.size(); ++part)
       crews.push_back(
           {TreeWorkspace<T>(*topology, lanes), TreeState<T>(topology, 1), TreeWorkspace<T>(*topology, 1)});
     for (std::uint32_t first = 0; first < count; first += lanes) {
@@ -247,7 +244,7 @@ class DirectSimulation final : public Simulation {
     info_.direct_gradient = gradient_of(settings_);
     info_.direct_time_order = settings_.time_order;
     info_.isa = isa_;
-    info_.threads = team_.size();
+    info_.threads = workers_.size();
     info_.parallel = uses_threads();
     info_.skipped_drag = scene.drag == 0;
   }
@@ -285,7 +282,7 @@ class DirectSimulation final : public Simulation {
 
   // --- Stepping
 
-  bool uses_threads() const { return team_.size() > 1 && groups_.size() + loops_.size() > 1; }
+  bool uses_threads() const { return workers_.size() > 1 && groups_.size() + loops_.size() > 1; }
 
   void advance(Group& group, double dt, unsigned part, DirectCounters& counters) {
     Crew& crew = crews_[group.kind][part];
@@ -440,9 +437,7 @@ class DirectSimulation final : public Simulation {
 
   Settings settings_;
   Isa isa_;
-  std::unique_ptr<Executor> own_executor_;
-  Executor* executor_;
-  Team team_;
+  Workers workers_;
   TreeStepper<T> stepper_;
   LoopGroup loops_;
   double diagonal_;

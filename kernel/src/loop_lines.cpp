@@ -21,9 +21,10 @@ constexpr double lost_rate = 0.6;
 constexpr int settling_iterations = 3;
 /// Changes of many rod lengths do not lead back.
 constexpr double hopeless = 30;
-/// Left of |C|/L² where each iteration leaves the same share of what it finds; from which share on, or in a
-/// first iteration, which knows none, it is worth while to go on along it.
-constexpr double settled = 3e-4, slow_rate = 0.1;
+/// Below this |C|/L² gradient old's iterations all leave about the same share of what they find.
+constexpr double settled = 3e-4;
+/// From this share on it pays to accelerate.
+constexpr double slow_rate = 0.1;
 /// Of what is left, what one solution leaves at least: the next one's directions are better.
 constexpr double coarse = 0.02;
 /// Of what may be left of the worst rod, the norm over all that is aimed at.
@@ -184,6 +185,7 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
       return LineOutcome::solved;
     }
     if (worst > hopeless * state.scale2 || (i >= settling_iterations && worst > lost_rate * last)) break;
+    // A first iteration knows no share, and may be the first of two.
     const bool crawls = theta == 0 && worst <= settled * state.scale2 && worst > slow_rate * last;
     if (crawls) lines.start = lines.mu;
     last = worst;

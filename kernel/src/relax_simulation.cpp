@@ -51,10 +51,7 @@ RelaxSimulation<T>::RelaxSimulation(const Scene& scene, const Settings& settings
       verlet_{gradient_of(settings), scene.drag},
       gravity_(scene.gravity),
       constants_(make_constants(scene)),
-      own_executor_(settings.executor || settings.threads == 1 ? nullptr
-                                                               : make_tbb_executor(settings.threads)),
-      executor_(settings.executor ? settings.executor : own_executor_.get()),
-      team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1),
+      workers_(settings),
       kernels_(simd::kernels<T>(settings.isa.value_or(best_isa()))),
       initial_velocities_(scene.particles.size()) {
   for (std::size_t i = 0; i < scene.particles.size(); ++i)
@@ -92,7 +89,7 @@ void RelaxSimulation<T>::fill_info(const Scene& scene) {
   info_.rods = static_cast<std::uint32_t>(scene.rods.size());
   info_.relaxed_rods = info_.rods;
   info_.isa = settings_.isa.value_or(best_isa());
-  info_.threads = team_.size();
+  info_.threads = workers_.size();
   info_.parallel = uses_threads();
   info_.skipped_drag = verlet_.drag == 0;
   describe_blocks();
@@ -114,7 +111,7 @@ template <class T>
 StepReport RelaxSimulation<T>::step(double dt) {
   start_step(dt / settings_.substeps);
   RelaxCounters counters;
-  team_.lead(uses_threads() ? executor_ : nullptr, [&] { run_blocks(counters); });
+  workers_.lead(uses_threads(), [&] { run_blocks(counters); });
   finish_anchors();
   time_advanced_ = true;
 
@@ -188,14 +185,15 @@ void RelaxSimulation<T>::run_blocks(RelaxCounters& counters) {
   for (const std::uint32_t b : schedule_.shared_blocks) {
     relax.budget_us = budget * blocks_[b].rods() / rods;
     for (std::uint32_t substep = 0; substep < settings_.substeps; ++substep)
-      relax_block(blocks_[b], relax, counters, team_);
+      relax_block(blocks_[b], relax, counters, workers_.team());
   }
-  team_.for_each(static_cast<std::uint32_t>(schedule_.lone_work.size()), [&](std::uint32_t i, unsigned) {
-    const auto [b, begin, end] = schedule_.lone_work[i];
-    RelaxSettings<T> mine = relax;
-    mine.budget_us = budget * team_.parts() * blocks_[b].rods(begin, end) / rods;
-    relax_alone(blocks_[b], begin, end, mine, counters);
-  });
+  workers_.team().for_each(
+      static_cast<std::uint32_t>(schedule_.lone_work.size()), [&](std::uint32_t i, unsigned) {
+        const auto [b, begin, end] = schedule_.lone_work[i];
+        RelaxSettings<T> mine = relax;
+        mine.budget_us = budget * workers_.team().parts() * blocks_[b].rods(begin, end) / rods;
+        relax_alone(blocks_[b], begin, end, mine, counters);
+      });
   for (const std::uint32_t b : schedule_.lone_blocks) blocks_[b].count_substeps(settings_.substeps);
 }
 
@@ -203,7 +201,7 @@ template <class T>
 bool RelaxSimulation<T>::uses_threads() const {
   const double projections =
       double{1} * constants_.length2.size() * settings_.stop.sweeps * settings_.substeps;
-  return team_.size() > 1 && projections >= thresholds_.projections;
+  return workers_.size() > 1 && projections >= thresholds_.projections;
 }
 
 template <class T>

@@ -5,13 +5,12 @@
 
 #include "block.hpp"
 #include "places.hpp"
-#include "plumb/executor.hpp"
 #include "relax.hpp"
 #include "schedule.hpp"
 #include "sharing.hpp"
 #include "simulation.hpp"
-#include "team.hpp"
 #include "verlet.hpp"
+#include "workers.hpp"
 
 namespace plumb::detail {
 
@@ -65,9 +64,7 @@ class RelaxSimulation final : public Simulation {
   SharingThresholds thresholds_ = sharing_thresholds;
   Vec3 gravity_;
   Constants constants_;
-  std::unique_ptr<Executor> own_executor_;
-  Executor* executor_;
-  Team team_;
+  Workers workers_;
   const simd::Kernels<T>& kernels_;
   std::vector<Vec3> initial_velocities_;
 

@@ -6,10 +6,9 @@
 
 #include "../refuse.hpp"
 #include "../state_hash.hpp"
-#include "../team.hpp"
+#include "../workers.hpp"
 #include "group_stepper.hpp"
 #include "linkage_bounds.hpp"
-#include "plumb/executor.hpp"
 #include "scene_parts.hpp"
 #include "spatial_hash.hpp"
 
@@ -48,10 +47,7 @@ class LinkageSimulation final : public Simulation {
       : surroundings_(surroundings_of(scene)),
         homes_(scene.particles.size()),
         pins_(scene.particles.size()),
-        own_executor_(settings.executor || settings.threads == 1 ? nullptr
-                                                                 : make_tbb_executor(settings.threads)),
-        executor_(settings.executor ? settings.executor : own_executor_.get()),
-        team_(executor_ ? (settings.threads ? settings.threads : executor_->concurrency()) : 1) {
+        workers_(settings) {
     rules_.substeps = settings.substeps;
     rules_.sleep = settings.sleep;
     for (const Particle& particle : scene.particles) {
@@ -61,11 +57,11 @@ class LinkageSimulation final : public Simulation {
     targets_ = anchors_;
     make_islands(scene);
     start_hashes();
-    info_.threads = team_.size();
-    info_.parallel = team_.size() > 1 && islands_.size() >= worth_threads;
+    info_.threads = workers_.size();
+    info_.parallel = workers_.size() > 1 && islands_.size() >= worth_threads;
     info_.isa = settings.isa.value_or(best_isa());
-    steppers_.assign(team_.size(), GroupStepper(info_.isa));
-    reports_.resize(team_.size());
+    steppers_.assign(workers_.size(), GroupStepper(info_.isa));
+    reports_.resize(workers_.size());
     info_.particles = static_cast<std::uint32_t>(scene.particles.size());
     info_.rods = info_.direct_rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.islands = static_cast<std::uint32_t>(islands_.size());
@@ -81,7 +77,7 @@ class LinkageSimulation final : public Simulation {
     report.substeps = rules_.substeps;
     if (moving_) start_anchors(dt);
     if (!awake_.empty())
-      team_.lead(awake_.size() >= worth_threads ? executor_ : nullptr, [&] {
+      workers_.lead(awake_.size() >= worth_threads, [&] {
         group_islands(dt);
         move_groups(dt, report);
         settle(report);
@@ -252,7 +248,7 @@ class LinkageSimulation final : public Simulation {
     if (any_shapes_ && islands_.size() > 1) {
       walkers_.start(walkers_cell_, 8 * awake_.size());
       ++mark_;
-      team_.for_each(static_cast<std::uint32_t>(awake_.size()), [&](std::uint32_t k, unsigned) {
+      workers_.team().for_each(static_cast<std::uint32_t>(awake_.size()), [&](std::uint32_t k, unsigned) {
         const LinkageState& state = islands_[awake_[k]];
         bounds_[state.number] = state.linkage->shapes().empty() ? nowhere : reach(state, dt);
       });
@@ -294,7 +290,7 @@ class LinkageSimulation final : public Simulation {
     const auto groups = static_cast<std::uint32_t>(starts_.size() - 1);
     rests_.resize(groups);
     for (StepReport& own : reports_) own = {};
-    team_.for_each(groups, [&](std::uint32_t g, unsigned part) {
+    workers_.team().for_each(groups, [&](std::uint32_t g, unsigned part) {
       steppers_[part].step(group(g), surroundings_, rules_, dt, reports_[part]);
       rests_[g] = rests(group(g), dt);
     });
@@ -383,9 +379,7 @@ class LinkageSimulation final : public Simulation {
   std::vector<LinkageState*> group_;
   std::vector<std::uint8_t> rests_;  ///< by group, after its step
 
-  std::unique_ptr<Executor> own_executor_;
-  Executor* executor_;
-  Team team_;
+  Workers workers_;
   std::vector<GroupStepper> steppers_;  ///< by part of the team
   std::vector<StepReport> reports_;     ///< likewise
 };
