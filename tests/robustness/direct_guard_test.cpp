@@ -140,10 +140,8 @@ TEST(DirectGuard, AStraightLineBetweenTwoFixedPoints) {
   });
 }
 
-// Three rods to fixed points hold a particle for good. What hangs between two such holds on to both. Not yet:
-// eliminated from its tip, the rod to such a particle has a pivot of zero, where it should become a pin of
-// the next one. Such trees stay where they are and are counted as unsolved.
-TEST(DirectGuard, DISABLED_AChainBetweenTwoTripods) {
+// Three rods to fixed points hold a particle for good. What hangs between two such holds on to both.
+TEST(DirectGuard, AChainBetweenTwoTripods) {
   Scene scene;
   const auto tripod = [&](Vec3 top) {
     scene.particles.push_back(movable(top));
