@@ -186,16 +186,17 @@ void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
   constexpr double never = std::numeric_limits<double>::infinity();
   DirectCounters ignored;
   std::vector<int> calls;
-  double slowest = 0;
+  double fastest = never;
   for (auto& one : all) {
     for (int i = 0; i < 4; ++i) one->step(ignored);
-    slowest = std::max(slowest, seconds_of([&] { one->step(ignored); }));
+    fastest = std::min(fastest, seconds_of([&] { one->step(ignored); }));
     one->save();
     calls.push_back(static_cast<int>(std::ceil(sample_s / seconds_of([&] { one->call_kernel(); }))));
     one->restore();
     one->cost.substep_ns = one->cost.newton_ns = one->cost.kernel_ns = never;
   }
-  const int steps = static_cast<int>(std::ceil(sample_s / slowest));
+  // Long enough for the fastest that what the others left in caches does not count.
+  const int steps = static_cast<int>(std::ceil(sample_s / fastest));
   for (std::uint32_t round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       Contestant& one = *all[i];
@@ -207,9 +208,12 @@ void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
       one.cost.halvings += counters.halvings;
       const double newton_rods = static_cast<double>(counters.newton) * one.rods_per_newton();
       NewtonCost& cost = one.cost;
-      cost.substep_ns = std::min(cost.substep_ns, 1e9 * step_s / (steps * one.rods()));
+      const double substep_ns = 1e9 * step_s / (steps * one.rods());
+      if (substep_ns < cost.substep_ns) {
+        cost.substep_ns = substep_ns;
+        cost.newton_per_substep = newton_rods / (steps * one.rods());
+      }
       cost.newton_ns = std::min(cost.newton_ns, 1e9 * step_s / newton_rods);
-      cost.newton_per_substep = newton_rods / (steps * one.rods());
       one.save();
       const double kernel_s = seconds_of([&] {
         for (int k = 0; k < calls[i]; ++k) one.call_kernel();

@@ -373,8 +373,9 @@ PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, T* mu, T* start
   at.put(mu, i, scale * last);
 }
 
-template <class V, std::size_t lanes, class T>
-PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
+/// `plain`: no rod has a mass of its own that would couple its ends.
+template <bool plain, class V, std::size_t lanes, class T>
+PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
   const At<V, T, lanes> at{lane};
   const V ratio = at.get(tree.ratio, 0), kick = at.get(tree.kick, 0), scale = at.get(tree.mu_scale, 0);
@@ -390,19 +391,29 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
     Vec<V> load = at.get(tree.node, node * i) * u + kick * at.get3(tree.force, 3 * i);
     for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
       guess_multiplier(at, scale, tree.pin_mu, tree.pin_mu_start, k);
-      load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
+      if constexpr (!plain) load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
       prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
                      tree.pin_rod, k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
       prepare_rod<V>(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
-      const V coupling = at.get(tree.node, node * i + 1);
-      load = load + coupling * (ratio * at.get3(tree.u, 3 * p));
-      at.put3(tree.load, 3 * p, at.get3(tree.load, 3 * p) + coupling * u);
+      if constexpr (!plain) {
+        const V coupling = at.get(tree.node, node * i + 1);
+        load = load + coupling * (ratio * at.get3(tree.u, 3 * p));
+        at.put3(tree.load, 3 * p, at.get3(tree.load, 3 * p) + coupling * u);
+      }
     }
     at.put3(tree.load, 3 * i, load);
   }
+}
+
+template <class V, std::size_t lanes, class T>
+PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
+  if (tree.is_plain)
+    prepare_nodes<true, V, lanes>(tree, lane);
+  else
+    prepare_nodes<false, V, lanes>(tree, lane);
 }
 
 template <class V, std::size_t lanes, class T>

@@ -43,6 +43,10 @@ constexpr double smooth_jolt = 0.05;
 /// second.
 constexpr double aimed_frequency = 1.0, highest_frequency = 1.6;
 
+constexpr double square(double a) {
+  return a * a;
+}
+
 double theta_of(Gradient gradient) {
   return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
 }
@@ -69,8 +73,7 @@ const simd::TreeKernels<T>& TreeStepper<T>::kernels(const TreeState<T>& state) c
 }
 
 template <class T>
-auto TreeStepper<T>::coefficients(const TreeState<T>& state, std::uint32_t lane, double h,
-                                  Gradient gradient) const -> Coefficients {
+auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) const -> Coefficients {
   if (gradient == Gradient::mid) {
     const double decay = drag_ > 0 ? std::exp(-drag_ * h / 2) : 1;
     return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
@@ -80,7 +83,7 @@ auto TreeStepper<T>::coefficients(const TreeState<T>& state, std::uint32_t lane,
     return {decay * h, mean_decay(drag_ * h) * h * h, 1, 0};
   }
   // From the middle of the last substep to that of this one; from its start if u is a velocity.
-  const double last = state.u_step[lane], between = (h + last) / 2;
+  const double between = (h + last) / 2;
   return {(drag_ > 0 ? std::exp(-drag_ * between) : 1) * (last != 0 ? h / last : h),
           mean_decay(drag_ * between) * h * between, 1, 0};
 }
@@ -88,8 +91,11 @@ auto TreeStepper<T>::coefficients(const TreeState<T>& state, std::uint32_t lane,
 template <class T>
 void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
                            TreeWorkspace<T>& work) const {
+  Coefficients of_lane{};
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
-    const auto [ratio, kick, u_delta, u_before] = coefficients(state, lane, h, gradient);
+    if (lane == 0 || state.u_step[lane] != state.u_step[lane - 1])
+      of_lane = coefficients(state.u_step[lane], h, gradient);
+    const auto& [ratio, kick, u_delta, u_before] = of_lane;
     work.ratio[lane] = static_cast<T>(ratio);
     work.kick[lane] = static_cast<T>(kick);
     // The acceleration of gradient mid carries an undamped oscillation of period 2h; means of two are free of
@@ -151,10 +157,11 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
     iterations += left;
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
       if (work.active[lane] == 0) continue;
-      const double change = std::sqrt(work.change[lane] / (nodes * state.scale2[lane]));
-      const double left_over = std::sqrt(work.residual[lane]) / state.scale2[lane];
-      const bool converged = change <= converged_change<T>(gradient) && left_over <= solved_residual<T>;
-      if (!converged && change <= hopeless_change && i + 1 < most_iterations) continue;
+      // Squares, so that no lane takes a root.
+      const double scale2 = state.scale2[lane], change2 = work.change[lane] / (nodes * scale2);
+      const bool converged = change2 <= square(converged_change<T>(gradient)) &&
+                             work.residual[lane] <= square(solved_residual<T> * scale2);
+      if (!converged && change2 <= square(hopeless_change) && i + 1 < most_iterations) continue;
       work.active[lane] = 0;
       work.failed[lane] = !converged;
       all = all && converged;

@@ -65,7 +65,8 @@ class TreeStepper {
   /// Whether no lane that converged is beyond that limit; those that are count as failed.
   bool is_stable(TreeState<T>& state, std::uint32_t lanes, double h, TreeWorkspace<T>& work) const;
   struct Coefficients;
-  Coefficients coefficients(const TreeState<T>& state, std::uint32_t lane, double h, Gradient gradient) const;
+  /// `last`: TreeState::u_step.
+  Coefficients coefficients(double last, double h, Gradient gradient) const;
   void begin(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
              TreeWorkspace<T>& work) const;
   /// Newton until every lane has converged or failed; says whether all converged.
