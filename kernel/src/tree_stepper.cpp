@@ -41,7 +41,7 @@ constexpr double smooth_jolt = 0.05;
 /// Gradient old breaks where h times the highest frequency is above 2. A substep is cut into pieces below the
 /// first of these before it is tried, by the tensions of the last one, and does not count as solved above the
 /// second.
-constexpr double aimed_frequency = 1.0, highest_frequency = 1.6;
+constexpr double aimed_frequency = 1.25, highest_frequency = 1.8;
 
 constexpr double square(double a) {
   return a * a;
