@@ -60,8 +60,9 @@ struct TreeView {
   const T* kick = nullptr;   ///< s^2: how many times force does
   const T* guess_before = nullptr;
   const T* guess = nullptr;  ///< s^2: how many times the last acceleration goes into the first guess of delta
-  const T* mu_scale = nullptr;  ///< what the last multipliers are taken times, as a first guess
-  const T* u_delta = nullptr;   ///< u becomes u_delta delta - u_before ratio u
+  const T* mu_scale = nullptr;         ///< what the last multipliers are taken times, as a first guess
+  const T* mu_scale_before = nullptr;  ///< and those of the substep before
+  const T* u_delta = nullptr;          ///< u becomes u_delta delta - u_before ratio u
   const T* u_before = nullptr;
   const T* inverse_kick = nullptr;  ///< 1/s^2
   const T* active = nullptr;        ///< 1 to update a lane, 0 to leave it as it is
@@ -74,8 +75,9 @@ struct TreeView {
   T* delta = nullptr;  ///< displacement being solved for, 3 per node
   T* mu = nullptr;     ///< multiplier per node; not read for node 0
   T* pin_mu = nullptr;
-  T* mu_start = nullptr;  ///< as it was before the substep
-  T* pin_mu_start = nullptr;
+  /// Of the substep before; once one is begun, of the last. Null: prepare() leaves multipliers alone.
+  T* mu_before = nullptr;
+  T* pin_mu_before = nullptr;
   T* load = nullptr;  ///< M u + kick, 3 per node
   T* rod = nullptr;
   T* pin_rod = nullptr;

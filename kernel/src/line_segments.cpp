@@ -61,15 +61,20 @@ void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) con
     whole.force[to] = segments.force[from];
   });
   for_numbers(1, [&](std::size_t to, std::size_t from) {
-    whole.mu[to] = entry(static_cast<std::uint32_t>(to)) > 0 ? segments.mu[from] : segments.pin_mu[from];
+    const bool pins = entry(static_cast<std::uint32_t>(to)) == 0;
+    whole.mu[to] = pins ? segments.pin_mu[from] : segments.mu[from];
+    whole.mu_before[to] = pins ? segments.pin_mu_before[from] : segments.mu_before[from];
   });
   whole.pin_mu[0] = segments.pin_mu[0];
+  whole.pin_mu_before[0] = segments.pin_mu_before[0];
   for (std::uint32_t c = 0; c < 3; ++c) whole.pin_x[c] = segments.pin_x[c * lanes_];
   whole.pin_velocity[0] = segments.pin_velocity[0];
   whole.pin_last_velocity[0] = segments.pin_last_velocity[0];
   whole.pins_move = segments.pins_move;
   whole.u_step[0] = segments.u_step[0];
+  whole.u_step_before[0] = segments.u_step_before[0];
   whole.mu_kick[0] = segments.mu_kick[0];
+  whole.mu_kick_before[0] = segments.mu_kick_before[0];
   whole.smooth[0] = segments.smooth[0];
   whole.known[0] = segments.known[0];
 }
@@ -83,17 +88,25 @@ void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) co
     segments.acceleration_before[to] = whole.acceleration_before[from];
   });
   for_numbers(1, [&](std::size_t from, std::size_t to) {
-    (entry(static_cast<std::uint32_t>(from)) > 0 ? segments.mu[to] : segments.pin_mu[to]) = whole.mu[from];
+    const bool pins = entry(static_cast<std::uint32_t>(from)) == 0;
+    (pins ? segments.pin_mu[to] : segments.mu[to]) = whole.mu[from];
+    (pins ? segments.pin_mu_before[to] : segments.mu_before[to]) = whole.mu_before[from];
   });
   segments.pin_mu[0] = whole.pin_mu[0];
+  segments.pin_mu_before[0] = whole.pin_mu_before[0];
   for (std::uint32_t c = 0; c < 3; ++c) segments.pin_x[c * lanes_] = whole.pin_x[c];
   segments.pin_velocity[0] = whole.pin_velocity[0];
   segments.pin_last_velocity[0] = whole.pin_last_velocity[0];
   segments.pins_move = whole.pins_move;
-  std::fill(segments.u_step.begin(), segments.u_step.end(), whole.u_step[0]);
-  std::fill(segments.mu_kick.begin(), segments.mu_kick.end(), whole.mu_kick[0]);
-  std::fill(segments.known.begin(), segments.known.end(), whole.known[0]);
-  std::fill(segments.smooth.begin(), segments.smooth.end(), whole.smooth[0]);
+  const auto fill = [](auto& lanes, const auto& of_whole) {
+    std::fill(lanes.begin(), lanes.end(), of_whole[0]);
+  };
+  fill(segments.u_step, whole.u_step);
+  fill(segments.u_step_before, whole.u_step_before);
+  fill(segments.mu_kick, whole.mu_kick);
+  fill(segments.mu_kick_before, whole.mu_kick_before);
+  fill(segments.known, whole.known);
+  fill(segments.smooth, whole.smooth);
 }
 
 template <class T>

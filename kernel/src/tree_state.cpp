@@ -54,6 +54,8 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   pin_u = AlignedBuffer<T>(3 * p);
   mu = AlignedBuffer<T>(n);
   pin_mu = AlignedBuffer<T>(p);
+  mu_before = AlignedBuffer<T>(n);
+  pin_mu_before = AlignedBuffer<T>(p);
   length2 = AlignedBuffer<double>(n);
   pin_length2 = AlignedBuffer<double>(p);
   x = AlignedBuffer<double>(3 * n);
@@ -63,8 +65,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   scale2.assign(lanes, 1);
   pin_velocity.assign(p, {});
   pin_last_velocity.assign(p, {});
-  u_step.assign(lanes, 0);
-  mu_kick.assign(lanes, 0);
+  for (auto* times : {&u_step, &u_step_before, &mu_kick, &mu_kick_before}) times->assign(lanes, 0);
   smooth.assign(lanes, 0);
   known.assign(lanes, 0);
 }
@@ -145,6 +146,8 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(pin_u, from.pin_u);
   copy(mu, from.mu);
   copy(pin_mu, from.pin_mu);
+  copy(mu_before, from.mu_before);
+  copy(pin_mu_before, from.pin_mu_before);
   copy(length2, from.length2);
   copy(pin_length2, from.pin_length2);
   copy(x, from.x);
@@ -157,7 +160,9 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   mass_unit[lane] = from.mass_unit[from_lane];
   scale2[lane] = from.scale2[from_lane];
   u_step[lane] = from.u_step[from_lane];
+  u_step_before[lane] = from.u_step_before[from_lane];
   mu_kick[lane] = from.mu_kick[from_lane];
+  mu_kick_before[lane] = from.mu_kick_before[from_lane];
   smooth[lane] = from.smooth[from_lane];
   known[lane] = from.known[from_lane];
 }
@@ -173,10 +178,14 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(acceleration_before, from.acceleration_before);
   copy(mu, from.mu);
   copy(pin_mu, from.pin_mu);
+  copy(mu_before, from.mu_before);
+  copy(pin_mu_before, from.pin_mu_before);
   copy(pin_x, from.pin_x);
   copy(pin_last_velocity, from.pin_last_velocity);
   copy(u_step, from.u_step);
+  copy(u_step_before, from.u_step_before);
   copy(mu_kick, from.mu_kick);
+  copy(mu_kick_before, from.mu_kick_before);
   copy(smooth, from.smooth);
   frequency2 = from.frequency2;
   copy(known, from.known);
@@ -204,12 +213,10 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
   for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
-                       &mu_scale, &u_delta, &u_before, &inverse_kick, &push, &jolt})
+                       &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
-  mu_start = AlignedBuffer<T>(n);
-  pin_mu_start = AlignedBuffer<T>(p);
 }
 
 template <class T>
@@ -239,6 +246,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .guess_before = guess_before.data(),
           .guess = guess.data(),
           .mu_scale = mu_scale.data(),
+          .mu_scale_before = mu_scale_before.data(),
           .u_delta = u_delta.data(),
           .u_before = u_before.data(),
           .inverse_kick = inverse_kick.data(),
@@ -251,8 +259,8 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .delta = delta.data(),
           .mu = state.mu.data(),
           .pin_mu = state.pin_mu.data(),
-          .mu_start = mu_start.data(),
-          .pin_mu_start = pin_mu_start.data(),
+          .mu_before = state.mu_before.data(),
+          .pin_mu_before = state.pin_mu_before.data(),
           .load = load.data(),
           .rod = rod.data(),
           .pin_rod = pin_rod.data(),

@@ -52,12 +52,12 @@ struct TreeState {
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;
   layouts::AlignedBuffer<T> node, pin, u, acceleration, acceleration_before, force, pin_delta, pin_u, mu,
-      pin_mu;
+      pin_mu, mu_before, pin_mu_before;
   layouts::AlignedBuffer<double> length2, pin_length2, x, pin_x, weight;  ///< weight: gravity per node, N
   std::vector<double> mass_unit;                                          ///< kg, per lane
-  std::vector<double> scale2;   ///< m^2, per lane: mean squared length of a rod
-  std::vector<double> u_step;   ///< s, per lane
-  std::vector<double> mu_kick;  ///< s^2, per lane: the kick when mu was found; 0: not yet
+  std::vector<double> scale2;                   ///< m^2, per lane: mean squared length of a rod
+  std::vector<double> u_step, u_step_before;    ///< s, per lane: of the last substep and the one before
+  std::vector<double> mu_kick, mu_kick_before;  ///< s^2, per lane: the kick when mu was found; 0: not yet
   /// m/s, per pin and lane: of fixed ends, in this step and in the last substep.
   std::vector<Vec3> pin_velocity, pin_last_velocity;
   std::vector<std::uint8_t> known;  ///< per lane: substeps taken, up to the two that accelerations are from
@@ -75,8 +75,8 @@ struct TreeWorkspace {
   simd::TreeView<T> view(TreeState<T>& state);
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
-      change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, u_delta, u_before,
-      inverse_kick, push, jolt, mu_start, pin_mu_start;
+      change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
+      u_before, inverse_kick, push, jolt;
   bool guesses = true;             ///< displacements, from accelerations; lines find theirs from multipliers
   bool keeps_acceleration = true;  ///< for guesses and estimates of error
   std::vector<std::uint8_t> failed;  ///< per lane, of the last solve

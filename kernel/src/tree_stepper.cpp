@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "verlet.hpp"
 
@@ -38,6 +39,9 @@ constexpr double hopeless_change = 30;
 /// pays; above, it starts farther off than without.
 constexpr double smooth_jolt = 0.05;
 
+/// A substep so many times as long as the one before says too little of how multipliers change.
+constexpr double most_extrapolated = 2;
+
 /// Gradient old breaks where h times the highest frequency is above 2. A substep is cut into pieces below the
 /// first of these before it is tried, by the tensions of the last one, and does not count as solved above the
 /// second.
@@ -49,6 +53,20 @@ constexpr double square(double a) {
 
 double theta_of(Gradient gradient) {
   return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
+}
+
+/// Of the last multipliers and of those before, what goes into a first guess. Those of gradient old run
+/// smoothly, as tensions do, and are extrapolated; those of the others swing from one substep to the next.
+template <class T>
+std::pair<double, double> multiplier_scales(const TreeState<T>& state, std::uint32_t lane, double kick,
+                                            Gradient gradient) {
+  const double last = state.mu_kick[lane], before = state.mu_kick_before[lane];
+  if (last == 0) return {0, 0};
+  const double step = state.u_step[lane], step_before = state.u_step_before[lane];
+  const bool known = gradient == Gradient::old && before != 0 && step != 0 &&
+                     std::abs(step) <= most_extrapolated * std::abs(step_before);
+  const double farther = known ? step / step_before : 0;
+  return {(1 + farther) * kick / last, known ? -farther * kick / before : 0};
 }
 
 }  // namespace
@@ -106,7 +124,9 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     work.inverse_kick[lane] = static_cast<T>(1 / kick);
     work.u_delta[lane] = static_cast<T>(u_delta);
     work.u_before[lane] = static_cast<T>(u_before);
-    work.mu_scale[lane] = state.mu_kick[lane] != 0 ? static_cast<T>(kick / state.mu_kick[lane]) : T(0);
+    const auto [scale, scale_before] = multiplier_scales(state, lane, kick, gradient);
+    work.mu_scale[lane] = static_cast<T>(scale);
+    work.mu_scale_before[lane] = static_cast<T>(scale_before);
     work.active[lane] = lane < trees ? T(1) : T(0);
   }
   if (state.pins_move) set_pin_displacements(state, h, work);
@@ -178,7 +198,9 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
   for (std::uint32_t lane = 0; lane < trees; ++lane) {
     work.active[lane] = work.failed[lane] ? T(0) : T(1);
     if (work.failed[lane]) continue;
+    state.u_step_before[lane] = state.u_step[lane];
     state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
+    state.mu_kick_before[lane] = state.mu_kick[lane];
     state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
     state.known[lane] = static_cast<std::uint8_t>(std::min(state.known[lane] + 1, 2));
     if (!state.pins_move) continue;
@@ -194,10 +216,11 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
 }
 
 template <class T>
-void TreeStepper<T>::restore(TreeState<T>& state, std::uint32_t lane, TreeWorkspace<T>& work) const {
-  for (std::size_t i = lane; i < state.mu.size(); i += state.lanes) state.mu[i] = work.mu_start[i];
+void TreeStepper<T>::restore(TreeState<T>& state, std::uint32_t lane) const {
+  for (std::size_t i = lane; i < state.mu.size(); i += state.lanes) state.mu[i] = state.mu_before[i];
   for (std::size_t i = lane; i < state.pin_mu.size(); i += state.lanes)
-    state.pin_mu[i] = work.pin_mu_start[i];
+    state.pin_mu[i] = state.pin_mu_before[i];
+  state.mu_kick_before[lane] = 0;
 }
 
 template <class T>
@@ -219,7 +242,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
       }
       return true;
     }
-    restore(state, 0, work);
+    restore(state, 0);
     if (gradient == Gradient::new_) break;
   }
   if (last) return false;
@@ -297,7 +320,7 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, d
     if (!work.failed[lane]) continue;
     error = std::numeric_limits<double>::infinity();
     counters.substeps.fetch_sub(1, std::memory_order_relaxed);
-    restore(state, lane, work);
+    restore(state, lane);
     alone.copy_lane(0, state, lane);
     if (advance_halves(alone, h, alone_work, counters)) {
       state.copy_lane(lane, alone, 0);
@@ -349,7 +372,7 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
     counters.substeps.fetch_add(1, std::memory_order_relaxed);
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt)) : 0;
   }
-  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore(state, lane, work);
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore(state, lane);
   segments.gather(state, alone);
   if (advance_halves(alone, h, alone_work, counters)) {
     segments.scatter(alone, state);
@@ -362,10 +385,9 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
 template <class T>
 void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity,
                              TreeWorkspace<T>& work) const {
-  // Guesses are of no use here, and what the last step left must stay.
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
-  std::fill_n(work.mu_scale.data(), work.mu_scale.size(), T(1));
-  const simd::TreeView<T> view = work.view(state);
+  simd::TreeView<T> view = work.view(state);
+  view.mu_before = view.pin_mu_before = nullptr;  // what the last substeps left must stay
   for (std::size_t i = 0; i < pin_velocity.size(); ++i)
     put_pins(state, i, pin_velocity[i], state.pin_last_velocity[i]);
   kernels(state).prepare(view);

@@ -111,5 +111,18 @@ TEST(DirectOrder, CompositionsKeepEnergyFarBetter) {
   EXPECT_LT(drift[1], drift[0] / 1000);
 }
 
+// Multipliers of gradient old are extrapolated. Where a motion is smooth they start so near that one Newton
+// step does, in double, and without it two (1.17 and 2.0 seen).
+TEST(DirectOrder, OneNewtonStepDoesWhereMotionIsSmooth) {
+  World world(scenes::make_chain(1000, 0.1, 1000), test::direct(Gradient::old, 2));
+  std::uint64_t newton = 0, substeps = 0;
+  for (int i = 0; i < 60; ++i) {
+    const StepReport report = world.step(1.0 / 60);
+    newton += report.newton;
+    substeps += report.direct_substeps;
+  }
+  EXPECT_LT(static_cast<double>(newton), 1.5 * static_cast<double>(substeps));
+}
+
 }  // namespace
 }  // namespace plumb

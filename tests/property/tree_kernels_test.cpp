@@ -79,7 +79,9 @@ struct Midst {
     scatter(state.pin_u, 0.03);
     scatter(state.mu, 1);
     scatter(state.pin_mu, 1);
-    for (auto* field : {&state.mu, &state.pin_mu})
+    scatter(state.mu_before, 1);
+    scatter(state.pin_mu_before, 1);
+    for (auto* field : {&state.mu, &state.pin_mu, &state.mu_before, &state.pin_mu_before})
       for (std::size_t i = lane; i < field->size(); i += state.lanes)
         (*field)[i] = static_cast<T>((*field)[i] > 0 ? 0.05 * least * (*field)[i] : (*field)[i]);
     work.ratio[lane] = static_cast<T>(0.9 + 0.2 * signed_unit(random));
@@ -88,6 +90,7 @@ struct Midst {
     work.guess[lane] = static_cast<T>(1e-3 * signed_unit(random));
     work.guess_before[lane] = static_cast<T>(1e-3 * signed_unit(random));
     work.mu_scale[lane] = 1;
+    work.mu_scale_before[lane] = static_cast<T>(0.5 * std::abs(signed_unit(random)));
     work.u_delta[lane] = static_cast<T>(1 + 0.5 * signed_unit(random));
     work.u_before[lane] = static_cast<T>(signed_unit(random));
     work.active[lane] = 1;
@@ -337,9 +340,10 @@ std::vector<double> outcome(Midst<T>& midst, std::uint32_t lane) {
       numbers.push_back(static_cast<double>(field[i]));
   };
   take(midst.state.x);
-  for (const auto* field : {&midst.state.u, &midst.state.acceleration, &midst.state.acceleration_before,
-                            &midst.state.mu, &midst.state.pin_mu, &midst.work.delta, &midst.work.load,
-                            &midst.work.change, &midst.work.push, &midst.work.jolt})
+  for (const auto* field :
+       {&midst.state.u, &midst.state.acceleration, &midst.state.acceleration_before, &midst.state.mu,
+        &midst.state.pin_mu, &midst.state.mu_before, &midst.state.pin_mu_before, &midst.work.delta,
+        &midst.work.load, &midst.work.change, &midst.work.push, &midst.work.jolt})
     take(*field);
   return numbers;
 }
