@@ -33,7 +33,7 @@ Settings settings_for(const Part& part, const Settings& settings) {
     own.mass.reset();
   } else {
     own.time_order = choose_time_order(settings);
-    own.gradient = choose_gradient(part.scene, own);
+    own.gradient = choose_gradient(own);
   }
   return own;
 }
