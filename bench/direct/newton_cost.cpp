@@ -211,9 +211,9 @@ void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
       const double substep_ns = 1e9 * step_s / (steps * one.rods());
       if (substep_ns < cost.substep_ns) {
         cost.substep_ns = substep_ns;
+        cost.newton_ns = 1e9 * step_s / newton_rods;
         cost.newton_per_substep = newton_rods / (steps * one.rods());
       }
-      cost.newton_ns = std::min(cost.newton_ns, 1e9 * step_s / newton_rods);
       one.save();
       const double kernel_s = seconds_of([&] {
         for (int k = 0; k < calls[i]; ++k) one.call_kernel();

@@ -331,7 +331,8 @@ Section targets_section(const Plan& plan) {
       "\n### Relaxation to 1e-6\n\n" + comparison_text + comparison_sheet({*longest}).to_markdown() + "\n" +
       frame_text(frame) +
       "\n## Automatic\n\nMethod automatic is given frames, precision and either an accuracy or substeps; "
-      "gradient and method are its own choice. The fixed ones are given either, too.\n\n" +
+      "gradient and method are its own choice. The fixed ones are the cheapest of runs with either, and of "
+      "relaxation.\n\n" +
       automatic_sheet(rows).to_markdown();
   return out;
 }

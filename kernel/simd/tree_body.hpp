@@ -369,14 +369,12 @@ PLUMB_INLINE void prepare_rod(const At& at, const double* from, const double* to
 template <class V, class T, class At>
 PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, const V& scale_before, T* mu, T* mu_before,
                                    std::size_t i) {
-  if (mu_before == nullptr) return;
   const V last = at.get(mu, i), before = at.get(mu_before, i);
   at.put(mu_before, i, last);
   at.put(mu, i, scale * last + scale_before * before);
 }
 
-/// `plain`: no rod has a mass of its own that would couple its ends.
-template <bool plain, class V, std::size_t lanes, class T>
+template <bool coupled, class V, std::size_t lanes, class T>
 PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
   const At<V, T, lanes> at{lane};
@@ -385,7 +383,7 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
   const V guess = at.get(tree.guess, 0), guess_before = at.get(tree.guess_before, 0);
   const auto place = [&](const double* data, std::size_t entry) { return data + entry * lanes + lane; };
   for (std::size_t i = 0; i < tree.nodes; ++i) {
-    guess_multiplier(at, scale, scale_before, tree.mu, tree.mu_before, i);
+    if (tree.guesses_multipliers) guess_multiplier(at, scale, scale_before, tree.mu, tree.mu_before, i);
     const Vec<V> u = ratio * at.get3(tree.u, 3 * i);
     if (tree.guesses)
       at.put3(tree.delta, 3 * i,
@@ -393,15 +391,16 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
                   guess_before * at.get3(tree.acceleration_before, 3 * i));
     Vec<V> load = at.get(tree.node, node * i) * u + kick * at.get3(tree.force, 3 * i);
     for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
-      guess_multiplier(at, scale, scale_before, tree.pin_mu, tree.pin_mu_before, k);
-      if constexpr (!plain) load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
+      if (tree.guesses_multipliers)
+        guess_multiplier(at, scale, scale_before, tree.pin_mu, tree.pin_mu_before, k);
+      if constexpr (coupled) load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
       prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
                      tree.pin_rod, k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
       prepare_rod<V>(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
-      if constexpr (!plain) {
+      if constexpr (coupled) {
         const V coupling = at.get(tree.node, node * i + 1);
         load = load + coupling * (ratio * at.get3(tree.u, 3 * p));
         at.put3(tree.load, 3 * p, at.get3(tree.load, 3 * p) + coupling * u);
@@ -413,7 +412,7 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
 
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
-  if (tree.is_plain)
+  if (tree.is_coupled)
     prepare_nodes<true, V, lanes>(tree, lane);
   else
     prepare_nodes<false, V, lanes>(tree, lane);

@@ -36,21 +36,23 @@ struct TreeView {
   const std::uint32_t* parent = nullptr;     ///< per node; not read for node 0
   const std::uint32_t* pin_begin = nullptr;  ///< nodes + 1, into the pins
 
-  bool is_plain = false;  ///< lumped masses and at most one pin: no rod can be redundant
+  bool is_coupled = false;  ///< some rod's mass acts on both its ends at once
+  bool is_plain = false;    ///< not, and at most one pin: no rod can be redundant
   const T* node = nullptr;
   const T* pin = nullptr;
   const double* length2 = nullptr;      ///< m^2, per node, of the rod to its parent
   const double* pin_length2 = nullptr;  ///< m^2, per pin
 
   double* x = nullptr;  ///< position, 3 per node; double, so that a float solve keeps its digits anywhere
-  T* u = nullptr;       ///< 3 per node: displacement of the last substep (gradient mid: its velocity times h)
+  T* u = nullptr;       ///< 3 per node: displacement of the last substep, m, or velocity, m/s
   const T* force = nullptr;  ///< 3 per node, divided by the unit of mass
 
   const double* pin_x = nullptr;  ///< position of the fixed end, 3 per pin
   const T* pin_delta = nullptr;   ///< its displacement in this substep, 3 per pin
   const T* pin_u = nullptr;       ///< and in the one before, 3 per pin
 
-  bool guesses = false;              ///< whether delta starts from the next two
+  bool guesses = false;              ///< whether delta starts from u and the next two
+  bool guesses_multipliers = true;   ///< whether mu starts from mu and mu_before; if not, both stay
   bool keeps_acceleration = false;   ///< if not, the next two and what is made of them are left alone
   T* acceleration_before = nullptr;  ///< of the one before
   T* acceleration = nullptr;         ///< 3 per node, of the last substep, rods included (m/s^2)
@@ -58,8 +60,8 @@ struct TreeView {
   // Per lane:
   const T* ratio = nullptr;  ///< how many times u goes into a substep
   const T* kick = nullptr;   ///< s^2: how many times force does
-  const T* guess_before = nullptr;
   const T* guess = nullptr;  ///< s^2: how many times the last acceleration goes into the first guess of delta
+  const T* guess_before = nullptr;     ///< and the one before
   const T* mu_scale = nullptr;         ///< what the last multipliers are taken times, as a first guess
   const T* mu_scale_before = nullptr;  ///< and those of the substep before
   const T* u_delta = nullptr;          ///< u becomes u_delta delta - u_before ratio u
@@ -67,7 +69,7 @@ struct TreeView {
   const T* inverse_kick = nullptr;  ///< 1/s^2
   const T* active = nullptr;        ///< 1 to update a lane, 0 to leave it as it is
   T* change = nullptr;              ///< out: sum over nodes of |change of delta|^2
-  T* stiffness = nullptr;           ///< out
+  T* stiffness = nullptr;           ///< out: of find_stiffness()
   T* residual = nullptr;            ///< out: sum over rods of C^2, before the change
   T* push = nullptr;                ///< out: sum over nodes of |acceleration|^2
   T* jolt = nullptr;                ///< out: sum over nodes of |change of acceleration over two substeps|^2
@@ -75,7 +77,7 @@ struct TreeView {
   T* delta = nullptr;  ///< displacement being solved for, 3 per node
   T* mu = nullptr;     ///< multiplier per node; not read for node 0
   T* pin_mu = nullptr;
-  /// Of the substep before; once one is begun, of the last. Null: prepare() leaves multipliers alone.
+  /// Of the substep before the last; prepare() puts the last one's here, to go back to if the new one fails.
   T* mu_before = nullptr;
   T* pin_mu_before = nullptr;
   T* load = nullptr;  ///< M u + kick, 3 per node

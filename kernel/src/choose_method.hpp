@@ -26,8 +26,8 @@ Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<con
 /// The time order of its direct solves: 4 where the accuracy asked for is such that it pays.
 std::uint32_t choose_time_order(const Settings& settings);
 
-/// The gradient that its direct solves take if none is set: old with a time order above 2 or where an accuracy
-/// is asked for, mid otherwise, which keeps energy however long.
+/// The gradient that its direct solves take if none is set: old where an accuracy is asked for, else mid, which
+/// keeps energy however long.
 Gradient choose_gradient(const Settings& settings);
 
 }  // namespace plumb::detail

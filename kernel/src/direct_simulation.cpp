@@ -178,19 +178,19 @@ class DirectSimulation final : public Simulation {
     for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
       const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
-      if (tree && !holds_several(*tree))
+      if (tree && !is_held_below_root(*tree))
         add_kind(scene, islands, equal, *tree);
       else
         loops_.add(scene, mass_model_of(settings_), islands, equal, local.view());
     }
   }
 
-  /// Whether several nodes may be held for good, by three rods to fixed points: where a tree hangs on both,
-  /// elimination from its tips would divide by zero, a sparse factorisation does not.
-  static bool holds_several(const layouts::Tree& tree) {
-    std::uint32_t held = 0;
-    for (std::uint32_t i = 0; i < tree.nodes(); ++i) held += tree.pin_begin[i + 1] - tree.pin_begin[i] >= 3;
-    return held > 1;
+  /// Whether a node other than the root is held by its pins: elimination from the tips would divide by zero
+  /// at its rod to the parent. The solver for loops does not.
+  static bool is_held_below_root(const layouts::Tree& tree) {
+    for (std::uint32_t i = 1; i < tree.nodes(); ++i)
+      if (tree.pin_begin[i + 1] - tree.pin_begin[i] >= layouts::holding_pins) return true;
+    return false;
   }
 
   void add_kind(const Scene& scene, const layouts::Islands& islands, const std::vector<std::uint32_t>& equal,

@@ -53,60 +53,36 @@ TreeState<T> LineSegments::cut(const TreeState<T>& whole) const {
 
 template <class T>
 void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) const {
-  for_numbers(3, [&](std::size_t to, std::size_t from) {
-    whole.x[to] = segments.x[from];
-    whole.u[to] = segments.u[from];
-    whole.acceleration[to] = segments.acceleration[from];
-    whole.acceleration_before[to] = segments.acceleration_before[from];
-    whole.force[to] = segments.force[from];
+  for_node_motion(whole, segments, [&](auto& to, const auto& from) {
+    for_numbers(3, [&](std::size_t i, std::size_t j) { to[i] = from[j]; });
   });
-  for_numbers(1, [&](std::size_t to, std::size_t from) {
-    const bool pins = entry(static_cast<std::uint32_t>(to)) == 0;
-    whole.mu[to] = pins ? segments.pin_mu[from] : segments.mu[from];
-    whole.mu_before[to] = pins ? segments.pin_mu_before[from] : segments.mu_before[from];
+  for_rod_motion(whole, segments, [&](auto& to, auto& pin_to, const auto& from, const auto& pin_from) {
+    for_numbers(1, [&](std::size_t i, std::size_t j) { to[i] = begins(i) ? pin_from[j] : from[j]; });
+    pin_to[0] = pin_from[0];
   });
-  whole.pin_mu[0] = segments.pin_mu[0];
-  whole.pin_mu_before[0] = segments.pin_mu_before[0];
+  for_lane_motion(whole, segments, [](auto& to, const auto& from) { to[0] = from[0]; });
+  for_numbers(3, [&](std::size_t i, std::size_t j) { whole.force[i] = segments.force[j]; });
   for (std::uint32_t c = 0; c < 3; ++c) whole.pin_x[c] = segments.pin_x[c * lanes_];
   whole.pin_velocity[0] = segments.pin_velocity[0];
   whole.pin_last_velocity[0] = segments.pin_last_velocity[0];
   whole.pins_move = segments.pins_move;
-  whole.u_step[0] = segments.u_step[0];
-  whole.u_step_before[0] = segments.u_step_before[0];
-  whole.mu_kick[0] = segments.mu_kick[0];
-  whole.mu_kick_before[0] = segments.mu_kick_before[0];
-  whole.smooth[0] = segments.smooth[0];
-  whole.known[0] = segments.known[0];
 }
 
 template <class T>
 void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) const {
-  for_numbers(3, [&](std::size_t from, std::size_t to) {
-    segments.x[to] = whole.x[from];
-    segments.u[to] = whole.u[from];
-    segments.acceleration[to] = whole.acceleration[from];
-    segments.acceleration_before[to] = whole.acceleration_before[from];
+  for_node_motion(segments, whole, [&](auto& to, const auto& from) {
+    for_numbers(3, [&](std::size_t i, std::size_t j) { to[j] = from[i]; });
   });
-  for_numbers(1, [&](std::size_t from, std::size_t to) {
-    const bool pins = entry(static_cast<std::uint32_t>(from)) == 0;
-    (pins ? segments.pin_mu[to] : segments.mu[to]) = whole.mu[from];
-    (pins ? segments.pin_mu_before[to] : segments.mu_before[to]) = whole.mu_before[from];
+  for_rod_motion(segments, whole, [&](auto& to, auto& pin_to, const auto& from, const auto& pin_from) {
+    for_numbers(1, [&](std::size_t i, std::size_t j) { (begins(i) ? pin_to : to)[j] = from[i]; });
+    pin_to[0] = pin_from[0];
   });
-  segments.pin_mu[0] = whole.pin_mu[0];
-  segments.pin_mu_before[0] = whole.pin_mu_before[0];
+  for_lane_motion(segments, whole,
+                  [](auto& to, const auto& from) { std::fill(to.begin(), to.end(), from[0]); });
   for (std::uint32_t c = 0; c < 3; ++c) segments.pin_x[c * lanes_] = whole.pin_x[c];
   segments.pin_velocity[0] = whole.pin_velocity[0];
   segments.pin_last_velocity[0] = whole.pin_last_velocity[0];
   segments.pins_move = whole.pins_move;
-  const auto fill = [](auto& lanes, const auto& of_whole) {
-    std::fill(lanes.begin(), lanes.end(), of_whole[0]);
-  };
-  fill(segments.u_step, whole.u_step);
-  fill(segments.u_step_before, whole.u_step_before);
-  fill(segments.mu_kick, whole.mu_kick);
-  fill(segments.mu_kick_before, whole.mu_kick_before);
-  fill(segments.known, whole.known);
-  fill(segments.smooth, whole.smooth);
 }
 
 template <class T>

@@ -17,6 +17,8 @@ class LineSegments {
   std::uint32_t length() const { return length_; }
   std::uint32_t entry(std::uint32_t node) const { return node % length_; }
   std::uint32_t lane(std::uint32_t node) const { return node / length_; }
+  /// Whether a node is the first of its segment: the rod to the node before stands where pins do.
+  bool begins(std::size_t node) const { return node % length_ == 0; }
 
   template <class T>
   TreeState<T> cut(const TreeState<T>& whole) const;

@@ -185,7 +185,7 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
       return LineOutcome::solved;
     }
     if (worst > hopeless * state.scale2 || (i >= settling_iterations && worst > lost_rate * last)) break;
-    // A first iteration knows no share, and may be the first of two.
+    // The first iteration has no last (0): it counts, so that a second can be accelerated.
     const bool crawls = theta == 0 && worst <= settled * state.scale2 && worst > slow_rate * last;
     if (crawls) lines.start = lines.mu;
     last = worst;

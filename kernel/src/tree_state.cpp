@@ -136,35 +136,28 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   const auto copy = [&](auto& to, const auto& source) {
     copy_entries(to, lanes, lane, source, from.lanes, from_lane);
   };
+  const auto copy_pair = [&](auto& to, auto& pin_to, const auto& source, const auto& pin_source) {
+    copy(to, source);
+    copy(pin_to, pin_source);
+  };
+  for_node_motion(*this, from, copy);
+  for_rod_motion(*this, from, copy_pair);
+  for_lane_motion(*this, from, copy);
   copy(node, from.node);
   copy(pin, from.pin);
-  copy(u, from.u);
-  copy(acceleration, from.acceleration);
-  copy(acceleration_before, from.acceleration_before);
   copy(force, from.force);
   copy(pin_delta, from.pin_delta);
   copy(pin_u, from.pin_u);
-  copy(mu, from.mu);
-  copy(pin_mu, from.pin_mu);
-  copy(mu_before, from.mu_before);
-  copy(pin_mu_before, from.pin_mu_before);
   copy(length2, from.length2);
   copy(pin_length2, from.pin_length2);
-  copy(x, from.x);
   copy(pin_x, from.pin_x);
   copy(weight, from.weight);
   copy(pin_velocity, from.pin_velocity);
   copy(pin_last_velocity, from.pin_last_velocity);
+  copy(mass_unit, from.mass_unit);
+  copy(scale2, from.scale2);
   pins_move = from.pins_move;
   is_coupled = from.is_coupled;
-  mass_unit[lane] = from.mass_unit[from_lane];
-  scale2[lane] = from.scale2[from_lane];
-  u_step[lane] = from.u_step[from_lane];
-  u_step_before[lane] = from.u_step_before[from_lane];
-  mu_kick[lane] = from.mu_kick[from_lane];
-  mu_kick_before[lane] = from.mu_kick_before[from_lane];
-  smooth[lane] = from.smooth[from_lane];
-  known[lane] = from.known[from_lane];
 }
 
 template <class T>
@@ -172,23 +165,16 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   const auto copy = [](auto& to, const auto& source) {
     std::copy_n(source.data(), source.size(), to.data());
   };
-  copy(x, from.x);
-  copy(u, from.u);
-  copy(acceleration, from.acceleration);
-  copy(acceleration_before, from.acceleration_before);
-  copy(mu, from.mu);
-  copy(pin_mu, from.pin_mu);
-  copy(mu_before, from.mu_before);
-  copy(pin_mu_before, from.pin_mu_before);
+  const auto copy_pair = [&](auto& to, auto& pin_to, const auto& source, const auto& pin_source) {
+    copy(to, source);
+    copy(pin_to, pin_source);
+  };
+  for_node_motion(*this, from, copy);
+  for_rod_motion(*this, from, copy_pair);
+  for_lane_motion(*this, from, copy);
   copy(pin_x, from.pin_x);
   copy(pin_last_velocity, from.pin_last_velocity);
-  copy(u_step, from.u_step);
-  copy(u_step_before, from.u_step_before);
-  copy(mu_kick, from.mu_kick);
-  copy(mu_kick_before, from.mu_kick_before);
-  copy(smooth, from.smooth);
   frequency2 = from.frequency2;
-  copy(known, from.known);
 }
 
 template <class T>
@@ -226,6 +212,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .lanes = state.lanes,
           .parent = shape.parent.data(),
           .pin_begin = shape.pin_begin.data(),
+          .is_coupled = state.is_coupled,
           .is_plain = !state.is_coupled && shape.pins <= 1,
           .node = state.node.data(),
           .pin = state.pin.data(),
@@ -243,8 +230,8 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .acceleration = state.acceleration.data(),
           .ratio = ratio.data(),
           .kick = kick.data(),
-          .guess_before = guess_before.data(),
           .guess = guess.data(),
+          .guess_before = guess_before.data(),
           .mu_scale = mu_scale.data(),
           .mu_scale_before = mu_scale_before.data(),
           .u_delta = u_delta.data(),

@@ -55,9 +55,11 @@ struct TreeState {
       pin_mu, mu_before, pin_mu_before;
   layouts::AlignedBuffer<double> length2, pin_length2, x, pin_x, weight;  ///< weight: gravity per node, N
   std::vector<double> mass_unit;                                          ///< kg, per lane
-  std::vector<double> scale2;                   ///< m^2, per lane: mean squared length of a rod
-  std::vector<double> u_step, u_step_before;    ///< s, per lane: of the last substep and the one before
-  std::vector<double> mu_kick, mu_kick_before;  ///< s^2, per lane: the kick when mu was found; 0: not yet
+  std::vector<double> scale2;  ///< m^2, per lane: mean squared length of a rod
+  std::vector<double> u_step,
+      u_step_before;  ///< s, per lane: of the last substep and the one before; 0: a velocity
+  std::vector<double> mu_kick,
+      mu_kick_before;  ///< s^2, per lane: kicks with which mu and mu_before were found; 0: unknown
   /// m/s, per pin and lane: of fixed ends, in this step and in the last substep.
   std::vector<Vec3> pin_velocity, pin_last_velocity;
   std::vector<std::uint8_t> known;  ///< per lane: substeps taken, up to the two that accelerations are from
@@ -66,6 +68,31 @@ struct TreeState {
   double frequency2 = 0;  ///< 1/s^2, of the fastest transverse wave of all lanes, squared; gradient old only
   std::vector<std::uint8_t> smooth;  ///< per lane: whether the last acceleration foretells the next
 };
+
+/// The fields of a state that substeps change, beside the same of another: f(field, other's) of those with
+/// numbers for every node and of those with one a lane, f(field, pins' field, other's, other's) of
+/// multipliers.
+template <class State, class Other, class F>
+void for_node_motion(State& state, Other& other, F&& f) {
+  f(state.x, other.x);
+  f(state.u, other.u);
+  f(state.acceleration, other.acceleration);
+  f(state.acceleration_before, other.acceleration_before);
+}
+template <class State, class Other, class F>
+void for_rod_motion(State& state, Other& other, F&& f) {
+  f(state.mu, state.pin_mu, other.mu, other.pin_mu);
+  f(state.mu_before, state.pin_mu_before, other.mu_before, other.pin_mu_before);
+}
+template <class State, class Other, class F>
+void for_lane_motion(State& state, Other& other, F&& f) {
+  f(state.u_step, other.u_step);
+  f(state.u_step_before, other.u_step_before);
+  f(state.mu_kick, other.mu_kick);
+  f(state.mu_kick_before, other.mu_kick_before);
+  f(state.smooth, other.smooth);
+  f(state.known, other.known);
+}
 
 /// What a thread needs while it steps trees; reused from one to the next, so that it stays in its cache.
 template <class T>

@@ -74,8 +74,8 @@ class TreeStepper {
              DirectCounters& counters) const;
   void accept(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
               TreeWorkspace<T>& work) const;
-  /// The multipliers that a lane had before a substep that failed.
-  void restore(TreeState<T>& state, std::uint32_t lane) const;
+  /// Those that a lane had before a substep that failed.
+  void restore_multipliers(TreeState<T>& state, std::uint32_t lane) const;
   /// A tree alone, by recursive halving.
   bool advance_alone(TreeState<T>& state, double h, int depth, int& attempts, TreeWorkspace<T>& work,
                      DirectCounters& counters) const;

@@ -9,7 +9,8 @@
 
 namespace plumb::detail {
 
-/// The threads that settings ask for: a team on the caller's executor, or on one of its own.
+/// The threads that settings ask for: a team on the caller's executor, or on one of its own if there is more
+/// than one thread.
 class Workers {
  public:
   explicit Workers(const Settings& settings)

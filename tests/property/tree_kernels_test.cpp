@@ -287,6 +287,7 @@ TEST(TreeKernels, NewtonIsTheDenseStep) {
     const Eigen::Index n = before.size(), m = dense.constraints();
     const Real far = std::max(apart(got, wanted.head(n)), m > 0 ? apart(pulled, wanted.tail(m)) : 0);
     if (!easy) {
+      ASSERT_TRUE(std::isfinite(far)) << "round " << round;
       hard.push_back(far);
       continue;
     }

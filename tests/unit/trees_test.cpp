@@ -35,6 +35,15 @@ TEST(Trees, AFreeChainIsNumberedFromAnEnd) {
   EXPECT_TRUE(tree->pins.empty());
 }
 
+TEST(Trees, TheRootIsWhatPinsHold) {
+  // [3] - 0 - 1 - 2, and 2 held by 4, 5 and 6: what hangs from it is eliminated before it.
+  const LocalGraph g{{{3, 0}, {0, 1}, {1, 2}, {2, 4}, {2, 5}, {2, 6}}, {1, 1, 1, 0, 0, 0, 0}};
+  const auto tree = find_tree(g.view());
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->vertex, (Ids{2, 1, 0}));
+  EXPECT_EQ(tree->pin_begin, (Ids{0, 3, 3, 4}));
+}
+
 TEST(Trees, OneVertexIsATree) {
   const LocalGraph loose{{}, {1}};
   const auto tree = find_tree(loose.view());

@@ -89,7 +89,7 @@ struct StopRule {
 
 struct Settings {
   Method method = Method::relax;
-  Precision precision = Precision::double_;  ///< islands with loops solved directly: double whatever this is
+  Precision precision = Precision::double_;  ///< islands with loops solved directly: double anyway
   std::optional<Gradient> gradient{};  ///< none: new_, the thesis's, for relax; mid for direct; auto chooses
   std::optional<MassModel> mass{};     ///< none: lumped for relax, which has no other; else consistent
   Weights weights = Weights::mass;
