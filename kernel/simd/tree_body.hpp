@@ -422,16 +422,27 @@ template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
   const At<V, T, lanes> at{lane};
-  V largest(0);
-  const auto consider = [&](const V& mu, const V& w) {
-    const V pull = mu * w;
-    largest = larger(largest, larger(pull, V(0) - pull));
-  };
-  for (std::size_t i = 0; i < tree.nodes; ++i) {
-    const V w = at.get(tree.node, node * i + 3);
+  const auto magnitude = [](const V& mu) { return larger(mu, V(0) - mu); };
+  for (std::size_t slot = 0; slot < tree.below_slots; ++slot) at.put(tree.below, slot * below, V(0));
+  V largest(0), carried(0);  // carried: from i + 1 if i is its parent
+  for (std::size_t i = tree.nodes; i-- > 0;) {
+    V pull = carried;
+    carried = V(0);
+    if (tree.below_slot[i] != no_slot) pull = pull + at.get(tree.below, tree.below_slot[i] * below);
     for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
-      consider(at.get(tree.pin_mu, k), w + w);
-    if (i > 0) consider(at.get(tree.mu, i), w + at.get(tree.node, node * tree.parent[i] + 3));
+      pull = pull + magnitude(at.get(tree.pin_mu, k));
+    if (i > 0) {
+      const std::size_t p = tree.parent[i];
+      const V own = magnitude(at.get(tree.mu, i));
+      pull = pull + own;
+      if (p + 1 == i) {
+        carried = own;
+      } else {
+        const std::size_t slot = tree.below_slot[p] * below;
+        at.put(tree.below, slot, at.get(tree.below, slot) + own);
+      }
+    }
+    largest = larger(largest, at.get(tree.node, node * i + 3) * (pull + pull));
   }
   at.put(tree.stiffness, 0, largest);
 }

@@ -15,7 +15,7 @@ namespace plumb::simd {
 
 /// Numbers per node or pin in the arrays of TreeView.
 namespace tree_fields {
-inline constexpr std::uint32_t node = 4;  ///< mass_ii; mass_ip to the parent; smallest pivot; 1/mass_ii
+inline constexpr std::uint32_t node = 4;  ///< mass_ii; mass_ip to the parent; smallest pivot; 1/least_i
 inline constexpr std::uint32_t pin = 2;   ///< mass_if to the fixed end; smallest pivot
 inline constexpr std::uint32_t rod = 4;   ///< x_i - x_p as x, y, z; C = (|x_i - x_p|^2 - L^2)/2
 inline constexpr std::uint32_t elimination = 16;  ///< delta_i = P delta_p + q; mu_i = rho + n.delta_p
@@ -102,7 +102,8 @@ struct TreeKernels {
   /// The same for one long line cut into as many segments as there are lanes; node 0 of every lane has a pin,
   /// which in lanes after the first is the rod to the last node of the lane before.
   void (*newton_segments)(const TreeView<T>&);
-  /// Into stiffness: the largest |mu| (w_i + w_p) of a lane's rods, of pins 2 |mu| w_i.
+  /// Into stiffness: a bound for |kick| omega^2 of a lane's waves across its rods, the largest 2/least_i times
+  /// the sum of |mu| of a node's rods (Gershgorin). least is the diagonal of a matrix below the mass matrix.
   void (*find_stiffness)(const TreeView<T>&);
   /// Ends it: moves x and u of active lanes, keeps their acceleration.
   void (*advance)(const TreeView<T>&);

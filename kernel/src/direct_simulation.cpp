@@ -185,11 +185,11 @@ class DirectSimulation final : public Simulation {
     }
   }
 
-  /// Whether a node other than the root is held by its pins: elimination from the tips would divide by zero
-  /// at its rod to the parent. The solver for loops does not.
+  /// Whether a node other than the root may be held for good, by three pins or, in a plane, by two:
+  /// elimination from the tips would divide by zero at its rod to the parent. The solver for loops does not.
   static bool is_held_below_root(const layouts::Tree& tree) {
     for (std::uint32_t i = 1; i < tree.nodes(); ++i)
-      if (tree.pin_begin[i + 1] - tree.pin_begin[i] >= layouts::holding_pins) return true;
+      if (tree.pin_begin[i + 1] - tree.pin_begin[i] > 1) return true;
     return false;
   }
 

@@ -1,6 +1,7 @@
 #include "line_segments.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace plumb::detail {
 namespace {
@@ -108,6 +109,17 @@ void LineSegments::trim(TreeWorkspace<T>& work) const {
   }
 }
 
+template <class T>
+void LineSegments::join_stiffness(const TreeState<T>& segments, TreeWorkspace<T>& work) const {
+  const std::size_t last = length_ - 1;
+  const auto& own = last > 0 ? segments.mu : segments.pin_mu;
+  for (std::size_t lane = 0; lane + 1 < lanes_; ++lane) {
+    const T pull = std::abs(own[last * lanes_ + lane]) + std::abs(segments.pin_mu[lane + 1]);
+    const T over = segments.node[(tree_fields::node * last + 3) * lanes_ + lane];
+    work.stiffness[lane] = std::max(work.stiffness[lane], 2 * over * pull);
+  }
+}
+
 #define PLUMB_INSTANTIATE(T)                                                                              \
   template TreeState<T> LineSegments::cut(const TreeState<T>&) const;                                     \
   template void LineSegments::gather(const TreeState<T>&, TreeState<T>&) const;                           \
@@ -115,7 +127,8 @@ void LineSegments::trim(TreeWorkspace<T>& work) const {
   template void LineSegments::scatter_nodes(const layouts::AlignedBuffer<T>&, layouts::AlignedBuffer<T>&) \
       const;                                                                                              \
   template void LineSegments::link(TreeState<T>&) const;                                                  \
-  template void LineSegments::trim(TreeWorkspace<T>&) const;
+  template void LineSegments::trim(TreeWorkspace<T>&) const;                                              \
+  template void LineSegments::join_stiffness(const TreeState<T>&, TreeWorkspace<T>&) const;
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)
 #undef PLUMB_INSTANTIATE

@@ -38,6 +38,9 @@ class LineSegments {
   void link(TreeState<T>& segments) const;
   template <class T>
   void trim(TreeWorkspace<T>& work) const;
+  /// After find_stiffness: the last node of every lane feels the first rod of the next, too.
+  template <class T>
+  void join_stiffness(const TreeState<T>& segments, TreeWorkspace<T>& work) const;
 
  private:
   /// f(place in the whole's array, place in the segments' array) for `fields` numbers of every node.

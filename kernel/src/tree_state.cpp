@@ -1,6 +1,7 @@
 #include "tree_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace plumb::detail {
@@ -12,6 +13,9 @@ using namespace simd;
 /// A pivot below this, relative to what it is made of, is rounding: pins make the rod redundant.
 template <class T>
 constexpr T smallest_pivot = 64 * std::numeric_limits<T>::epsilon();
+
+/// Of a node's mass, what a bound of it is at least: rods whose mass is all in their middle leave none.
+constexpr double least_share = 1e-6;
 
 template <class B>
 void copy_entries(B& to, std::uint32_t to_lanes, std::uint32_t to_lane, const B& from,
@@ -74,18 +78,23 @@ template <class T>
 void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel model,
                              const layouts::Tree& tree, const TreeMembers& members) {
   const std::uint32_t nodes = tree.nodes();
-  std::vector<double> mass(nodes), first_moment(nodes), coupling(nodes), pin_coupling(tree.pins.size());
+  std::vector<double> mass(nodes), least(nodes), first_moment(nodes), coupling(nodes);
+  std::vector<double> pin_coupling(tree.pins.size());
   const auto put = [&](AlignedBuffer<double>& to, std::uint32_t first, Vec3 v) {
     to[at(first, lane)] = v.x;
     to[at(first + 1, lane)] = v.y;
     to[at(first + 2, lane)] = v.z;
   };
-  /// The rod of local edge `e`, with `vertex` (local) as its own end.
-  const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples) {
+  /// The rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
+  const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples,
+                           bool other_moves) {
     const std::uint32_t rod = members.edges[e];
     const RodMass m = rod_mass(scene, rod, model);
-    const double own = scene.rods[rod].a == members.vertices[vertex] ? m.aa : m.bb;
+    const bool is_a = scene.rods[rod].a == members.vertices[vertex];
+    const double own = is_a ? m.aa : m.bb, other = is_a ? m.bb : m.aa;
     mass[i] += own;
+    // [aa ab; ab bb] lies above its diagonal less |ab| sqrt(aa/bb) and |ab| sqrt(bb/aa).
+    least[i] += other_moves && m.ab != 0 ? own - std::abs(m.ab) * std::sqrt(own / other) : own;
     first_moment[i] += own + m.ab;
     couples = m.ab;
     return rod_length(scene, rod) * rod_length(scene, rod);
@@ -94,16 +103,17 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     const Particle& particle = scene.particles[members.vertices[tree.vertex[i]]];
     put(x, 3 * i, particle.position);
     mass[i] += particle.mass;
+    least[i] += particle.mass;
     first_moment[i] += particle.mass;
     for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
-      pin_length2[at(k, lane)] = add_rod(tree.pins[k].edge, tree.vertex[i], i, pin_coupling[k]);
+      pin_length2[at(k, lane)] = add_rod(tree.pins[k].edge, tree.vertex[i], i, pin_coupling[k], false);
       put(pin_x, 3 * k, scene.particles[members.vertices[tree.pins[k].vertex]].position);
     }
     if (i == 0) continue;
     const std::uint32_t p = tree.parent[i];
-    length2[at(i, lane)] = add_rod(tree.edge[i], tree.vertex[i], i, coupling[i]);
+    length2[at(i, lane)] = add_rod(tree.edge[i], tree.vertex[i], i, coupling[i], true);
     double same;
-    add_rod(tree.edge[i], tree.vertex[p], p, same);
+    add_rod(tree.edge[i], tree.vertex[p], p, same, true);
   }
   double total = 0;
   for (const double m : first_moment) total += m;
@@ -120,7 +130,8 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     node[at(tree_fields::node * i + 1, lane)] = static_cast<T>(coupling[i] / unit);
     is_coupled = is_coupled || coupling[i] != 0;
     node[at(tree_fields::node * i + 2, lane)] = floor;
-    node[at(tree_fields::node * i + 3, lane)] = static_cast<T>(unit / mass[i]);
+    node[at(tree_fields::node * i + 3, lane)] =
+        static_cast<T>(unit / std::max(least[i], least_share * mass[i]));
     put(weight, 3 * i, first_moment[i] * scene.gravity);
     set_force(i, lane, {});
     for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {

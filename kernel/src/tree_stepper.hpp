@@ -63,7 +63,8 @@ class TreeStepper {
   /// one.
   std::uint32_t pieces(const TreeState<T>& state, double h) const;
   /// Whether no lane that converged is beyond that limit; those that are count as failed.
-  bool is_stable(TreeState<T>& state, std::uint32_t lanes, double h, TreeWorkspace<T>& work) const;
+  bool is_stable(TreeState<T>& state, std::uint32_t lanes, double h, TreeWorkspace<T>& work,
+                 const LineSegments* segments = nullptr) const;
   struct Coefficients;
   /// `last`: TreeState::u_step.
   Coefficients coefficients(double last, double h, Gradient gradient) const;

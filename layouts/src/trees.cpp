@@ -10,13 +10,19 @@ bool is_pin(const Graph& graph, const Edge& edge) {
 }
 
 std::uint32_t find_root(const Graph& graph, const Incidence& incidence) {
+  std::uint32_t most = 0;
+  std::ptrdiff_t pins = 1;
   for (std::uint32_t v = 0; v < graph.vertices; ++v) {
     if (graph.movable[v] == 0) continue;
     const auto edges = incidence.edges(v);
-    if (std::count_if(edges.begin(), edges.end(), [&](auto e) { return is_pin(graph, graph.edges[e]); }) >=
-        holding_pins)
-      return v;
+    const auto own =
+        std::count_if(edges.begin(), edges.end(), [&](auto e) { return is_pin(graph, graph.edges[e]); });
+    if (own > pins) {
+      pins = own;
+      most = v;
+    }
   }
+  if (pins > 1) return most;
   for (const Edge& edge : graph.edges)
     if (is_pin(graph, edge)) return graph.movable[edge.a] != 0 ? edge.a : edge.b;
   for (std::uint32_t v = 0; v < graph.vertices; ++v)

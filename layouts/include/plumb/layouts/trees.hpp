@@ -8,9 +8,6 @@
 
 namespace plumb::layouts {
 
-/// So many rods to fixed points hold a vertex where it is. Below a root, elimination cannot go past it.
-inline constexpr std::uint32_t holding_pins = 3;
-
 /// An island whose movable vertices form a tree, in an order in which everything hanging from a vertex can be
 /// eliminated before the vertex itself: parents before children, depth first, so that most parents directly
 /// precede their child. Edges to fixed vertices are pins; they close no cycle, since fixed vertices do not
@@ -31,9 +28,9 @@ struct Tree {
 };
 
 /// The tree of an island (connected, at least one movable vertex), or nothing if its movable vertices have a
-/// cycle. The root is the first vertex that is held by pins, else the vertex with the pin of the smallest
-/// edge, without pins an end of the tree, so that a chain is numbered from one end to the other. Linear time,
-/// deterministic.
+/// cycle. The root is the first vertex with the most pins, if that is more than one, else the one with the pin
+/// of the smallest edge, without pins an end of the tree, so that a chain is numbered from one end to the
+/// other. Linear time, deterministic.
 std::optional<Tree> find_tree(const Graph& island);
 
 }  // namespace plumb::layouts
