@@ -86,6 +86,7 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
     print_line("direct",
                plural(info.direct_rods, "rod") + " solved all at once, gradient " +
                    std::string(to_string(info.direct_gradient)) +
+                   (info.changes_gradient ? " (mid while calm)" : "") +
                    (info.direct_time_order == 2 ? std::string()
                                                 : ", time order " + std::to_string(info.direct_time_order)) +
                    ", mass " + std::string(to_string(mass_model_of(s))) + ", " +

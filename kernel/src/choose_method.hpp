@@ -23,11 +23,12 @@ bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassM
 Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
                      const Settings& settings);
 
-/// The time order of its direct solves: 4 where the accuracy asked for is such that it pays.
-std::uint32_t choose_time_order(const Settings& settings);
+/// The gradient with which it solves an island directly if none is set: mid, which keeps energy however long,
+/// or where an accuracy is asked for old, but for loops of rods with mass.
+Gradient choose_gradient(const Scene& scene, bool is_tree, std::span<const std::uint32_t> rods,
+                         const Settings& settings);
 
-/// The gradient that its direct solves take if none is set: old where an accuracy is asked for, else mid, which
-/// keeps energy however long.
-Gradient choose_gradient(const Settings& settings);
+/// The time order of direct solves with such a gradient: 4 where the accuracy asked for is such that it pays.
+std::uint32_t choose_time_order(Gradient gradient, const Settings& settings);
 
 }  // namespace plumb::detail

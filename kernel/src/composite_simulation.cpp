@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "choose_method.hpp"
+#include "direct_simulation.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "scene_graph.hpp"
@@ -12,9 +13,15 @@
 namespace plumb::detail {
 namespace {
 
-/// A scene of its own for the islands that one method moves.
-struct Part {
+/// What moves an island.
+struct Kind {
   Method method = Method::relax;
+  Gradient gradient = Gradient::new_;  ///< of method direct
+};
+
+/// A scene of its own for the islands that are moved alike.
+struct Part {
+  Kind kind;
   Scene scene;
   std::vector<std::uint32_t> particles;  ///< the whole scene's numbers, by the part's
   std::unique_ptr<Simulation> simulation;
@@ -25,17 +32,18 @@ struct Home {
   std::uint32_t part, particle;
 };
 
-/// What a method takes for its part.
-Settings settings_for(const Part& part, const Settings& settings) {
+std::unique_ptr<Simulation> simulate(const Scene& scene, Kind kind, const Settings& settings) {
   Settings own = settings;
-  own.method = part.method;
-  if (part.method == Method::relax) {
+  own.method = kind.method;
+  if (kind.method == Method::relax) {
     own.mass.reset();
-  } else {
-    own.time_order = choose_time_order(settings);
-    own.gradient = choose_gradient(own);
+    return make_simulation(scene, own);
   }
-  return own;
+  own.gradient = kind.gradient;
+  own.time_order = choose_time_order(kind.gradient, settings);
+  const bool changes_gradient =
+      settings.accuracy && !settings.gradient && kind.gradient == Gradient::old && own.time_order == 2;
+  return make_direct_simulation(scene, own, changes_gradient);
 }
 
 class CompositeSimulation final : public Simulation {
@@ -45,7 +53,7 @@ class CompositeSimulation final : public Simulation {
     for (std::uint32_t p = 0; p < parts_.size(); ++p) {
       Part& part = parts_[p];
       for (std::uint32_t i = 0; i < part.particles.size(); ++i) homes_[part.particles[i]].push_back({p, i});
-      part.simulation = make_simulation(part.scene, settings_for(part, settings));
+      part.simulation = simulate(part.scene, part.kind, settings);
       part.scene = {};
     }
     gather_info(scene);
@@ -99,9 +107,10 @@ class CompositeSimulation final : public Simulation {
       info_.parallel = info_.parallel || own.parallel;
       info_.relaxed_rods += own.relaxed_rods;
       info_.direct_rods += own.direct_rods;
-      if (part.method == Method::direct && info_.direct_rods == own.direct_rods) {  // the first such
+      if (part.kind.method == Method::direct && info_.direct_rods == own.direct_rods) {  // the first such
         info_.direct_gradient = own.direct_gradient;
         info_.direct_time_order = own.direct_time_order;
+        info_.changes_gradient = own.changes_gradient;
       }
       info_.skipped_per_rod_weights += own.skipped_per_rod_weights;
       info_.skipped_drag = own.skipped_drag;
@@ -117,13 +126,14 @@ class CompositeSimulation final : public Simulation {
   WorldInfo info_;
 };
 
-/// The islands of a scene by method. Fixed particles that hold nothing go to the first part.
+/// The islands of a scene by what moves them. Fixed particles that hold nothing go to the first part.
 std::vector<Part> split(const Scene& scene, const Settings& settings) {
   const SceneGraph owner(scene);
   const layouts::Graph graph = owner.view();
   const layouts::Islands islands = layouts::find_islands(graph);
 
-  constexpr std::array kinds{Method::direct, Method::relax};
+  constexpr std::array kinds{Kind{Method::direct, Gradient::old}, Kind{Method::direct, Gradient::mid},
+                             Kind{Method::direct, Gradient::new_}, Kind{Method::relax}};
   std::array<std::vector<std::uint8_t>, kinds.size()> has_particle, has_rod;
   for (auto& flags : has_particle) flags.assign(scene.particles.size(), 0);
   for (auto& flags : has_rod) flags.assign(scene.rods.size(), 0);
@@ -131,10 +141,14 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   std::size_t first_used = kinds.size();
   for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
     const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
-    const bool shape_is_for_direct = layouts::find_tree(local.view()).has_value() || is_thin(local.view());
+    const bool is_tree = layouts::find_tree(local.view()).has_value();
+    const bool shape_is_for_direct = is_tree || is_thin(local.view());
     for (const std::uint32_t island : equal) {
-      const Method method = choose_method(scene, shape_is_for_direct, islands.edges(island), settings);
-      const std::size_t m = method == Method::direct ? 0 : 1;
+      const auto rods = islands.edges(island);
+      const Method method = choose_method(scene, shape_is_for_direct, rods, settings);
+      const Gradient gradient = choose_gradient(scene, is_tree, rods, settings);
+      std::size_t m = 0;
+      while (kinds[m].method != method || (method == Method::direct && kinds[m].gradient != gradient)) ++m;
       first_used = std::min(first_used, m);
       for (const std::uint32_t v : islands.vertices(island)) has_particle[m][v] = placed[v] = 1;
       for (const std::uint32_t e : islands.edges(island)) has_rod[m][e] = 1;
@@ -148,7 +162,7 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   std::vector<std::uint32_t> number(scene.particles.size());
   for (std::size_t m = 0; m < kinds.size(); ++m) {
     Part part;
-    part.method = kinds[m];
+    part.kind = kinds[m];
     for (std::uint32_t v = 0; v < number.size(); ++v) {
       if (!has_particle[m][v]) continue;
       number[v] = static_cast<std::uint32_t>(part.particles.size());
@@ -174,9 +188,8 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
 
 std::unique_ptr<Simulation> make_composite_simulation(const Scene& scene, const Settings& settings) {
   std::vector<Part> parts = split(scene, settings);
-  if (parts.size() == 1 && parts.front().method == Method::direct) {
-    return make_simulation(scene, settings_for(parts.front(), settings));
-  }
+  if (parts.size() == 1 && parts.front().kind.method == Method::direct)
+    return simulate(scene, parts.front().kind, settings);
   return std::make_unique<CompositeSimulation>(scene, std::move(parts), settings);
 }
 

@@ -66,6 +66,16 @@ void expect_numbers(const Tree& tree, const LocalGraph& g) {
 
 /// The root as documented.
 void expect_root(const Tree& tree, const LocalGraph& g) {
+  std::vector<int> pins(g.movable.size(), 0);
+  for (const Edge& edge : g.edges) {
+    if (g.movable[edge.a] == 0) ++pins[edge.b];
+    if (g.movable[edge.b] == 0) ++pins[edge.a];
+  }
+  const auto most = std::max_element(pins.begin(), pins.end());
+  if (*most > 1) {
+    EXPECT_EQ(tree.vertex[0], static_cast<std::uint32_t>(most - pins.begin()));
+    return;
+  }
   for (const Edge& edge : g.edges)
     for (const auto& [fixed, own] : {std::pair{edge.a, edge.b}, std::pair{edge.b, edge.a}})
       if (g.movable[fixed] == 0) {

@@ -72,6 +72,7 @@ TEST(Report, HasEveryField) {
                                                  "relaxed_rods",
                                                  "direct_rods",
                                                  "direct_gradient",
+                                                 "changes_gradient",
                                                  "direct_time_order",
                                                  "direct_substeps",
                                                  "halvings",

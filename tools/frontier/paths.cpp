@@ -196,6 +196,7 @@ std::string name_of(const Settings& s, std::uint32_t frames) {
 
 std::string picked_by(const WorldInfo& info) {
   std::string direct = "direct " + std::string(to_string(info.direct_gradient));
+  if (info.changes_gradient) direct += "/mid";
   if (info.direct_time_order != 2) direct += " order " + std::to_string(info.direct_time_order);
   if (info.relaxed_rods == 0) return direct;
   return info.direct_rods == 0 ? "relax" : "relax and " + direct;

@@ -89,6 +89,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"direct_rods", result.info.direct_rods},
       {"direct_gradient",
        result.info.direct_rods > 0 ? text(to_string(result.info.direct_gradient)) : Json(nullptr)},
+      {"changes_gradient", result.info.changes_gradient},
       {"direct_time_order",
        result.info.direct_rods > 0 ? Json(result.info.direct_time_order) : Json(nullptr)},
       {"rods", result.info.rods},
