@@ -31,6 +31,8 @@ constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
 /// rest, swinging and whipping, and trees of rods with mass.
 constexpr double calm_rate = 0.3;
 constexpr int calm_after = 2;
+/// Fewer substeps of old than this are no dearer than one of mid, on lines and on other trees.
+constexpr std::uint32_t dear_on_lines = 4, dear_on_trees = 2;
 
 template <class T>
 class DirectSimulation final : public Simulation {
@@ -348,7 +350,9 @@ class DirectSimulation final : public Simulation {
   /// substeps of `longest`. A substep's error grows by the third power of its length.
   void watch(Group& group, Crew& crew, double error, double h, double longest, double allowed) {
     const double rate = error * longest * longest / (h * h * h * allowed);
-    group.calm_steps = rate < calm_rate ? group.calm_steps + 1 : 0;
+    const bool is_line = TreeStepper<T>::is_line(group.state, Gradient::old);
+    const bool is_dear = stepper_.pieces(group.state, longest) >= (is_line ? dear_on_lines : dear_on_trees);
+    group.calm_steps = is_dear && rate < calm_rate ? group.calm_steps + 1 : 0;
     if (group.calm_steps < calm_after) return;
     group.is_calm = true;
     TreeState<T>& state = group.state;

@@ -54,14 +54,15 @@ class TreeStepper {
     return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
   }
 
+  /// How many pieces a substep is cut into so that gradient old stays stable, by the tensions of the last
+  /// one.
+  std::uint32_t pieces(const TreeState<T>& state, double h) const;
+
  private:
   double advance_piece(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
                        TreeState<T>& alone, TreeWorkspace<T>& alone_work, DirectCounters& counters) const;
   double advance_piece(const LineSegments& segments, TreeState<T>& state, double h, TreeWorkspace<T>& work,
                        TreeState<T>& alone, TreeWorkspace<T>& alone_work, DirectCounters& counters) const;
-  /// How many pieces a substep is cut into so that gradient old stays stable, by the tensions of the last
-  /// one.
-  std::uint32_t pieces(const TreeState<T>& state, double h) const;
   /// Whether no lane that converged is beyond that limit; those that are count as failed.
   bool is_stable(TreeState<T>& state, std::uint32_t lanes, double h, TreeWorkspace<T>& work,
                  const LineSegments* segments = nullptr) const;
