@@ -24,7 +24,8 @@ Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<con
                      const Settings& settings);
 
 /// The gradient with which it solves an island directly if none is set: mid, which keeps energy however long,
-/// or where an accuracy is asked for old, but for loops of rods with mass.
+/// or where an accuracy is asked for old, but for loops of rods with mass. (Trees may then change to mid and
+/// back, see make_direct_simulation.)
 Gradient choose_gradient(const Scene& scene, bool is_tree, std::span<const std::uint32_t> rods,
                          const Settings& settings);
 

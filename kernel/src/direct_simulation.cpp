@@ -338,8 +338,13 @@ class DirectSimulation final : public Simulation {
   bool step_calmly(Group& group, Crew& crew, double dt, const AccuracyControl& control,
                    DirectCounters& counters) {
     const double h = dt / control.least;
-    if (advance(group, crew, h, control.least, counters) <= h * control.allowed) return true;
+    DirectCounters attempt;
+    if (advance(group, crew, h, control.least, attempt) <= h * control.allowed) {
+      counters.add(attempt);
+      return true;
+    }
     group.state.copy_motion(*group.start);
+    counters.newton.fetch_add(attempt.newton, std::memory_order_relaxed);  // work, all the same
     counters.repeated.fetch_add(1, std::memory_order_relaxed);
     group.is_calm = false;
     group.calm_steps = 0;
@@ -347,7 +352,8 @@ class DirectSimulation final : public Simulation {
   }
 
   /// After a step with gradient old by substeps of `h` with that error each: whether mid would do with
-  /// substeps of `longest`. A substep's error grows by the third power of its length.
+  /// substeps of `longest`, m/s allowed. A substep's error grows by the third power of its length. (The first
+  /// two of mid have no estimate of their own yet.)
   void watch(Group& group, Crew& crew, double error, double h, double longest, double allowed) {
     const double rate = error * longest * longest / (h * h * h * allowed);
     const bool is_line = TreeStepper<T>::is_line(group.state, Gradient::old);

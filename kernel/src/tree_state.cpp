@@ -147,13 +147,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   const auto copy = [&](auto& to, const auto& source) {
     copy_entries(to, lanes, lane, source, from.lanes, from_lane);
   };
-  const auto copy_pair = [&](auto& to, auto& pin_to, const auto& source, const auto& pin_source) {
-    copy(to, source);
-    copy(pin_to, pin_source);
-  };
-  for_node_motion(*this, from, copy);
-  for_rod_motion(*this, from, copy_pair);
-  for_lane_motion(*this, from, copy);
+  for_motion(*this, from, copy);
   copy(node, from.node);
   copy(pin, from.pin);
   copy(force, from.force);
@@ -176,13 +170,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   const auto copy = [](auto& to, const auto& source) {
     std::copy_n(source.data(), source.size(), to.data());
   };
-  const auto copy_pair = [&](auto& to, auto& pin_to, const auto& source, const auto& pin_source) {
-    copy(to, source);
-    copy(pin_to, pin_source);
-  };
-  for_node_motion(*this, from, copy);
-  for_rod_motion(*this, from, copy_pair);
-  for_lane_motion(*this, from, copy);
+  for_motion(*this, from, copy);
   copy(pin_x, from.pin_x);
   copy(pin_last_velocity, from.pin_last_velocity);
   frequency2 = from.frequency2;

@@ -93,6 +93,16 @@ void for_lane_motion(State& state, Other& other, F&& f) {
   f(state.smooth, other.smooth);
   f(state.known, other.known);
 }
+/// All of them, one by one.
+template <class State, class Other, class F>
+void for_motion(State& state, Other& other, F&& f) {
+  for_node_motion(state, other, f);
+  for_rod_motion(state, other, [&f](auto& rods, auto& pins, auto& other_rods, auto& other_pins) {
+    f(rods, other_rods);
+    f(pins, other_pins);
+  });
+  for_lane_motion(state, other, f);
+}
 
 /// What a thread needs while it steps trees; reused from one to the next, so that it stays in its cache.
 template <class T>
