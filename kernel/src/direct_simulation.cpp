@@ -262,7 +262,8 @@ class DirectSimulation final : public Simulation {
     info_.rods = static_cast<std::uint32_t>(scene.rods.size());
     info_.direct_rods = info_.rods;
     info_.direct_gradient = gradient_of(settings_);
-    info_.changes_gradient = calm_stepper_.has_value();
+    info_.changes_gradient = calm_stepper_ && std::any_of(groups_.begin(), groups_.end(),
+                                                          [](const Group& group) { return !group.line; });
     info_.direct_time_order = settings_.time_order;
     info_.isa = isa_;
     info_.threads = workers_.size();

@@ -55,6 +55,8 @@ TEST(Automatic, ChoosesGradients) {
   settings.accuracy = 1e-2;
   EXPECT_EQ(chosen(scenes::make_chain(5)), (std::pair{Gradient::old, true}));
   EXPECT_EQ(chosen(scenes::make_rods5()), (std::pair{Gradient::old, true}));
+  EXPECT_EQ(chosen(scenes::make_chain(100)), (std::pair{Gradient::old, false})) << "cut into segments";
+  EXPECT_EQ(chosen(net), (std::pair{Gradient::old, false}));
   EXPECT_EQ(chosen(heavy_net), (std::pair{Gradient::mid, false}));
   settings.accuracy = 1e-6;  // order 4
   EXPECT_EQ(chosen(scenes::make_rods5()), (std::pair{Gradient::old, false}));

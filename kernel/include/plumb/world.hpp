@@ -80,7 +80,7 @@ struct WorldInfo {
   std::uint32_t relaxed_rods = 0;  ///< rods moved by method relax
   std::uint32_t direct_rods = 0;   ///< rods moved by method direct
   Gradient direct_gradient = Gradient::mid;  ///< the one that method direct takes
-  bool changes_gradient = false;             ///< trees take mid while they move calmly
+  bool changes_gradient = false;             ///< some trees take mid while they move calmly
   std::uint32_t direct_time_order = 2;       ///< and its time order
   std::uint32_t linkages = 0;  ///< kinds of islands in a scene with limbs, joints or contact; else 0
   std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
