@@ -11,7 +11,7 @@ namespace plumb::bench {
 struct Answer {
   Target target;
   std::optional<Trial> fixed{};      ///< direct, gradient and substeps or accuracy chosen
-  std::optional<Trial> mid{};        ///< the cheapest of those with gradient mid, which automatic takes with substeps
+  std::optional<Trial> mid{};        ///< the cheapest of those with gradient mid, as automatic with substeps
   std::optional<Trial> relaxed{};    ///< relax; none if nothing within `relax_cap` times `fixed` met it
   std::optional<Trial> automatic{};  ///< method automatic with accuracy
   std::optional<Trial> automatic_substeps{};  ///< method automatic with substeps

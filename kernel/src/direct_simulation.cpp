@@ -364,8 +364,7 @@ class DirectSimulation final : public Simulation {
     group.is_calm = true;
     TreeState<T>& state = group.state;
     stepper_.find_velocities(state, crew.work);
-    std::copy_n(crew.work.velocity.data(), state.u.size(), state.u.data());
-    std::fill(state.u_step.begin(), state.u_step.end(), 0.0);
+    for (std::uint32_t lane = 0; lane < state.lanes; ++lane) state.set_velocities(lane, crew.work.velocity);
     std::fill(state.known.begin(), state.known.end(), std::uint8_t{0});
     std::fill(state.smooth.begin(), state.smooth.end(), std::uint8_t{0});
   }
@@ -479,10 +478,8 @@ class DirectSimulation final : public Simulation {
     TreeState<T>& state = group.state;
     if (state.u_step[lane] == 0) return;
     find_velocities();
-    for (std::uint32_t l = group.line ? 0 : lane; l < (group.line ? state.lanes : lane + 1); ++l) {
-      for (std::size_t i = l; i < state.u.size(); i += state.lanes) state.u[i] = group.velocity[i];
-      state.u_step[l] = 0;
-    }
+    for (std::uint32_t l = group.line ? 0 : lane; l < (group.line ? state.lanes : lane + 1); ++l)
+      state.set_velocities(l, group.velocity);
   }
 
   void find_velocities() const {

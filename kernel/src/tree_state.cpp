@@ -166,6 +166,12 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
 }
 
 template <class T>
+void TreeState<T>::set_velocities(std::uint32_t lane, const AlignedBuffer<T>& velocity) {
+  for (std::size_t i = lane; i < u.size(); i += lanes) u[i] = velocity[i];
+  u_step[lane] = 0;
+}
+
+template <class T>
 void TreeState<T>::copy_motion(const TreeState& from) {
   const auto copy = [](auto& to, const auto& source) {
     std::copy_n(source.data(), source.size(), to.data());

@@ -42,6 +42,9 @@ struct TreeState {
                  const TreeMembers& members);
   void copy_lane(std::uint32_t lane, const TreeState& from, std::uint32_t from_lane);
 
+  /// Makes u of a lane velocities, m/s, of every node.
+  void set_velocities(std::uint32_t lane, const layouts::AlignedBuffer<T>& velocity);
+
   /// Takes over what a substep changes from another state of the same trees.
   void copy_motion(const TreeState& from);
 

@@ -10,8 +10,8 @@ namespace plumb::detail {
 
 /// Which boxes are near which, in time that grows linearly with their number: a grid of cells whose lists
 /// share a table. A box is listed in every cell that it reaches into; one that is much larger than a cell, or
-/// too far away for cells to have numbers, is kept aside: it is always found, and finds others by a walk through
-/// the whole table.
+/// too far away for cells to have numbers, is kept aside: it is always found, and finds others by a walk
+/// through the whole table.
 class SpatialHash {
  public:
   void start(double cell, std::size_t expected) {
