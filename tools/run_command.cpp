@@ -126,6 +126,10 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
     print_line("error", short_number(error.rms_m) + " m at " + short_number(error.t) + " s, " +
                             percent(error.relative) + " of the scene's diagonal");
   }
+  if (info.projected_position > 0) {
+    print_line("start", "rods did not start at their lengths; particles moved by at most " +
+                            short_number(info.projected_position) + " m");
+  }
   if (info.projected_velocity > 0) {
     print_line("velocity", "initial velocities pulled on rods; changed by at most " +
                                short_number(info.projected_velocity) + " m/s");

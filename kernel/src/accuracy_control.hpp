@@ -22,8 +22,8 @@ struct AccuracyControl {
     bool is_final = false;  ///< it cannot be solved, however many substeps there are
   };
 
-  /// `substep` is what the last step thought best; 0 if there was none. `advance(h, substeps)` returns an
-  /// Attempt; `restore()` takes back what it did.
+  /// `substep` is what the last step thought best; 0 if there was none. `advance(h, substeps, counters)`
+  /// returns an Attempt; `restore()` takes back what it did, of which only the work counts.
   template <class Advance, class Restore>
   void step(double dt, double& substep, DirectCounters& counters, Advance&& advance,
             Restore&& restore) const {
@@ -36,22 +36,27 @@ struct AccuracyControl {
       if (by_two_runs) substeps += substeps % 2;
       const double h = dt / substeps;
       if (attempt == 1) first = h;
-      const Attempt result = advance(h, substeps);
+      DirectCounters of_attempt;
+      const Attempt result = advance(h, substeps, of_attempt);
       const double rate = std::max(result.error / (h * allowed), result.is_blind ? blind_rate : 0);
       // The error of a step of order p grows by h^p a second.
       const double change = std::pow(safety / rate, 1.0 / order);
       substep = std::isnan(change) ? h : h * std::clamp(change, slowest_change, fastest_change);
-      if (rate <= 1 && !result.is_final) return;
+      const bool accurate = rate <= 1 && !result.is_final;
       // Where rounding is what is estimated, shorter steps make it worse; after a blow, which no substep
       // resolves, hardly better.
-      const bool hopeless = result.is_final || (attempt > 2 && !(rate < last_rate * least_gain));
-      if (hopeless || attempt == most_attempts || substeps >= most) {
+      const bool stalls = attempt > 2 && std::isfinite(last_rate) && !(rate < last_rate * least_gain);
+      const bool hopeless = !accurate && (result.is_final || stalls);
+      if (accurate || hopeless || attempt == most_attempts || substeps >= most) {
+        counters.add(of_attempt);
+        if (accurate) return;
         substep = hopeless ? first : h;
         counters.inaccurate.fetch_add(1, std::memory_order_relaxed);
         return;
       }
       last_rate = rate;
       restore();
+      counters.newton.fetch_add(of_attempt.newton, std::memory_order_relaxed);
       counters.repeated.fetch_add(1, std::memory_order_relaxed);
     }
   }

@@ -26,6 +26,11 @@ constexpr double unchanged = 1e-9;
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
 
+/// s; what loads and velocities do in it is below rounding.
+constexpr double no_time = 1e-9;
+/// Of a rod's length: rods that start off it by less do so by the rounding of their coordinates.
+constexpr double least_gap = 1e-9;
+
 /// A tree is calm once gradient mid would need no more substeps than a step has at least: if so many steps in
 /// turn it would make this share of the error allowed. Found on chains with end masses of 1 to 10,000, at
 /// rest, swinging and whipping, and trees of rods with mass.
@@ -54,6 +59,7 @@ class DirectSimulation final : public Simulation {
     anchor_of_.assign(scene.particles.size(), no_anchor);
     make_groups(scene);
     fill_info(scene);
+    project_initial_positions(scene);
     set_initial_velocities(scene);
   }
 
@@ -271,6 +277,49 @@ class DirectSimulation final : public Simulation {
     info_.skipped_drag = scene.drag == 0;
   }
 
+  /// Makes rods start at their lengths. The first substep would do it too, but as a velocity, the greater the
+  /// shorter it is.
+  void project_initial_positions(const Scene& scene) {
+    std::vector<std::uint8_t> is_off(scene.particles.size());
+    bool any = false;
+    for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+      const auto [a, b] = std::pair(scene.rods[i].a, scene.rods[i].b);
+      const double length = rod_length(scene, i);
+      const double gap = std::abs(norm(scene.particles[b].position - scene.particles[a].position) - length);
+      if (gap <= least_gap * length) continue;
+      is_off[fixed_[a] ? b : a] = 1;
+      any = true;
+    }
+    if (!any) return;
+    const TreeStepper<T> stepper(Gradient::new_, 0, false, isa_);
+    std::vector<std::uint8_t> group_is_off(groups_.size()), island_is_off(loops_.size());
+    for (std::uint32_t i = 0; i < is_off.size(); ++i) {
+      if (is_off[i] == 0) continue;
+      if (loops_.holds(i))
+        island_is_off[loops_.island(i)] = 1;
+      else
+        group_is_off[places_[i].group] = 1;
+    }
+    for (std::uint32_t i = 0; i < island_is_off.size(); ++i)
+      if (island_is_off[i]) loops_.project_positions(i, no_time);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (group_is_off[g] == 0) continue;
+      Group& group = groups_[g];
+      Crew& crew = crews_[group.kind][0];
+      TreeState<T>& state = group.line ? group.line->whole : group.state;
+      TreeState<T> start(state.topology, state.lanes);
+      start.copy_motion(state);
+      DirectCounters not_of_a_step;
+      stepper.advance(state, group.trees, no_time, crew.work, crew.alone, crew.alone_work, not_of_a_step);
+      std::copy_n(state.x.data(), state.x.size(), start.x.data());
+      state.copy_motion(start);
+      if (group.line) group.line->segments.scatter(state, group.state);
+    }
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+      info_.projected_position =
+          std::max(info_.projected_position, norm(position(i) - scene.particles[i].position));
+  }
+
   void set_initial_velocities(const Scene& scene) {
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
       if (fixed_[i]) continue;
@@ -320,12 +369,12 @@ class DirectSimulation final : public Simulation {
     double error = 0, h = dt;
     control.step(
         dt, group.substep, counters,
-        [&](double length, std::uint32_t substeps) {
+        [&](double length, std::uint32_t substeps, DirectCounters& of_attempt) {
           h = length;
-          error = control.by_two_runs
-                      ? control.error_of_substep(advance_twice(group, crew, h, substeps, counters), substeps)
-                      : advance(group, crew, h, substeps, counters);
-          return AccuracyControl::Attempt{error};
+          error = control.by_two_runs ? control.error_of_substep(
+                                            advance_twice(group, crew, h, substeps, of_attempt), substeps)
+                                      : advance(group, crew, h, substeps, of_attempt);
+          return AccuracyControl::Attempt{.error = error, .is_final = of_attempt.unsolved > 0};
         },
         [&] { group.state.copy_motion(*group.start); });
     if (calm_stepper_ && !group.line) watch(group, crew, error, h, dt / control.least, control.allowed);
@@ -391,7 +440,9 @@ class DirectSimulation final : public Simulation {
   /// With substeps of h and, before, half as many of twice that. Returns how far apart they end: RMS over the
   /// particles of the worst tree (or segment of a line), m.
   double advance_twice(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
-    advance(group, crew, 2 * h, substeps / 2, counters);
+    DirectCounters coarse;
+    advance(group, crew, 2 * h, substeps / 2, coarse);
+    counters.newton += coarse.newton;  // of what is thrown away only the work counts
     std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
     group.state.copy_motion(*group.start);
     advance(group, crew, h, substeps, counters);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "choose_method.hpp"
 #include "composition.hpp"
@@ -65,26 +64,19 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
     island.state = *island.start;
     if (island.work.lines) island.work.lines->forget();
   };
-  std::optional<DirectCounters> kept;
   control.step(
       dt, island.substep, counters,
-      [&](double h, std::uint32_t substeps) {
-        // Of the runs that are thrown away only the work counts.
-        DirectCounters coarse, fine;
-        const auto keep = [&](DirectCounters& of) {
-          counters.newton.fetch_add(coarse.newton + fine.newton, std::memory_order_relaxed);
-          of.newton = 0;
-          kept.emplace().add(of);
-        };
+      [&](double h, std::uint32_t substeps, DirectCounters& fine) {
+        DirectCounters coarse;
         advance(island, 2 * h, substeps / 2, time_order, coarse);
         if (coarse.unsolved > 0) {
-          keep(coarse);
+          fine.add(coarse);
           return AccuracyControl::Attempt{.error = 0, .is_final = true};
         }
+        fine.newton += coarse.newton;
         island.coarse = island.state.x;
         restore();
         advance(island, h, substeps, time_order, fine);
-        keep(fine);
         double sum = 0;
         for (std::size_t i = 0; i < island.coarse.size(); ++i) {
           const double apart = island.state.x[i] - island.coarse[i];
@@ -96,7 +88,6 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
                                         .is_final = fine.unsolved > 0};
       },
       restore);
-  counters.add(*kept);
 }
 
 void LoopGroup::begin_step(Island& island) const {
@@ -156,6 +147,15 @@ void LoopGroup::set_velocity(std::uint32_t particle, Vec3 velocity) {
   u[0] = velocity.x;
   u[1] = velocity.y;
   u[2] = velocity.z;
+}
+
+void LoopGroup::project_positions(std::uint32_t number, double no_time) {
+  Island& island = islands_[number];
+  LoopState projected = island.state;
+  DirectCounters counters;
+  LoopStepper(Gradient::new_, 0).advance(projected, no_time, island.work, counters);
+  if (counters.unsolved == 0) island.state.x = projected.x;
+  if (island.work.lines) island.work.lines->forget();
 }
 
 void LoopGroup::project_velocities() {

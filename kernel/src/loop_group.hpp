@@ -22,6 +22,7 @@ class LoopGroup {
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(islands_.size()); }
   bool holds(std::uint32_t particle) const { return places_[particle].island != nowhere; }
+  std::uint32_t island(std::uint32_t particle) const { return places_[particle].island; }
 
   /// Different islands may be advanced at the same time.
   void advance(std::uint32_t island, double h, std::uint32_t substeps, std::uint32_t time_order,
@@ -36,6 +37,8 @@ class LoopGroup {
   Vec3 velocity(std::uint32_t particle) const;
   void set_force(std::uint32_t particle, Vec3 newton);
 
+  /// Makes an island's rods start at their lengths, in a time in which nothing moves.
+  void project_positions(std::uint32_t island, double no_time);
   /// Initial velocities (m/s), which project_velocities() then makes fit the rods.
   void set_velocity(std::uint32_t particle, Vec3 velocity);
   void project_velocities();

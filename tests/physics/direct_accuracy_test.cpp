@@ -165,6 +165,23 @@ TEST(DirectAccuracy, RepeatsStepsThatWereTooCoarse) {
   EXPECT_LE(test::stretch_of(scene, world).max, 1e-9);
 }
 
+// Light rods with a heavy end that whip: from one substep a step to thousands within a few steps, where
+// substeps that are too long cannot be solved at all and show no error to go by.
+TEST(DirectAccuracy, FindsSubstepsAThousandTimesShorter) {
+  Scene scene = scenes::make_chain(3, 0.1, 4000);
+  for (Rod& rod : scene.rods) rod = {.a = rod.a, .b = rod.b, .mass = 0.1};
+  for (std::size_t i = 1; i < 3; ++i) scene.particles[i].mass = 0.1 * static_cast<double>(i);
+  for (std::size_t i = 1; i < 4; ++i) scene.particles[i].position.y = i % 2 ? -0.003 : 0.001;
+  scene.particles[3].position.z = 0.01;
+  Settings settings = test::direct(Gradient::old);
+  settings.accuracy = 0.05;
+  World world(scene, settings);
+  const StepReport report = test::run(world, 1.0 / 60, 60);
+  EXPECT_GT(report.direct_substeps, 60'000u);
+  EXPECT_EQ(report.unsolved, 0u);
+  EXPECT_LE(report.inaccurate_steps, 3u);
+}
+
 // Second order: a hundred times the accuracy for ten times the substeps. Coarser than 1e-4, Newton's own
 // limits and the first, cautious substeps decide.
 TEST(DirectAccuracy, CostsTheRootOfWhatIsAsked) {

@@ -67,6 +67,7 @@ TEST(Report, HasEveryField) {
                                                  "skipped",
                                                  "mid_guarded",
                                                  "frozen_islands",
+                                                 "projected_position",
                                                  "projected_velocity",
                                                  "state_hash",
                                                  "relaxed_rods",
@@ -81,7 +82,8 @@ TEST(Report, HasEveryField) {
                                                  "unsolved",
                                                  "largest_gap",
                                                  "rms_gap",
-                                                 "inaccurate_steps", "contact"}));
+                                                 "inaccurate_steps",
+                                                 "contact"}));
   EXPECT_EQ(keys(report["settings"]),
             (std::set<std::string>{
                 "method",        "duration",       "dt",         "substeps",  "sweeps",    "tolerance",

@@ -127,6 +127,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
         {"drag", result.info.skipped_drag}}},
       {"mid_guarded", result.total.mid_guarded},
       {"frozen_islands", result.total.frozen_islands},
+      {"projected_position", number(result.info.projected_position)},
       {"projected_velocity", number(result.info.projected_velocity)},
       {"state_hash", hash_text(result.state_hash)},
   };
@@ -152,6 +153,7 @@ Json world_json(const WorldInfo& info) {
           {"threads", info.threads},
           {"parallel", info.parallel},
           {"skipped", {{"per_rod_weights", info.skipped_per_rod_weights}, {"drag", info.skipped_drag}}},
+          {"projected_position", number(info.projected_position)},
           {"projected_velocity", number(info.projected_velocity)},
           {"blocks", blocks}};
 }

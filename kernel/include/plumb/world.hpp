@@ -87,6 +87,8 @@ struct WorldInfo {
   bool skipped_drag = true;                   ///< no drag: no factor on displacements
   double projected_velocity =
       0;  ///< m/s; largest change made to initial velocities so that none pulls on a rod
+  double projected_position =
+      0;  ///< m; largest change method direct made to positions so that rods start at their lengths
   std::vector<BlockInfo> blocks;  ///< equal blocks are listed once, with their sums
 };
 
