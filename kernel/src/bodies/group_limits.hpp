@@ -26,7 +26,7 @@ inline constexpr double let_be = 1e-6;
 inline constexpr double exact = 1e-8;
 inline constexpr int most_corrections = 16;
 /// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
-inline constexpr double still = 1e-3, least_still = 1e-9;
+inline constexpr double still = 4e-3, least_still = 1e-9;
 /// Of that, once something was lifted: then until the end of the step.
 inline constexpr double tighter = 1e-2;
 /// Of what the first of several sweeps changes, what the last may: the rest waits for what they will be
