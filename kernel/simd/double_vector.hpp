@@ -15,6 +15,12 @@ template <class V>
 inline __attribute__((always_inline)) V broadcast(double value) {
   return V(value);
 }
+/// The sum of each, in its place: pairs first.
+template <class... Vs>
+inline __attribute__((always_inline)) Batch add_across(const Vs&... values) {
+  const Batch rows[] = {values...};
+  return xsimd::haddp(rows);
+}
 inline __attribute__((always_inline)) void store(const Batch& value, double* to) {
   value.store_aligned(to);
 }

@@ -5,26 +5,46 @@
 
 #include "kernels.hpp"
 
-/// The innermost loops of contact on one island: what pushes at eight places do, side by side.
+/// Small sparse symmetric matrices in blocks of four unknowns, [M Jᵀ; J -e] of limbs, and what contact on one
+/// island does eight places at a time.
 namespace plumb::simd {
 
 /// Right hand sides solved together; what is kept of them is padded to so many.
 inline constexpr std::size_t kkt_lanes = 8;
+struct alignas(64) Lanes {
+  double of[kkt_lanes];
+};
 
-/// Factors L D Lᵀ, by columns in the order of elimination.
+/// Four by four, a column after the other.
+struct alignas(64) Block {
+  double of[16];
+};
+
+/// A column's unknowns.
+struct alignas(32) Quad {
+  double of[4];
+};
+
+/// Factors L D Lᵀ in blocks, by columns in the order of elimination: D⁻¹ of every column, then the blocks of
+/// L below the diagonal.
 struct KktView {
-  std::uint32_t unknowns = 0;
-  const std::uint32_t* start = nullptr;  ///< of every column's entries, and their end
-  const std::uint32_t* rows = nullptr;   ///< of the entries
-  const double* diagonal = nullptr;      ///< inverse pivots
-  const double* entries = nullptr;       ///< of L
+  std::uint32_t columns = 0;
+  const std::uint32_t* start = nullptr;  ///< of every column's blocks, and their end
+  const std::uint32_t* rows = nullptr;   ///< of the blocks
+  const Block* blocks = nullptr;
 };
 
 /// All arrays of lanes start on 64 bytes.
 struct KktKernels {
+  /// A matrix becomes its factors; of blocks on the diagonal only what is on or below it is read. `targets`:
+  /// the block that every pair of blocks of a column changes, in the order of factor().
+  void (*factor)(const KktView&, const std::uint32_t* targets, Block* blocks);
+  /// x: one a column.
+  void (*solve)(const KktView&, Quad* x);
   /// x: batches x unknowns x kkt_lanes.
-  void (*solve)(const KktView&, std::size_t batches, double* x);
-  /// out, batches x kkt_lanes = sum over i of factors[i] * x[slots[i]], of every batch as solve() leaves it.
+  void (*solve_lanes)(const KktView&, std::size_t batches, double* x);
+  /// out, batches x kkt_lanes = sum over i of factors[i] * x[slots[i]], of every batch as solve_lanes()
+  /// leaves it.
   void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
                   const double* factors, std::uint32_t count, double* out);
   /// to += a * x + b * y + c * z, of `count` numbers, a multiple of kkt_lanes.
@@ -34,9 +54,10 @@ struct KktKernels {
   void (*accumulate)(double* to, const double* factors, const double* x, std::uint32_t unknowns);
 };
 
-#define PLUMB_DECLARE_TABLES(isa, supported) extern const KktKernels kkt_##isa;
-PLUMB_FOR_EACH_ISA(PLUMB_DECLARE_TABLES)
-#undef PLUMB_DECLARE_TABLES
+extern const KktKernels kkt_scalar, kkt_sse2, kkt_avx2;
+/// These loops are too short for 512 bits to win, and cores that meet one such instruction between scalar
+/// code lower its clock (Cascade Lake: from 2.7 to 2.4 GHz, for the whole step).
+inline constexpr const KktKernels& kkt_avx512 = kkt_avx2;
 
 /// The table for an instruction set that is_supported().
 const KktKernels& kkt_kernels(Isa isa);

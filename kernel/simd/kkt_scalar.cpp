@@ -3,6 +3,6 @@
 
 namespace plumb::simd {
 
-constinit const KktKernels kkt_scalar{solve<double>, combine<double>, add_three<double>, accumulate<double>};
+constinit const KktKernels kkt_scalar = kkt_table<double>;
 
 }  // namespace plumb::simd

@@ -4,6 +4,6 @@
 
 namespace plumb::simd {
 
-constinit const KktKernels kkt_sse2{solve<Batch>, combine<Batch>, add_three<Batch>, accumulate<Batch>};
+constinit const KktKernels kkt_sse2 = kkt_table<Batch>;
 
 }  // namespace plumb::simd

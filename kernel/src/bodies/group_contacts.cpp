@@ -176,12 +176,16 @@ void GroupStepper::find_contacts(const Surroundings& surroundings, double h) {
     Island& island = islands_[i];
     island.terms.clear();
     island.sides.clear();
-    island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
-    if (!island.awake) continue;
+    if (!island.awake) {
+      island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
+      continue;
+    }
+    island.bounds = nowhere;
     double square = 0;
     for (const Linkage::Ball& ball : island.state->linkage->balls()) {
-      const Vec3 by = ball.center.of(island.d);
-      include(island.bounds, ball.center.of(island.state->x) + 1.25 * by, ball.radius + margin);
+      const Vec3 at = ball.center.of(island.state->x), by = ball.center.of(island.d);
+      include(island.bounds, at, ball.radius + margin);
+      include(island.bounds, at + 1.25 * by, ball.radius + margin);
       square = std::max(square, dot(by, by));
     }
     island.moves = std::sqrt(square);

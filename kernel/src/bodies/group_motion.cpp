@@ -11,13 +11,14 @@ using namespace group;
 void GroupStepper::find_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  linkage.anchor_rates(state.x, state.v, island.right);
-  linkage.put(island.impulse, island.right);
+  const std::span<double> right = island.right();
+  linkage.anchor_rates(state.x, state.v, right);
+  linkage.put(island.impulse, right);
   const auto add = [&](Sum sum, Vec3 by) {
     for (std::uint32_t k = sum.first; k < sum.end; ++k) {
       const auto [particle, weight] = island.terms[k];
       if (particle >= linkage.movable()) continue;
-      double* const at = &island.right[linkage.slot(particle)];
+      double* const at = &right[linkage.slot(particle)];
       at[0] += weight * by.x;
       at[1] += weight * by.y;
       at[2] += weight * by.z;
@@ -29,8 +30,8 @@ void GroupStepper::find_velocities(Island& island) {
     add(island.sides[s].a, by * island.sides[s].along_a);
     add(island.sides[s].b, by * island.sides[s].along_b);
   }
-  linkage.plan().solve(state.factors, island.right);
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(island.right, k);
+  linkage.plan().solve(state.factors, island.unknowns);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
 }
 
 void GroupStepper::finish(double h, bool touched) {
@@ -71,11 +72,11 @@ void GroupStepper::bounce(double h) {
       find_velocities(island);
       see(island, island.v);
     }
-    double left = sweep_velocities(Sweep::looks);
+    double left = sweep_velocities<Sweep::looks>();
     if (left <= enough) return;
     const double till = round + 1 < most_rounds ? std::max(enough, rough * left) : enough;
     left = INFINITY;
-    for (int i = 0; i < most_sweeps && left > till; ++i) left = sweep_velocities(Sweep::pushes);
+    for (int i = 0; i < most_sweeps && left > till; ++i) left = sweep_velocities<Sweep::pushes>();
   }
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].sides.empty()) find_velocities(islands_[i]);

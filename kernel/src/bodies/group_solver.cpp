@@ -78,7 +78,7 @@ void GroupStepper::couple(Island& island) {
     for (std::uint32_t k = 0; k < used; ++k)
       island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
   }
-  kernels_->solve(linkage.plan().view(island.state->factors), batches, island.response.front().of);
+  kernels_->solve_lanes(linkage.plan().view(island.state->factors), batches, island.response.front().of);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t used = gather(island.sides[s]);
     kernels_->combine(island.response.front().of, unknowns, batches, slots, factors, used,
@@ -160,9 +160,39 @@ void into_disk(double& a, double& b, double most) {
 
 }  // namespace
 
+template <double GroupStepper::Row::*of, GroupStepper::Sweep sweep>
+double GroupStepper::set(Row& row, double value) {
+  const double by = value - row.*of;
+  if constexpr (sweep == Sweep::pushes) {
+    row.*of = value;
+    push(row, by);
+  }
+  return std::abs(by) * row.own;
+}
+
+/// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
+template <double GroupStepper::Row::*of, GroupStepper::Sweep sweep>
+double GroupStepper::contact(std::size_t r, double normal, double most) {
+  Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
+  const double by0 = normal - n.*of;
+  // The normal push moves the others, too. What does not wait for it comes first.
+  const double first_alone = s.*of - s.over * see(s), second_alone = t.*of - t.over * see(t);
+  double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
+  into_disk(first, second, most);
+  const double by1 = first - s.*of, by2 = second - t.*of;
+  if constexpr (sweep == Sweep::pushes) {
+    n.*of = normal;
+    s.*of = first;
+    t.*of = second;
+    push(n, by0, by1, by2);
+  }
+  return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
+}
+
 // The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
 // the largest change that they made, in m or m/s.
-double GroupStepper::sweep_positions(Sweep sweep) {
+template <GroupStepper::Sweep sweep>
+double GroupStepper::sweep_positions() {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
@@ -172,7 +202,7 @@ double GroupStepper::sweep_positions(Sweep sweep) {
       case Kind::normal: {
         const double normal = std::max(0.0, row.p - row.over * row.gap - row.over * u);
         if (normal > 0 || row.p > 0)
-          worst = std::max(worst, contact(r, &Row::p, normal, row.bound * normal, sweep));
+          worst = std::max(worst, contact<&Row::p, sweep>(r, normal, row.bound * normal));
         r += 2;
         continue;
       }
@@ -188,12 +218,13 @@ double GroupStepper::sweep_positions(Sweep sweep) {
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
         break;
     }
-    worst = std::max(worst, set(row, &Row::p, p, sweep));
+    worst = std::max(worst, set<&Row::p, sweep>(row, p));
   }
   return worst;
 }
 
-double GroupStepper::sweep_velocities(Sweep sweep) {
+template <GroupStepper::Sweep sweep>
+double GroupStepper::sweep_velocities() {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
@@ -202,41 +233,17 @@ double GroupStepper::sweep_velocities(Sweep sweep) {
     const double q = brakes ? std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce)
                             : std::max(0.0, row.q - row.over * (see(row) - row.bounce));
     if (row.kind == Kind::normal) {
-      worst = std::max(worst, contact(r, &Row::q, q, row.bound * q, sweep));
+      worst = std::max(worst, contact<&Row::q, sweep>(r, q, row.bound * q));
       r += 2;
       continue;
     }
-    worst = std::max(worst, set(row, &Row::q, q, sweep));
+    worst = std::max(worst, set<&Row::q, sweep>(row, q));
   }
   return worst;
 }
 
-double GroupStepper::set(Row& row, double Row::*of, double value, Sweep sweep) {
-  const double by = value - row.*of;
-  if (sweep == Sweep::pushes) {
-    row.*of = value;
-    push(row, by);
-  }
-  return std::abs(by) * row.own;
-}
-
-/// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
-double GroupStepper::contact(std::size_t r, double Row::*of, double normal, double most, Sweep sweep) {
-  Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
-  const double by0 = normal - n.*of;
-  // The normal push moves the others, too. What does not wait for it comes first.
-  const double first_alone = s.*of - s.over * see(s), second_alone = t.*of - t.over * see(t);
-  double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
-  into_disk(first, second, most);
-  const double by1 = first - s.*of, by2 = second - t.*of;
-  if (sweep == Sweep::pushes) {
-    n.*of = normal;
-    s.*of = first;
-    t.*of = second;
-    push(n, by0, by1, by2);
-  }
-  return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
-}
+template double GroupStepper::sweep_velocities<GroupStepper::Sweep::looks>();
+template double GroupStepper::sweep_velocities<GroupStepper::Sweep::pushes>();
 
 bool GroupStepper::solve_positions(StepReport& report) {
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -248,14 +255,14 @@ bool GroupStepper::solve_positions(StepReport& report) {
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {
     // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
-    double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions(Sweep::looks);
+    double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
     const bool sweeps_on = left > still_;
     if (sweeps_on) {
       const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
-      left = sweep_positions(Sweep::pushes);
+      left = sweep_positions<Sweep::pushes>();
       const double till = std::max(still_, rough * left);
       int taken = 1;
-      for (; taken < most && left > till; ++taken) left = sweep_positions(Sweep::pushes);
+      for (; taken < most && left > till; ++taken) left = sweep_positions<Sweep::pushes>();
       sweeps += taken;
     }
     double worst = 0;
@@ -267,15 +274,16 @@ bool GroupStepper::solve_positions(StepReport& report) {
       if (sweeps_on && !island.sides.empty()) apply(island, island.d);
       for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
       if (linkage.constraints() == 0) continue;
-      std::fill(island.right.begin(), island.right.end(), 0.0);
-      const double violation = linkage.violations(island.there, island.right);
+      const std::span<double> right = island.right();
+      std::fill(right.begin(), right.end(), 0.0);
+      const double violation = linkage.violations(island.there, right);
       worst = std::max(worst, violation);
       if (violation <= exact) continue;
       if (!std::isfinite(violation)) return false;
       ++report.newton;
-      linkage.plan().solve(state.factors, island.right);
+      linkage.plan().solve(state.factors, island.unknowns);
       for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-        island.d[k] += linkage.taken(island.right, k);
+        island.d[k] += linkage.taken(right, k);
         island.there[k] = state.x[k] + island.d[k];
       }
       if (!island.sides.empty()) see(island, island.d);

@@ -121,7 +121,8 @@ void GroupStepper::start(Island& island, double h) {
   island.v.resize(state.x.size());
   island.momentum.resize(movable);
   island.force.resize(movable);
-  island.right.resize(linkage.plan().unknowns());
+  island.unknowns.resize(linkage.plan().columns());
+  const std::span<double> right = island.right();
   const double kept = linkage.kept(0.5 * h);
   // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.
   const double farthest = farthest_pull * linkage.size() / (h * h);
@@ -135,16 +136,16 @@ void GroupStepper::start(Island& island, double h) {
   }
   linkage.forces(state.x, island.v, state.force, h, island.force);
   linkage.momenta(island.v, island.momentum);
-  linkage.targets(state.x, island.d, island.there, island.right);
+  linkage.targets(state.x, island.d, island.there, right);
   for (std::uint32_t i = 0; i < movable; ++i) {
     const Vec3 push = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
     const std::uint32_t slot = linkage.slot(i);
-    island.right[slot] = push.x;
-    island.right[slot + 1] = push.y;
-    island.right[slot + 2] = push.z;
+    right[slot] = push.x;
+    right[slot + 1] = push.y;
+    right[slot + 2] = push.z;
   }
-  linkage.plan().solve(state.factors, island.right);
-  for (std::uint32_t i = 0; i < movable; ++i) island.d[i] = linkage.taken(island.right, i);
+  linkage.plan().solve(state.factors, island.unknowns);
+  for (std::uint32_t i = 0; i < movable; ++i) island.d[i] = linkage.taken(right, i);
 }
 
 bool GroupStepper::substep(const Surroundings& surroundings, double h, StepReport& report) {

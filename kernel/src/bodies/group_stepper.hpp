@@ -76,16 +76,14 @@ class GroupStepper {
     double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
     std::uint64_t key = 0;
   };
-  struct alignas(64) Lanes {
-    double of[simd::kkt_lanes];
-  };
+  using Lanes = simd::Lanes;
   struct Island {
     LinkageState* state = nullptr;
     bool awake = false;
     Bounds bounds{};
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
-    std::vector<double> right;
+    std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
     // Padded to whole lanes, or by lanes:
@@ -95,6 +93,7 @@ class GroupStepper {
     std::vector<Lanes> push;      ///< on each side, not yet applied
     std::vector<Lanes> sum;       ///< of responses
 
+    std::span<double> right() { return numbers(unknowns); }
     std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
     Vec3 of(Sum which, std::span<const Vec3> values) const {
       Vec3 out{};
@@ -133,11 +132,15 @@ class GroupStepper {
   void push(const Row& first, double by0, double by1, double by2);
   /// Whether a sweep pushes or only says how far it would.
   enum class Sweep : std::uint8_t { pushes, looks };
-  double set(Row& row, double Row::*of, double value, Sweep sweep);
-  double contact(std::size_t r, double Row::*of, double normal, double most, Sweep sweep);
+  template <double Row::*of, Sweep sweep>
+  double set(Row& row, double value);
+  template <double Row::*of, Sweep sweep>
+  double contact(std::size_t r, double normal, double most);
   void apply(Island& island, std::span<Vec3> motion);
-  double sweep_positions(Sweep sweep);
-  double sweep_velocities(Sweep sweep);
+  template <Sweep sweep>
+  double sweep_positions();
+  template <Sweep sweep>
+  double sweep_velocities();
   bool solve_positions(StepReport& report);
   void finish(double h, bool touched);
   void find_velocities(Island& island);

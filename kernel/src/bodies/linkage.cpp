@@ -46,7 +46,7 @@ void Combination::add(std::uint32_t particle, double weight) {
   terms[count++] = {particle, weight};
 }
 
-Linkage::Linkage(const Scene& part, std::uint32_t movable)
+Linkage::Linkage(const Scene& part, std::uint32_t movable, Isa isa)
     : particles_(static_cast<std::uint32_t>(part.particles.size())),
       movable_(movable),
       gravity_(part.gravity),
@@ -119,7 +119,7 @@ Linkage::Linkage(const Scene& part, std::uint32_t movable)
   has_air_ = !airs_.empty() || !dampers_.empty() || drag_ != 0 || joint_drag_ != 0;
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
-  plan(part);
+  plan(part, isa);
 }
 
 void Linkage::weigh(const Scene& part) {
@@ -151,7 +151,7 @@ void Linkage::weigh(const Scene& part) {
   for (const double weight : weights_) mass_ += weight;
 }
 
-void Linkage::plan(const Scene& part) {
+void Linkage::plan(const Scene& part, Isa isa) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   const auto couple = [&](std::uint32_t particle, std::uint32_t row) {
     if (particle >= movable_) return;
@@ -178,33 +178,35 @@ void Linkage::plan(const Scene& part) {
       for (std::uint32_t axis = 0; axis < 3; ++axis)
         if (pin.sum.terms[i].particle < movable_)
           pairs.emplace_back(3 * pin.sum.terms[i].particle + axis, pin.rows[axis]);
-  plan_ = KktPlan(movable_, constraints_, pairs);
+  plan_ = KktPlan(movable_, constraints_, pairs, isa);
   for (std::uint32_t i = 0; i < movable_; ++i) slots_.push_back(plan_.position(3 * i));
 
-  template_.assign(plan_.values(), 0);
+  template_ = plan_.unit();
+  const std::span<double> fixed = numbers(template_);
   for (std::uint32_t i = 0; i < movable_; ++i)
     for (std::uint32_t axis = 0; axis < 3; ++axis)
-      template_[plan_.place(3 * i + axis, 3 * i + axis)] = masses_[i];
+      fixed[plan_.place(3 * i + axis, 3 * i + axis)] = masses_[i];
   for (const Coupling& c : couplings_)
     for (std::uint32_t axis = 0; axis < 3; ++axis)
-      template_[plan_.place(3 * c.a + axis, 3 * c.b + axis)] = c.mass;
+      fixed[plan_.place(3 * c.a + axis, 3 * c.b + axis)] = c.mass;
   place_constraints();
 
   // What J M⁻¹ Jᵀ has on its diagonal, but for masses between particles.
-  std::vector<double> values(plan_.values(), 0);
+  std::vector<simd::Block> matrix(plan_.blocks());
   const std::vector<Vec3> x = positions_of(part);
-  assemble(x, values);
+  assemble(x, matrix);
+  const std::span<const double> values = numbers(matrix);
   const auto hold = [&](std::uint32_t row, std::span<const std::uint32_t> places,
                         std::span<const std::uint32_t> particles) {
     double sum = 0;
     for (std::size_t i = 0; i < places.size(); ++i)
       if (places[i] != none) sum += values[places[i]] * values[places[i]] / masses_[particles[i / 3]];
-    template_[plan_.place(row, row)] = -tiny * std::max(sum, 1e-6 / (mass_ * size_ * size_));
+    fixed[plan_.place(row, row)] = -tiny * std::max(sum, 1e-6 / (mass_ * size_ * size_));
   };
   for (const RodRow& rod : rods_) hold(rod.row, rod.places, std::array{rod.a, rod.b});
   for (const DotRow& each : dots_) hold(each.row, each.places, each.touched);
   for (const PinRow& pin : pins_)
-    for (const std::uint32_t row : pin.rows) template_[plan_.place(row, row)] = -tiny / mass_;
+    for (const std::uint32_t row : pin.rows) fixed[plan_.place(row, row)] = -tiny / mass_;
 }
 
 void Linkage::place_constraints() {
@@ -241,8 +243,9 @@ inline void add_to(std::span<double> values, const std::uint32_t* places, Vec3 v
 
 }  // namespace
 
-void Linkage::assemble(std::span<const Vec3> x, std::span<double> values) const {
-  std::copy(template_.begin(), template_.end(), values.begin());
+void Linkage::assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const {
+  std::copy(template_.begin(), template_.end(), matrix.begin());
+  const std::span<double> values = numbers(matrix);
   for (const RodRow& rod : rods_) {
     const Vec3 along = rod.over2 * (x[rod.b] - x[rod.a]);
     if (rod.places[0] != none) write(values, &rod.places[0], -1.0 * along);
@@ -321,6 +324,10 @@ void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::spa
 }
 
 void Linkage::anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const {
+  if (!is_grounded()) {
+    for (std::uint32_t c = 0; c < constraints_; ++c) right[plan_.position(3 * movable_ + c)] = 0;
+    return;
+  }
   const auto given = [&](std::uint32_t particle) { return particle < movable_ ? Vec3{} : v[particle]; };
   const auto sum_given = [&](const Combination& sum) {
     Vec3 out{};

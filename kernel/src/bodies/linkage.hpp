@@ -59,7 +59,7 @@ class Linkage {
   static AngleSlope slope(const Angle& angle, std::span<const Vec3> x);
 
   /// `part` is one island of `scene`, with its particles' numbers; the movable ones first.
-  Linkage(const Scene& part, std::uint32_t movable);
+  Linkage(const Scene& part, std::uint32_t movable, Isa isa);
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }
@@ -91,7 +91,7 @@ class Linkage {
   }
 
   /// M and J at `x`, for KktPlan::factor().
-  void assemble(std::span<const Vec3> x, std::span<double> values) const;
+  void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
   /// Constraints at `x`, negative, into their places of `right`; the largest absolute one.
   double violations(std::span<const Vec3> x, std::span<double> right) const;
   /// J(x) d - C(x + d), so that a solution moves from x by about d and keeps constraints to second order.
@@ -144,13 +144,13 @@ class Linkage {
   static constexpr std::uint32_t none = 0xffffffff;
 
   void weigh(const Scene& part);
-  void plan(const Scene& part);
+  void plan(const Scene& part, Isa isa);
   void place_constraints();
 
   std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;
   KktPlan plan_;
   std::vector<std::uint32_t> slots_;
-  std::vector<double> template_;  ///< M and the tiny diagonal; J is zero
+  std::vector<simd::Block> template_;  ///< M and the tiny diagonal; J is zero
   std::vector<RodRow> rods_;
   std::vector<DotRow> dots_;
   std::vector<PinRow> pins_;

@@ -55,11 +55,11 @@ class LinkageSimulation final : public Simulation {
       anchors_.push_back(particle.position);
     }
     targets_ = anchors_;
+    info_.isa = settings.isa.value_or(best_isa());
     make_islands(scene);
     start_hashes();
     info_.threads = workers_.size();
     info_.parallel = workers_.size() > 1 && islands_.size() >= worth_threads;
-    info_.isa = settings.isa.value_or(best_isa());
     steppers_.assign(workers_.size(), GroupStepper(info_.isa));
     reports_.resize(workers_.size());
     info_.particles = static_cast<std::uint32_t>(scene.particles.size());
@@ -134,7 +134,7 @@ class LinkageSimulation final : public Simulation {
       }
       const Linkage*& kind = kinds[likeness(part)];
       if (kind == nullptr) {
-        linkages_.push_back(std::make_unique<Linkage>(part, movable));
+        linkages_.push_back(std::make_unique<Linkage>(part, movable, info_.isa));
         kind = linkages_.back().get();
       }
       LinkageState& state = islands_[i];
@@ -165,7 +165,7 @@ class LinkageSimulation final : public Simulation {
       block.particles += linkage.particles();
       block.rods += linkage.rods();
       block.bytes += (2 * linkage.particles() + linkage.movable()) * sizeof(Vec3) +
-                     linkage.plan().values() * sizeof(double);
+                     linkage.plan().blocks() * sizeof(simd::Block);
     }
     info_.blocks.push_back(block);
   }
@@ -178,10 +178,11 @@ class LinkageSimulation final : public Simulation {
       if (linkage.constraints() == 0) continue;
       state.factor();
       std::vector<Vec3> momentum(linkage.movable());
-      std::vector<double> right(linkage.plan().unknowns(), 0);
+      std::vector<simd::Quad> unknowns(linkage.plan().columns(), simd::Quad{});
+      const std::span<double> right = numbers(unknowns);
       linkage.momenta(state.v, momentum);
       linkage.put(momentum, right);
-      linkage.plan().solve(state.factors, right);
+      linkage.plan().solve(state.factors, unknowns);
       for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
         const Vec3 given = scene.particles[state.particles[k]].velocity;
         state.v[k] = linkage.taken(right, k);

@@ -32,8 +32,8 @@ struct LinkageState {
   std::vector<std::uint32_t> particles;  ///< the scene's numbers
   std::vector<Vec3> x, v;                ///< m and m/s; fixed particles too
   std::vector<Vec3> force;               ///< N, constant, on movable particles
-  std::vector<Vec3> acceleration;  ///< m/s², what made the last substep's way differ from h v, over h²
-  std::vector<double> factors;     ///< at x
+  std::vector<Vec3> acceleration;    ///< m/s², what made the last substep's way differ from h v, over h²
+  std::vector<simd::Block> factors;  ///< at x
   std::vector<KeptContact> kept;
   std::uint32_t number = 0;  ///< of this island
   bool factored = false;
@@ -44,7 +44,7 @@ struct LinkageState {
 
   /// False if the matrix at x has none.
   bool factor() {
-    factors.resize(linkage->plan().values());
+    factors.resize(linkage->plan().blocks());
     linkage->assemble(x, factors);
     return factored = linkage->plan().factor(factors);
   }

@@ -36,15 +36,25 @@ class Elimination {
       if (waiting_[n] == 0) queue_.insert(rank(n));
   }
 
-  std::vector<std::uint32_t> run() {
-    std::vector<std::uint32_t> order;
+  /// Nodes in their order, in columns of a triple and a constraint or of up to four constraints: those that
+  /// go one after the other and are neighbours.
+  std::vector<std::vector<std::uint32_t>> run() {
+    std::vector<std::vector<std::uint32_t>> columns;
+    std::uint32_t room = 0;
+    std::set<std::uint32_t> last;  // neighbours of the last one
     while (!queue_.empty()) {
       const std::uint32_t n = std::get<2>(*queue_.begin());
       queue_.erase(queue_.begin());
-      order.push_back(n);
+      if (n < threes_ || room == 0 || !last.contains(n)) {
+        columns.emplace_back();
+        room = 4;
+      }
+      columns.back().push_back(n);
+      room -= n < threes_ ? 3 : 1;
+      last = neighbours_[n];
       remove(n);
     }
-    return order;
+    return columns;
   }
 
  private:
@@ -88,84 +98,71 @@ class Elimination {
 }  // namespace
 
 KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
-                 std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings) {
-  for (const std::uint32_t n : Elimination(threes, constraints, couplings).run()) {
-    if (n < threes)
-      order_.insert(order_.end(), {3 * n, 3 * n + 1, 3 * n + 2});
-    else
-      order_.push_back(n + 2 * threes);
+                 std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings, Isa isa)
+    : kernels_(&simd::kkt_kernels(isa)) {
+  position_.resize(3 * std::size_t{threes} + constraints);
+  for (const std::vector<std::uint32_t>& nodes : Elimination(threes, constraints, couplings).run()) {
+    std::uint32_t at = 4 * columns_;
+    const auto put = [&](std::uint32_t unknown) { position_[unknown] = at++; };
+    for (const std::uint32_t n : nodes) {
+      if (n < threes)
+        for (std::uint32_t axis = 0; axis < 3; ++axis) put(3 * n + axis);
+      else
+        put(n + 2 * threes);
+    }
+    ++columns_;
+    while (at < 4 * columns_) unused_.push_back(at++);
   }
-  const auto size = static_cast<std::uint32_t>(order_.size());
-  position_.resize(size);
-  for (std::uint32_t k = 0; k < size; ++k) position_[order_[k]] = k;
 
-  std::vector<std::set<std::uint32_t>> columns(size);
+  std::vector<std::set<std::uint32_t>> below(columns_);
   for (const auto& [a, b] : couplings) {
-    const auto [low, high] = std::minmax(position_[a], position_[b]);
-    columns[low].insert(high);
+    const auto [low, high] = std::minmax({position_[a] / 4, position_[b] / 4});
+    if (low != high) below[low].insert(high);
   }
-  for (std::uint32_t k = 0; k < size; ++k)
-    for (auto i = columns[k].begin(); i != columns[k].end(); ++i)
-      columns[*i].insert(std::next(i), columns[k].end());
+  for (std::uint32_t k = 0; k < columns_; ++k)
+    for (auto i = below[k].begin(); i != below[k].end(); ++i) below[*i].insert(std::next(i), below[k].end());
   start_.assign(1, 0);
-  for (const auto& column : columns) {
+  for (const auto& column : below) {
     rows_.insert(rows_.end(), column.begin(), column.end());
     start_.push_back(static_cast<std::uint32_t>(rows_.size()));
   }
-  for (std::uint32_t k = 0; k < size; ++k)
+  for (std::uint32_t k = 0; k < columns_; ++k)
     for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i)
-      for (std::uint32_t j = i; j < start_[k + 1]; ++j)
-        targets_.push_back(place(order_[rows_[i]], order_[rows_[j]]));
+      for (std::uint32_t j = i; j < start_[k + 1]; ++j) targets_.push_back(block(rows_[i], rows_[j]));
+}
+
+std::uint32_t KktPlan::block(std::uint32_t column, std::uint32_t row) const {
+  if (column == row) return column;
+  const auto first = rows_.begin() + start_[column], last = rows_.begin() + start_[column + 1];
+  const auto found = std::lower_bound(first, last, row);
+  if (found == last || *found != row) throw std::logic_error("no such entry in the pattern");
+  return static_cast<std::uint32_t>(columns_ + static_cast<std::size_t>(found - rows_.begin()));
 }
 
 std::uint32_t KktPlan::place(std::uint32_t a, std::uint32_t b) const {
   const auto [low, high] = std::minmax(position_[a], position_[b]);
-  if (low == high) return low;
-  const auto first = rows_.begin() + start_[low], last = rows_.begin() + start_[low + 1];
-  const auto found = std::lower_bound(first, last, high);
-  if (found == last || *found != high) throw std::logic_error("no such entry in the pattern");
-  return static_cast<std::uint32_t>(order_.size() + static_cast<std::size_t>(found - rows_.begin()));
+  return 16 * block(low / 4, high / 4) + 4 * (low % 4) + high % 4;
 }
 
-// The diagonal first, then the columns: values[k], values[n + start[k] ...]. In the end the diagonal holds
-// the inverses of the pivots.
-bool KktPlan::factor(std::span<double> values) const {
-  const auto size = static_cast<std::uint32_t>(order_.size());
-  const std::uint32_t* target = targets_.data();
-  double* const v = values.data();
-  bool sound = true;
-  for (std::uint32_t k = 0; k < size; ++k) {
-    const double over = 1 / v[k];
-    sound = sound && std::isfinite(over);
-    v[k] = over;
-    double* const column = v + size + start_[k];
-    const std::uint32_t count = start_[k + 1] - start_[k];
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const double entry = column[i], scaled = entry * over;
-      for (std::uint32_t j = i; j < count; ++j) v[*target++] -= scaled * column[j];
-      column[i] = scaled;
-    }
-  }
-  return sound;
+std::vector<simd::Block> KktPlan::unit() const {
+  std::vector<simd::Block> out(blocks(), simd::Block{});
+  for (const std::uint32_t at : unused_) out[at / 4].of[5 * (at % 4)] = 1;
+  return out;
 }
 
-void KktPlan::solve(std::span<const double> factors, std::span<double> x) const {
-  const auto size = static_cast<std::uint32_t>(order_.size());
-  const double* const diagonal = factors.data();
-  const double* const entries = factors.data() + size;
-  for (std::uint32_t k = 0; k < size; ++k) {
-    const double y = x[k];
-    for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i) x[rows_[i]] -= entries[i] * y;
-  }
-  for (std::uint32_t k = size; k-- > 0;) {
-    double y = x[k] * diagonal[k];
-    for (std::uint32_t i = start_[k]; i < start_[k + 1]; ++i) y -= entries[i] * x[rows_[i]];
-    x[k] = y;
-  }
+bool KktPlan::factor(std::span<simd::Block> blocks) const {
+  kernels_->factor(view(blocks), targets_.data(), blocks.data());
+  return std::all_of(blocks.begin(), blocks.begin() + columns_, [](const simd::Block& inverse) {
+    return std::isfinite(inverse.of[0] + inverse.of[5] + inverse.of[10] + inverse.of[15]);
+  });
 }
 
-simd::KktView KktPlan::view(std::span<const double> factors) const {
-  return {unknowns(), start_.data(), rows_.data(), factors.data(), factors.data() + order_.size()};
+void KktPlan::solve(std::span<const simd::Block> factors, std::span<simd::Quad> x) const {
+  kernels_->solve(view(factors), x.data());
+}
+
+simd::KktView KktPlan::view(std::span<const simd::Block> factors) const {
+  return {columns_, start_.data(), rows_.data(), factors.data()};
 }
 
 }  // namespace plumb::detail
