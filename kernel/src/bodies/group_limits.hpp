@@ -31,7 +31,7 @@ inline constexpr double still = 4e-3, least_still = 1e-9;
 inline constexpr double tighter = 1e-2;
 /// Of what the first of several sweeps changes, what the last may: the rest waits for what they will be
 /// corrected by, which changes about as much.
-inline constexpr double rough = 0.1;
+inline constexpr double rough = 0.3;
 inline constexpr int most_sweeps = 60;
 inline constexpr int most_rounds = 4;
 /// Left of contacts, m, a substep is taken again, shorter.

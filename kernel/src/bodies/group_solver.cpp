@@ -126,6 +126,19 @@ void GroupStepper::push(const Row& first, double by0, double by1, double by2) {
   }
 }
 
+/// What rows start with.
+void GroupStepper::push_held() {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    if (row.kind != Kind::normal) {
+      push(row, row.p);
+      continue;
+    }
+    if (row.held) push(row, row.p, rows_[r + 1].p, rows_[r + 2].p);
+    r += 2;
+  }
+}
+
 /// What has been pushed since, onto a motion.
 void GroupStepper::apply(Island& island, std::span<Vec3> motion) {
   const Linkage& linkage = *island.state->linkage;
@@ -250,7 +263,7 @@ bool GroupStepper::solve_positions(StepReport& report) {
     Island& island = islands_[i];
     if (!island.sides.empty()) see(island, island.d);
   }
-  for (const Row& row : rows_) push(row, row.p);
+  push_held();
   double last = INFINITY;
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {

@@ -130,6 +130,7 @@ class GroupStepper {
   static double see(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
+  void push_held();
   /// Whether a sweep pushes or only says how far it would.
   enum class Sweep : std::uint8_t { pushes, looks };
   template <double Row::*of, Sweep sweep>
