@@ -255,9 +255,10 @@ class LinkageSimulation final : public Simulation {
       });
       for (const std::uint32_t i : awake_) {
         if (bounds_[i].is_empty()) continue;
-        walkers_.find(bounds_[i], [&](std::uint32_t j) {
+        walkers_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
           if (bounds_[i].overlaps(bounds_[j])) join(i, j);
         });
+        if (sleepers_.is_empty()) continue;
         sleepers_.find(bounds_[i], [&](std::uint32_t j) {
           if (!bounds_[i].overlaps(bounds_[j])) return;
           if (marks_[j] != mark_) {
@@ -267,7 +268,6 @@ class LinkageSimulation final : public Simulation {
           }
           join(i, j);
         });
-        walkers_.insert(i, bounds_[i]);
       }
     }
     // By group, and within a group by number.

@@ -22,25 +22,36 @@ class SpatialHash {
     entries_.clear();
     free_ = none;
     large_.clear();
+    listed_ = 0;
   }
 
+  bool is_empty() const { return listed_ == 0; }
+
   void insert(std::uint32_t id, const Bounds& bounds) {
+    ++listed_;
     if (is_large(bounds)) return large_.push_back(id);
+    for_cells(bounds, [&](std::size_t cell) { put(id, cell); });
+  }
+
+  /// find(), then insert(), in one walk.
+  template <class F>
+  void find_and_insert(std::uint32_t id, const Bounds& bounds, F&& f) {
+    if (is_large(bounds)) {
+      find(bounds, f);
+      return insert(id, bounds);
+    }
+    ++listed_;
+    for (const std::uint32_t other : large_) f(other);
     for_cells(bounds, [&](std::size_t cell) {
-      std::uint32_t at = free_;
-      if (at == none) {
-        at = static_cast<std::uint32_t>(entries_.size());
-        entries_.emplace_back();
-      } else {
-        free_ = entries_[at].next;
-      }
-      entries_[at] = {id, heads_[cell]};
-      heads_[cell] = at;
+      for (std::uint32_t at = heads_[cell]; at != none; at = entries_[at].next)
+        if (entries_[at].id != id) f(entries_[at].id);
+      put(id, cell);
     });
   }
 
   /// Takes out what was inserted with the same bounds.
   void remove(std::uint32_t id, const Bounds& bounds) {
+    --listed_;
     if (is_large(bounds)) {
       std::erase(large_, id);
       return;
@@ -80,6 +91,18 @@ class SpatialHash {
     std::uint32_t id, next;
   };
 
+  void put(std::uint32_t id, std::size_t cell) {
+    std::uint32_t at = free_;
+    if (at == none) {
+      at = static_cast<std::uint32_t>(entries_.size());
+      entries_.emplace_back();
+    } else {
+      free_ = entries_[at].next;
+    }
+    entries_[at] = {id, heads_[cell]};
+    heads_[cell] = at;
+  }
+
   bool is_large(const Bounds& b) const {
     const Vec3 size = over_ * (b.high - b.low);
     // Comparisons that are false for infinities, too.
@@ -110,6 +133,7 @@ class SpatialHash {
   std::vector<Entry> entries_;
   std::uint32_t free_ = none;
   std::vector<std::uint32_t> large_;
+  std::size_t listed_ = 0;
 };
 
 }  // namespace plumb::detail
