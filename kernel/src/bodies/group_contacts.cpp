@@ -51,11 +51,6 @@ double height(const Bounds& bounds, const Plane& plane) {
          (std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z);
 }
 
-/// Beyond a limit, of the way what a substep takes.
-double to_take_back(double gap) {
-  return gap >= 0 ? gap : taken_back * gap;
-}
-
 }  // namespace
 
 GroupStepper::Sum GroupStepper::add_sum(Island& island, const Combination& sum) {
@@ -118,7 +113,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
     row.p = h * h * dot(held.force, axes[axis]);
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
-      row.gap = touch.gap >= 0 ? touch.gap : std::min(0.0, taken_back * (touch.gap + most_overlap));
+      row.gap = touch.gap >= 0 ? touch.gap : std::min(0.0, h * take_back_ * (touch.gap + most_overlap));
       row.bound = std::sqrt(a.friction * b.friction);
       row.bounce = hit > least_bounce ? restitution * hit : 0;
       row.p = std::max(row.p, 0.0);
@@ -130,6 +125,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
 void GroupStepper::add_angles(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const LinkageState& state = *island.state;
+  const auto to_take_back = [&](double gap) { return gap >= 0 ? gap : h * take_back_ * gap; };
   std::uint64_t number = 0;
   for (const Linkage::Angle& angle : state.linkage->angles()) {
     const std::uint64_t key = contact_key(4, number++, 0, 0);

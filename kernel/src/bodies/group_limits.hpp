@@ -42,7 +42,8 @@ inline constexpr double held_response = 1e-8;
 inline constexpr double least_bounce = 0.05;
 /// What is near enough to be kept from touching, m.
 inline constexpr double margin = 2e-3;
-/// Overlap beyond this is taken back, m; and of it, and of what is beyond a limit, how much in a substep.
+/// Overlap beyond this is taken back, m; and of it, and of what is beyond a limit, how much in a substep as
+/// long as is asked for; in shorter ones less, or they would only have to be faster.
 inline constexpr double most_overlap = 5e-4, taken_back = 0.1;
 /// What does not seem to touch in a substep is watched if it is nearer, m: so far, and so many times as it
 /// moves.

@@ -56,6 +56,7 @@ void GroupStepper::step(std::span<LinkageState* const> group, const Surroundings
   double left = dt;
   const double least = dt / most_cuts;
   shortest_ = dt / most_guards;
+  take_back_ = taken_back * rules.substeps / dt;
   tight_ = false;
   while (left > 1e-12 * dt) {
     const double longest = std::max(std::min(dt / rules.substeps, longest_substep(dt)), least);

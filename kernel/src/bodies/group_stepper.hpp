@@ -159,6 +159,7 @@ class GroupStepper {
   bool woken_ = false, all_near_ = false;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
+  double take_back_ = 0;                      ///< 1/s, of overlaps and of what is beyond limits
   double still_ = 0;                          ///< m, a change of a position that no longer matters
 };
 
