@@ -130,6 +130,10 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
     print_line("start", "rods did not start at their lengths; particles moved by at most " +
                             short_number(info.projected_position) + " m");
   }
+  if (info.unprojected_islands > 0) {
+    print_line("start", "in " + plural(info.unprojected_islands, "island") +
+                            " rods are not at their lengths and cannot be brought there without a velocity");
+  }
   if (info.projected_velocity > 0) {
     print_line("velocity", "initial velocities pulled on rods; changed by at most " +
                                short_number(info.projected_velocity) + " m/s");

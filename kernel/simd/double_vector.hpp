@@ -1,5 +1,5 @@
-// Vectors of doubles for the bodies of fronts and of right hand sides in lanes. Included once per instruction
-// set with PLUMB_ARCH set to its xsimd architecture.
+// Vectors of doubles for the bodies of fronts, of blocks of four and of right hand sides in lanes. Included
+// once per instruction set with PLUMB_ARCH set to its xsimd architecture.
 #include <xsimd/xsimd.hpp>
 
 namespace plumb::simd {
@@ -15,9 +15,9 @@ template <class V>
 inline __attribute__((always_inline)) V broadcast(double value) {
   return V(value);
 }
-/// The sum of each, in its place: pairs first.
+/// In lane i the sum of values[i], as many values as lanes: (0 + 1) + (2 + 3), as the scalar body adds.
 template <class... Vs>
-inline __attribute__((always_inline)) Batch add_across(const Vs&... values) {
+inline __attribute__((always_inline)) Batch horizontal_sums(const Vs&... values) {
   const Batch rows[] = {values...};
   return xsimd::haddp(rows);
 }

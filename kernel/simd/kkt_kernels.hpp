@@ -20,29 +20,29 @@ struct alignas(64) Block {
   double of[16];
 };
 
-/// A column's unknowns.
+/// Four unknowns, those of one block column.
 struct alignas(32) Quad {
   double of[4];
 };
 
-/// Factors L D Lᵀ in blocks, by columns in the order of elimination: D⁻¹ of every column, then the blocks of
-/// L below the diagonal.
-struct KktView {
+/// Which blocks there are of a symmetric matrix, by block columns in the order of elimination. Of a matrix
+/// and of its factors L D Lᵀ an array of blocks: the diagonal, which becomes D⁻¹, then what is below it, L in
+/// the end.
+struct KktPattern {
   std::uint32_t columns = 0;
-  const std::uint32_t* start = nullptr;  ///< of every column's blocks, and their end
+  const std::uint32_t* start = nullptr;  ///< of every column's blocks below the diagonal, and their end
   const std::uint32_t* rows = nullptr;   ///< of the blocks
-  const Block* blocks = nullptr;
 };
 
 /// All arrays of lanes start on 64 bytes.
 struct KktKernels {
   /// A matrix becomes its factors; of blocks on the diagonal only what is on or below it is read. `targets`:
-  /// the block that every pair of blocks of a column changes, in the order of factor().
-  void (*factor)(const KktView&, const std::uint32_t* targets, Block* blocks);
-  /// x: one a column.
-  void (*solve)(const KktView&, Quad* x);
-  /// x: batches x unknowns x kkt_lanes.
-  void (*solve_lanes)(const KktView&, std::size_t batches, double* x);
+  /// for every column, for every pair i <= j of its blocks, the block that L_i D L_jᵀ is taken from.
+  void (*factor)(const KktPattern&, const std::uint32_t* targets, Block* blocks);
+  /// x: a Quad for every column.
+  void (*solve)(const KktPattern&, const Block* factors, Quad* x);
+  /// x: batches x 4 columns x kkt_lanes.
+  void (*solve_lanes)(const KktPattern&, const Block* factors, std::size_t batches, double* x);
   /// out, batches x kkt_lanes = sum over i of factors[i] * x[slots[i]], of every batch as solve_lanes()
   /// leaves it.
   void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
@@ -56,7 +56,7 @@ struct KktKernels {
 
 extern const KktKernels kkt_scalar, kkt_sse2, kkt_avx2;
 /// These loops are too short for 512 bits to win, and cores that meet one such instruction between scalar
-/// code lower its clock (Cascade Lake: from 2.7 to 2.4 GHz, for the whole step).
+/// code lower their clock (Cascade Lake: from 2.7 to 2.4 GHz, for the whole step).
 inline constexpr const KktKernels& kkt_avx512 = kkt_avx2;
 
 /// The table for an instruction set that is_supported().

@@ -44,9 +44,9 @@ struct AccuracyControl {
       substep = std::isnan(change) ? h : h * std::clamp(change, slowest_change, fastest_change);
       const bool accurate = rate <= 1 && !result.is_final;
       // Where rounding is what is estimated, shorter steps make it worse; after a blow, which no substep
-      // resolves, hardly better.
-      const bool stalls = attempt > 2 && std::isfinite(last_rate) && !(rate < last_rate * least_gain);
-      const bool hopeless = !accurate && (result.is_final || stalls);
+      // resolves, hardly better. One that had to be cut says nothing of how errors fall.
+      const bool stalls = attempt > 2 && !std::isinf(last_rate) && !(rate < last_rate * least_gain);
+      const bool hopeless = result.is_final || stalls;
       if (accurate || hopeless || attempt == most_attempts || substeps >= most) {
         counters.add(of_attempt);
         if (accurate) return;

@@ -116,6 +116,7 @@ class CompositeSimulation final : public Simulation {
       info_.skipped_drag = own.skipped_drag;
       info_.projected_velocity = std::max(info_.projected_velocity, own.projected_velocity);
       info_.projected_position = std::max(info_.projected_position, own.projected_position);
+      info_.unprojected_islands += own.unprojected_islands;
       info_.blocks.insert(info_.blocks.end(), own.blocks.begin(), own.blocks.end());
     }
     info_.particles = static_cast<std::uint32_t>(scene.particles.size());

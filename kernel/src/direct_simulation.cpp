@@ -26,8 +26,9 @@ constexpr double unchanged = 1e-9;
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
 
-/// s; what loads and velocities do in it is below rounding.
-constexpr double no_time = 1e-9;
+/// s, of the step that brings rods to their lengths: no velocity is set yet, and no load moves anything in
+/// it.
+constexpr double projection_step = 1e-9;
 /// Of a rod's length: rods that start off it by less do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
 
@@ -59,7 +60,7 @@ class DirectSimulation final : public Simulation {
     anchor_of_.assign(scene.particles.size(), no_anchor);
     make_groups(scene);
     fill_info(scene);
-    project_initial_positions(scene);
+    project_initial_positions(scene);  // before there are velocities
     set_initial_velocities(scene);
   }
 
@@ -280,39 +281,37 @@ class DirectSimulation final : public Simulation {
   /// Makes rods start at their lengths. The first substep would do it too, but as a velocity, the greater the
   /// shorter it is.
   void project_initial_positions(const Scene& scene) {
-    std::vector<std::uint8_t> is_off(scene.particles.size());
+    std::vector<std::uint8_t> group_is_off(groups_.size()), loop_is_off(loops_.size());
     bool any = false;
     for (std::size_t i = 0; i < scene.rods.size(); ++i) {
-      const auto [a, b] = std::pair(scene.rods[i].a, scene.rods[i].b);
+      const Rod& rod = scene.rods[i];
       const double length = rod_length(scene, i);
-      const double gap = std::abs(norm(scene.particles[b].position - scene.particles[a].position) - length);
-      if (gap <= least_gap * length) continue;
-      is_off[fixed_[a] ? b : a] = 1;
+      const double now = norm(scene.particles[rod.b].position - scene.particles[rod.a].position);
+      if (std::abs(now - length) <= least_gap * length) continue;
       any = true;
+      const std::uint32_t end = fixed_[rod.a] ? rod.b : rod.a;
+      if (loops_.holds(end))
+        loop_is_off[loops_.island(end)] = 1;
+      else
+        group_is_off[places_[end].group] = 1;
     }
     if (!any) return;
+    for (std::uint32_t i = 0; i < loop_is_off.size(); ++i)
+      if (loop_is_off[i] && !loops_.project_positions(i, projection_step)) ++info_.unprojected_islands;
     const TreeStepper<T> stepper(Gradient::new_, 0, false, isa_);
-    std::vector<std::uint8_t> group_is_off(groups_.size()), island_is_off(loops_.size());
-    for (std::uint32_t i = 0; i < is_off.size(); ++i) {
-      if (is_off[i] == 0) continue;
-      if (loops_.holds(i))
-        island_is_off[loops_.island(i)] = 1;
-      else
-        group_is_off[places_[i].group] = 1;
-    }
-    for (std::uint32_t i = 0; i < island_is_off.size(); ++i)
-      if (island_is_off[i]) loops_.project_positions(i, no_time);
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       if (group_is_off[g] == 0) continue;
       Group& group = groups_[g];
       Crew& crew = crews_[group.kind][0];
       TreeState<T>& state = group.line ? group.line->whole : group.state;
-      TreeState<T> start(state.topology, state.lanes);
-      start.copy_motion(state);
+      TreeState<T> before(state.topology, state.lanes);
+      before.copy_motion(state);
       DirectCounters not_of_a_step;
-      stepper.advance(state, group.trees, no_time, crew.work, crew.alone, crew.alone_work, not_of_a_step);
-      std::copy_n(state.x.data(), state.x.size(), start.x.data());
-      state.copy_motion(start);
+      stepper.advance(state, group.trees, projection_step, crew.work, crew.alone, crew.alone_work,
+                      not_of_a_step);
+      info_.unprojected_islands += static_cast<std::uint32_t>(not_of_a_step.unsolved);
+      std::copy_n(state.x.data(), state.x.size(), before.x.data());
+      state.copy_motion(before);  // but for x
       if (group.line) group.line->segments.scatter(state, group.state);
     }
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
@@ -374,7 +373,9 @@ class DirectSimulation final : public Simulation {
           error = control.by_two_runs ? control.error_of_substep(
                                             advance_twice(group, crew, h, substeps, of_attempt), substeps)
                                       : advance(group, crew, h, substeps, of_attempt);
-          return AccuracyControl::Attempt{.error = error, .is_final = of_attempt.unsolved > 0};
+          // What a thousandth of a substep did not solve, a shorter one will not.
+          return AccuracyControl::Attempt{.error = error,
+                                          .is_final = of_attempt.unsolved + of_attempt.fallbacks > 0};
         },
         [&] { group.state.copy_motion(*group.start); });
     if (calm_stepper_ && !group.line) watch(group, crew, error, h, dt / control.least, control.allowed);

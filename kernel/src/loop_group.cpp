@@ -66,26 +66,27 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
   };
   control.step(
       dt, island.substep, counters,
-      [&](double h, std::uint32_t substeps, DirectCounters& fine) {
+      [&](double h, std::uint32_t substeps, DirectCounters& of_attempt) {
         DirectCounters coarse;
         advance(island, 2 * h, substeps / 2, time_order, coarse);
         if (coarse.unsolved > 0) {
-          fine.add(coarse);
+          of_attempt.add(coarse);
           return AccuracyControl::Attempt{.error = 0, .is_final = true};
         }
-        fine.newton += coarse.newton;
+        of_attempt.newton += coarse.newton;
         island.coarse = island.state.x;
         restore();
-        advance(island, h, substeps, time_order, fine);
+        advance(island, h, substeps, time_order, of_attempt);
         double sum = 0;
         for (std::size_t i = 0; i < island.coarse.size(); ++i) {
           const double apart = island.state.x[i] - island.coarse[i];
           sum += apart * apart;
         }
         const double distance = std::sqrt(sum / island.state.topology->nodes);
-        return AccuracyControl::Attempt{.error = control.error_of_substep(distance, substeps),
-                                        .is_blind = coarse.halvings + coarse.fallbacks + fine.fallbacks > 0,
-                                        .is_final = fine.unsolved > 0};
+        return AccuracyControl::Attempt{
+            .error = control.error_of_substep(distance, substeps),
+            .is_blind = coarse.halvings + coarse.fallbacks + of_attempt.fallbacks > 0,
+            .is_final = of_attempt.unsolved > 0};
       },
       restore);
 }
@@ -149,13 +150,14 @@ void LoopGroup::set_velocity(std::uint32_t particle, Vec3 velocity) {
   u[2] = velocity.z;
 }
 
-void LoopGroup::project_positions(std::uint32_t number, double no_time) {
+bool LoopGroup::project_positions(std::uint32_t number, double h) {
   Island& island = islands_[number];
   LoopState projected = island.state;
   DirectCounters counters;
-  LoopStepper(Gradient::new_, 0).advance(projected, no_time, island.work, counters);
+  LoopStepper(Gradient::new_, 0).advance(projected, h, island.work, counters);
   if (counters.unsolved == 0) island.state.x = projected.x;
   if (island.work.lines) island.work.lines->forget();
+  return counters.unsolved == 0;
 }
 
 void LoopGroup::project_velocities() {

@@ -37,8 +37,9 @@ class LoopGroup {
   Vec3 velocity(std::uint32_t particle) const;
   void set_force(std::uint32_t particle, Vec3 newton);
 
-  /// Makes an island's rods start at their lengths, in a time in which nothing moves.
-  void project_positions(std::uint32_t island, double no_time);
+  /// Brings an island's rods to their lengths by one step of `h` (s), too short for loads to move it. False
+  /// if that cannot be solved; it stays as it is then.
+  bool project_positions(std::uint32_t island, double h);
   /// Initial velocities (m/s), which project_velocities() then makes fit the rods.
   void set_velocity(std::uint32_t particle, Vec3 velocity);
   void project_velocities();

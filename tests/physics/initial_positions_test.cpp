@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "scenes/generators.hpp"
@@ -21,15 +22,17 @@ Scene shaken(Scene scene, double by, test::Random& random) {
   return scene;
 }
 
-void expect_at_rest(const Scene& scene, const Settings& settings, double left) {
+/// To `tolerance`: of a stretch 1e-12 is what Newton's last change leaves squared, 1e-9 where lines or many
+/// rods add up; ten steps may add as much each.
+void expect_at_rest(const Scene& scene, const Settings& settings, double tolerance) {
   World world(scene, settings);
   EXPECT_GT(world.info().projected_position, 0);
-  EXPECT_LE(test::stretch_of(scene, world).max, left);
+  EXPECT_LE(test::stretch_of(scene, world).max, tolerance);
   const std::vector<Vec3> before = test::positions_of(world);
   const StepReport report = test::run(world, 1.0 / 60, 10);
   EXPECT_EQ(report.unsolved, 0u);
   const std::vector<Vec3> after = test::positions_of(world);
-  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LE(norm(after[i] - before[i]), 10 * left) << i;
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LE(norm(after[i] - before[i]), 10 * tolerance) << i;
 }
 
 // Without loads nothing moves then, however short substeps are: the gap did not become a velocity.
@@ -67,6 +70,40 @@ TEST(InitialPositions, BringNoVelocityToLoopsAndLongLines) {
   }
 }
 
+// In float, too; and of equal trees side by side only those that do not fit are moved.
+TEST(InitialPositions, AreProjectedTreeByTree) {
+  test::Random random(10);
+  Scene fits = scenes::make_chain(6, 0.1, 3);
+  fits.gravity = {};
+  Scene scene = fits;
+  for (int k = 1; k < 12; ++k) {
+    const Scene other = k % 3 ? fits : shaken(fits, 0.002, random);
+    const auto first = static_cast<std::uint32_t>(scene.particles.size());
+    for (Particle particle : other.particles) {
+      particle.position = particle.position + Vec3{0, 0, 1.0 * k};
+      scene.particles.push_back(particle);
+    }
+    for (Rod rod : other.rods) {
+      rod.length = 0.1;
+      rod.a += first;
+      rod.b += first;
+      scene.rods.push_back(rod);
+    }
+  }
+  for (const Precision precision : {Precision::single, Precision::double_}) {
+    Settings settings = test::direct(Gradient::mid, 4);
+    settings.precision = precision;
+    const World world(scene, settings);
+    const double tolerance = precision == Precision::single ? 1e-6 : 1e-12;
+    EXPECT_LE(test::stretch_of(scene, world).max, tolerance);
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+      const bool shaken_chain = i / fits.particles.size() > 0 && i / fits.particles.size() % 3 == 0;
+      if (shaken_chain) continue;
+      EXPECT_LE(norm(world.position(i) - scene.particles[i].position), tolerance) << i;
+    }
+  }
+}
+
 // Rods push and pull along themselves, so what floats keeps its centre of mass.
 TEST(InitialPositions, KeepTheCentreOfMass) {
   test::Random random(9);
@@ -81,6 +118,16 @@ TEST(InitialPositions, KeepTheCentreOfMass) {
       measure_momentum(scene, test::positions_of(world), still, MassModel::consistent).center_of_mass;
   EXPECT_LE(norm(after - before), 1e-12);
   EXPECT_GT(world.info().projected_position, 1e-3);
+}
+
+// What cannot be brought there is counted: fixed ends farther apart than the rods between them reach.
+TEST(InitialPositions, SayWhatDoesNotFit) {
+  Scene scene = scenes::make_chain(4);
+  scene.particles.push_back(test::fixed({0.6, 0, 0}));
+  scene.rods.push_back({.a = 4, .b = 5, .length = 0.1});
+  const World world(scene, test::direct(Gradient::mid));
+  EXPECT_EQ(world.info().unprojected_islands, 1u);
+  EXPECT_EQ(world.info().projected_position, 0);
 }
 
 // What fits but for the rounding of its coordinates stays where it was put, to the last bit.

@@ -1,8 +1,14 @@
-// Small matrices in blocks of four: the scalar bodies against dense solves, the vector bodies against them.
+// Small matrices in blocks of four: residuals of the scalar bodies in dense matrices, the vector bodies
+// against the scalar ones.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,7 +20,6 @@ namespace plumb::detail {
 namespace {
 
 using Dense = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-using Vector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
 /// [M Jᵀ; J -e] of particles some of which share mass, and of constraints on two to four of them; in no
 /// order.
@@ -61,7 +66,7 @@ struct Problem {
 };
 
 std::vector<simd::Block> matrix_of(const Problem& problem, const KktPlan& plan) {
-  std::vector<simd::Block> blocks = plan.unit();
+  std::vector<simd::Block> blocks = plan.empty_matrix();
   const std::span<double> values = numbers(blocks);
   for (const auto& [a, b] : problem.couplings)
     values[plan.place(a, b)] = static_cast<double>(problem.dense(a, b));
@@ -81,15 +86,17 @@ std::vector<simd::Quad> right_of(const Problem& problem, const KktPlan& plan) {
 // Residuals, relative to the sizes of what was added: 1e-9 leaves room for pivots of constraints that are
 // nearly redundant, which draws like these have.
 TEST(Kkt, SolvesWhatItsMatrixSays) {
+  int solved = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     const Problem problem(seed);
     const KktPlan plan(problem.particles, problem.constraints, problem.couplings, Isa::scalar);
     std::vector<simd::Block> blocks = matrix_of(problem, plan);
     if (!plan.factor(blocks)) continue;
+    ++solved;
     std::vector<simd::Quad> x = right_of(problem, plan);
-    const std::vector<simd::Quad> right = x;
+    std::vector<simd::Quad> right = x;
     plan.solve(blocks, x);
-    const auto at = [&](std::vector<simd::Quad> of, Eigen::Index i) {
+    const auto at = [&](std::vector<simd::Quad>& of, Eigen::Index i) {
       return numbers(of)[plan.position(static_cast<std::uint32_t>(i))];
     };
     for (Eigen::Index i = 0; i < problem.dense.rows(); ++i) {
@@ -102,6 +109,7 @@ TEST(Kkt, SolvesWhatItsMatrixSays) {
       ASSERT_LE(std::abs(sum), 1e-9L * size) << seed << ", row " << i;
     }
   }
+  EXPECT_EQ(solved, 300);
 }
 
 // To the last bit: one right hand side, and many in lanes, on every instruction set.
@@ -115,12 +123,18 @@ TEST(Kkt, IsTheSameOnEveryInstructionSet) {
       std::vector<simd::Quad> x = right_of(problem, plan);
       constexpr std::size_t batches = 3;
       std::vector<simd::Lanes> lanes(batches * plan.unknowns());
+      // Every lane of every batch times another power of two, which changes no digit.
+      const auto times = [&](std::size_t i, std::size_t lane) {
+        return std::ldexp(1.0, static_cast<int>(i / plan.unknowns() * simd::kkt_lanes + lane));
+      };
       for (std::size_t i = 0; i < lanes.size(); ++i)
-        std::fill(std::begin(lanes[i].of), std::end(lanes[i].of), numbers(x)[i % plan.unknowns()]);
-      simd::kkt_kernels(isa).solve_lanes(plan.view(blocks), batches, lanes.front().of);
+        for (std::size_t lane = 0; lane < simd::kkt_lanes; ++lane)
+          lanes[i].of[lane] = times(i, lane) * numbers(x)[i % plan.unknowns()];
+      simd::kkt_kernels(isa).solve_lanes(plan.pattern(), blocks.data(), batches, lanes.front().of);
       plan.solve(blocks, x);
       for (std::size_t i = 0; i < lanes.size(); ++i)
-        for (const double each : lanes[i].of) EXPECT_EQ(each, numbers(x)[i % plan.unknowns()]) << seed;
+        for (std::size_t lane = 0; lane < simd::kkt_lanes; ++lane)
+          EXPECT_EQ(lanes[i].of[lane], times(i, lane) * numbers(x)[i % plan.unknowns()]) << seed;
       return x;
     };
     std::vector<simd::Quad> wanted = solve(Isa::scalar);
@@ -137,7 +151,7 @@ TEST(Kkt, IsTheSameOnEveryInstructionSet) {
 TEST(Kkt, SaysWhatHasNoFactors) {
   const std::pair<std::uint32_t, std::uint32_t> couplings[] = {{3, 0}};
   const KktPlan plan(1, 1, couplings, Isa::scalar);
-  std::vector<simd::Block> blocks = plan.unit();  // no mass at all
+  std::vector<simd::Block> blocks = plan.empty_matrix();  // no mass at all
   EXPECT_FALSE(plan.factor(blocks));
 }
 

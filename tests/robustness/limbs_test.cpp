@@ -143,6 +143,19 @@ TEST(Limbs, LeaveTheOthersAloneWhenOneCannotBeSolved) {
   expect_alike(world, twin, 20, 32);
 }
 
+// Nor does what it leaves in memory reach those that are moved after it.
+TEST(Limbs, MoveAfterAnIslandThatBroke) {
+  Scene scene;
+  const std::uint32_t breaks = test::add_ball(scene, {0, 0, 0}, 0.1, 1e-8);
+  const std::uint32_t falls = test::add_ball(scene, {50, 0, 0}, 0.1, 1);
+  World world(scene, test::limbs());
+  world.set_force(breaks, {0, 1.7e308, 0});
+  std::uint32_t frozen = 0;
+  for (int i = 0; i < 10; ++i) frozen += world.step(frame).frozen_islands;
+  EXPECT_EQ(frozen, 1u);
+  EXPECT_NEAR(world.position(falls).y, -0.5 * test::earth * world.time() * world.time(), 1e-12);
+}
+
 // A ball whose numbers run out is put back to where it was, stands still from then on, and is counted once.
 TEST(Limbs, FreezeOnlyTheIslandThatBroke) {
   const Scene scene = figures_and_a_loose_ball();

@@ -68,6 +68,7 @@ TEST(Report, HasEveryField) {
                                                  "mid_guarded",
                                                  "frozen_islands",
                                                  "projected_position",
+                                                 "unprojected_islands",
                                                  "projected_velocity",
                                                  "state_hash",
                                                  "relaxed_rods",

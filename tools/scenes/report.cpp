@@ -128,6 +128,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"mid_guarded", result.total.mid_guarded},
       {"frozen_islands", result.total.frozen_islands},
       {"projected_position", number(result.info.projected_position)},
+      {"unprojected_islands", result.info.unprojected_islands},
       {"projected_velocity", number(result.info.projected_velocity)},
       {"state_hash", hash_text(result.state_hash)},
   };

@@ -19,7 +19,8 @@ nlohmann::ordered_json settings_json(const RunPlan& plan);
 /// scene, method, settings, machine, rods, particles, islands, frames, steps (substeps), sweeps (over
 /// blocks), newton, rod_projections, wall_s, ns_per_rod_frame, stretch, energy (relative to energy_range();
 /// null without gravity), position_error, stopped_by, skipped, mid_guarded, frozen_islands,
-/// projected_position, projected_velocity, state_hash.
+/// projected_position,
+/// unprojected_islands, projected_velocity, state_hash.
 nlohmann::ordered_json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
                                    const Machine& machine);
 

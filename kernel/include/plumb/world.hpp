@@ -32,7 +32,7 @@ struct StepReport {
   /// Islands that went non-finite in this step. Each was put back to its last finite state and stands still.
   std::uint32_t frozen_islands = 0;
 
-  // Of islands solved directly:
+  // Of islands solved directly; of what was done again for accuracy only `newton` counts, and that it was:
   std::uint64_t direct_substeps = 0;  ///< substeps that islands took, those after halvings included
   std::uint64_t newton = 0;           ///< Newton steps, summed over islands
   std::uint64_t halvings = 0;         ///< times an island's substep did not converge and was cut in two
@@ -87,9 +87,11 @@ struct WorldInfo {
   bool skipped_drag = true;                   ///< no drag: no factor on displacements
   double projected_velocity =
       0;  ///< m/s; largest change made to initial velocities so that none pulls on a rod
-  double projected_position =
-      0;  ///< m; largest change method direct made to positions so that rods start at their lengths
-  std::vector<BlockInfo> blocks;  ///< equal blocks are listed once, with their sums
+  /// m; largest change made to positions so that rods start at their lengths, of islands that method direct
+  /// moves and that have no limbs.
+  double projected_position = 0;
+  std::uint32_t unprojected_islands = 0;  ///< of those, where that could not be solved: they stay as they are
+  std::vector<BlockInfo> blocks;          ///< equal blocks are listed once, with their sums
 };
 
 class World;

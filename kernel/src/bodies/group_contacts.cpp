@@ -113,7 +113,7 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
     row.p = h * h * dot(held.force, axes[axis]);
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
-      row.gap = touch.gap >= 0 ? touch.gap : std::min(0.0, h * take_back_ * (touch.gap + most_overlap));
+      row.gap = recovered(touch.gap, most_overlap, h);
       row.bound = std::sqrt(a.friction * b.friction);
       row.bounce = hit > least_bounce ? restitution * hit : 0;
       row.p = std::max(row.p, 0.0);
@@ -125,7 +125,6 @@ void GroupStepper::add_contact(std::uint32_t i, const Combination& at, std::uint
 void GroupStepper::add_angles(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const LinkageState& state = *island.state;
-  const auto to_take_back = [&](double gap) { return gap >= 0 ? gap : h * take_back_ * gap; };
   std::uint64_t number = 0;
   for (const Linkage::Angle& angle : state.linkage->angles()) {
     const std::uint64_t key = contact_key(4, number++, 0, 0);
@@ -147,9 +146,9 @@ void GroupStepper::add_angles(std::uint32_t i, double h) {
     };
     const double near = 0.05 + std::abs(by);
     if (angle.lower > 0 && value + by - angle.lower < near)
-      add(Kind::limit, 1).gap = to_take_back(value - angle.lower);
+      add(Kind::limit, 1).gap = recovered(value - angle.lower, 0, h);
     if (angle.upper < std::numbers::pi && angle.upper - value - by < near)
-      add(Kind::limit, -1).gap = to_take_back(angle.upper - value);
+      add(Kind::limit, -1).gap = recovered(angle.upper - value, 0, h);
     if (angle.friction > 0) {
       // Half in either half of the substep.
       Row& row = add(Kind::brake, 1);

@@ -25,12 +25,15 @@ inline constexpr double let_be = 1e-6;
 /// Left of constraints, relative to lengths.
 inline constexpr double exact = 1e-8;
 inline constexpr int most_corrections = 16;
-/// What a sweep may still change when it is the last, of what gravity does in a substep, and in m.
+/// What a sweep may still change when it is the last, of what gravity does in a substep, and in m. Toppling
+/// figures then lie within 0.1 mm of where tighter sweeps leave them after 1.6 s, and 30 mm from where twice
+/// as many substeps do; a block slides at the right slope to 1 % up to about 5e-3.
 inline constexpr double still = 4e-3, least_still = 1e-9;
 /// Of that, once something was lifted: then until the end of the step.
 inline constexpr double tighter = 1e-2;
 /// Of what the first of several sweeps changes, what the last may: the rest waits for what they will be
-/// corrected by, which changes about as much.
+/// corrected by, which changes about as much. Less costs more sweeps (0.1: 4 % of the step), and leaves no
+/// less.
 inline constexpr double rough = 0.3;
 inline constexpr int most_sweeps = 60;
 inline constexpr int most_rounds = 4;
@@ -42,8 +45,9 @@ inline constexpr double held_response = 1e-8;
 inline constexpr double least_bounce = 0.05;
 /// What is near enough to be kept from touching, m.
 inline constexpr double margin = 2e-3;
-/// Overlap beyond this is taken back, m; and of it, and of what is beyond a limit, how much in a substep as
-/// long as is asked for; in shorter ones less, or they would only have to be faster.
+/// Overlap beyond this is taken back, m; and of it, and of what is beyond a limit, the share taken back in a
+/// substep of the length asked for. In shorter ones less in proportion, or the speed it takes would grow as
+/// they shrink.
 inline constexpr double most_overlap = 5e-4, taken_back = 0.1;
 /// What does not seem to touch in a substep is watched if it is nearer, m: so far, and so many times as it
 /// moves.

@@ -62,6 +62,7 @@ void GroupStepper::bounce(double h) {
     if (row.kind != Kind::sliding) pushes = row.p != 0;
     const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
     if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
+    // Speeds follow from find_velocities().
     for (std::uint32_t i = 0; i < row.ends; ++i) row.end[i].push[row.end[i].side] += row.q;
   }
   const double enough = still_ / h;

@@ -78,7 +78,8 @@ void GroupStepper::couple(Island& island) {
     for (std::uint32_t k = 0; k < used; ++k)
       island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
   }
-  kernels_->solve_lanes(linkage.plan().view(island.state->factors), batches, island.response.front().of);
+  kernels_->solve_lanes(linkage.plan().pattern(), island.state->factors.data(), batches,
+                        island.response.front().of);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t used = gather(island.sides[s]);
     kernels_->combine(island.response.front().of, unknowns, batches, slots, factors, used,
@@ -126,7 +127,7 @@ void GroupStepper::push(const Row& first, double by0, double by1, double by2) {
   }
 }
 
-/// What rows start with.
+/// Pushes what rows start with, a contact's three at once; contacts that were not there start with nothing.
 void GroupStepper::push_held() {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
@@ -203,7 +204,7 @@ double GroupStepper::contact(std::size_t r, double normal, double most) {
 }
 
 // The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
-// the largest change that they made, in m or m/s.
+// the largest change that they made, or would have made: in m or rad, or per second.
 template <GroupStepper::Sweep sweep>
 double GroupStepper::sweep_positions() {
   double worst = 0;

@@ -56,7 +56,7 @@ void GroupStepper::step(std::span<LinkageState* const> group, const Surroundings
   double left = dt;
   const double least = dt / most_cuts;
   shortest_ = dt / most_guards;
-  take_back_ = taken_back * rules.substeps / dt;
+  recovery_rate_ = taken_back * rules.substeps / dt;
   tight_ = false;
   while (left > 1e-12 * dt) {
     const double longest = std::max(std::min(dt / rules.substeps, longest_substep(dt)), least);
@@ -122,7 +122,8 @@ void GroupStepper::start(Island& island, double h) {
   island.v.resize(state.x.size());
   island.momentum.resize(movable);
   island.force.resize(movable);
-  island.unknowns.resize(linkage.plan().columns());
+  // The last island's numbers may not be finite, nor zero where no unknown is.
+  island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = island.right();
   const double kept = linkage.kept(0.5 * h);
   // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.

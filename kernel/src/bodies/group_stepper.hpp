@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -122,6 +123,10 @@ class GroupStepper {
   void add_contact(std::uint32_t i, const Combination& at, std::uint32_t j, const Combination& at_other,
                    const Touch& touch, const Surface& a, const Surface& b, std::uint64_t key, double h);
   void add_angles(std::uint32_t i, double h);
+  /// Of a gap what a substep leaves open; of a negative one, but for `slop`, what it takes back.
+  double recovered(double gap, double slop, double h) const {
+    return gap >= 0 ? gap : std::min(0.0, h * recovery_rate_ * (gap + slop));
+  }
   static Sum add_sum(Island& island, const Combination& sum);
   static std::uint32_t add_side(Island& island, const Side& side);
   void find_responses();
@@ -159,8 +164,8 @@ class GroupStepper {
   bool woken_ = false, all_near_ = false;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
-  double take_back_ = 0;                      ///< 1/s, of overlaps and of what is beyond limits
-  double still_ = 0;                          ///< m, a change of a position that no longer matters
+  double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits
+  double still_ = 0;          ///< m, a change of a position that no longer matters
 };
 
 }  // namespace plumb::detail

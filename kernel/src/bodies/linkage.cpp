@@ -181,7 +181,7 @@ void Linkage::plan(const Scene& part, Isa isa) {
   plan_ = KktPlan(movable_, constraints_, pairs, isa);
   for (std::uint32_t i = 0; i < movable_; ++i) slots_.push_back(plan_.position(3 * i));
 
-  template_ = plan_.unit();
+  template_ = plan_.empty_matrix();
   const std::span<double> fixed = numbers(template_);
   for (std::uint32_t i = 0; i < movable_; ++i)
     for (std::uint32_t axis = 0; axis < 3; ++axis)
@@ -324,7 +324,7 @@ void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::spa
 }
 
 void Linkage::anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const {
-  if (!is_grounded()) {
+  if (!is_grounded()) {  // nothing is given
     for (std::uint32_t c = 0; c < constraints_; ++c) right[plan_.position(3 * movable_ + c)] = 0;
     return;
   }

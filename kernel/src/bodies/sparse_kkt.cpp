@@ -111,7 +111,7 @@ KktPlan::KktPlan(std::uint32_t threes, std::uint32_t constraints,
         put(n + 2 * threes);
     }
     ++columns_;
-    while (at < 4 * columns_) unused_.push_back(at++);
+    while (at < 4 * columns_) padding_.push_back(at++);
   }
 
   std::vector<std::set<std::uint32_t>> below(columns_);
@@ -144,25 +144,21 @@ std::uint32_t KktPlan::place(std::uint32_t a, std::uint32_t b) const {
   return 16 * block(low / 4, high / 4) + 4 * (low % 4) + high % 4;
 }
 
-std::vector<simd::Block> KktPlan::unit() const {
+std::vector<simd::Block> KktPlan::empty_matrix() const {
   std::vector<simd::Block> out(blocks(), simd::Block{});
-  for (const std::uint32_t at : unused_) out[at / 4].of[5 * (at % 4)] = 1;
+  for (const std::uint32_t at : padding_) out[at / 4].of[5 * (at % 4)] = 1;
   return out;
 }
 
 bool KktPlan::factor(std::span<simd::Block> blocks) const {
-  kernels_->factor(view(blocks), targets_.data(), blocks.data());
+  kernels_->factor(pattern(), targets_.data(), blocks.data());
   return std::all_of(blocks.begin(), blocks.begin() + columns_, [](const simd::Block& inverse) {
-    return std::isfinite(inverse.of[0] + inverse.of[5] + inverse.of[10] + inverse.of[15]);
+    return std::isfinite(inverse.of[12] + inverse.of[13] + inverse.of[14] + inverse.of[15]);
   });
 }
 
 void KktPlan::solve(std::span<const simd::Block> factors, std::span<simd::Quad> x) const {
-  kernels_->solve(view(factors), x.data());
-}
-
-simd::KktView KktPlan::view(std::span<const simd::Block> factors) const {
-  return {columns_, start_.data(), rows_.data(), factors.data()};
+  kernels_->solve(pattern(), factors.data(), x.data());
 }
 
 }  // namespace plumb::detail

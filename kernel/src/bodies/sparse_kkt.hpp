@@ -21,8 +21,8 @@ std::span<double> numbers(std::vector<Numbers>& of) {
 /// M positive definite, e tiny: quasi-definite, so that every order of elimination has factors without
 /// pivoting (Vanderbei 1995). A rod with inertia 0 on particles without mass has a singular M, and factor()
 /// fails. The first unknowns are those of M in threes, the others constraints. Small matrices with few
-/// neighbours: in blocks of four, a triple with a constraint of its own if it has one, or up to four
-/// constraints. What a block has no unknown for is a row of the unit matrix, and zero in vectors.
+/// neighbours: in blocks of four, a vector of AVX2, a triple with a constraint of its own if it has one, or
+/// up to four constraints. What a block has no unknown for is a row of the unit matrix, and zero in vectors.
 class KktPlan {
  public:
   KktPlan() = default;
@@ -38,8 +38,8 @@ class KktPlan {
   std::size_t blocks() const { return columns_ + rows_.size(); }
   /// Where the entry of two unknowns is among the numbers of the blocks; of one with itself, the diagonal.
   std::uint32_t place(std::uint32_t a, std::uint32_t b) const;
-  /// Of all that no unknown has: ones on the diagonal, zeros else.
-  std::vector<simd::Block> unit() const;
+  /// Zeros, with ones on the diagonal where no unknown stands, so that blocks have inverses.
+  std::vector<simd::Block> empty_matrix() const;
   /// Where an unknown stands in vectors that are solved.
   std::uint32_t position(std::uint32_t unknown) const { return position_[unknown]; }
 
@@ -47,7 +47,7 @@ class KktPlan {
   bool factor(std::span<simd::Block> blocks) const;
   void solve(std::span<const simd::Block> factors, std::span<simd::Quad> x) const;
   /// For KktKernels.
-  simd::KktView view(std::span<const simd::Block> factors) const;
+  simd::KktPattern pattern() const { return {columns_, start_.data(), rows_.data()}; }
 
  private:
   std::uint32_t block(std::uint32_t column, std::uint32_t row) const;
@@ -55,7 +55,7 @@ class KktPlan {
   const simd::KktKernels* kernels_ = nullptr;
   std::uint32_t columns_ = 0;
   std::vector<std::uint32_t> position_;
-  std::vector<std::uint32_t> unused_;   ///< positions of no unknown
+  std::vector<std::uint32_t> padding_;  ///< positions without an unknown
   std::vector<std::uint32_t> start_;    ///< of every column's blocks below the diagonal, by elimination
   std::vector<std::uint32_t> rows_;     ///< their rows, by elimination, ascending
   std::vector<std::uint32_t> targets_;  ///< blocks that factor() updates, in its order

@@ -22,25 +22,25 @@ class SpatialHash {
     entries_.clear();
     free_ = none;
     large_.clear();
-    listed_ = 0;
+    count_ = 0;
   }
 
-  bool is_empty() const { return listed_ == 0; }
+  bool is_empty() const { return count_ == 0; }
 
   void insert(std::uint32_t id, const Bounds& bounds) {
-    ++listed_;
+    ++count_;
     if (is_large(bounds)) return large_.push_back(id);
     for_cells(bounds, [&](std::size_t cell) { put(id, cell); });
   }
 
-  /// find(), then insert(), in one walk.
+  /// find(), then insert(), in one walk. (Two of the cells may share a list.)
   template <class F>
   void find_and_insert(std::uint32_t id, const Bounds& bounds, F&& f) {
     if (is_large(bounds)) {
       find(bounds, f);
       return insert(id, bounds);
     }
-    ++listed_;
+    ++count_;
     for (const std::uint32_t other : large_) f(other);
     for_cells(bounds, [&](std::size_t cell) {
       for (std::uint32_t at = heads_[cell]; at != none; at = entries_[at].next)
@@ -51,7 +51,7 @@ class SpatialHash {
 
   /// Takes out what was inserted with the same bounds.
   void remove(std::uint32_t id, const Bounds& bounds) {
-    --listed_;
+    --count_;
     if (is_large(bounds)) {
       std::erase(large_, id);
       return;
@@ -133,7 +133,7 @@ class SpatialHash {
   std::vector<Entry> entries_;
   std::uint32_t free_ = none;
   std::vector<std::uint32_t> large_;
-  std::size_t listed_ = 0;
+  std::size_t count_ = 0;
 };
 
 }  // namespace plumb::detail
