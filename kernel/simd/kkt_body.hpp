@@ -13,7 +13,7 @@ constexpr std::size_t width = sizeof(V) / sizeof(double);
 
 // --- Blocks
 
-/// LaneVectors numbers, in one or more vectors.
+/// Four numbers, in one or more vectors.
 template <class V>
 struct Vector4 {
   static constexpr std::size_t vectors = 4 / width<V>;
@@ -50,7 +50,7 @@ struct Vector4 {
   }
 };
 
-/// LaneVectors by four, in registers.
+/// Four by four, in registers.
 template <class V>
 struct Matrix4 {
   Vector4<V> columns[4];
@@ -152,7 +152,7 @@ void solve(const KktPattern& pattern, const Block* factors, Quad* x) {
     Vector4<V> own = Vector4<V>::read(x[k].of) * inverse.columns[3];
     for (std::uint32_t i = pattern.start[k]; i < pattern.start[k + 1]; ++i)
       own = own - Matrix4<V>(lower[i]).transposed_times(Vector4<V>::read(x[pattern.rows[i]].of));
-    inverse.columns[3] = inverse.columns[3] * 0.0;
+    inverse.columns[3] = inverse.columns[3] * 0.0;  // D⁻¹ is no column of L⁻¹
     (own + inverse.transposed_times(own)).write(x[k].of);
   }
 }

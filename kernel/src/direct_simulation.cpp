@@ -26,8 +26,7 @@ constexpr double unchanged = 1e-9;
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
 
-/// s, of the step that brings rods to their lengths: no velocity is set yet, and no load moves anything in
-/// it.
+/// s, of the step that brings rods to their lengths: without velocities yet, and too short for loads to act.
 constexpr double projection_step = 1e-9;
 /// Of a rod's length: rods that start off it by less do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
