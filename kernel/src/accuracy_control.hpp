@@ -9,12 +9,29 @@
 
 namespace plumb::detail {
 
+/// The substeps of a step, some of which are also taken with half as many. Length: substeps, even.
+struct Stretches {
+  std::uint32_t count, length;
+  bool start_anew;  ///< loads or anchors have changed, or nothing has moved yet: the first is compared
+
+  /// The last, and one of four before.
+  bool is_compared(std::uint32_t k) const {
+    return (start_anew && k == 0) || (count - 1 - k) % compared_one_of == 0;
+  }
+  std::uint32_t compared() const {
+    const std::uint32_t regular = (count - 1) / compared_one_of + 1;
+    return start_anew && (count - 1) % compared_one_of != 0 ? regular + 1 : regular;
+  }
+
+  static constexpr std::uint32_t compared_one_of = 4;
+};
+
 /// Steps in as many substeps as keep the estimated error's growth within `allowed`. Times in s.
 struct AccuracyControl {
   double allowed;             ///< m/s
   std::uint32_t least, most;  ///< substeps of a step
   std::uint32_t order;        ///< in time
-  bool by_two_runs;           ///< estimates are of a run with half as many substeps, too: they are even
+  bool by_comparison;         ///< estimates are of stretches() also taken with half as many substeps
 
   struct Attempt {
     double error;           ///< estimated, of a substep, m
@@ -33,14 +50,14 @@ struct AccuracyControl {
       const double wanted = std::ceil(dt / substep);
       auto substeps = static_cast<std::uint32_t>(
           std::clamp(wanted, double{1} * least, double{1} * std::max(most, least)));
-      if (by_two_runs) substeps += substeps % 2;
+      if (by_comparison) substeps += substeps % 2;
       const double h = dt / substeps;
       if (attempt == 1) first = h;
       DirectCounters of_attempt;
       const Attempt result = advance(h, substeps, of_attempt);
       const double rate = std::max(result.error / (h * allowed), result.is_blind ? blind_rate : 0);
       // The error of a step of order p grows by h^p a second.
-      const double change = std::pow(safety / rate, 1.0 / order);
+      const double change = order == 2 ? std::sqrt(safety / rate) : std::pow(safety / rate, 1.0 / order);
       substep = std::isnan(change) ? h : h * std::clamp(change, slowest_change, fastest_change);
       const bool accurate = rate <= 1 && !result.is_final;
       // Where rounding is what is estimated, shorter steps make it worse; after a blow, which no substep
@@ -51,19 +68,24 @@ struct AccuracyControl {
         counters.add(of_attempt);
         if (accurate) return;
         substep = hopeless ? first : h;
-        counters.inaccurate.fetch_add(1, std::memory_order_relaxed);
+        ++counters.inaccurate;
         return;
       }
       last_rate = rate;
       restore();
-      counters.newton.fetch_add(of_attempt.newton, std::memory_order_relaxed);
-      counters.repeated.fetch_add(1, std::memory_order_relaxed);
+      counters.newton += of_attempt.newton;
+      ++counters.repeated;
     }
   }
 
-  /// Of a run, from how far it ends from one with substeps twice as long (Richardson), m a substep.
-  double error_of_substep(double distance, std::uint32_t substeps) const {
-    return distance / ((std::pow(2, order) - 1) * substeps);
+  /// Errors of first order are of velocities, and positions show them later: the whole step is one stretch.
+  Stretches stretches(std::uint32_t substeps, bool start_anew) const {
+    return order == 1 ? Stretches{1, substeps, start_anew} : Stretches{substeps / 2, 2, start_anew};
+  }
+  /// Of a substep, from how far all stretches compared together end from those with half as many
+  /// (Richardson), m.
+  double error_of_substep(double apart, const Stretches& stretches) const {
+    return apart / ((std::pow(2, order) - 1) * stretches.length * stretches.compared());
   }
 
  private:

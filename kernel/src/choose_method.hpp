@@ -29,7 +29,8 @@ Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<con
 Gradient choose_gradient(const Scene& scene, bool is_tree, std::span<const std::uint32_t> rods,
                          const Settings& settings);
 
-/// The time order of direct solves with such a gradient: 4 where the accuracy asked for is such that it pays.
-std::uint32_t choose_time_order(Gradient gradient, const Settings& settings);
+/// The time order of its direct solves of an island of so many rods with such a gradient: 4 where the
+/// accuracy asked for is such that it pays.
+std::uint32_t choose_time_order(Gradient gradient, bool is_tree, std::size_t rods, const Settings& settings);
 
 }  // namespace plumb::detail

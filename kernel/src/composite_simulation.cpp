@@ -1,7 +1,6 @@
 #include "composite_simulation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "choose_method.hpp"
@@ -16,7 +15,11 @@ namespace {
 /// What moves an island.
 struct Kind {
   Method method = Method::relax;
-  Gradient gradient = Gradient::new_;  ///< of method direct
+  // Of method direct:
+  Gradient gradient = Gradient::new_;
+  std::uint32_t time_order = 2;
+
+  bool operator==(const Kind&) const = default;
 };
 
 /// A scene of its own for the islands that are moved alike.
@@ -40,9 +43,9 @@ std::unique_ptr<Simulation> simulate(const Scene& scene, Kind kind, const Settin
     return make_simulation(scene, own);
   }
   own.gradient = kind.gradient;
-  own.time_order = choose_time_order(kind.gradient, settings);
+  own.time_order = kind.time_order;
   const bool changes_gradient =
-      settings.accuracy && !settings.gradient && kind.gradient == Gradient::old && own.time_order == 2;
+      settings.accuracy && !settings.gradient && kind.gradient == Gradient::old && kind.time_order == 2;
   return make_direct_simulation(scene, own, changes_gradient);
 }
 
@@ -134,46 +137,53 @@ std::vector<Part> split(const Scene& scene, const Settings& settings) {
   const layouts::Graph graph = owner.view();
   const layouts::Islands islands = layouts::find_islands(graph);
 
-  constexpr std::array kinds{Kind{Method::direct, Gradient::old}, Kind{Method::direct, Gradient::mid},
-                             Kind{Method::direct, Gradient::new_}, Kind{Method::relax}};
-  std::array<std::vector<std::uint8_t>, kinds.size()> has_particle, has_rod;
-  for (auto& flags : has_particle) flags.assign(scene.particles.size(), 0);
-  for (auto& flags : has_rod) flags.assign(scene.rods.size(), 0);
+  struct Members {
+    Kind kind;
+    std::vector<std::uint8_t> has_particle, has_rod;
+  };
+  std::vector<Members> kinds;
+  const auto members_of = [&](const Kind& kind) -> Members& {
+    const auto found = std::find_if(kinds.begin(), kinds.end(),
+                                    [&](const Members& members) { return members.kind == kind; });
+    if (found != kinds.end()) return *found;
+    return kinds.emplace_back(Members{kind, std::vector<std::uint8_t>(scene.particles.size()),
+                                      std::vector<std::uint8_t>(scene.rods.size())});
+  };
   std::vector<std::uint8_t> placed(scene.particles.size(), 0);
-  std::size_t first_used = kinds.size();
   for (const auto& equal : layouts::group_equal_islands(graph, islands)) {
     const layouts::LocalGraph local = layouts::local_graph(graph, islands, equal.front());
     const bool is_tree = layouts::find_tree(local.view()).has_value();
     const bool shape_is_for_direct = is_tree || is_thin(local.view());
     for (const std::uint32_t island : equal) {
       const auto rods = islands.edges(island);
-      const Method method = choose_method(scene, shape_is_for_direct, rods, settings);
-      const Gradient gradient = choose_gradient(scene, is_tree, rods, settings);
-      std::size_t m = 0;
-      while (kinds[m].method != method || (method == Method::direct && kinds[m].gradient != gradient)) ++m;
-      first_used = std::min(first_used, m);
-      for (const std::uint32_t v : islands.vertices(island)) has_particle[m][v] = placed[v] = 1;
-      for (const std::uint32_t e : islands.edges(island)) has_rod[m][e] = 1;
+      Kind kind{.method = choose_method(scene, shape_is_for_direct, rods, settings)};
+      if (kind.method == Method::direct) {
+        kind.gradient = choose_gradient(scene, is_tree, rods, settings);
+        kind.time_order = choose_time_order(kind.gradient, is_tree, rods.size(), settings);
+      }
+      Members& members = members_of(kind);
+      for (const std::uint32_t v : islands.vertices(island)) members.has_particle[v] = placed[v] = 1;
+      for (const std::uint32_t e : rods) members.has_rod[e] = 1;
     }
   }
-  if (first_used == kinds.size()) first_used = 0;
+  if (kinds.empty()) members_of({.method = Method::direct, .gradient = Gradient::old});
   for (std::size_t v = 0; v < placed.size(); ++v)
-    if (!placed[v]) has_particle[first_used][v] = 1;
+    if (!placed[v]) kinds.front().has_particle[v] = 1;
 
   std::vector<Part> parts;
   std::vector<std::uint32_t> number(scene.particles.size());
-  for (std::size_t m = 0; m < kinds.size(); ++m) {
+  for (const auto& [kind, has_particle, has_rod] : kinds) {
     Part part;
-    part.kind = kinds[m];
+    part.kind = kind;
     for (std::uint32_t v = 0; v < number.size(); ++v) {
-      if (!has_particle[m][v]) continue;
+      if (!has_particle[v]) continue;
       number[v] = static_cast<std::uint32_t>(part.particles.size());
       part.particles.push_back(v);
       part.scene.particles.push_back(scene.particles[v]);
     }
     if (part.particles.empty()) continue;
     for (std::size_t e = 0; e < scene.rods.size(); ++e) {
-      if (!has_rod[m][e]) continue;
+      if (!has_rod[e]) continue;
       Rod rod = scene.rods[e];
       rod.a = number[rod.a];
       rod.b = number[rod.b];

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "accuracy_control.hpp"
-#include "composition.hpp"
 #include "loop_group.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
@@ -46,7 +45,9 @@ class DirectSimulation final : public Simulation {
       : settings_(settings),
         isa_(settings.isa.value_or(best_isa())),
         workers_(settings),
-        stepper_(gradient_of(settings), scene.drag, settings.accuracy.has_value(), isa_),
+        counters_(workers_.size()),
+        stepper_(gradient_of(settings), scene.drag, settings.accuracy && !compares(), isa_,
+                 settings.time_order),
         loops_(scene, gradient_of(settings), isa_),
         diagonal_(bounding_diagonal(scene)),
         places_(scene.particles.size()) {
@@ -64,11 +65,12 @@ class DirectSimulation final : public Simulation {
   }
 
   StepReport step(double dt) override {
-    DirectCounters counters;
     start_anchors(dt);
     workers_.lead(uses_threads(), [&] {
       std::atomic<std::size_t> next{0};
       workers_.team().for_parts([&](unsigned part) {
+        DirectCounters& counters = counters_[part];
+        counters = {};
         const std::size_t count = loops_.size() + groups_.size();
         for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
           if (i < loops_.size()) {
@@ -82,6 +84,8 @@ class DirectSimulation final : public Simulation {
     finish_anchors();
     velocities_known_ = false;
 
+    DirectCounters counters;
+    for (const DirectCounters& of_part : counters_) counters.add(of_part);
     StepReport report;
     report.substeps = settings_.substeps;
     report.direct_substeps = counters.substeps;
@@ -168,9 +172,10 @@ class DirectSimulation final : public Simulation {
     bool is_calm = false;  ///< calm_stepper_ moves it
     int calm_steps = 0;    ///< in turn, in which it could have
     // With accuracy:
-    std::unique_ptr<TreeState<T>> start = nullptr;  ///< of the step
-    double substep = 0;                             ///< s, that the last one thought best; 0: none yet
-    layouts::AlignedBuffer<double> coarse{};        ///< m, with takes_two_runs(): positions by longer steps
+    std::unique_ptr<TreeState<T>> start = nullptr;    ///< of the step
+    std::unique_ptr<TreeState<T>> stretch = nullptr;  ///< with compares(): start of one
+    double substep = 0;                               ///< s, that the last one thought best; 0: none yet
+    layouts::AlignedBuffer<double> coarse{};          ///< m: where half as many substeps take it
   };
   /// What each thread needs for one topology.
   struct Crew {
@@ -226,8 +231,7 @@ class DirectSimulation final : public Simulation {
       const std::uint32_t trees = std::min(lanes, count - first);
       const auto g = static_cast<std::uint32_t>(groups_.size());
       Group& group = groups_.emplace_back(Group{TreeState<T>(topology, lanes), trees, kind, {}});
-      if (settings_.accuracy) group.start = std::make_unique<TreeState<T>>(topology, lanes);
-      if (takes_two_runs()) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
+      keep_starts(group);
       group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
       for (std::uint32_t lane = 0; lane < lanes; ++lane) {
         // Lanes without a tree repeat the last one; nobody looks at them.
@@ -256,11 +260,22 @@ class DirectSimulation final : public Simulation {
     group.line = std::make_unique<Line>(
         Line{segments, std::move(group.state), TreeWorkspace<T>(*state.topology, state.lanes)});
     group.state = std::move(state);
-    if (takes_two_runs()) group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
-    if (group.start) group.start = std::make_unique<TreeState<T>>(group.state.topology, group.state.lanes);
+    keep_starts(group);
     group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
     for (std::uint32_t i = 0; i < tree.nodes(); ++i)
       places_[members.vertices[tree.vertex[i]]] = {g, segments.entry(i), segments.lane(i)};
+  }
+
+  /// For what is taken back.
+  void keep_starts(Group& group) const {
+    if (!settings_.accuracy) return;
+    const auto another = [&] {
+      return std::make_unique<TreeState<T>>(group.state.topology, group.state.lanes);
+    };
+    group.start = another();
+    if (!compares()) return;
+    group.stretch = another();
+    group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
   }
 
   void fill_info(const Scene& scene) {
@@ -361,7 +376,9 @@ class DirectSimulation final : public Simulation {
       advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
       return;
     }
-    const AccuracyControl control = accuracy_control(most_substeps<T>, takes_two_runs());
+    AccuracyControl control = accuracy_control(most_substeps<T>, compares());
+    // What stability cuts into the same pieces one way and the other is alike, not accurate.
+    if (control.by_comparison) control.least = std::max(control.least, 2 * stepper_.pieces(group.state, dt));
     group.start->copy_motion(group.state);
     if (group.is_calm && step_calmly(group, crew, dt, control, counters)) return;
     double error = 0, h = dt;
@@ -369,9 +386,8 @@ class DirectSimulation final : public Simulation {
         dt, group.substep, counters,
         [&](double length, std::uint32_t substeps, DirectCounters& of_attempt) {
           h = length;
-          error = control.by_two_runs ? control.error_of_substep(
-                                            advance_twice(group, crew, h, substeps, of_attempt), substeps)
-                                      : advance(group, crew, h, substeps, of_attempt);
+          error = control.by_comparison ? advance_and_compare(group, crew, h, control, substeps, of_attempt)
+                                        : advance(group, crew, h, substeps, of_attempt);
           // What a thousandth of a substep did not solve, a shorter one will not.
           return AccuracyControl::Attempt{.error = error,
                                           .is_final = of_attempt.unsolved + of_attempt.fallbacks > 0};
@@ -394,8 +410,8 @@ class DirectSimulation final : public Simulation {
       return true;
     }
     group.state.copy_motion(*group.start);
-    counters.newton.fetch_add(attempt.newton, std::memory_order_relaxed);  // work, all the same
-    counters.repeated.fetch_add(1, std::memory_order_relaxed);
+    counters.newton += attempt.newton;  // work, all the same
+    ++counters.repeated;
     group.is_calm = false;
     group.calm_steps = 0;
     return false;
@@ -427,25 +443,41 @@ class DirectSimulation final : public Simulation {
   }
 
   /// Steppers estimate the errors of second order by themselves.
-  bool takes_two_runs() const {
+  bool compares() const {
     return settings_.accuracy && (settings_.time_order > 2 || gradient_of(settings_) == Gradient::new_);
   }
   /// One particle alone has no length for an error to be relative to.
   bool is_controlled() const { return settings_.accuracy && diagonal_ > 0; }
-  AccuracyControl accuracy_control(std::uint32_t most, bool by_two_runs) const {
+  AccuracyControl accuracy_control(std::uint32_t most, bool by_comparison) const {
     const std::uint32_t order = gradient_of(settings_) == Gradient::new_ ? 1 : settings_.time_order;
-    return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, by_two_runs};
+    return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, by_comparison};
   }
 
-  /// With substeps of h and, before, half as many of twice that. Returns how far apart they end: RMS over the
-  /// particles of the worst tree (or segment of a line), m.
-  double advance_twice(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
-    DirectCounters coarse;
-    advance(group, crew, 2 * h, substeps / 2, coarse);
-    counters.newton += coarse.newton;  // of what is thrown away only the work counts
-    std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
-    group.state.copy_motion(*group.start);
-    advance(group, crew, h, substeps, counters);
+  /// Returns an estimate of a substep's error: RMS over the particles of the worst tree (or segment of a
+  /// line), m.
+  double advance_and_compare(Group& group, Crew& crew, double h, const AccuracyControl& control,
+                             std::uint32_t substeps, DirectCounters& counters) {
+    double apart = 0;
+    const TreeState<T>& state = group.state;
+    const bool starts_anew = group.anchors_changed || std::any_of(state.u_step.begin(), state.u_step.end(),
+                                                                  [](double step) { return step == 0; });
+    const Stretches stretches = control.stretches(substeps, starts_anew);
+    for (std::uint32_t k = 0; k < stretches.count; ++k) {
+      const bool is_compared = stretches.is_compared(k);
+      if (is_compared) {
+        group.stretch->copy_motion(group.state);
+        DirectCounters coarse;
+        advance(group, crew, 2 * h, stretches.length / 2, coarse);
+        counters.newton += coarse.newton;  // of what is thrown away only the work counts
+        std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
+        group.state.copy_motion(*group.stretch);
+      }
+      advance(group, crew, h, stretches.length, counters);
+      if (is_compared) apart += distance_to_coarse(group);
+    }
+    return control.error_of_substep(apart, stretches);
+  }
+  double distance_to_coarse(const Group& group) const {
     double worst = 0;
     const std::uint32_t lanes = group.state.lanes;
     for (std::uint32_t lane = 0; lane < lanes; ++lane) {
@@ -469,10 +501,7 @@ class DirectSimulation final : public Simulation {
   /// The largest error estimate of the substeps.
   double advance(Group& group, Crew& crew, double h, std::uint32_t substeps, DirectCounters& counters) {
     double error = 0;
-    for (std::uint32_t i = 0; i < substeps; ++i) {
-      for (const double share : composition(settings_.time_order))
-        error = std::max(error, advance(group, crew, share * h, counters));
-    }
+    for (std::uint32_t i = 0; i < substeps; ++i) error = std::max(error, advance(group, crew, h, counters));
     return error;
   }
 
@@ -552,6 +581,7 @@ class DirectSimulation final : public Simulation {
   Settings settings_;
   Isa isa_;
   Workers workers_;
+  std::vector<DirectCounters> counters_;  ///< of every thread
   TreeStepper<T> stepper_;
   std::optional<TreeStepper<T>> calm_stepper_;  ///< gradient mid, if the gradient may change
   LoopGroup loops_;

@@ -58,37 +58,60 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
                         std::uint32_t time_order, DirectCounters& counters) {
   Island& island = islands_[number];
   begin_step(island);
-  if (!island.start) island.start = std::make_unique<LoopState>(island.state);
-  *island.start = island.state;
-  const auto restore = [&] {
-    island.state = *island.start;
-    if (island.work.lines) island.work.lines->forget();
-  };
+  island.start = island.state.motion();
   control.step(
       dt, island.substep, counters,
       [&](double h, std::uint32_t substeps, DirectCounters& of_attempt) {
-        DirectCounters coarse;
-        advance(island, 2 * h, substeps / 2, time_order, coarse);
-        if (coarse.unsolved > 0) {
-          of_attempt.add(coarse);
-          return AccuracyControl::Attempt{.error = 0, .is_final = true};
-        }
-        of_attempt.newton += coarse.newton;
-        island.coarse = island.state.x;
-        restore();
-        advance(island, h, substeps, time_order, of_attempt);
-        double sum = 0;
-        for (std::size_t i = 0; i < island.coarse.size(); ++i) {
-          const double apart = island.state.x[i] - island.coarse[i];
-          sum += apart * apart;
-        }
-        const double distance = std::sqrt(sum / island.state.topology->nodes);
-        return AccuracyControl::Attempt{
-            .error = control.error_of_substep(distance, substeps),
-            .is_blind = coarse.halvings + coarse.fallbacks + of_attempt.fallbacks > 0,
-            .is_final = of_attempt.unsolved > 0};
+        return advance_and_compare(island, h, substeps, control, time_order, of_attempt);
       },
-      restore);
+      [&] {
+        island.state.motion() = island.start;
+        if (island.work.lines) island.work.lines->forget();
+      });
+}
+
+AccuracyControl::Attempt LoopGroup::advance_and_compare(Island& island, double h, std::uint32_t substeps,
+                                                        const AccuracyControl& control,
+                                                        std::uint32_t time_order,
+                                                        DirectCounters& counters) const {
+  AccuracyControl::Attempt out{.error = 0};
+  double apart = 0;
+  const bool starts_anew = island.anchors_changed || island.state.u_step == 0;
+  const Stretches stretches = control.stretches(substeps, starts_anew);
+  for (std::uint32_t k = 0; k < stretches.count; ++k) {
+    const bool is_compared = !out.is_final && stretches.is_compared(k);
+    if (is_compared) {
+      island.stretch = island.state.motion();
+      if (island.work.lines) island.work.lines->keep_history();
+      DirectCounters coarse;
+      advance(island, 2 * h, stretches.length / 2, time_order, coarse);
+      if (coarse.unsolved > 0) {  // shorter ones would hardly be better, and cost as much again
+        counters.add(coarse);
+        out.is_final = true;
+        continue;
+      }
+      counters.newton += coarse.newton;  // of what is thrown away only the work counts
+      out.is_blind = out.is_blind || coarse.halvings + coarse.fallbacks > 0;
+      island.coarse = island.state.x;
+      island.state.motion() = island.stretch;
+      if (island.work.lines) island.work.lines->take_history_back();
+    }
+    advance(island, h, stretches.length, time_order, counters);
+    if (is_compared) apart += distance_to_coarse(island);
+    out.is_final = out.is_final || counters.unsolved > 0;
+  }
+  out.error = control.error_of_substep(apart, stretches);
+  out.is_blind = out.is_blind || counters.fallbacks > 0;
+  return out;
+}
+
+double LoopGroup::distance_to_coarse(const Island& island) {
+  double sum = 0;
+  for (std::size_t i = 0; i < island.coarse.size(); ++i) {
+    const double apart = island.state.x[i] - island.coarse[i];
+    sum += apart * apart;
+  }
+  return std::sqrt(sum / island.state.topology->nodes);
 }
 
 void LoopGroup::begin_step(Island& island) const {

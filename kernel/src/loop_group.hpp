@@ -27,8 +27,8 @@ class LoopGroup {
   /// Different islands may be advanced at the same time.
   void advance(std::uint32_t island, double h, std::uint32_t substeps, std::uint32_t time_order,
                DirectCounters& counters);
-  /// With as many substeps as accuracy wants. Every step is taken twice, with substeps of h and of 2 h; their
-  /// distance, RMS over particles, says how wrong the better one is.
+  /// With as many substeps as accuracy wants. Some stretches are also taken with half as many; how far apart
+  /// these end, RMS over particles, says how wrong they are.
   void advance(std::uint32_t island, double dt, const AccuracyControl& control, std::uint32_t time_order,
                DirectCounters& counters);
 
@@ -62,15 +62,19 @@ class LoopGroup {
     std::vector<double> velocity;  ///< m/s, 3 per node; at the end of the last step if known
     bool anchors_changed = false, velocity_known = false;
     // With accuracy:
-    std::unique_ptr<LoopState> start{};  ///< of the step
-    std::vector<double> coarse{};        ///< m, 3 per vertex: where longer substeps lead
-    double substep = 0;                  ///< s, that the last step thought best; 0: none yet
+    LoopMotion start{}, stretch{};  ///< at the start of the step, of a stretch
+    std::vector<double> coarse{};   ///< m, 3 per vertex: where half as many substeps take it
+    double substep = 0;             ///< s, that the last step thought best; 0: none yet
   };
 
   void begin_step(Island& island) const;
   void find_velocities(Island& island) const;
   void advance(Island& island, double h, std::uint32_t substeps, std::uint32_t time_order,
                DirectCounters& counters) const;
+  AccuracyControl::Attempt advance_and_compare(Island& island, double h, std::uint32_t substeps,
+                                               const AccuracyControl& control, std::uint32_t time_order,
+                                               DirectCounters& counters) const;
+  static double distance_to_coarse(const Island& island);
 
   Gradient gradient_;
   Isa isa_;

@@ -48,26 +48,26 @@ void measure(const LoopState& state, LineWorkspace& lines) {
 /// Where multipliers start: gradient old's run smoothly through substeps of one length; those of the others
 /// swing from one to the next.
 void start(const LoopState& state, double theta, double kick, LineWorkspace& lines) {
-  if (kick != lines.kick || theta > 0) lines.forget();
+  if (kick != lines.past.kick || theta > 0) lines.forget();
   for (std::size_t s = 0; s < lines.mu.size(); ++s) {
     const std::uint32_t k = lines.lines->numbers[s];
     if (k == RodLines::none) continue;
-    const double last = state.mu[k], before = lines.before[s], earlier = lines.earlier[s];
-    lines.mu[s] = lines.known == 0   ? last
-                  : lines.known == 1 ? 2 * last - before
-                                     : 3 * (last - before) + earlier;
+    const double last = state.mu[k], before = lines.past.before[s], earlier = lines.past.earlier[s];
+    lines.mu[s] = lines.past.known == 0   ? last
+                  : lines.past.known == 1 ? 2 * last - before
+                                          : 3 * (last - before) + earlier;
   }
 }
 
 /// What was found.
 void keep(LoopState& state, double kick, LineWorkspace& lines) {
-  lines.kick = kick;
-  lines.known = state.mu_kick == 0 ? 0 : std::min(lines.known + 1, 2);
-  lines.earlier.swap(lines.before);
+  lines.past.kick = kick;
+  lines.past.known = state.mu_kick == 0 ? 0 : std::min(lines.past.known + 1, 2);
+  lines.past.earlier.swap(lines.past.before);
   for (std::size_t s = 0; s < lines.mu.size(); ++s) {
     const std::uint32_t k = lines.lines->numbers[s];
     if (k == RodLines::none) continue;
-    lines.before[s] = std::exchange(state.mu[k], lines.mu[s]);
+    lines.past.before[s] = std::exchange(state.mu[k], lines.mu[s]);
   }
 }
 
@@ -154,13 +154,14 @@ LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
       excess(of.slots()),
       mu(of.slots()),
       wanted(of.slots()),
-      before(of.slots()),
-      earlier(of.slots()),
       pushed(3 * std::size_t{of.nodes}),
       start(of.slots()),
       last_change(of.slots()),
       last_mu(of.slots()),
-      last_delta(3 * std::size_t{of.nodes}) {}
+      last_delta(3 * std::size_t{of.nodes}) {
+  past.before.resize(of.slots());
+  past.earlier.resize(of.slots());
+}
 
 LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
                              DirectCounters& counters) {
@@ -189,7 +190,7 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
     const bool crawls = theta == 0 && worst <= settled * state.scale2 && worst > slow_rate * last;
     if (crawls) lines.start = lines.mu;
     last = worst;
-    counters.newton.fetch_add(1, std::memory_order_relaxed);
+    ++counters.newton;
     const double goal = std::max(coarse * misfit.norm, below_fitting * least);
     if (!lines.solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta)) {
       lines.forget();

@@ -17,18 +17,26 @@ struct LineWorkspace {
   LineWorkspace(const RodLines& lines, std::span<const double> mass);
 
   /// The next substep does not follow the last one.
-  void forget() { known = 0; }
+  void forget() { past.known = 0; }
+  /// Around substeps that are taken back.
+  void keep_history() { kept = past; }
+  void take_history_back() { past = kept; }
+
+  /// Of multipliers.
+  struct History {
+    std::vector<double> before, earlier;  ///< those of the substeps before the last one
+    double kick = 0;                      ///< of the last substep
+    int known = 0;                        ///< which of before and earlier are of substeps like the last one
+  };
 
   const RodLines* lines;
   LineSolver solver;
-  std::vector<double> d, excess;        ///< of rods at the start of a substep: m, (|d|² - L²)/2
-  std::vector<double> mu, wanted;       ///< multipliers; what their change is to do
-  std::vector<double> before, earlier;  ///< multipliers of the substeps before the last one
-  std::vector<double> pushed;           ///< 3 per node: by rods
-  std::vector<double> start;            ///< multipliers before an iteration
+  std::vector<double> d, excess;   ///< of rods at the start of a substep: m, (|d|² - L²)/2
+  std::vector<double> mu, wanted;  ///< multipliers; what their change is to do
+  std::vector<double> pushed;      ///< 3 per node: by rods
+  std::vector<double> start;       ///< multipliers before an iteration
   std::vector<double> last_change, last_mu, last_delta;  ///< what the last one did to them, and came to
-  double kick = 0;                                       ///< of the last substep
-  int known = 0;   ///< which of before and earlier are of substeps like the last one
+  History past, kept;
   int stalls = 0;  ///< without a solution between them
 };
 

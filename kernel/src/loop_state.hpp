@@ -47,30 +47,36 @@ struct LoopTopology {
   std::unique_ptr<const RodLines> lines;
 };
 
-/// The numbers of one island that outlive a step. In double, whatever the precision of the world.
+/// What steps change of an island.
 ///
 /// `u` is a velocity (m/s) if `u_step` is 0, and otherwise the displacement of the last substep, of length
 /// u_step (s). Masses are in units of the mean one, multipliers in those units.
-struct LoopState {
+struct LoopMotion {
+  std::vector<double> x;                  ///< m, 3 per vertex
+  std::vector<double> u, mu;              ///< 3 per node; per rod
+  std::vector<Vec3> fixed_last_velocity;  ///< m/s, per fixed vertex
+  std::uint32_t calm = 0;                 ///< substeps to be taken with gradient new
+  std::uint32_t next_calm = 0;            ///< how many that will be the next time
+  double u_step = 0;                      ///< s
+  double mu_kick = 0;                     ///< s^2: the kick when mu was found; 0: not yet
+};
+
+/// The numbers of one island that outlive a step. In double, whatever the precision of the world.
+struct LoopState : LoopMotion {
   LoopState(std::shared_ptr<const LoopTopology> topology, const Scene& scene, MassModel model,
             std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> edges);
 
+  LoopMotion& motion() { return *this; }
   Vec3 position(std::uint32_t vertex) const { return {x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2]}; }
   void set_force(std::uint32_t node, Vec3 newton);
 
   std::shared_ptr<const LoopTopology> topology;
-  std::vector<double> x;                        ///< m, 3 per vertex
-  std::vector<double> u, force, weight;         ///< 3 per node; force and weight (gravity) by unit of mass
+  std::vector<double> force, weight;            ///< 3 per node; force and weight (gravity) by unit of mass
   std::vector<double> mass, coupling, length2;  ///< per node; per rod; m^2, per rod
-  std::vector<double> mu;                       ///< per rod
-  std::vector<Vec3> fixed_velocity, fixed_last_velocity;  ///< m/s, per fixed vertex
+  std::vector<Vec3> fixed_velocity;             ///< m/s, per fixed vertex
   bool anchors_move = false;
-  std::uint32_t calm = 0;       ///< substeps to be taken with gradient new
-  std::uint32_t next_calm = 0;  ///< how many that will be the next time
-  double mass_unit = 1;         ///< kg
-  double scale2 = 1;            ///< m^2: mean squared length of a rod
-  double u_step = 0;            ///< s
-  double mu_kick = 0;           ///< s^2: the kick when mu was found; 0: not yet
+  double mass_unit = 1;  ///< kg
+  double scale2 = 1;     ///< m^2: mean squared length of a rod
 };
 
 }  // namespace plumb::detail

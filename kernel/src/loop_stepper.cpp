@@ -97,9 +97,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   d.assign(3 * rods, 0);
   excess.assign(rods, 0);
   mu_start.assign(rods, 0);
-  saved.x.assign(3 * std::size_t{topology->vertices}, 0);
-  saved.u.assign(3 * n, 0);
-  saved.mu.assign(rods, 0);
+  saved = state;
   trial.assign(delta.size(), 0);
 }
 
@@ -189,7 +187,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
     stale = fresh ? change > slow_rate : last > 0 && rate > slow_rate;
     last = change;
   }
-  counters.newton.fetch_add(static_cast<std::uint64_t>(iterations), std::memory_order_relaxed);
+  counters.newton += static_cast<std::uint64_t>(iterations);
   if (converged && largest_misfit(state, work, factor) <= most_misfit) return true;
   std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
   factor.h = 0;
@@ -250,26 +248,21 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
     if (attempts.left-- == 0) return false;
     if (solve(state, h, gradient, work, counters)) {
       accept(state, h, gradient, work);
-      counters.substeps.fetch_add(1, std::memory_order_relaxed);
-      if (gradient != gradient_) counters.fallbacks.fetch_add(1, std::memory_order_relaxed);
+      ++counters.substeps;
+      if (gradient != gradient_) ++counters.fallbacks;
       if (gradient != wanted) attempts.fell_back = true;
       return true;
     }
     if (wanted == Gradient::new_ || depth < attempts.halvings) break;
   }
   if (depth == attempts.halvings) return false;
-  counters.halvings.fetch_add(1, std::memory_order_relaxed);
+  ++counters.halvings;
   return advance_part(state, h / 2, depth + 1, attempts, work, counters) &&
          advance_part(state, h / 2, depth + 1, attempts, work, counters);
 }
 
 void LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {
-  LoopWorkspace::Saved& saved = work.saved;
-  std::copy(state.x.begin(), state.x.end(), saved.x.begin());
-  std::copy(state.u.begin(), state.u.end(), saved.u.begin());
-  std::copy(state.mu.begin(), state.mu.end(), saved.mu.begin());
-  saved.u_step = state.u_step;
-  saved.mu_kick = state.mu_kick;
+  work.saved = state.motion();
   Attempts attempts =
       state.calm > 0 ? Attempts{calm_halvings, 3 * calm_halvings} : Attempts{most_halvings, most_attempts};
   if (advance_part(state, h, 0, attempts, work, counters)) {
@@ -281,18 +274,14 @@ void LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Direc
       state.next_calm /= 2;
     return;
   }
-  std::copy(saved.x.begin(), saved.x.end(), state.x.begin());
-  std::copy(saved.u.begin(), saved.u.end(), state.u.begin());
-  std::copy(saved.mu.begin(), saved.mu.end(), state.mu.begin());
-  state.u_step = saved.u_step;
-  state.mu_kick = saved.mu_kick;
+  state.motion() = work.saved;
   compromise(state, h, work, counters);
   calm_down(state);
 }
 
 void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
                              DirectCounters& counters) const {
-  counters.unsolved.fetch_add(1, std::memory_order_relaxed);
+  ++counters.unsolved;
   begin(state, h, Gradient::new_, work);
   measure_rods(state, work);
   LoopWorkspace::Factor& factor = work.factor(true);
@@ -316,7 +305,7 @@ void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
     }
     if (!better) std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
   }
-  counters.newton.fetch_add(iterations, std::memory_order_relaxed);
+  counters.newton += iterations;
   std::fill(state.mu.begin(), state.mu.end(), 0.0);
   if (!std::isfinite(energy)) return;  // stays where it was
   accept(state, h, Gradient::new_, work);

@@ -37,10 +37,7 @@ struct LoopWorkspace {
   std::vector<double> load;       ///< 3 per node
   std::vector<double> d, excess;  ///< 3 per rod, and (|d|^2 - L^2)/2
   std::vector<double> mu_start, trial;
-  struct Saved {
-    std::vector<double> x, u, mu;
-    double u_step, mu_kick;
-  } saved;
+  LoopMotion saved;
 };
 
 /// Advances islands with loops (rings, ladders, trusses, nets) by substeps in which all rods are solved at

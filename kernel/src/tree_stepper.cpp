@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "composition.hpp"
 #include "verlet.hpp"
 
 namespace plumb::detail {
@@ -48,6 +49,12 @@ constexpr double most_extrapolated = 2;
 /// second: between 1.6 and 2 chains with heavy ends gain energy, although each step alone is stable. What is
 /// compared is a bound of the frequency (TreeKernels::find_stiffness).
 constexpr double aimed_frequency = 1.25, highest_frequency = 1.6;
+
+double largest_magnitude(std::span<const double> numbers) {
+  double largest = 0;
+  for (const double each : numbers) largest = std::max(largest, std::abs(each));
+  return largest;
+}
 
 constexpr double square(double a) {
   return a * a;
@@ -93,10 +100,12 @@ struct TreeStepper<T>::Coefficients {
 };
 
 template <class T>
-TreeStepper<T>::TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa)
+TreeStepper<T>::TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa, std::uint32_t time_order)
     : gradient_(gradient),
       drag_(drag),
       estimates_(estimates),
+      shares_(composition(time_order)),
+      largest_share_(largest_magnitude(shares_)),
       vector_(simd::tree_kernels<T>(isa)),
       scalar_(simd::tree_kernels<T>(Isa::scalar)) {}
 
@@ -201,7 +210,7 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
       --left;
     }
   }
-  counters.newton.fetch_add(iterations, std::memory_order_relaxed);
+  counters.newton += iterations;
   return all;
 }
 
@@ -246,9 +255,9 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
     if (solve(state, 1, gradient, work, counters) &&
         (gradient != Gradient::old || is_stable(state, 1, h, work))) {
       accept(state, 1, h, gradient, work);
-      counters.substeps.fetch_add(1, std::memory_order_relaxed);
+      ++counters.substeps;
       if (gradient != gradient_) {
-        counters.fallbacks.fetch_add(1, std::memory_order_relaxed);
+        ++counters.fallbacks;
         // As a velocity, which every gradient can go on from.
         for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(state.u[i] / h);
         state.u_step[0] = 0;
@@ -259,7 +268,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
     if (gradient == Gradient::new_) break;
   }
   if (last) return false;
-  counters.halvings.fetch_add(1, std::memory_order_relaxed);
+  ++counters.halvings;
   return advance_alone(state, h / 2, depth + 1, attempts, work, counters) &&
          advance_alone(state, h / 2, depth + 1, attempts, work, counters);
 }
@@ -267,19 +276,19 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
 template <class T>
 bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work,
                                     DirectCounters& counters) const {
-  counters.halvings.fetch_add(1, std::memory_order_relaxed);
+  ++counters.halvings;
   int attempts = most_attempts;
   const bool solved = advance_alone(state, h / 2, 1, attempts, work, counters) &&
                       advance_alone(state, h / 2, 1, attempts, work, counters);
-  if (!solved) counters.unsolved.fetch_add(1, std::memory_order_relaxed);
+  if (!solved) ++counters.unsolved;
   return solved;
 }
 
 template <class T>
 std::uint32_t TreeStepper<T>::pieces(const TreeState<T>& state, double h) const {
   if (gradient_ != Gradient::old) return 1;
-  return static_cast<std::uint32_t>(
-      std::clamp(std::ceil(std::abs(h) * std::sqrt(state.frequency2) / aimed_frequency), 1.0, most_pieces));
+  return static_cast<std::uint32_t>(std::clamp(
+      std::ceil(largest_share_ * h * std::sqrt(state.frequency2) / aimed_frequency), 1.0, most_pieces));
 }
 
 template <class T>
@@ -309,7 +318,8 @@ double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double 
   double error = 0;
   const std::uint32_t count = pieces(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
-    error += advance_piece(state, trees, h / count, work, alone, alone_work, counters);
+    for (const double share : shares_)
+      error += advance_piece(state, trees, share * h / count, work, alone, alone_work, counters);
   return error;
 }
 
@@ -328,11 +338,11 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, d
     const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
     if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
   }
-  counters.substeps.fetch_add(trees, std::memory_order_relaxed);
+  counters.substeps += trees;
   for (std::uint32_t lane = 0; !all && lane < trees; ++lane) {
     if (!work.failed[lane]) continue;
     error = std::numeric_limits<double>::infinity();
-    counters.substeps.fetch_sub(1, std::memory_order_relaxed);
+    --counters.substeps;
     restore_multipliers(state, lane);
     alone.copy_lane(0, state, lane);
     if (advance_halves(alone, h, alone_work, counters)) {
@@ -351,7 +361,8 @@ double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state
   double error = 0;
   const std::uint32_t count = pieces(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
-    error += advance_piece(segments, state, h / count, work, alone, alone_work, counters);
+    for (const double share : shares_)
+      error += advance_piece(segments, state, share * h / count, work, alone, alone_work, counters);
   return error;
 }
 
@@ -375,13 +386,13 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
     vector_.newton_segments(view);
     change2 = total(work.change) / nodes;
     converged = has_converged<T>(change2, total(work.residual), scale2, gradient_);
-    counters.newton.fetch_add(1, std::memory_order_relaxed);
+    ++counters.newton;
   }
   std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
   if (converged && is_stable(state, state.lanes, h, work, &segments)) {
     const bool first = state.known[0] < 2;
     accept(state, state.lanes, h, gradient_, work);
-    counters.substeps.fetch_add(1, std::memory_order_relaxed);
+    ++counters.substeps;
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt) / nodes) : 0;
   }
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore_multipliers(state, lane);

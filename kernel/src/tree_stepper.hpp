@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "direct_counters.hpp"
@@ -28,10 +29,10 @@ namespace plumb::detail {
 template <class T>
 class TreeStepper {
  public:
-  /// `estimates`: whether advance() is to estimate errors.
-  TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa);
+  /// `estimates`: whether advance() is to estimate errors, of time order 2.
+  TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa, std::uint32_t time_order = 2);
 
-  /// One substep of every tree of a state. Returns an estimate of the position error it adds, in m: h^2/12
+  /// One substep, composed of shares for a time order above 2, of every tree of a state. Returns an estimate of the position error it adds, in m: h^2/12
   /// times the change of acceleration, RMS over the particles of the worst tree; infinite where a tree had to
   /// be halved.
   double advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
@@ -55,7 +56,7 @@ class TreeStepper {
   }
 
   /// How many pieces a substep is cut into so that gradient old stays stable, by the tensions of the last
-  /// one.
+  /// one. Each piece has all shares: pieces of shares would be of second order.
   std::uint32_t pieces(const TreeState<T>& state, double h) const;
 
  private:
@@ -95,6 +96,8 @@ class TreeStepper {
   Gradient gradient_;
   double drag_;
   bool estimates_;
+  std::span<const double> shares_;
+  double largest_share_;
   const simd::TreeKernels<T>& vector_;
   const simd::TreeKernels<T>& scalar_;
 };
