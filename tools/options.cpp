@@ -137,7 +137,9 @@ void add_solver_options(CLI::App& app, Settings& settings) {
         settings.stop.tolerance = value;
         lift_cap();
       },
-      "Stop sweeping when no rod is stretched by more, relative to its length");
+      "Stop sweeping, and iterating on a net with method direct, when no rod is stretched by more, relative "
+      "to "
+      "its length");
   CLI::Option* budget = add_number(
       app, "--budget-us", "U",
       [&settings, lift_cap](double value) {
@@ -177,10 +179,11 @@ void add_solver_options(CLI::App& app, Settings& settings) {
   add_positive(app, "--baumgarte-rate", settings.multipliers.baumgarte_rate,
                "At which baumgarte lets violations decay, 1/s [10]");
   const std::vector<CLI::Option*> of_relaxation{sweeps, tolerance, budget, order, omega, weights};
-  app.parse_complete_callback([method, of_relaxation, &settings] {
+  app.parse_complete_callback([method, tolerance, of_relaxation, &settings] {
     for (const CLI::Option* option : of_relaxation) {
       if (option->count() == 0) continue;
       if (method->count() == 0) settings.method = Method::relax;
+      if (option == tolerance && settings.method == Method::direct) continue;
       if (settings.method != Method::relax && settings.method != Method::automatic)
         throw CLI::ValidationError(
             option->get_name(),

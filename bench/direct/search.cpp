@@ -23,17 +23,17 @@ constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double float_error = 1e-4;
 
 /// Follows a sequence of ever finer settings, as long as the hardest target is not met and runs stay short,
-/// and one further: substeps that are too long are cut, and shorter ones can be cheaper.
+/// and two further: substeps that are too long are cut, and shorter ones can be cheaper.
 template <class Next>
 void follow(const Problem& problem, const std::vector<Target>& targets, double most_s, Setting setting,
             std::vector<Trial>& trials, Next&& refine, double most_ms = never) {
-  for (bool all_met = false;;) {
+  constexpr int most_that_meet = 3;
+  for (int that_meet = 0;;) {
     const Trial trial = run_trial(problem, setting, never);
     trials.push_back(trial);
-    const bool were_met = std::exchange(
-        all_met,
-        std::all_of(targets.begin(), targets.end(), [&](const Target& t) { return t.is_met(trial); }));
-    if (were_met || trial.ms > most_ms || 2e-3 * trial.ms * problem.duration > most_s ||
+    that_meet +=
+        std::all_of(targets.begin(), targets.end(), [&](const Target& t) { return t.is_met(trial); });
+    if (that_meet == most_that_meet || trial.ms > most_ms || 2e-3 * trial.ms * problem.duration > most_s ||
         !refine(setting.settings))
       return;
   }
@@ -250,14 +250,20 @@ Effort relax_effort(const Problem& problem, double error, bool over_relaxed, dou
   return std::min_element(paths.begin(), paths.end(), is_better)->effort(error);
 }
 
-std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s) {
+std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s, bool by_lines) {
   const Target target{.name = "", .stretch = never, .error = error};
   std::vector<Trial> trials, candidates;
   double least_ms = never;  // dearer settings need not be refined
+  // Stretch may be as large as the error; a tolerance is for nets, others are solved to rounding whatever it
+  // is.
+  const std::pair<Gradient, StopRule> kinds[] = {
+      {Gradient::old, {.tolerance = std::min(error, 1e-6)}}, {Gradient::old, {}}, {Gradient::mid, {}}};
   for (const std::uint32_t frames : frame_rates) {
-    for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
-      const Setting setting{.settings = {.method = Method::direct, .gradient = gradient, .threads = 1},
-                            .frames = frames};
+    for (const auto& [gradient, stop] : kinds) {
+      if (stop.tolerance && !by_lines) continue;
+      const Setting setting{
+          .settings = {.method = Method::direct, .gradient = gradient, .stop = stop, .threads = 1},
+          .frames = frames};
       follow(problem, {target}, most_s, setting, trials, double_substeps, least_ms);
       for (const Trial& trial : trials)
         if (target.is_met(trial)) least_ms = std::min(least_ms, trial.ms);

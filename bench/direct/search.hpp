@@ -58,7 +58,7 @@ struct FrameEffort {
 };
 FrameEffort frame_effort(const Problem& problem, double stretch, double most_s);
 
-/// The cheapest direct setting, in double, with that error.
-std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s);
+/// The cheapest direct setting, in double, with that error. `by_lines`: a net, whose stretch may be as large.
+std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s, bool by_lines);
 
 }  // namespace plumb::bench

@@ -66,7 +66,8 @@ std::string Setting::name() const {
   out += std::to_string(frames) + " x ";
   if (settings.accuracy) return out + "a" + short_number(*settings.accuracy, 2);
   out += std::to_string(settings.substeps);
-  return settings.method == Method::relax ? out + " x " + std::to_string(settings.stop.sweeps) : out;
+  if (settings.method == Method::relax) return out + " x " + std::to_string(settings.stop.sweeps);
+  return settings.stop.tolerance ? out + " to " + short_number(*settings.stop.tolerance) : out;
 }
 
 Trial run_trial(const Problem& problem, const Setting& setting, double most_stretch, double most_s) {

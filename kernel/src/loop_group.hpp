@@ -20,6 +20,9 @@ class LoopGroup {
   void add(const Scene& scene, MassModel model, const layouts::Islands& islands,
            std::span<const std::uint32_t> equal, const layouts::Graph& local);
 
+  /// See LoopStepper.
+  void set_line_tolerance(double stretch) { stepper_.set_line_tolerance(stretch); }
+
   std::uint32_t size() const { return static_cast<std::uint32_t>(islands_.size()); }
   bool holds(std::uint32_t particle) const { return places_[particle].island != nowhere; }
   std::uint32_t island(std::uint32_t particle) const { return places_[particle].island; }

@@ -12,8 +12,6 @@
 namespace plumb::detail {
 namespace {
 
-/// Left of |C|/L² of a rod, and of a displacement relative to a rod, L² the mean of the island.
-constexpr double fitting = 1e-11;
 constexpr int most_iterations = 40;
 /// Slower than this, a shorter substep comes sooner to the end. The first iterations need not be fast:
 /// multipliers that were extrapolated are sorted out in them.
@@ -28,7 +26,7 @@ constexpr double slow_rate = 0.1;
 /// Of what is left, what one solution leaves at least: the next one's directions are better.
 constexpr double coarse = 0.02;
 /// Of what may be left of the worst rod, the norm over all that is aimed at.
-constexpr double below_fitting = 0.1;
+constexpr double below_tolerance = 0.1;
 /// Nets need 1 to 10.
 constexpr int most_gradients = 200;
 /// What rounding leaves of velocities along rods.
@@ -163,12 +161,12 @@ LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
   past.earlier.resize(of.slots());
 }
 
-LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
-                             DirectCounters& counters) {
+LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double tolerance,
+                             LoopWorkspace& work, DirectCounters& counters) {
   LineWorkspace& lines = *work.lines;
   measure(state, lines);
   start(state, theta, kick, lines);
-  const double length = std::sqrt(state.scale2), least = fitting * state.scale2;
+  const double length = std::sqrt(state.scale2), least = tolerance * state.scale2;
   double last = 0;
   bool crawled = false;
   for (int i = 0; i < most_iterations; ++i) {
@@ -191,7 +189,7 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWo
     if (crawls) lines.start = lines.mu;
     last = worst;
     ++counters.newton;
-    const double goal = std::max(coarse * misfit.norm, below_fitting * least);
+    const double goal = std::max(coarse * misfit.norm, below_tolerance * least);
     if (!lines.solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta)) {
       lines.forget();
       return LineOutcome::stalled;

@@ -46,11 +46,15 @@ enum class LineOutcome : std::uint8_t {
   stalled    ///< conjugate gradients do not get there: rods are redundant, or lines mean nothing
 };
 
-/// Newton's iteration of a substep that begin() has prepared, into work.delta and state.mu. Of the matrix
-/// only F W Fᵀ is kept, F the directions of forces: symmetric and definite, without the geometric term. What
-/// that leaves falls by the turn of rods in a substep every time.
-LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, LoopWorkspace& work,
-                             DirectCounters& counters);
+/// What lines leave of |C|/L² of a rod (its stretch), and of a displacement relative to a rod, L² the mean of
+/// the island, where rounding is the limit.
+constexpr double finest_line_tolerance = 1e-11;
+
+/// Newton's iteration of a substep that begin() has prepared, into work.delta and state.mu, until that is at
+/// most `tolerance`. Of the matrix only F W Fᵀ is kept, F the directions of forces: symmetric and definite,
+/// without the geometric term. What that leaves falls by the turn of rods in a substep every time.
+LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double tolerance,
+                             LoopWorkspace& work, DirectCounters& counters);
 
 /// As project_delta(). False if stalled: work.delta has got its kick then, and still pulls on rods.
 bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work);

@@ -200,7 +200,8 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
   if (work.lines) {
     begin(state, h, gradient, work);
     const double kick = coefficients(state, h, gradient, drag_).kick;
-    const LineOutcome outcome = iterate_by_lines(state, theta, kick, work, counters);
+    const double tolerance = gradient == Gradient::mid ? finest_line_tolerance : line_tolerance_;
+    const LineOutcome outcome = iterate_by_lines(state, theta, kick, tolerance, work, counters);
     if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
       work.lines->stalls = 0;
       return true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -62,6 +63,10 @@ class LoopStepper {
  public:
   LoopStepper(Gradient gradient, double drag) : gradient_(gradient), drag_(drag) {}
 
+  /// Stretch that substeps solved by lines may leave; gradient mid's are always solved to rounding, which is
+  /// how they keep energy.
+  void set_line_tolerance(double stretch) { line_tolerance_ = std::max(stretch, finest_line_tolerance); }
+
   /// Whether the systems of this stepper couple the ends of rods.
   static bool couples(Gradient gradient, MassModel model) {
     return gradient != Gradient::old || model == MassModel::consistent;
@@ -98,6 +103,7 @@ class LoopStepper {
 
   Gradient gradient_;
   double drag_;
+  double line_tolerance_ = finest_line_tolerance;
 };
 
 }  // namespace plumb::detail

@@ -118,6 +118,29 @@ TEST(Nets, InFreeFlightKeepTheirMomentum) {
   }
 }
 
+// With a tolerance rods keep no more stretch than that, in far fewer iterations, and go nearly the same way:
+// what a substep leaves the next one takes back. A hundredth of an accuracy, at most 1e-6, is one, too.
+TEST(Nets, StopAtATolerance) {
+  const Scene scene = sideways_net(14);
+  World exact(scene, direct(Gradient::old, 4));
+  const StepReport to_rounding = test::run(exact, frame, 30);
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    Settings settings = direct(Gradient::old, 4);
+    settings.stop.tolerance = tolerance;
+    World world(scene, settings);
+    EXPECT_LT(test::run(world, frame, 30).newton, to_rounding.newton);
+    const double stretch = test::stretch_of(scene, world).max;
+    EXPECT_LE(stretch, 1.01 * tolerance);  // C/L^2 is the stretch but for its square
+    EXPECT_GE(stretch, 1e-3 * tolerance);
+    EXPECT_LE(test::relative_error(scene, world, test::positions_of(exact)), 0.1 * tolerance);
+  }
+  Settings controlled{.method = Method::automatic, .accuracy = 1e-3, .threads = 1};
+  World world(scene, controlled);
+  test::run(world, frame, 30);
+  EXPECT_LE(test::stretch_of(scene, world).max, 1.01e-6);
+  EXPECT_GE(test::stretch_of(scene, world).max, 1e-9);
+}
+
 // A straight row between fixed corners cannot be held: counted, and everything stays finite and near.
 TEST(Nets, ThatCannotHangSagAndAreCounted) {
   const Scene scene = scenes::make_net(14, 14);

@@ -61,7 +61,7 @@ std::vector<Path> relaxed(const std::string& family, bool over_relaxed) {
   return out;
 }
 
-std::vector<Path> direct(const std::string& family, Method method) {
+std::vector<Path> direct(const std::string& family, const Problem& problem, Method method) {
   std::vector<Path> out;
   for (const Precision precision : {Precision::double_, Precision::single}) {
     const bool automatic = method == Method::automatic;
@@ -75,6 +75,11 @@ std::vector<Path> direct(const std::string& family, Method method) {
           Settings higher = settings;
           higher.time_order = order;
           add(out, family, higher);
+        }
+        if (problem.is_net) {
+          Settings looser = settings;
+          looser.stop.tolerance = 1e-6;
+          add(out, family, looser);
         }
       }
       settings.accuracy = 0.3;
@@ -151,8 +156,8 @@ const std::vector<std::string>& all_families() {
 }
 
 std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
-  if (family == "auto") return direct(family, Method::automatic);
-  if (family == "direct") return direct(family, Method::direct);
+  if (family == "auto") return direct(family, problem, Method::automatic);
+  if (family == "direct") return direct(family, problem, Method::direct);
   if (family == "relax") return relaxed(family, false);
   if (family == "over-relaxed") return relaxed(family, true);
   if (family == "springs") return sprung(family, problem, {Integrator::semi_implicit_euler, Integrator::rk4});
@@ -191,6 +196,7 @@ std::string name_of(const Settings& s, std::uint32_t frames) {
   word(std::to_string(frames) + " x");
   word(s.accuracy ? "a" + short_number(*s.accuracy, 1) : std::to_string(s.substeps));
   if (s.method == Method::relax) word("x " + std::to_string(s.stop.sweeps));
+  if (s.method == Method::direct && s.stop.tolerance) word("to " + short_number(*s.stop.tolerance, 1));
   return out;
 }
 

@@ -83,11 +83,13 @@ std::vector<Problem> all_problems() {
                  .spec = "net:width=32,height=32,level=1",
                  .duration = 0.5,
                  .is_tree = false,
+                 .is_net = true,
                  .patience = 2});
   out.push_back({.name = "net128",
                  .spec = "net:width=128,height=128,level=1",
                  .duration = 0.5,
                  .is_tree = false,
+                 .is_net = true,
                  .patience = 20});
   return out;
 }

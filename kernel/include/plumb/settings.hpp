@@ -82,7 +82,10 @@ Isa best_isa();
 /// earlier. What stopped is reported per step (StepReport::stopped_by).
 struct StopRule {
   std::uint32_t sweeps = 10;
-  std::optional<double> tolerance{};  ///< largest |stretch| allowed, relative to the rod's length
+  /// Largest |stretch| allowed, relative to the rod's length. Method direct stops there too where it
+  /// iterates, in nets solved by their lines with gradient old or new, relative to their mean rod; what it
+  /// solves otherwise is exact. If none is set it goes to rounding there, or a hundredth of the accuracy.
+  std::optional<double> tolerance{};
   std::optional<double>
       budget_us{};  ///< microseconds of sweeping per step(); makes results depend on the clock
 };
