@@ -55,9 +55,8 @@ class DirectSimulation final : public Simulation {
         isa_(settings.isa.value_or(best_isa())),
         workers_(settings),
         counters_(workers_.size()),
-        stepper_(gradient_of(settings), scene.drag, settings.accuracy && !compares(), isa_,
-                 settings.time_order),
-        loops_(scene, gradient_of(settings), isa_),
+        stepper_(gradient_of(settings), scene.drag, estimates(), isa_, settings.time_order),
+        loops_(scene, gradient_of(settings), isa_, estimates(), settings.time_order),
         diagonal_(bounding_diagonal(scene)),
         places_(scene.particles.size()) {
     if (changes_gradient) calm_stepper_.emplace(Gradient::mid, scene.drag, true, isa_);
@@ -389,7 +388,7 @@ class DirectSimulation final : public Simulation {
       advance(group, crew, dt / settings_.substeps, settings_.substeps, counters);
       return;
     }
-    AccuracyControl control = accuracy_control(most_substeps<T>, compares());
+    AccuracyControl control = accuracy_control(most_substeps<T>);
     // What stability cuts into the same pieces one way and the other is alike, not accurate.
     if (control.by_comparison) control.least = std::max(control.least, 2 * stepper_.pieces(group.state, dt));
     group.start->copy_motion(group.state);
@@ -449,21 +448,21 @@ class DirectSimulation final : public Simulation {
 
   void advance_loops(std::uint32_t island, double dt, DirectCounters& counters) {
     if (is_controlled())
-      loops_.advance(island, dt, accuracy_control(most_substeps<double>, true), settings_.time_order,
-                     counters);
+      loops_.advance(island, dt, accuracy_control(most_substeps<double>), counters);
     else
-      loops_.advance(island, dt / settings_.substeps, settings_.substeps, settings_.time_order, counters);
+      loops_.advance(island, dt / settings_.substeps, settings_.substeps, counters);
   }
 
-  /// Steppers estimate the errors of second order by themselves.
-  bool compares() const {
-    return settings_.accuracy && (settings_.time_order > 2 || gradient_of(settings_) == Gradient::new_);
+  /// Steppers estimate the errors of second order by themselves; others show when steps are compared.
+  bool estimates() const {
+    return settings_.accuracy && settings_.time_order == 2 && gradient_of(settings_) != Gradient::new_;
   }
+  bool compares() const { return settings_.accuracy && !estimates(); }
   /// One particle alone has no length for an error to be relative to.
   bool is_controlled() const { return settings_.accuracy && diagonal_ > 0; }
-  AccuracyControl accuracy_control(std::uint32_t most, bool by_comparison) const {
+  AccuracyControl accuracy_control(std::uint32_t most) const {
     const std::uint32_t order = gradient_of(settings_) == Gradient::new_ ? 1 : settings_.time_order;
-    return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, by_comparison};
+    return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, compares()};
   }
 
   /// Returns an estimate of a substep's error: RMS over the particles of the worst tree (or segment of a

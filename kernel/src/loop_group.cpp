@@ -4,14 +4,14 @@
 #include <cmath>
 
 #include "choose_method.hpp"
-#include "composition.hpp"
 
 namespace plumb::detail {
 
-LoopGroup::LoopGroup(const Scene& scene, Gradient gradient, Isa isa)
+LoopGroup::LoopGroup(const Scene& scene, Gradient gradient, Isa isa, bool estimates, std::uint32_t time_order)
     : gradient_(gradient),
       isa_(isa),
-      stepper_(gradient, scene.drag),
+      estimates_(estimates),
+      stepper_(gradient, scene.drag, estimates, time_order),
       places_(scene.particles.size()),
       fixed_in_(scene.particles.size()) {}
 
@@ -41,28 +41,32 @@ void LoopGroup::add(const Scene& scene, MassModel model, const layouts::Islands&
         fixed_in_[vertices[i]].push_back({number, i});
     }
     LoopState state(topology, scene, model, vertices, islands.edges(island));
+    if (estimates_) state.acceleration = state.acceleration_before = state.u;
     LoopWorkspace work(state, gradient_, isa_);
     islands_.push_back(
         {std::move(state), std::move(work), std::vector<double>(3 * std::size_t{topology->nodes})});
   }
 }
 
-void LoopGroup::advance(std::uint32_t number, double h, std::uint32_t substeps, std::uint32_t time_order,
-                        DirectCounters& counters) {
+void LoopGroup::advance(std::uint32_t number, double h, std::uint32_t substeps, DirectCounters& counters) {
   Island& island = islands_[number];
   begin_step(island);
-  advance(island, h, substeps, time_order, counters);
+  advance(island, h, substeps, counters);
 }
 
-void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& control,
-                        std::uint32_t time_order, DirectCounters& counters) {
+void LoopGroup::advance(std::uint32_t number, double dt, AccuracyControl control, DirectCounters& counters) {
   Island& island = islands_[number];
   begin_step(island);
   island.start = island.state.motion();
+  // What is cut into the same pieces one way and the other is alike, not accurate.
+  if (control.by_comparison) control.least = std::max(control.least, 2 * stepper_.pieces(island.state, dt));
   control.step(
       dt, island.substep, counters,
       [&](double h, std::uint32_t substeps, DirectCounters& of_attempt) {
-        return advance_and_compare(island, h, substeps, control, time_order, of_attempt);
+        if (control.by_comparison) return advance_and_compare(island, h, substeps, control, of_attempt);
+        const double error = advance(island, h, substeps, of_attempt);
+        return AccuracyControl::Attempt{
+            .error = error, .is_blind = of_attempt.fallbacks > 0, .is_final = of_attempt.unsolved > 0};
       },
       [&] {
         island.state.motion() = island.start;
@@ -72,7 +76,6 @@ void LoopGroup::advance(std::uint32_t number, double dt, const AccuracyControl& 
 
 AccuracyControl::Attempt LoopGroup::advance_and_compare(Island& island, double h, std::uint32_t substeps,
                                                         const AccuracyControl& control,
-                                                        std::uint32_t time_order,
                                                         DirectCounters& counters) const {
   AccuracyControl::Attempt out{.error = 0};
   double apart = 0;
@@ -84,7 +87,7 @@ AccuracyControl::Attempt LoopGroup::advance_and_compare(Island& island, double h
       island.stretch = island.state.motion();
       if (island.work.lines) island.work.lines->keep_history();
       DirectCounters coarse;
-      advance(island, 2 * h, stretches.length / 2, time_order, coarse);
+      advance(island, 2 * h, stretches.length / 2, coarse);
       if (coarse.unsolved > 0) {  // shorter ones would hardly be better, and cost as much again
         counters.add(coarse);
         out.is_final = true;
@@ -96,7 +99,7 @@ AccuracyControl::Attempt LoopGroup::advance_and_compare(Island& island, double h
       island.state.motion() = island.stretch;
       if (island.work.lines) island.work.lines->take_history_back();
     }
-    advance(island, h, stretches.length, time_order, counters);
+    advance(island, h, stretches.length, counters);
     if (is_compared) apart += distance_to_coarse(island);
     out.is_final = out.is_final || counters.unsolved > 0;
   }
@@ -120,11 +123,11 @@ void LoopGroup::begin_step(Island& island) const {
     stepper_.project_velocities(island.state, island.work);
 }
 
-void LoopGroup::advance(Island& island, double h, std::uint32_t substeps, std::uint32_t time_order,
-                        DirectCounters& counters) const {
+double LoopGroup::advance(Island& island, double h, std::uint32_t substeps, DirectCounters& counters) const {
+  double error = 0;
   for (std::uint32_t i = 0; i < substeps; ++i)
-    for (const double share : composition(time_order))
-      stepper_.advance(island.state, share * h, island.work, counters);
+    error = std::max(error, stepper_.advance(island.state, h, island.work, counters));
+  return error;
 }
 
 Vec3 LoopGroup::position(std::uint32_t particle) const {

@@ -14,7 +14,9 @@ namespace plumb::detail {
 /// The islands with loops of a scene. Particles by their number in the scene.
 class LoopGroup {
  public:
-  LoopGroup(const Scene& scene, Gradient gradient, Isa isa);
+  /// `estimates`: see LoopStepper.
+  LoopGroup(const Scene& scene, Gradient gradient, Isa isa, bool estimates = false,
+            std::uint32_t time_order = 2);
 
   /// Takes islands that are `local` all alike.
   void add(const Scene& scene, MassModel model, const layouts::Islands& islands,
@@ -28,12 +30,9 @@ class LoopGroup {
   std::uint32_t island(std::uint32_t particle) const { return places_[particle].island; }
 
   /// Different islands may be advanced at the same time.
-  void advance(std::uint32_t island, double h, std::uint32_t substeps, std::uint32_t time_order,
-               DirectCounters& counters);
-  /// With as many substeps as accuracy wants. Some stretches are also taken with half as many; how far apart
-  /// these end, RMS over particles, says how wrong they are.
-  void advance(std::uint32_t island, double dt, const AccuracyControl& control, std::uint32_t time_order,
-               DirectCounters& counters);
+  void advance(std::uint32_t island, double h, std::uint32_t substeps, DirectCounters& counters);
+  /// With as many substeps as accuracy wants.
+  void advance(std::uint32_t island, double dt, AccuracyControl control, DirectCounters& counters);
 
   Vec3 position(std::uint32_t particle) const;
   Vec3 displacement(std::uint32_t particle) const;  ///< as it is stored, for a hash
@@ -72,15 +71,16 @@ class LoopGroup {
 
   void begin_step(Island& island) const;
   void find_velocities(Island& island) const;
-  void advance(Island& island, double h, std::uint32_t substeps, std::uint32_t time_order,
-               DirectCounters& counters) const;
+  /// The largest error estimate of the substeps.
+  double advance(Island& island, double h, std::uint32_t substeps, DirectCounters& counters) const;
   AccuracyControl::Attempt advance_and_compare(Island& island, double h, std::uint32_t substeps,
-                                               const AccuracyControl& control, std::uint32_t time_order,
+                                               const AccuracyControl& control,
                                                DirectCounters& counters) const;
   static double distance_to_coarse(const Island& island);
 
   Gradient gradient_;
   Isa isa_;
+  bool estimates_;
   LoopStepper stepper_;
   mutable std::vector<Island> islands_;
   std::vector<Place> places_;                 ///< of movable particles

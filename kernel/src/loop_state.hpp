@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -55,10 +56,15 @@ struct LoopMotion {
   std::vector<double> x;                  ///< m, 3 per vertex
   std::vector<double> u, mu;              ///< 3 per node; per rod
   std::vector<Vec3> fixed_last_velocity;  ///< m/s, per fixed vertex
-  std::uint32_t calm = 0;                 ///< substeps to be taken with gradient new
-  std::uint32_t next_calm = 0;            ///< how many that will be the next time
-  double u_step = 0;                      ///< s
-  double mu_kick = 0;                     ///< s^2: the kick when mu was found; 0: not yet
+  /// Where errors are estimated: m/s^2, 3 per node, of the last two substeps, rods included.
+  std::vector<double> acceleration, acceleration_before;
+  std::uint32_t known = 0;      ///< substeps taken, up to the two that accelerations are from
+  std::uint32_t calm = 0;       ///< substeps to be taken with gradient new
+  std::uint32_t next_calm = 0;  ///< how many that will be the next time
+  double longest =
+      std::numeric_limits<double>::infinity();  ///< s: longer substeps are cut before they are tried
+  double u_step = 0;                            ///< s
+  double mu_kick = 0;                           ///< s^2: the kick when mu was found; 0: not yet
 };
 
 /// The numbers of one island that outlive a step. In double, whatever the precision of the world.

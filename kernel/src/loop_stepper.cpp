@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
+#include "composition.hpp"
 #include "loop_lines.hpp"
 #include "loop_newton.hpp"
 #include "verlet.hpp"
@@ -14,6 +17,9 @@ constexpr int most_iterations = 36;
 constexpr int most_factors = 12;
 constexpr int most_halvings = 10;
 constexpr int most_attempts = 256;  ///< of one substep, all halves together
+/// A substep that had to be halved has been tried in vain, and the next one may not be: pieces as short as
+/// its shortest part, and longer by this every time.
+constexpr double regrowth = 1.1, most_pieces = 64;
 /// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
 /// there is little hope that what did not work then works now. Twice as many each time it does not.
 constexpr std::uint32_t calm_substeps = 16, most_calm_substeps = 1024;
@@ -100,6 +106,9 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   saved = state;
   trial.assign(delta.size(), 0);
 }
+
+LoopStepper::LoopStepper(Gradient gradient, double drag, bool estimates, std::uint32_t time_order)
+    : gradient_(gradient), drag_(drag), estimates_(estimates), shares_(composition(time_order)) {}
 
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   if (first && (first->system->couples || !couples)) return *first;
@@ -223,8 +232,19 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
   return false;
 }
 
-void LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
+double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
+  double jolt =
+      0;  // change of acceleration over two substeps, free of what mid swings by from one to the next
+  for (std::size_t i = 0; i < state.acceleration.size(); ++i) {
+    const double acceleration = (work.delta[i] - ratio * state.u[i]) / kick;
+    const double change = acceleration - std::exchange(state.acceleration_before[i],
+                                                       std::exchange(state.acceleration[i], acceleration));
+    jolt += change * change;
+  }
+  const double error =
+      estimates_ && state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
+  state.known = gradient == gradient_ ? std::min(state.known + 1, 2u) : 0;
   const double decay = std::exp(-drag_ * h / 2);
   for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];
   for (std::size_t i = 0; i < state.u.size(); ++i) {
@@ -236,10 +256,11 @@ void LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWork
   // What follows in this step finds fixed vertices already on their way.
   if (state.anchors_move)
     std::copy(state.fixed_velocity.begin(), state.fixed_velocity.end(), state.fixed_last_velocity.begin());
-  if (gradient == gradient_) return;
+  if (gradient == gradient_) return error;
   // As a velocity, which every gradient can go on from.
   for (double& u : state.u) u /= h;
   state.u_step = 0;
+  return error;
 }
 
 bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
@@ -248,7 +269,8 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
     if (solve(state, h, gradient, work, counters)) {
-      accept(state, h, gradient, work);
+      attempts.error += accept(state, h, gradient, work);
+      attempts.shortest = std::min(attempts.shortest, std::abs(h));
       ++counters.substeps;
       if (gradient != gradient_) ++counters.fallbacks;
       if (gradient != wanted) attempts.fell_back = true;
@@ -262,22 +284,39 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
          advance_part(state, h / 2, depth + 1, attempts, work, counters);
 }
 
-void LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {
+std::uint32_t LoopStepper::pieces(const LoopState& state, double h) const {
+  if (state.calm > 0) return 1;
+  const double largest = std::abs(*std::max_element(
+      shares_.begin(), shares_.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(largest * h / state.longest), 1.0, most_pieces));
+}
+
+double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {
   work.saved = state.motion();
+  const double infinity = std::numeric_limits<double>::infinity();
   Attempts attempts =
-      state.calm > 0 ? Attempts{calm_halvings, 3 * calm_halvings} : Attempts{most_halvings, most_attempts};
-  if (advance_part(state, h, 0, attempts, work, counters)) {
+      state.calm > 0 ? Attempts{.halvings = calm_halvings, .left = 3 * calm_halvings, .shortest = infinity}
+                     : Attempts{.halvings = most_halvings, .left = most_attempts, .shortest = infinity};
+  const std::uint32_t count = pieces(state, h);
+  const std::uint64_t halvings = counters.halvings;
+  bool solved = true;
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (const double share : shares_)
+      solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
+  if (solved) {
+    state.longest = counters.halvings > halvings ? attempts.shortest : regrowth * state.longest;
     if (attempts.fell_back)
       calm_down(state);
     else if (state.calm > 0)
       --state.calm;
     else
       state.next_calm /= 2;
-    return;
+    return attempts.error;
   }
   state.motion() = work.saved;
   compromise(state, h, work, counters);
   calm_down(state);
+  return infinity;
 }
 
 void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "loop_lines.hpp"
@@ -61,7 +62,8 @@ struct LoopWorkspace {
 /// counted as unsolved. After that, or a fallback, the next substeps are taken with gradient new.
 class LoopStepper {
  public:
-  LoopStepper(Gradient gradient, double drag) : gradient_(gradient), drag_(drag) {}
+  /// `estimates`: whether advance() is to estimate errors, of time order 2.
+  LoopStepper(Gradient gradient, double drag, bool estimates = false, std::uint32_t time_order = 2);
 
   /// Stretch that substeps solved by lines may leave; gradient mid's are always solved to rounding, which is
   /// how they keep energy.
@@ -72,9 +74,13 @@ class LoopStepper {
     return gradient != Gradient::old || model == MassModel::consistent;
   }
 
-  /// One substep. Allocates nothing, but the first time that gradient old with lumped masses falls back or
-  /// lines do not lead to a solution.
-  void advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
+  /// One substep, composed of shares for a time order above 2; cut into pieces first if the last ones had to
+  /// be halved. Returns an estimate of the position error it adds, as TreeStepper does. Allocates nothing,
+  /// but the first time that gradient old with lumped masses falls back or lines do not lead to a solution.
+  double advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
+
+  /// How many pieces a substep is cut into.
+  std::uint32_t pieces(const LoopState& state, double h) const;
 
   /// Takes from u, which must hold velocities, what pulls on rods.
   void project_velocities(LoopState& state, LoopWorkspace& work) const;
@@ -92,10 +98,12 @@ class LoopStepper {
   bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
              DirectCounters& counters) const;
   void compromise(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
-  void accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
+  /// Returns the estimate.
+  double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   struct Attempts {
     int halvings, left;
     bool fell_back = false;
+    double shortest, error = 0;  ///< of the parts solved: s; all together, m
   };
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     DirectCounters& counters) const;
@@ -103,6 +111,8 @@ class LoopStepper {
 
   Gradient gradient_;
   double drag_;
+  bool estimates_;
+  std::span<const double> shares_;
   double line_tolerance_ = finest_line_tolerance;
 };
 

@@ -183,7 +183,7 @@ TEST(Loops, TreesMoveAsTheTreeSolverMovesThem) {
       detail::DirectCounters counters;
       for (int step = 0; step < 5; ++step) {
         world.step(1.0 / 60);
-        group.advance(0, 1.0 / 240, 4, 2, counters);
+        group.advance(0, 1.0 / 240, 4, counters);
       }
       for (std::uint32_t i = 1; i < scene.particles.size(); ++i) {
         EXPECT_LE(norm(world.position(i) - group.position(i)), 1e-12) << to_string(gradient);

@@ -76,9 +76,9 @@ std::vector<Problem> all_problems() {
   out.push_back({.name = "rods5", .spec = "rods5"});
   out.push_back({.name = "tree", .spec = "tree"});
   out.push_back({.name = "humanoid", .spec = "humanoid"});
-  out.push_back({.name = "ensemble", .spec = "ensemble:chains=64,links=32"});
+  out.push_back({.name = "ensemble", .spec = "ensemble:chains=64,links=32", .patience = 4});
   out.push_back({.name = "ring", .spec = "ring", .is_tree = false});
-  out.push_back({.name = "truss", .spec = "truss:bays=20,fixed=2", .is_tree = false});
+  out.push_back({.name = "truss", .spec = "truss:bays=20,fixed=2", .is_tree = false, .patience = 4});
   out.push_back({.name = "net32",
                  .spec = "net:width=32,height=32,level=1",
                  .duration = 0.5,
