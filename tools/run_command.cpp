@@ -55,7 +55,8 @@ void print_method(const scenes::RunResult& result, const scenes::RunPlan& plan) 
     text += ", stabilization " + std::string(to_string(s.multipliers.stabilization));
   print_line("method", std::string(to_string(s.method)) + ", " + text + ", mass " +
                            std::string(to_string(mass_model_of(s))) +
-                           (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
+                           (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : "") +
+                           (s.stop.tolerance ? ", nets' tolerance " + short_number(*s.stop.tolerance) : ""));
   print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
                           plural(s.substeps, "substep") + " each" +
                           (s.accuracy ? ", " + plural(result.total.repeated_steps, "step") + " done again, " +
@@ -91,7 +92,8 @@ void print_summary(const RunOptions& options, const scenes::RunResult& result,
                                                 : ", time order " + std::to_string(info.direct_time_order)) +
                    ", mass " + std::string(to_string(mass_model_of(s))) + ", " +
                    std::string(to_string(s.precision)) +
-                   (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : ""));
+                   (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : "") +
+                   (s.stop.tolerance ? ", nets' tolerance " + short_number(*s.stop.tolerance) : ""));
     print_line("steps", plural(result.frames, "frame") + " of " + short_number(options.plan.dt) + " s, " +
                             plural(result.total.direct_substeps, "substep") + " of an island, " +
                             plural(result.total.newton, "Newton step") + ", " +

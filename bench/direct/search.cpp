@@ -254,8 +254,7 @@ std::optional<Trial> direct_effort(const Problem& problem, double error, double 
   const Target target{.name = "", .stretch = never, .error = error};
   std::vector<Trial> trials, candidates;
   double least_ms = never;  // dearer settings need not be refined
-  // Stretch may be as large as the error; a tolerance is for nets, others are solved to rounding whatever it
-  // is.
+  // A tolerance is for nets; others are solved to rounding whatever it is.
   const std::pair<Gradient, StopRule> kinds[] = {
       {Gradient::old, {.tolerance = std::min(error, 1e-6)}}, {Gradient::old, {}}, {Gradient::mid, {}}};
   for (const std::uint32_t frames : frame_rates) {

@@ -58,7 +58,8 @@ struct FrameEffort {
 };
 FrameEffort frame_effort(const Problem& problem, double stretch, double most_s);
 
-/// The cheapest direct setting, in double, with that error. `by_lines`: a net, whose stretch may be as large.
+/// The cheapest direct setting, in double, with that error. `by_lines`: a net, which may keep 1e-6 of
+/// stretch, too.
 std::optional<Trial> direct_effort(const Problem& problem, double error, double most_s, bool by_lines);
 
 }  // namespace plumb::bench

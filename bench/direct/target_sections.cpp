@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
 #include "direct/goal.hpp"
 #include "direct/peers.hpp"
@@ -194,8 +195,8 @@ Comparison compare(const Problem& problem, double error, const Plan& plan, doubl
 double scalar_ms(const Problem& problem, const Effort& effort) {
   Setting scalar = effort.last.setting;
   scalar.settings.isa = Isa::scalar;
-  const double vector_ms = run_trial(problem, effort.last.setting, 1e9).ms;
-  return effort.ms * run_trial(problem, scalar, 1e9).ms / vector_ms;
+  const double anything = std::numeric_limits<double>::infinity();
+  return effort.ms * run_trial(problem, scalar, anything).ms / effort.last.ms;
 }
 
 std::string effort_text(const Effort& effort) {
@@ -358,7 +359,7 @@ Section loops_section(const Plan& plan) {
     std::fprintf(stderr, "%s\n", name.c_str());
     Problem problem{.name = name, .scene = scene, .duration = 0.5};
     problem.diagonal = bounding_diagonal(scene);
-    find_truth(problem, 1e-6, plan.full ? 120 : 4, 2);
+    find_truth(problem, errors.back() / 10, plan.full ? 120 : 4, 2);
     for (const double error : errors) {
       comparisons.push_back(compare(problem, error, plan, plan.full ? 60 : 2, by_lines));
       const Comparison& c = comparisons.back();

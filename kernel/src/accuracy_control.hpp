@@ -12,15 +12,17 @@ namespace plumb::detail {
 /// The substeps of a step, some of which are also taken with half as many. Length: substeps, even.
 struct Stretches {
   std::uint32_t count, length;
-  bool start_anew;  ///< loads or anchors have changed, or nothing has moved yet: the first is compared
+  /// Loads or anchors have changed, or nothing has moved yet, or a fallback has left a velocity: the first is
+  /// compared.
+  bool starts_anew;
 
   /// The last, and one of four before.
   bool is_compared(std::uint32_t k) const {
-    return (start_anew && k == 0) || (count - 1 - k) % compared_one_of == 0;
+    return (starts_anew && k == 0) || (count - 1 - k) % compared_one_of == 0;
   }
   std::uint32_t compared() const {
     const std::uint32_t regular = (count - 1) / compared_one_of + 1;
-    return start_anew && (count - 1) % compared_one_of != 0 ? regular + 1 : regular;
+    return starts_anew && (count - 1) % compared_one_of != 0 ? regular + 1 : regular;
   }
 
   static constexpr std::uint32_t compared_one_of = 4;
@@ -31,13 +33,17 @@ struct AccuracyControl {
   double allowed;             ///< m/s
   std::uint32_t least, most;  ///< substeps of a step
   std::uint32_t order;        ///< in time
-  bool by_comparison;         ///< estimates are of stretches() also taken with half as many substeps
+  bool by_comparison;         ///< estimates are of compare(), not of the stepper
 
   struct Attempt {
-    double error;           ///< estimated, of a substep, m
+    double error = 0;       ///< estimated, of a substep, m
     bool is_blind = false;  ///< substeps were cut: what was compared is more alike than it should be
     bool is_final = false;  ///< it cannot be solved, however many substeps there are
   };
+
+  /// What is cut into the same pieces one way and the other is alike, not accurate: as many substeps at least
+  /// that those of compare() that are twice as long need not be cut, where a step needs so many pieces.
+  void see_through_cuts(std::uint32_t pieces) { least = std::max(least, 2 * pieces); }
 
   /// `substep` is what the last step thought best; 0 if there was none. `advance(h, substeps, counters)`
   /// returns an Attempt; `restore()` takes back what it did, of which only the work counts.
@@ -78,17 +84,46 @@ struct AccuracyControl {
     }
   }
 
-  /// Errors of first order are of velocities, and positions show them later: the whole step is one stretch.
-  Stretches stretches(std::uint32_t substeps, bool start_anew) const {
-    return order == 1 ? Stretches{1, substeps, start_anew} : Stretches{substeps / 2, 2, start_anew};
-  }
-  /// Of a substep, from how far all stretches compared together end from those with half as many
-  /// (Richardson), m.
-  double error_of_substep(double apart, const Stretches& stretches) const {
-    return apart / ((std::pow(2, order) - 1) * stretches.length * stretches.compared());
+  /// Takes a step's substeps of h, some stretches of them also by half as many of 2 h. How far apart the two
+  /// end says how wrong the better is (Richardson): the estimate is the mean over the stretches compared.
+  /// `advance(h, substeps, counters)` moves, `keep()` marks where a stretch starts, `take_back()` goes back
+  /// there but remembers where it came to, and `distance()` is how far from that it is now, m.
+  template <class Advance, class Keep, class TakeBack, class Distance>
+  Attempt compare(double h, std::uint32_t substeps, bool starts_anew, DirectCounters& counters,
+                  Advance&& advance, Keep&& keep, TakeBack&& take_back, Distance&& distance) const {
+    Attempt out{.error = 0};
+    double apart = 0;
+    const Stretches stretches = stretches_of(substeps, starts_anew);
+    for (std::uint32_t k = 0; k < stretches.count; ++k) {
+      const bool is_compared = !out.is_final && stretches.is_compared(k);
+      if (is_compared) {
+        keep();
+        DirectCounters coarse;
+        advance(2 * h, stretches.length / 2, coarse);
+        if (coarse.unsolved > 0) {  // shorter ones would hardly be better, and cost as much again
+          counters.add(coarse);
+          out.is_final = true;
+          continue;
+        }
+        counters.newton += coarse.newton;  // of what is thrown away only the work counts
+        out.is_blind = out.is_blind || coarse.halvings + coarse.fallbacks > 0;
+        take_back();
+      }
+      advance(h, stretches.length, counters);
+      if (is_compared) apart += distance();
+      out.is_final = out.is_final || counters.unsolved > 0;
+    }
+    out.error = apart / ((std::pow(2, order) - 1) * stretches.length * stretches.compared());
+    out.is_blind = out.is_blind || counters.fallbacks > 0;
+    return out;
   }
 
  private:
+  /// Errors of first order are of velocities, and positions show them later: the whole step is one stretch.
+  Stretches stretches_of(std::uint32_t substeps, bool starts_anew) const {
+    return order == 1 ? Stretches{1, substeps, starts_anew} : Stretches{substeps / 2, 2, starts_anew};
+  }
+
   /// The share of the error allowed that is aimed at, and by how much the substep may change at once: at
   /// least doubled, or two substeps a step would never become one.
   static constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -18,6 +20,12 @@ inline std::span<const double> composition(std::uint32_t order) {
   static constexpr double sixth[] = {c, d, e, f, g, f, e, d, c};
   if (order == 2) return second;
   return order == 4 ? std::span<const double>(fourth) : std::span<const double>(sixth);
+}
+
+inline double largest_share(std::uint32_t order) {
+  double largest = 0;
+  for (const double share : composition(order)) largest = std::max(largest, std::abs(share));
+  return largest;
 }
 
 }  // namespace plumb::detail

@@ -4,8 +4,9 @@
 
 namespace plumb::detail {
 
-/// What was done in a step; substeps and iterations per tree or island with loops. Each thread counts its own.
-struct DirectCounters {
+/// What was done in a step; substeps and iterations per tree or island with loops. Each thread counts its
+/// own, in a cache line of its own.
+struct alignas(64) DirectCounters {
   std::uint64_t substeps = 0, newton = 0, halvings = 0, fallbacks = 0, unsolved = 0, repeated = 0,
                 inaccurate = 0;
 

@@ -38,8 +38,9 @@ constexpr int calm_after = 2;
 /// Fewer substeps of old than this are no dearer than one of mid, on lines and on other trees.
 constexpr std::uint32_t dear_on_lines = 4, dear_on_trees = 2;
 
-/// Of the accuracy: stretch that nets solved by their lines may keep, but no more than that. It is taken back
-/// in the next substep: 1e-5 changes a net of 128 x 128 after 0.5 s by 2e-9 of its diagonal.
+/// Stretch that nets solved by their lines may keep where an accuracy is asked for: so much of it, and in the
+/// order of what float leaves at most. The next substep takes it back: even 1e-5 changes a net of 128 x 128
+/// after 0.5 s by no more than 2e-9 of its diagonal.
 constexpr double stretch_of_accuracy = 0.01, most_stretch = 1e-6;
 
 double line_tolerance(const Settings& settings) {
@@ -243,7 +244,7 @@ class DirectSimulation final : public Simulation {
       const std::uint32_t trees = std::min(lanes, count - first);
       const auto g = static_cast<std::uint32_t>(groups_.size());
       Group& group = groups_.emplace_back(Group{TreeState<T>(topology, lanes), trees, kind, {}});
-      keep_starts(group);
+      allocate_starts(group);
       group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
       for (std::uint32_t lane = 0; lane < lanes; ++lane) {
         // Lanes without a tree repeat the last one; nobody looks at them.
@@ -272,14 +273,14 @@ class DirectSimulation final : public Simulation {
     group.line = std::make_unique<Line>(
         Line{segments, std::move(group.state), TreeWorkspace<T>(*state.topology, state.lanes)});
     group.state = std::move(state);
-    keep_starts(group);
+    allocate_starts(group);
     group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
     for (std::uint32_t i = 0; i < tree.nodes(); ++i)
       places_[members.vertices[tree.vertex[i]]] = {g, segments.entry(i), segments.lane(i)};
   }
 
   /// For what is taken back.
-  void keep_starts(Group& group) const {
+  void allocate_starts(Group& group) const {
     if (!settings_.accuracy) return;
     const auto another = [&] {
       return std::make_unique<TreeState<T>>(group.state.topology, group.state.lanes);
@@ -389,8 +390,7 @@ class DirectSimulation final : public Simulation {
       return;
     }
     AccuracyControl control = accuracy_control(most_substeps<T>);
-    // What stability cuts into the same pieces one way and the other is alike, not accurate.
-    if (control.by_comparison) control.least = std::max(control.least, 2 * stepper_.pieces(group.state, dt));
+    if (control.by_comparison) control.see_through_cuts(stepper_.pieces(group.state, dt));
     group.start->copy_motion(group.state);
     if (group.is_calm && step_calmly(group, crew, dt, control, counters)) return;
     double error = 0, h = dt;
@@ -398,11 +398,15 @@ class DirectSimulation final : public Simulation {
         dt, group.substep, counters,
         [&](double length, std::uint32_t substeps, DirectCounters& of_attempt) {
           h = length;
-          error = control.by_comparison ? advance_and_compare(group, crew, h, control, substeps, of_attempt)
-                                        : advance(group, crew, h, substeps, of_attempt);
+          AccuracyControl::Attempt result;
+          if (control.by_comparison)
+            result = advance_and_compare(group, crew, h, control, substeps, of_attempt);
+          else
+            result.error = advance(group, crew, h, substeps, of_attempt);
+          error = result.error;
           // What a thousandth of a substep did not solve, a shorter one will not.
-          return AccuracyControl::Attempt{.error = error,
-                                          .is_final = of_attempt.unsolved + of_attempt.fallbacks > 0};
+          result.is_final = of_attempt.unsolved + of_attempt.fallbacks > 0;
+          return result;
         },
         [&] { group.state.copy_motion(*group.start); });
     if (calm_stepper_ && !group.line) watch(group, crew, error, h, dt / control.least, control.allowed);
@@ -465,30 +469,25 @@ class DirectSimulation final : public Simulation {
     return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, compares()};
   }
 
-  /// Returns an estimate of a substep's error: RMS over the particles of the worst tree (or segment of a
-  /// line), m.
-  double advance_and_compare(Group& group, Crew& crew, double h, const AccuracyControl& control,
-                             std::uint32_t substeps, DirectCounters& counters) {
-    double apart = 0;
-    const TreeState<T>& state = group.state;
-    const bool starts_anew = group.anchors_changed || std::any_of(state.u_step.begin(), state.u_step.end(),
+  AccuracyControl::Attempt advance_and_compare(Group& group, Crew& crew, double h,
+                                               const AccuracyControl& control, std::uint32_t substeps,
+                                               DirectCounters& counters) {
+    const std::vector<double>& steps = group.state.u_step;
+    const bool starts_anew = group.anchors_changed || std::any_of(steps.begin(), steps.begin() + group.trees,
                                                                   [](double step) { return step == 0; });
-    const Stretches stretches = control.stretches(substeps, starts_anew);
-    for (std::uint32_t k = 0; k < stretches.count; ++k) {
-      const bool is_compared = stretches.is_compared(k);
-      if (is_compared) {
-        group.stretch->copy_motion(group.state);
-        DirectCounters coarse;
-        advance(group, crew, 2 * h, stretches.length / 2, coarse);
-        counters.newton += coarse.newton;  // of what is thrown away only the work counts
-        std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
-        group.state.copy_motion(*group.stretch);
-      }
-      advance(group, crew, h, stretches.length, counters);
-      if (is_compared) apart += distance_to_coarse(group);
-    }
-    return control.error_of_substep(apart, stretches);
+    return control.compare(
+        h, substeps, starts_anew, counters,
+        [&](double length, std::uint32_t count, DirectCounters& counted) {
+          advance(group, crew, length, count, counted);
+        },
+        [&] { group.stretch->copy_motion(group.state); },
+        [&] {
+          std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
+          group.state.copy_motion(*group.stretch);
+        },
+        [&] { return distance_to_coarse(group); });
   }
+  /// RMS over the particles of the worst tree (or segment of a line), m.
   double distance_to_coarse(const Group& group) const {
     double worst = 0;
     const std::uint32_t lanes = group.state.lanes;

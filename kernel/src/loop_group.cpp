@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "choose_method.hpp"
 
@@ -58,8 +59,7 @@ void LoopGroup::advance(std::uint32_t number, double dt, AccuracyControl control
   Island& island = islands_[number];
   begin_step(island);
   island.start = island.state.motion();
-  // What is cut into the same pieces one way and the other is alike, not accurate.
-  if (control.by_comparison) control.least = std::max(control.least, 2 * stepper_.pieces(island.state, dt));
+  if (control.by_comparison) control.see_through_cuts(stepper_.pieces(island.state, dt));
   control.step(
       dt, island.substep, counters,
       [&](double h, std::uint32_t substeps, DirectCounters& of_attempt) {
@@ -77,35 +77,21 @@ void LoopGroup::advance(std::uint32_t number, double dt, AccuracyControl control
 AccuracyControl::Attempt LoopGroup::advance_and_compare(Island& island, double h, std::uint32_t substeps,
                                                         const AccuracyControl& control,
                                                         DirectCounters& counters) const {
-  AccuracyControl::Attempt out{.error = 0};
-  double apart = 0;
-  const bool starts_anew = island.anchors_changed || island.state.u_step == 0;
-  const Stretches stretches = control.stretches(substeps, starts_anew);
-  for (std::uint32_t k = 0; k < stretches.count; ++k) {
-    const bool is_compared = !out.is_final && stretches.is_compared(k);
-    if (is_compared) {
-      island.stretch = island.state.motion();
-      if (island.work.lines) island.work.lines->keep_history();
-      DirectCounters coarse;
-      advance(island, 2 * h, stretches.length / 2, coarse);
-      if (coarse.unsolved > 0) {  // shorter ones would hardly be better, and cost as much again
-        counters.add(coarse);
-        out.is_final = true;
-        continue;
-      }
-      counters.newton += coarse.newton;  // of what is thrown away only the work counts
-      out.is_blind = out.is_blind || coarse.halvings + coarse.fallbacks > 0;
-      island.coarse = island.state.x;
-      island.state.motion() = island.stretch;
-      if (island.work.lines) island.work.lines->take_history_back();
-    }
-    advance(island, h, stretches.length, counters);
-    if (is_compared) apart += distance_to_coarse(island);
-    out.is_final = out.is_final || counters.unsolved > 0;
-  }
-  out.error = control.error_of_substep(apart, stretches);
-  out.is_blind = out.is_blind || counters.fallbacks > 0;
-  return out;
+  return control.compare(
+      h, substeps, island.anchors_changed || island.state.u_step == 0, counters,
+      [&](double length, std::uint32_t count, DirectCounters& counted) {
+        advance(island, length, count, counted);
+      },
+      [&] {
+        island.stretch = island.state.motion();
+        if (island.work.lines) island.work.lines->keep_history();
+      },
+      [&] {
+        island.coarse = island.state.x;
+        island.state.motion() = island.stretch;
+        if (island.work.lines) island.work.lines->take_history_back();
+      },
+      [&] { return distance_to_coarse(island); });
 }
 
 double LoopGroup::distance_to_coarse(const Island& island) {

@@ -61,10 +61,10 @@ struct LoopMotion {
   std::uint32_t known = 0;      ///< substeps taken, up to the two that accelerations are from
   std::uint32_t calm = 0;       ///< substeps to be taken with gradient new
   std::uint32_t next_calm = 0;  ///< how many that will be the next time
-  double longest =
-      std::numeric_limits<double>::infinity();  ///< s: longer substeps are cut before they are tried
-  double u_step = 0;                            ///< s
-  double mu_kick = 0;                           ///< s^2: the kick when mu was found; 0: not yet
+  /// s: longer substeps are cut before they are tried.
+  double longest = std::numeric_limits<double>::infinity();
+  double u_step = 0;   ///< s
+  double mu_kick = 0;  ///< s^2: the kick when mu was found; 0: not yet
 };
 
 /// The numbers of one island that outlive a step. In double, whatever the precision of the world.
@@ -73,6 +73,7 @@ struct LoopState : LoopMotion {
             std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> edges);
 
   LoopMotion& motion() { return *this; }
+  const LoopMotion& motion() const { return *this; }
   Vec3 position(std::uint32_t vertex) const { return {x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2]}; }
   void set_force(std::uint32_t node, Vec3 newton);
 

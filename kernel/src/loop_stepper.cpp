@@ -17,8 +17,8 @@ constexpr int most_iterations = 36;
 constexpr int most_factors = 12;
 constexpr int most_halvings = 10;
 constexpr int most_attempts = 256;  ///< of one substep, all halves together
-/// A substep that had to be halved has been tried in vain, and the next one may not be: pieces as short as
-/// its shortest part, and longer by this every time.
+/// A substep that had to be halved has been tried in vain. So that the next need not be, it is cut into
+/// pieces as short as the shortest half, but no more than most_pieces, and longer by regrowth every time.
 constexpr double regrowth = 1.1, most_pieces = 64;
 /// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
 /// there is little hope that what did not work then works now. Twice as many each time it does not.
@@ -103,12 +103,16 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   d.assign(3 * rods, 0);
   excess.assign(rods, 0);
   mu_start.assign(rods, 0);
-  saved = state;
+  saved = state.motion();
   trial.assign(delta.size(), 0);
 }
 
 LoopStepper::LoopStepper(Gradient gradient, double drag, bool estimates, std::uint32_t time_order)
-    : gradient_(gradient), drag_(drag), estimates_(estimates), shares_(composition(time_order)) {}
+    : gradient_(gradient),
+      drag_(drag),
+      estimates_(estimates),
+      shares_(composition(time_order)),
+      largest_share_(largest_share(time_order)) {}
 
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   if (first && (first->system->couples || !couples)) return *first;
@@ -234,8 +238,9 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
 
 double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
-  double jolt =
-      0;  // change of acceleration over two substeps, free of what mid swings by from one to the next
+  // Over two substeps, free of what mid swings by from one to the next; half of it is that of one, and h^2/12
+  // times that the error of position.
+  double jolt = 0;
   for (std::size_t i = 0; i < state.acceleration.size(); ++i) {
     const double acceleration = (work.delta[i] - ratio * state.u[i]) / kick;
     const double change = acceleration - std::exchange(state.acceleration_before[i],
@@ -270,7 +275,8 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
     if (attempts.left-- == 0) return false;
     if (solve(state, h, gradient, work, counters)) {
       attempts.error += accept(state, h, gradient, work);
-      attempts.shortest = std::min(attempts.shortest, std::abs(h));
+      if (depth > 0 && (attempts.shortest_half == 0 || std::abs(h) < attempts.shortest_half))
+        attempts.shortest_half = std::abs(h);
       ++counters.substeps;
       if (gradient != gradient_) ++counters.fallbacks;
       if (gradient != wanted) attempts.fell_back = true;
@@ -285,26 +291,24 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
 }
 
 std::uint32_t LoopStepper::pieces(const LoopState& state, double h) const {
-  if (state.calm > 0) return 1;
-  const double largest = std::abs(*std::max_element(
-      shares_.begin(), shares_.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
-  return static_cast<std::uint32_t>(std::clamp(std::ceil(largest * h / state.longest), 1.0, most_pieces));
+  if (state.calm > 0) return 1;  // gradient new, which is hardly ever halved
+  return static_cast<std::uint32_t>(
+      std::clamp(std::ceil(largest_share_ * h / state.longest), 1.0, most_pieces));
 }
 
 double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {
   work.saved = state.motion();
-  const double infinity = std::numeric_limits<double>::infinity();
-  Attempts attempts =
-      state.calm > 0 ? Attempts{.halvings = calm_halvings, .left = 3 * calm_halvings, .shortest = infinity}
-                     : Attempts{.halvings = most_halvings, .left = most_attempts, .shortest = infinity};
+  const bool is_calm = state.calm > 0;
+  Attempts attempts{.halvings = is_calm ? calm_halvings : most_halvings, .left = 0};
   const std::uint32_t count = pieces(state, h);
-  const std::uint64_t halvings = counters.halvings;
   bool solved = true;
   for (std::uint32_t i = 0; i < count; ++i)
-    for (const double share : shares_)
+    for (const double share : shares_) {
+      attempts.left = is_calm ? 3 * calm_halvings : most_attempts;
       solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
+    }
   if (solved) {
-    state.longest = counters.halvings > halvings ? attempts.shortest : regrowth * state.longest;
+    state.longest = attempts.shortest_half > 0 ? attempts.shortest_half : regrowth * state.longest;
     if (attempts.fell_back)
       calm_down(state);
     else if (state.calm > 0)
@@ -316,7 +320,7 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Dir
   state.motion() = work.saved;
   compromise(state, h, work, counters);
   calm_down(state);
-  return infinity;
+  return std::numeric_limits<double>::infinity();
 }
 
 void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,

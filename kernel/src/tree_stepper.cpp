@@ -50,12 +50,6 @@ constexpr double most_extrapolated = 2;
 /// compared is a bound of the frequency (TreeKernels::find_stiffness).
 constexpr double aimed_frequency = 1.25, highest_frequency = 1.6;
 
-double largest_magnitude(std::span<const double> numbers) {
-  double largest = 0;
-  for (const double each : numbers) largest = std::max(largest, std::abs(each));
-  return largest;
-}
-
 constexpr double square(double a) {
   return a * a;
 }
@@ -105,7 +99,7 @@ TreeStepper<T>::TreeStepper(Gradient gradient, double drag, bool estimates, Isa 
       drag_(drag),
       estimates_(estimates),
       shares_(composition(time_order)),
-      largest_share_(largest_magnitude(shares_)),
+      largest_share_(largest_share(time_order)),
       vector_(simd::tree_kernels<T>(isa)),
       scalar_(simd::tree_kernels<T>(Isa::scalar)) {}
 

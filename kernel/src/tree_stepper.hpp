@@ -32,9 +32,9 @@ class TreeStepper {
   /// `estimates`: whether advance() is to estimate errors, of time order 2.
   TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa, std::uint32_t time_order = 2);
 
-  /// One substep, composed of shares for a time order above 2, of every tree of a state. Returns an estimate of the position error it adds, in m: h^2/12
-  /// times the change of acceleration, RMS over the particles of the worst tree; infinite where a tree had to
-  /// be halved.
+  /// One substep, composed of shares for a time order above 2, of every tree of a state. Returns an estimate
+  /// of the position error it adds, in m: h^2/12 times the change of acceleration, RMS over the particles of
+  /// the worst tree; infinite where a tree had to be halved.
   double advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
                  TreeState<T>& alone, TreeWorkspace<T>& alone_work, DirectCounters& counters) const;
 

@@ -202,6 +202,21 @@ TEST_F(Allocations, AreNoneInStepsOfLoops) {
   }
 }
 
+TEST_F(Allocations, AreNoneInStepsWithAccuracy) {
+  for (const auto& [gradient, order] :
+       {std::pair{Gradient::old, 2u}, {Gradient::old, 4u}, {Gradient::mid, 2u}, {Gradient::new_, 2u}}) {
+    const Settings settings{
+        .method = Method::direct, .gradient = gradient, .time_order = order, .accuracy = 1e-3, .threads = 1};
+    for (const Scene& scene : {scenes::make_chain(20), scenes::make_tree(), scenes::make_truss({.fixed = 2}),
+                               scenes::make_net({.width = 16, .height = 16, .level = 1})}) {
+      World world(scene, settings);
+      test::run(world, 1.0 / 60, 2);
+      EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 10); }), 0u)
+          << to_string(gradient) << ", order " << order;
+    }
+  }
+}
+
 TEST_F(Allocations, AreNoneInStepsThatMoveAnchors) {
   World world(scenes::make_chain(100), {.threads = 1});
   world.step(1.0 / 60);

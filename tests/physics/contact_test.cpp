@@ -253,8 +253,8 @@ double slid(double slope, double friction, double seconds, std::uint32_t substep
 }
 
 // Coulomb: from rest it slides if the slope's tangent is more than the coefficient, here by 1 % either way.
-// What a sweep may leave of sliding, a thousandth of what gravity does in a substep, adds up over all of them:
-// a thousandth of g h t / 2, in the 2 s here 0.16 mm at one substep.
+// What a sweep may leave of sliding, a thousandth of what gravity does in a substep, adds up over all of
+// them: a thousandth of g h t / 2, in the 2 s here 0.16 mm at one substep.
 TEST(Block, SlidesIfTheSlopeIsSteeperThanFriction) {
   for (const double friction : {0.2, 0.5, 0.8})
     for (const std::uint32_t substeps : {1u, 4u}) {

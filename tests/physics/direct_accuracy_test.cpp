@@ -64,13 +64,44 @@ TEST(DirectAccuracy, IsWhatWasAskedForWithTimeOrders) {
             << name << ", order " << order << ", asked " << accuracy;
       }
       World world(scene, {.method = Method::automatic, .accuracy = accuracy, .threads = 1});
-      const bool is_short = scene.rods.size() < 10;
+      const bool is_short = scene.rods.size() < 10;  // order 4 pays from 1.7e-4 on for 9, 5e-5 for 20
       EXPECT_EQ(world.info().direct_time_order, accuracy < 1e-5 || is_short ? 4u : 2u);
       test::run(world, 1.0 / 60, 60);
       EXPECT_LE(test::relative_error(scene, world, truth.positions), 3 * accuracy)
           << name << ", automatic, asked " << accuracy;
     }
   }
+}
+
+// Each island takes the time order that pays for its size.
+TEST(DirectAccuracy, TakesTheTimeOrderOfEveryIsland) {
+  Scene both = scenes::make_chain(5, 0.1, 10);
+  const Scene chain = scenes::make_chain(100);
+  for (const Rod& rod : chain.rods) {
+    Rod moved = rod;
+    moved.a += 6;
+    moved.b += 6;
+    both.rods.push_back(moved);
+  }
+  for (Particle particle : chain.particles) {
+    particle.position.z = 1;
+    both.particles.push_back(particle);
+  }
+  const double accuracy = 5e-5;
+  World world(both, {.method = Method::automatic, .accuracy = accuracy, .threads = 1});
+  EXPECT_EQ(world.info().direct_time_order, 4u);
+  const StepReport report = test::run(world, 1.0 / 60, 60);
+  EXPECT_EQ(report.inaccurate_steps, 0u);
+  // Both at order 4 would take the long chain ten parts a step at least, and as many again for each piece
+  // that stability wants (5 or so), three times what order 2 does.
+  Settings fourth = test::direct(Gradient::old);
+  fourth.accuracy = accuracy;
+  fourth.time_order = 4;
+  World all_fourth(both, fourth);
+  EXPECT_LT(report.direct_substeps, 0.8 * test::run(all_fourth, 1.0 / 60, 60).direct_substeps);
+  World fine(both, test::direct(Gradient::mid, 256));
+  test::run(fine, 1.0 / 60, 60);
+  EXPECT_LE(test::relative_error(both, world, test::positions_of(fine)), 3 * accuracy);
 }
 
 // Rings and trusses by factors, a net by its lines; wide ones are direct with automatic, too, if an accuracy

@@ -14,7 +14,8 @@ struct Problem {
   std::string name{};   ///< for tables and files
   std::string spec{};   ///< as scenes::load_scene reads it
   double duration = 1;  ///< s, a whole number of frames of 1/20 s and of 1/60 s
-  bool is_tree = true, is_net = false;
+  bool is_tree = true;
+  bool is_net = false;  ///< wide, so that method direct solves it by its lines
   double patience = 1;  ///< times Limits::path_s that a path is followed: large scenes take long for a point
 
   Scene scene{};

@@ -79,12 +79,13 @@ bool is_supported(Isa isa);
 Isa best_isa();
 
 /// When to stop sweeping in a substep. Sweeps are never more than `sweeps`; a tolerance or a budget can stop
-/// earlier. What stopped is reported per step (StepReport::stopped_by).
+/// earlier. What stopped sweeps is reported per step (StepReport::stopped_by).
 struct StopRule {
   std::uint32_t sweeps = 10;
-  /// Largest |stretch| allowed, relative to the rod's length. Method direct stops there too where it
-  /// iterates, in nets solved by their lines with gradient old or new, relative to their mean rod; what it
-  /// solves otherwise is exact. If none is set it goes to rounding there, or a hundredth of the accuracy.
+  /// Largest |stretch| allowed, relative to the rod's length. Method direct takes it for nets that it solves
+  /// by their lines, with gradient old or new and relative to their mean rod, down to 1e-11: if none is set
+  /// they are solved to that, or where an accuracy is set to a hundredth of it, at most 1e-6. All else it
+  /// solves to rounding whatever this is.
   std::optional<double> tolerance{};
   std::optional<double>
       budget_us{};  ///< microseconds of sweeping per step(); makes results depend on the clock

@@ -81,8 +81,8 @@ struct WorldInfo {
   std::uint32_t direct_rods = 0;   ///< rods moved by method direct
   Gradient direct_gradient = Gradient::mid;  ///< the one that method direct takes
   bool changes_gradient = false;             ///< some trees take mid while they move calmly
-  std::uint32_t direct_time_order = 2;       ///< and its time order
-  std::uint32_t linkages = 0;  ///< kinds of islands in a scene with limbs, joints or contact; else 0
+  std::uint32_t direct_time_order = 2;  ///< and its time order; method automatic: of the first islands alike
+  std::uint32_t linkages = 0;           ///< kinds of islands in a scene with limbs, joints or contact; else 0
   std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
   bool skipped_drag = true;                   ///< no drag: no factor on displacements
   double projected_velocity =
