@@ -16,7 +16,7 @@ struct Stretches {
   /// compared.
   bool starts_anew;
 
-  /// The last, and one of four before.
+  /// The last, and every other before: an event between two must not be missed by much.
   bool is_compared(std::uint32_t k) const {
     return (starts_anew && k == 0) || (count - 1 - k) % compared_one_of == 0;
   }
@@ -25,7 +25,7 @@ struct Stretches {
     return starts_anew && (count - 1) % compared_one_of != 0 ? regular + 1 : regular;
   }
 
-  static constexpr std::uint32_t compared_one_of = 4;
+  static constexpr std::uint32_t compared_one_of = 2;
 };
 
 /// Steps in as many substeps as keep the estimated error's growth within `allowed`. Times in s.

@@ -40,12 +40,14 @@ constexpr std::uint32_t dear_on_lines = 4, dear_on_trees = 2;
 
 /// Stretch that nets solved by their lines may keep where an accuracy is asked for: so much of it, and in the
 /// order of what float leaves at most. The next substep takes it back: even 1e-5 changes a net of 128 x 128
-/// after 0.5 s by no more than 2e-9 of its diagonal.
+/// after 0.5 s by no more than 2e-9 of its diagonal. A substep of another length makes a velocity of it,
+/// which more than this share shows as error the more the shorter substeps are.
 constexpr double stretch_of_accuracy = 0.01, most_stretch = 1e-6;
 
 double line_tolerance(const Settings& settings) {
-  if (settings.stop.tolerance) return *settings.stop.tolerance;
-  return settings.accuracy ? std::min(stretch_of_accuracy * *settings.accuracy, most_stretch) : 0;
+  if (!settings.accuracy) return settings.stop.tolerance.value_or(0);
+  return std::min({stretch_of_accuracy * *settings.accuracy, most_stretch,
+                   settings.stop.tolerance.value_or(most_stretch)});
 }
 
 template <class T>
@@ -286,7 +288,6 @@ class DirectSimulation final : public Simulation {
       return std::make_unique<TreeState<T>>(group.state.topology, group.state.lanes);
     };
     group.start = another();
-    if (!compares()) return;
     group.stretch = another();
     group.coarse = layouts::AlignedBuffer<double>(group.state.x.size());
   }
@@ -390,6 +391,9 @@ class DirectSimulation final : public Simulation {
       return;
     }
     AccuracyControl control = accuracy_control(most_substeps<T>);
+    // The first acceleration after an anchor has changed its velocity is a blow, the greater the shorter it
+    // is.
+    control.by_comparison = control.by_comparison || group.anchors_changed;
     if (control.by_comparison) control.see_through_cuts(stepper_.pieces(group.state, dt));
     group.start->copy_motion(group.state);
     if (group.is_calm && step_calmly(group, crew, dt, control, counters)) return;
@@ -404,11 +408,13 @@ class DirectSimulation final : public Simulation {
           else
             result.error = advance(group, crew, h, substeps, of_attempt);
           error = result.error;
+          result.is_blind = result.is_blind || (control.by_comparison && of_attempt.halvings > 0);
           // What a thousandth of a substep did not solve, a shorter one will not.
           result.is_final = of_attempt.unsolved + of_attempt.fallbacks > 0;
           return result;
         },
         [&] { group.state.copy_motion(*group.start); });
+    if (group.anchors_changed) std::fill(group.state.known.begin(), group.state.known.end(), std::uint8_t{0});
     if (calm_stepper_ && !group.line) watch(group, crew, error, h, dt / control.least, control.allowed);
   }
 

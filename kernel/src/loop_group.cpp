@@ -59,6 +59,8 @@ void LoopGroup::advance(std::uint32_t number, double dt, AccuracyControl control
   Island& island = islands_[number];
   begin_step(island);
   island.start = island.state.motion();
+  // The first acceleration after an anchor has changed its velocity is a blow, the greater the shorter it is.
+  control.by_comparison = control.by_comparison || island.anchors_changed;
   if (control.by_comparison) control.see_through_cuts(stepper_.pieces(island.state, dt));
   control.step(
       dt, island.substep, counters,
@@ -72,6 +74,7 @@ void LoopGroup::advance(std::uint32_t number, double dt, AccuracyControl control
         island.state.motion() = island.start;
         if (island.work.lines) island.work.lines->forget();
       });
+  if (island.anchors_changed) island.state.known = 0;
 }
 
 AccuracyControl::Attempt LoopGroup::advance_and_compare(Island& island, double h, std::uint32_t substeps,

@@ -49,6 +49,8 @@ enum class LineOutcome : std::uint8_t {
 /// What lines leave of |C|/L² of a rod (its stretch), and of a displacement relative to a rod, L² the mean of
 /// the island, where rounding is the limit.
 constexpr double finest_line_tolerance = 1e-11;
+/// And at most: with more, iterations would be left out that multipliers must not be extrapolated without.
+constexpr double coarsest_line_tolerance = 1e-2;
 
 /// Newton's iteration of a substep that begin() has prepared, into work.delta and state.mu, until that is at
 /// most `tolerance`. Of the matrix only F W Fᵀ is kept, F the directions of forces: symmetric and definite,

@@ -67,7 +67,9 @@ class LoopStepper {
 
   /// Stretch (|C|/L^2, L^2 the island's mean) that substeps solved by lines may leave; gradient mid's are
   /// always solved to rounding, which is how they keep energy.
-  void set_line_tolerance(double stretch) { line_tolerance_ = std::max(stretch, finest_line_tolerance); }
+  void set_line_tolerance(double stretch) {
+    line_tolerance_ = std::clamp(stretch, finest_line_tolerance, coarsest_line_tolerance);
+  }
 
   /// Whether the systems of this stepper couple the ends of rods.
   static bool couples(Gradient gradient, MassModel model) {

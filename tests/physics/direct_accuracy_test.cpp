@@ -182,6 +182,42 @@ TEST(DirectAccuracy, HoldsWithMovingAnchorsAndForces) {
   EXPECT_LE(rms_distance(run(settings), fine), known + 3e-6 * bounding_diagonal(scene));
 }
 
+// An anchor's change of velocity is a blow in one substep, which an estimate by accelerations would refine
+// without end.
+TEST(DirectAccuracy, IsHadWithAnchorsThatNeverGoStraight) {
+  const Scene scenes_to_try[] = {scenes::make_chain(10), scenes::make_ring({.links = 12}),
+                                 scenes::make_tree(), scenes::make_truss({.bays = 4, .fixed = 2}),
+                                 scenes::make_net({.width = 14, .height = 14, .level = 1})};
+  for (const Scene& scene : scenes_to_try) {
+    StepReport report;
+    const auto run = [&](const Settings& settings) {
+      World world(scene, settings);
+      report = {};
+      for (int frame = 1; frame <= 30; ++frame) {
+        const double angle = 0.2 * frame;
+        for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+          if (scene.particles[i].fixed)
+            world.move_anchor(
+                i, scene.particles[i].position + 0.05 * Vec3{std::sin(angle), 0, 1 - std::cos(angle)});
+        const StepReport step = world.step(1.0 / 60);
+        report.direct_substeps += step.direct_substeps;
+        report.inaccurate_steps += step.inaccurate_steps;
+      }
+      return test::positions_of(world);
+    };
+    Settings settings = test::direct(Gradient::old, 64);
+    settings.time_order = 4;
+    const std::vector<Vec3> truth = run(settings);
+    for (const double accuracy : {1e-3, 1e-4}) {
+      Settings controlled = test::direct(Gradient::old);
+      controlled.accuracy = accuracy;
+      EXPECT_LE(rms_distance(run(controlled), truth), 3 * accuracy * bounding_diagonal(scene));
+      EXPECT_EQ(report.inaccurate_steps, 0u);
+      EXPECT_LE(report.direct_substeps, 30u * 100u);  // 100 a step; without a way out it would be 10,000
+    }
+  }
+}
+
 // A step that turns out too coarse is done again, from where it began: a blow in the middle of calm.
 TEST(DirectAccuracy, RepeatsStepsThatWereTooCoarse) {
   Scene scene = scenes::make_chain(10);

@@ -144,7 +144,8 @@ TEST(Nets, StopAtATolerance) {
 }
 
 // Mid keeps energy by solving to rounding, whatever the tolerance. A hundredth of an accuracy, at most 1e-6,
-// is one; if both are set the tolerance counts.
+// is one; if both are set the lesser counts: stretch is a velocity, the greater the shorter substeps are, and
+// no accuracy could be had.
 TEST(Nets, TakeTheirToleranceFromWhatIsAskedFor) {
   const Scene scene = sideways_net(14);
   const auto stretch = [&](Settings settings, std::optional<double> tolerance,
@@ -166,8 +167,7 @@ TEST(Nets, TakeTheirToleranceFromWhatIsAskedFor) {
   EXPECT_LE(of_coarse, 1.01e-6);
   EXPECT_GE(of_coarse, 1e-8);
   EXPECT_LE(of_fine, 1.01e-8);
-  EXPECT_LE(of_both, 1.01e-4);
-  EXPECT_GE(of_both, 1e-7);
+  EXPECT_LE(of_both, 1.01e-8);
 }
 
 // A straight row between fixed corners cannot be held: counted, and everything stays finite and near.

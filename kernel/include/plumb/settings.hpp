@@ -83,9 +83,9 @@ Isa best_isa();
 struct StopRule {
   std::uint32_t sweeps = 10;
   /// Largest |stretch| allowed, relative to the rod's length. Method direct takes it for nets that it solves
-  /// by their lines, with gradient old or new and relative to their mean rod, down to 1e-11: if none is set
-  /// they are solved to that, or where an accuracy is set to a hundredth of it, at most 1e-6. All else it
-  /// solves to rounding whatever this is.
+  /// by their lines, with gradient old or new and relative to their mean rod, between 1e-11 and 1e-2: if none
+  /// is set they are solved to 1e-11, and where an accuracy is set to a hundredth of that, at most 1e-6, or
+  /// to this if it is less. All else it solves to rounding whatever this is.
   std::optional<double> tolerance{};
   std::optional<double>
       budget_us{};  ///< microseconds of sweeping per step(); makes results depend on the clock
