@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "direct_counters.hpp"
 
@@ -28,6 +30,22 @@ struct Stretches {
   static constexpr std::uint32_t compared_one_of = 2;
 };
 
+/// How far apart two sets of positions are, 3 numbers a node in every lane: RMS over the nodes of the worst
+/// lane, m.
+inline double largest_distance(std::span<const double> one, std::span<const double> other,
+                               std::uint32_t nodes, std::size_t lanes) {
+  double worst = 0;
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    double sum = 0;
+    for (std::size_t i = lane; i < one.size(); i += lanes) {
+      const double apart = one[i] - other[i];
+      sum += apart * apart;
+    }
+    worst = std::max(worst, sum);
+  }
+  return std::sqrt(worst / nodes);
+}
+
 /// Steps in as many substeps as keep the estimated error's growth within `allowed`. Times in s.
 struct AccuracyControl {
   double allowed;             ///< m/s
@@ -41,9 +59,14 @@ struct AccuracyControl {
     bool is_final = false;  ///< it cannot be solved, however many substeps there are
   };
 
-  /// What is cut into the same pieces one way and the other is alike, not accurate: as many substeps at least
-  /// that those of compare() that are twice as long need not be cut, where a step needs so many pieces.
-  void see_through_cuts(std::uint32_t pieces) { least = std::max(least, 2 * pieces); }
+  /// For a step before which anchors have changed their velocity or not, and which stability would cut into
+  /// so many pieces. The first acceleration after such a change is a blow, the greater the shorter it is, so
+  /// it is compared. What is cut into the same pieces one way and the other is alike, not accurate: there are
+  /// enough substeps that those of compare() that are twice as long need not be cut.
+  void begin_step(bool anchors_changed, std::uint32_t pieces) {
+    by_comparison = by_comparison || anchors_changed;
+    if (by_comparison) least = std::max(least, 2 * pieces);
+  }
 
   /// `substep` is what the last step thought best; 0 if there was none. `advance(h, substeps, counters)`
   /// returns an Attempt; `restore()` takes back what it did, of which only the work counts.

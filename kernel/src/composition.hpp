@@ -28,4 +28,9 @@ inline double largest_share(std::uint32_t order) {
   return largest;
 }
 
+/// A substep so many times too long is cut into so many pieces, but no more than 64.
+inline std::uint32_t pieces_of(double times_too_long) {
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(times_too_long), 1.0, 64.0));
+}
+
 }  // namespace plumb::detail

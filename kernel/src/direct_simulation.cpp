@@ -188,7 +188,7 @@ class DirectSimulation final : public Simulation {
     int calm_steps = 0;    ///< in turn, in which it could have
     // With accuracy:
     std::unique_ptr<TreeState<T>> start = nullptr;    ///< of the step
-    std::unique_ptr<TreeState<T>> stretch = nullptr;  ///< with compares(): start of one
+    std::unique_ptr<TreeState<T>> stretch = nullptr;  ///< of a stretch that is compared
     double substep = 0;                               ///< s, that the last one thought best; 0: none yet
     layouts::AlignedBuffer<double> coarse{};          ///< m: where half as many substeps take it
   };
@@ -246,8 +246,6 @@ class DirectSimulation final : public Simulation {
       const std::uint32_t trees = std::min(lanes, count - first);
       const auto g = static_cast<std::uint32_t>(groups_.size());
       Group& group = groups_.emplace_back(Group{TreeState<T>(topology, lanes), trees, kind, {}});
-      allocate_starts(group);
-      group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
       for (std::uint32_t lane = 0; lane < lanes; ++lane) {
         // Lanes without a tree repeat the last one; nobody looks at them.
         const std::uint32_t island = equal[first + std::min(lane, trees - 1)];
@@ -261,6 +259,8 @@ class DirectSimulation final : public Simulation {
         }
         if (lanes == 1) cut(g, tree, members);
       }
+      group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
+      allocate_starts(group);
     }
   }
 
@@ -275,8 +275,6 @@ class DirectSimulation final : public Simulation {
     group.line = std::make_unique<Line>(
         Line{segments, std::move(group.state), TreeWorkspace<T>(*state.topology, state.lanes)});
     group.state = std::move(state);
-    allocate_starts(group);
-    group.velocity = layouts::AlignedBuffer<T>(group.state.u.size());
     for (std::uint32_t i = 0; i < tree.nodes(); ++i)
       places_[members.vertices[tree.vertex[i]]] = {g, segments.entry(i), segments.lane(i)};
   }
@@ -391,10 +389,7 @@ class DirectSimulation final : public Simulation {
       return;
     }
     AccuracyControl control = accuracy_control(most_substeps<T>);
-    // The first acceleration after an anchor has changed its velocity is a blow, the greater the shorter it
-    // is.
-    control.by_comparison = control.by_comparison || group.anchors_changed;
-    if (control.by_comparison) control.see_through_cuts(stepper_.pieces(group.state, dt));
+    control.begin_step(group.anchors_changed, stepper_.pieces(group.state, dt));
     group.start->copy_motion(group.state);
     if (group.is_calm && step_calmly(group, crew, dt, control, counters)) return;
     double error = 0, h = dt;
@@ -467,12 +462,11 @@ class DirectSimulation final : public Simulation {
   bool estimates() const {
     return settings_.accuracy && settings_.time_order == 2 && gradient_of(settings_) != Gradient::new_;
   }
-  bool compares() const { return settings_.accuracy && !estimates(); }
   /// One particle alone has no length for an error to be relative to.
   bool is_controlled() const { return settings_.accuracy && diagonal_ > 0; }
   AccuracyControl accuracy_control(std::uint32_t most) const {
     const std::uint32_t order = gradient_of(settings_) == Gradient::new_ ? 1 : settings_.time_order;
-    return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, compares()};
+    return {*settings_.accuracy * diagonal_, settings_.substeps, most, order, !estimates()};
   }
 
   AccuracyControl::Attempt advance_and_compare(Group& group, Crew& crew, double h,
@@ -491,21 +485,11 @@ class DirectSimulation final : public Simulation {
           std::copy_n(group.state.x.data(), group.coarse.size(), group.coarse.data());
           group.state.copy_motion(*group.stretch);
         },
-        [&] { return distance_to_coarse(group); });
-  }
-  /// RMS over the particles of the worst tree (or segment of a line), m.
-  double distance_to_coarse(const Group& group) const {
-    double worst = 0;
-    const std::uint32_t lanes = group.state.lanes;
-    for (std::uint32_t lane = 0; lane < lanes; ++lane) {
-      double sum = 0;
-      for (std::size_t i = lane; i < group.coarse.size(); i += lanes) {
-        const double apart = group.state.x[i] - group.coarse[i];
-        sum += apart * apart;
-      }
-      worst = std::max(worst, sum);
-    }
-    return std::sqrt(worst / group.state.topology->nodes);
+        [&] {
+          const auto& x = group.state.x;
+          return largest_distance({x.data(), x.size()}, {group.coarse.data(), group.coarse.size()},
+                                  group.state.topology->nodes, group.state.lanes);
+        });
   }
   /// One substep; its error estimate.
   double advance(Group& group, Crew& crew, double h, DirectCounters& counters) {

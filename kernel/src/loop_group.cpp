@@ -12,7 +12,7 @@ LoopGroup::LoopGroup(const Scene& scene, Gradient gradient, Isa isa, bool estima
     : gradient_(gradient),
       isa_(isa),
       estimates_(estimates),
-      stepper_(gradient, scene.drag, estimates, time_order),
+      stepper_(gradient, scene.drag, time_order),
       places_(scene.particles.size()),
       fixed_in_(scene.particles.size()) {}
 
@@ -59,9 +59,7 @@ void LoopGroup::advance(std::uint32_t number, double dt, AccuracyControl control
   Island& island = islands_[number];
   begin_step(island);
   island.start = island.state.motion();
-  // The first acceleration after an anchor has changed its velocity is a blow, the greater the shorter it is.
-  control.by_comparison = control.by_comparison || island.anchors_changed;
-  if (control.by_comparison) control.see_through_cuts(stepper_.pieces(island.state, dt));
+  control.begin_step(island.anchors_changed, stepper_.pieces(island.state, dt));
   control.step(
       dt, island.substep, counters,
       [&](double h, std::uint32_t substeps, DirectCounters& of_attempt) {
@@ -94,16 +92,7 @@ AccuracyControl::Attempt LoopGroup::advance_and_compare(Island& island, double h
         island.state.motion() = island.stretch;
         if (island.work.lines) island.work.lines->take_history_back();
       },
-      [&] { return distance_to_coarse(island); });
-}
-
-double LoopGroup::distance_to_coarse(const Island& island) {
-  double sum = 0;
-  for (std::size_t i = 0; i < island.coarse.size(); ++i) {
-    const double apart = island.state.x[i] - island.coarse[i];
-    sum += apart * apart;
-  }
-  return std::sqrt(sum / island.state.topology->nodes);
+      [&] { return largest_distance(island.state.x, island.coarse, island.state.topology->nodes, 1); });
 }
 
 void LoopGroup::begin_step(Island& island) const {

@@ -13,7 +13,7 @@ namespace plumb::detail {
 /// The islands with loops of a scene. Particles by their number in the scene.
 class LoopGroup {
  public:
-  /// `estimates`: see LoopStepper.
+  /// `estimates`: whether errors are estimated from accelerations, which islands then keep.
   LoopGroup(const Scene& scene, Gradient gradient, Isa isa, bool estimates = false,
             std::uint32_t time_order = 2);
 
@@ -75,7 +75,6 @@ class LoopGroup {
   AccuracyControl::Attempt advance_and_compare(Island& island, double h, std::uint32_t substeps,
                                                const AccuracyControl& control,
                                                DirectCounters& counters) const;
-  static double distance_to_coarse(const Island& island);
 
   Gradient gradient_;
   Isa isa_;

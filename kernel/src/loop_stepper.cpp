@@ -18,8 +18,8 @@ constexpr int most_factors = 12;
 constexpr int most_halvings = 10;
 constexpr int most_attempts = 256;  ///< of one substep, all halves together
 /// A substep that had to be halved has been tried in vain. So that the next need not be, it is cut into
-/// pieces as short as the shortest half, but no more than most_pieces, and longer by regrowth every time.
-constexpr double regrowth = 1.1, most_pieces = 64;
+/// pieces as short as the shortest half, and longer by this every time.
+constexpr double regrowth = 1.1;
 /// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
 /// there is little hope that what did not work then works now. Twice as many each time it does not.
 constexpr std::uint32_t calm_substeps = 16, most_calm_substeps = 1024;
@@ -54,10 +54,6 @@ constexpr double hopeless_change = 30;
 /// Of the compromise: compliance in units of 2 L^2/mass, and when to stop looking for its minimum.
 constexpr double compromise_softness = 1e-5, compromise_change = 1e-9;
 constexpr int compromise_iterations = 60;
-
-double theta_of(Gradient gradient) {
-  return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
-}
 
 void calm_down(LoopState& state) {
   state.next_calm = std::max(state.next_calm, calm_substeps);
@@ -107,10 +103,9 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   trial.assign(delta.size(), 0);
 }
 
-LoopStepper::LoopStepper(Gradient gradient, double drag, bool estimates, std::uint32_t time_order)
+LoopStepper::LoopStepper(Gradient gradient, double drag, std::uint32_t time_order)
     : gradient_(gradient),
       drag_(drag),
-      estimates_(estimates),
       shares_(composition(time_order)),
       largest_share_(largest_share(time_order)) {}
 
@@ -247,8 +242,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
                                                        std::exchange(state.acceleration[i], acceleration));
     jolt += change * change;
   }
-  const double error =
-      estimates_ && state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
+  const double error = state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
   state.known = gradient == gradient_ ? std::min(state.known + 1, 2u) : 0;
   const double decay = std::exp(-drag_ * h / 2);
   for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];
@@ -292,8 +286,7 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
 
 std::uint32_t LoopStepper::pieces(const LoopState& state, double h) const {
   if (state.calm > 0) return 1;  // gradient new, which is hardly ever halved
-  return static_cast<std::uint32_t>(
-      std::clamp(std::ceil(largest_share_ * h / state.longest), 1.0, most_pieces));
+  return pieces_of(largest_share_ * h / state.longest);
 }
 
 double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {

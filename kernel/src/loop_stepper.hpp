@@ -62,8 +62,7 @@ struct LoopWorkspace {
 /// counted as unsolved. After that, or a fallback, the next substeps are taken with gradient new.
 class LoopStepper {
  public:
-  /// `estimates`: whether advance() is to estimate errors, of time order 2.
-  LoopStepper(Gradient gradient, double drag, bool estimates = false, std::uint32_t time_order = 2);
+  LoopStepper(Gradient gradient, double drag, std::uint32_t time_order = 2);
 
   /// Stretch (|C|/L^2, L^2 the island's mean) that substeps solved by lines may leave; gradient mid's are
   /// always solved to rounding, which is how they keep energy.
@@ -77,8 +76,9 @@ class LoopStepper {
   }
 
   /// One substep, composed of shares for a time order above 2; cut into pieces first if the last ones had to
-  /// be halved. Returns an estimate of the position error it adds, m: h^2/24 times the change of acceleration
-  /// over two substeps, RMS over the nodes, of all its pieces together; infinite if it was not solved.
+  /// be halved. Returns an estimate of the position error it adds, m, where the state keeps accelerations:
+  /// h^2/24 times their change over two substeps, RMS over the nodes, of all its pieces together; infinite if
+  /// it was not solved.
   /// Allocates nothing, but the first time that gradient old with lumped masses falls back or lines do not
   /// lead to a solution.
   double advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
@@ -117,7 +117,6 @@ class LoopStepper {
 
   Gradient gradient_;
   double drag_;
-  bool estimates_;
   std::span<const double> shares_;
   double largest_share_;
   double line_tolerance_ = finest_line_tolerance;

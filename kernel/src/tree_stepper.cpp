@@ -16,7 +16,6 @@ constexpr int most_halvings = 10;
 /// Solves of one substep after which the rest of it is left to gradient new: a tree that cannot be solved
 /// must not hold up the others.
 constexpr int most_attempts = 200;
-constexpr double most_pieces = 64;
 
 /// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
 /// rounding: convergence is quadratic. For mid tighter: what is left of every substep adds up in the energy
@@ -63,10 +62,6 @@ bool has_converged(double change2, double residual2, double scale2, Gradient gra
 }
 bool is_hopeless(double change2, double scale2) {
   return !(change2 <= square(hopeless_change) * scale2);
-}
-
-double theta_of(Gradient gradient) {
-  return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
 }
 
 /// Of the last multipliers and of those before, what goes into a first guess. -mu/kick is a tension over a
@@ -281,8 +276,7 @@ bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace
 template <class T>
 std::uint32_t TreeStepper<T>::pieces(const TreeState<T>& state, double h) const {
   if (gradient_ != Gradient::old) return 1;
-  return static_cast<std::uint32_t>(std::clamp(
-      std::ceil(largest_share_ * h * std::sqrt(state.frequency2) / aimed_frequency), 1.0, most_pieces));
+  return pieces_of(largest_share_ * h * std::sqrt(state.frequency2) / aimed_frequency);
 }
 
 template <class T>

@@ -5,6 +5,11 @@
 
 namespace plumb::detail {
 
+/// Where between a rod's old direction (0) and its new one (1) a gradient points.
+constexpr double theta_of(Gradient gradient) {
+  return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
+}
+
 /// (1 - e^-z)/z, the mean of e^-t over [0, z].
 double mean_decay(double z);
 

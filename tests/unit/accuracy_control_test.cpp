@@ -56,8 +56,8 @@ TEST(AccuracyControl, EstimatesTheErrorOfASubstepFromTwoLengths) {
     const auto attempt = drifting.compare(control, h, 16);
     EXPECT_NEAR(attempt.error, 0.3 * std::pow(h, order + 1), 1e-14) << order;
     EXPECT_FALSE(attempt.is_blind || attempt.is_final);
-    // Three of eight pairs (the first, the last and the fourth) also as one substep; all of a first-order
-    // step.
+    // Five of eight pairs (the first, and every other up to the last) also as one substep; all of a
+    // first-order step by half as many.
     EXPECT_EQ(drifting.substeps, order == 1 ? 16u + 8u : 16u + 5u);
   }
 }
