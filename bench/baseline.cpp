@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "flush_denormals.hpp"
 #include "plumb/layouts/coloring.hpp"
+#include "threads/flush_denormals.hpp"
 
 namespace plumb::bench {
 namespace {

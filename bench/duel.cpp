@@ -11,7 +11,7 @@
 #include "statistics.hpp"
 #include "world_stepper.hpp"
 #if __has_include("sharing.hpp")
-#include "sharing.hpp"
+#include "threads/sharing.hpp"
 #define PLUMB_CAN_LIFT_THRESHOLDS
 #endif
 

@@ -63,7 +63,7 @@ std::vector<ProfileCase> list_cases(const CaseChoice& choice);
 
 /// Bytes that one Newton step of method direct reads and writes per rod before any cache, on a tree of
 /// massless rods that hangs from one fixed particle: numbers of the logical vectors of
-/// kernel/simd/tree_kernels.hpp, each counted once on the way from the tips to the root and once on the way
+/// kernel/simd/tree/tree_kernels.hpp, each counted once on the way from the tips to the root and once on the way
 /// back.
 double newton_bytes(Gradient gradient, Precision precision);
 

@@ -8,13 +8,13 @@
 #include <memory>
 
 #include "check.hpp"
-#include "flush_denormals.hpp"
-#include "line_segments.hpp"
+#include "direct/trees/line_segments.hpp"
+#include "direct/trees/tree_stepper.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
-#include "scene_graph.hpp"
+#include "scene/scene_graph.hpp"
 #include "scenes/generators.hpp"
-#include "tree_stepper.hpp"
+#include "threads/flush_denormals.hpp"
 
 namespace plumb::bench {
 namespace {

@@ -2,10 +2,10 @@
 #include <iterator>
 #include <xsimd/xsimd.hpp>
 
-#include "front_kernels.hpp"
-#include "kernels.hpp"
-#include "kkt_kernels.hpp"
-#include "tree_kernels.hpp"
+#include "simd/front/front_kernels.hpp"
+#include "simd/kkt/kkt_kernels.hpp"
+#include "simd/relax/relax_kernels.hpp"
+#include "simd/tree/tree_kernels.hpp"
 
 namespace plumb {
 namespace {
@@ -23,13 +23,14 @@ struct Row {
 };
 
 #define PLUMB_ROW(isa, supported)                                               \
-  {Isa::isa, #isa,                                                              \
+  {Isa::isa,                                                                    \
+   #isa,                                                                        \
    [] {                                                                         \
      [[maybe_unused]] static const auto cpu = xsimd::available_architectures(); \
      return static_cast<bool>(supported);                                       \
    },                                                                           \
-   &simd::isa##_float,                                                          \
-   &simd::isa##_double,                                                         \
+   &simd::relax_##isa##_float,                                                  \
+   &simd::relax_##isa##_double,                                                 \
    &simd::tree_##isa##_float,                                                   \
    &simd::tree_##isa##_double,                                                  \
    &simd::front_##isa,                                                          \

@@ -8,9 +8,9 @@
 #include <numeric>
 #include <vector>
 
-#include "loop_group.hpp"
+#include "direct/loops/loop_group.hpp"
 #include "plumb/plumb.hpp"
-#include "scene_graph.hpp"
+#include "scene/scene_graph.hpp"
 #include "scenes/generators.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"

@@ -1,6 +1,6 @@
 // Method springs: what its motion converges to, how fast, what it keeps, and which steps it bears.
 
-#include "methods/springs.hpp"
+#include "reference/springs/springs.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "front_kernels.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "scenes/seeded.hpp"
+#include "simd/front/front_kernels.hpp"
 
 namespace plumb::simd {
 namespace {

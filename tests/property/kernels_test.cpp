@@ -2,8 +2,6 @@
 // numbers from zero to infinity. Two results are the same if their bits are, or if both are not a number:
 // which of two NaNs survives an addition depends on the order of its operands, which a compiler may choose.
 
-#include "kernels.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,13 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "flush_denormals.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/packing.hpp"
 #include "plumb/layouts/shapes.hpp"
+#include "simd/relax/relax_kernels.hpp"
 #include "support/graphs.hpp"
 #include "support/sanitizers.hpp"
+#include "threads/flush_denormals.hpp"
 
 namespace plumb::simd {
 namespace {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "bodies/sparse_kkt.hpp"
+#include "linear/sparse_kkt.hpp"
 #include "plumb/settings.hpp"
 #include "scenes/seeded.hpp"
 

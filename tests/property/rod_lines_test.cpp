@@ -1,5 +1,5 @@
 // Lines of an island's rods, and conjugate gradients over them against a dense solution.
-#include "rod_lines.hpp"
+#include "direct/nets/rod_lines.hpp"
 
 #include <gtest/gtest.h>
 

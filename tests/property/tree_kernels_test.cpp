@@ -1,7 +1,7 @@
 // One call of each kernel of the direct solve against the same equations written out as one dense matrix, on
 // random trees; and every instruction set, every lane and a tree alone against the scalar bits.
 
-#include "tree_kernels.hpp"
+#include "simd/tree/tree_kernels.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
+#include "direct/trees/tree_state.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "support/graphs.hpp"
 #include "support/random_trees.hpp"
 #include "support/sanitizers.hpp"
-#include "tree_state.hpp"
 
 namespace plumb::simd {
 namespace {

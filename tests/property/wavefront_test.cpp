@@ -2,7 +2,7 @@
 // The model is a line of integers whose updates do not commute, so any visit too early, too late, twice or
 // never shows.
 
-#include "wavefront.hpp"
+#include "threads/wavefront.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 #include "support/graphs.hpp"
 #include "support/sanitizers.hpp"
-#include "team.hpp"
+#include "threads/team.hpp"
 
 namespace plumb::detail {
 namespace {

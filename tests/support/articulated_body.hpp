@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "methods/articulated_body.hpp"
+#include "reference/featherstone/articulated_body.hpp"
 
 /// Bodies in reduced coordinates, as tests move them.
 namespace plumb::test {

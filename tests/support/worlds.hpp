@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "sharing.hpp"
+#include "threads/sharing.hpp"
 
 /// What tests ask of a world again and again.
 namespace plumb::test {

@@ -1,6 +1,6 @@
 // How an accuracy chooses substeps: what is compared, and what it makes of it.
 
-#include "accuracy_control.hpp"
+#include "time/accuracy_control.hpp"
 
 #include <gtest/gtest.h>
 

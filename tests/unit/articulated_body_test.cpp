@@ -1,6 +1,6 @@
 // The articulated-body algorithm against textbook solutions, and against d'Alembert's principle on random
 // bodies of every kind of joint.
-#include "methods/articulated_body.hpp"
+#include "reference/featherstone/articulated_body.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "compile.hpp"
+#include "relax/compile.hpp"
 
 #include <gtest/gtest.h>
 

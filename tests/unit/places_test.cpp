@@ -1,4 +1,4 @@
-#include "places.hpp"
+#include "step/places.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "schedule.hpp"
+#include "relax/schedule.hpp"
 
 #include <gtest/gtest.h>
 
-#include "compile.hpp"
+#include "relax/compile.hpp"
 #include "scenes/generators.hpp"
 
 namespace plumb::detail {

@@ -1,4 +1,4 @@
-#include "sparse_ldu.hpp"
+#include "linear/sparse_ldu.hpp"
 
 #include <gtest/gtest.h>
 

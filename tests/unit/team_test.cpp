@@ -1,7 +1,7 @@
 // A team runs a straight program on whatever executor it is given: every part of every phase once, phases one
 // after the other, nobody waiting for a task that has not started.
 
-#include "team.hpp"
+#include "threads/team.hpp"
 
 #include <gtest/gtest.h>
 

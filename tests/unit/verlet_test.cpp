@@ -1,6 +1,6 @@
 // What a particle without rods does in one substep, against the exact solution of v' = a - c v.
 
-#include "verlet.hpp"
+#include "time/verlet.hpp"
 
 #include <gtest/gtest.h>
 

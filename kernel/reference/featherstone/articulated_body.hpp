@@ -1,0 +1,160 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "plumb/inertia.hpp"
+#include "plumb/vec3.hpp"
+#include "reference/multipliers/small_matrices.hpp"
+
+namespace plumb::detail {
+
+/// What a joint lets a link do relative to its parent, and the coordinates that say so.
+///   revolute     turn about an axis: an angle (rad)
+///   prismatic    slide along an axis: a distance (m)
+///   spherical    turn about a point: the link's orientation in space as a unit quaternion w, x, y, z; its
+///                speeds are the link's angular velocity in space (1/s), not relative to the parent
+///   translation  shift without turning: three distances (m); only on the base. With a spherical link on a
+///                translation without mass, the base floats
+enum class Joint : std::uint8_t { revolute, prismatic, spherical, translation };
+
+/// A rigid link. Its frame has its origin in its joint; it is turned as the parent's is when a revolute or
+/// prismatic joint is at zero, and as space when the parent is the base.
+struct Link {
+  static constexpr std::uint32_t base = 0xffffffff;
+
+  std::uint32_t parent = base;  ///< a link with a smaller number
+  Joint joint = Joint::spherical;
+  Vec3 place{};        ///< m, of the joint in the parent's frame
+  Vec3 axis{1, 0, 0};  ///< of a revolute or prismatic joint, in the parent's frame; of length one
+  double mass = 0;     ///< kg
+  Vec3 center{};       ///< m, of mass, in the link's frame
+  Inertia inertia{};   ///< kg m², about the centre of mass, in the link's frame
+  Vec3 grip{};         ///< m, in the link's frame: where a force on the link acts
+};
+
+/// What acts on an articulated body.
+struct BodyLoad {
+  Vec3 gravity{};                  ///< m/s²
+  Vec3 base_acceleration{};        ///< m/s²
+  std::span<const Vec3> forces{};  ///< N, in space, at every link's grip; none: no forces
+  std::span<const double>
+      torques{};  ///< by speed: N m about joints (spherical: in space, not from the parent), N
+};
+
+/// How a link moves, in space.
+struct LinkMotion {
+  Vec3 position;          ///< m, of its joint
+  Vec3 velocity;          ///< m/s, of its joint
+  Vec3 angular_velocity;  ///< 1/s
+  Mat3 rotation;          ///< from its frame
+};
+
+/// A tree of rigid links in reduced coordinates (thesis §3.5): accelerations in linear time by the
+/// articulated-body algorithm (Featherstone 1983; Rigid Body Dynamics Algorithms, 2008, table 7.1), with all
+/// vectors in the axes of space and about each link's own joint.
+///
+/// A slender link has no inertia about its own axis. If all that hangs from it hangs by spherical joints on
+/// that axis, nothing has: then its spherical joint has two freedoms, across the axis, and the link does not
+/// spin. Such links along their own x, which carry everything at one point, take a shorter way: only a 3x3
+/// articulated mass at the joint is handed on.
+class ArticulatedBody {
+ public:
+  /// Throws std::invalid_argument on a parent that does not come before its link, or a translation that is
+  /// not on the base.
+  explicit ArticulatedBody(std::vector<Link> links);
+
+  std::uint32_t links() const { return static_cast<std::uint32_t>(links_.size()); }
+  Eigen::Index coordinates() const { return coordinates_; }
+  Eigen::Index speeds() const { return speeds_; }
+  Eigen::Index coordinate(std::uint32_t link) const { return nodes_[link].q; }  ///< its first
+  Eigen::Index speed(std::uint32_t link) const { return nodes_[link].v; }       ///< its first
+
+  /// The rates of the speeds. Allocates nothing once `out` has its size.
+  void accelerations(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const BodyLoad& load,
+                     Eigen::VectorXd& out);
+  /// The rates of the coordinates.
+  void rates(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out) const;
+  /// Takes rounding and truncation out of what is not free: the lengths of quaternions, the spin of links
+  /// with two freedoms.
+  void settle(Eigen::VectorXd& q, Eigen::VectorXd& v) const;
+  /// Of every link, by its number; `out` has links() elements.
+  void motions(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Vec3 base_position, Vec3 base_velocity,
+               std::span<LinkMotion> out) const;
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  /// What the passes read of every link. Of a rod: mass, its first and second moment about the joint along
+  /// the rod, and how far the tip is.
+  struct Node {
+    double mass, first, second, tip;
+    std::uint32_t q, v;
+    std::uint32_t parent;
+    std::uint32_t slot;     ///< of a rod with children that do not follow at once
+    std::uint32_t general;  ///< none: a rod
+    Joint joint;
+    bool follows;  ///< a rod whose parent is the rod just before it
+  };
+  /// Inertia and bias force as felt at a point that turns nothing: f = mass a + force.
+  struct PointLoad {
+    Sym3 mass;
+    Vec3 force;
+  };
+  /// As felt at a link's joint that accelerates by A and turns by Omega: force m A + bᵀ Omega + f, torque
+  /// b A + a Omega + n.
+  struct Articulated {
+    Sym3 a;
+    Mat3 b;
+    Sym3 m;
+    Vec3 n, f;
+  };
+  /// Where children of a rod leave their part, and find its acceleration.
+  struct Slot {
+    PointLoad load;
+    Vec3 acceleration;
+  };
+  /// beta = w a + w0: how a rod's direction accelerates, apart from turning.
+  struct RodWork {
+    Vec3 u;
+    double speed2;  ///< of the direction
+    Mat3 w;
+    Vec3 w0;
+  };
+  struct General {
+    Mat3 rotation{};
+    Vec3 angular_velocity{};
+    Vec3 arm{};                ///< from the parent's joint
+    Vec3 turn_bias{}, bias{};  ///< of accelerations, from velocities
+    Vec3 axis{};               ///< revolute, prismatic: in space; slender: of the link
+    Articulated articulated{};
+    Vec3 un{}, uf{};              ///< inertia times the joint's motion
+    double over = 0, torque = 0;  ///< 1 / its inertia; what is left of the force on it
+    Sym3 h{};                     ///< spherical: inverse of a
+    Vec3 acceleration{}, angular_acceleration{};
+    Vec3 slender{};  ///< axis of two freedoms, in the link's frame; zero: three
+  };
+
+  void find_kinds();
+  bool is_rod(std::uint32_t link) const;
+  bool is_slender(std::uint32_t link, Vec3& axis) const;
+  void place_general(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  void start_general(General& general, const Link& link, Vec3 force) const;
+  void eliminate_general(std::uint32_t link, const BodyLoad& load);
+  void add_child(General& parent, const Articulated& child, Vec3 arm, Vec3 turn_bias, Vec3 bias) const;
+  void hand_on(std::uint32_t link, const PointLoad& load);
+  void accelerate_general(std::uint32_t link, const BodyLoad& load, double* out);
+  Vec3 joint_acceleration(std::uint32_t link, Vec3 base) const;
+
+  std::vector<Link> links_;
+  std::vector<Node> nodes_;
+  std::vector<General> general_;
+  std::vector<std::uint32_t> general_links_;
+  std::vector<Slot> slots_;
+  std::vector<RodWork> rods_;  ///< by link
+  Eigen::Index coordinates_ = 0, speeds_ = 0;
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "reference/mechanical_system.hpp"
+
+namespace plumb::detail {
+
+class SpringSystem;
+
+/// A body's number that stands for an anchor.
+inline constexpr std::uint32_t no_body = std::numeric_limits<std::uint32_t>::max();
+
+/// A spring near where it is now. With d the change of its point on body a minus that on body b, the force
+/// on a changes by -(stiffness d + damping d'), on b by the opposite.
+struct LinearSpring {
+  std::uint32_t a = no_body, b = no_body;          ///< a is a body, b may be none
+  Eigen::Vector3d arm_a{0, 0, 0}, arm_b{0, 0, 0};  ///< m, from the centre of mass; unused for points
+  Eigen::Matrix3d stiffness, damping;              ///< N/m and N s/m, symmetric, not negative
+};
+/// All springs, and N m per rad by which forces at its ends turn every body back as it turns itself (a rod
+/// under tension); not negative.
+struct Linearization {
+  std::vector<LinearSpring> springs;
+  Eigen::VectorXd turning;
+};
+
+/// A symmetric matrix of square blocks whose pattern is known beforehand, and its solutions.
+class BlockMatrix {
+ public:
+  /// Where a block lies.
+  struct Block {
+    Eigen::Index first = 0, stride = 0;
+  };
+
+  /// `pairs` are the blocks off the diagonal, row above column; duplicates are fine.
+  void set_pattern(Eigen::Index blocks, Eigen::Index size,
+                   std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs);
+  Block find(std::uint32_t row, std::uint32_t column) const;
+  /// The diagonal matrix.
+  void set_diagonal(const Eigen::VectorXd& diagonal);
+  /// Adds to the part of a block that starts at (row, column) in it.
+  void add(Block block, Eigen::Index row, Eigen::Index column, const Eigen::Matrix3d& part);
+  /// False if the matrix is not positive definite.
+  bool solve(const Eigen::VectorXd& right, Eigen::VectorXd& out);
+
+ private:
+  Eigen::Index size_ = 0;
+  Eigen::SparseMatrix<double> matrix_;  ///< lower triangle, blocks on the diagonal whole
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+};
+
+/// Backward Euler, linearised (thesis eq. 3.16 to 3.22), for second-order systems: with K and D the
+/// derivatives of the forces by positions and velocities, (M - h D - h² K) dv = h (f + h K v), which is eq.
+/// 3.22 with the positions eliminated. Where the exact K would not be negative (springs and rods under
+/// compression, sideways) the part is left out, so that the matrix stays positive definite at every step; it
+/// costs no order.
+class ImplicitEuler {
+ public:
+  void step(SpringSystem& system, MechanicalState& state, const Drive& drive, double h);
+
+ private:
+  struct Places {
+    BlockMatrix::Block a, b, between;
+  };
+  void analyze(const SpringSystem& system);
+  void add_pulls(const SpringSystem& system, const Eigen::VectorXd& v, double h, Eigen::VectorXd& out) const;
+  void assemble(const SpringSystem& system, double h);
+
+  Linearization linear_;
+  std::vector<Places> places_;
+  std::vector<BlockMatrix::Block> diagonal_;
+  BlockMatrix matrix_;
+  bool analyzed_ = false;
+  Eigen::VectorXd right_, change_, rate_, diagonal_entries_;
+};
+
+/// The matrix that takes x to v × x.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d out;
+  out << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return out;
+}
+inline Eigen::Vector3d to_eigen(Vec3 v) {
+  return {v.x, v.y, v.z};
+}
+inline Vec3 to_vec3(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "reference/mechanical_system.hpp"
+#include "reference/springs/implicit_euler.hpp"
+
+namespace plumb::detail {
+
+/// Particles and rods held together by stiff springs (thesis §3.3). What moves are bodies, each with a
+/// diagonal mass matrix: points (3 unknowns) or slender rods (6: velocity of the centre of mass and angular
+/// velocity, both in the world's axes).
+class SpringSystem : public MechanicalSystem {
+ public:
+  void accelerations(const MechanicalState& state, const Drive& drive, double t, Eigen::VectorXd& out) final;
+  void advance(MechanicalState& state, const Drive& drive, double h) final;
+  void report(const MechanicalState& state, const Drive& drive, StepReport& out) override;
+
+  /// kg or kg m², of every velocity.
+  const Eigen::VectorXd& masses() const { return masses_; }
+  double drag() const { return scene_.drag; }
+  /// Velocities of one body.
+  virtual Eigen::Index body_size() const = 0;
+  /// N and N m on every velocity: springs, gravity, drag and what acts from outside.
+  virtual void find_forces(const MechanicalState& state, const Drive& drive, double t,
+                           Eigen::VectorXd& out) = 0;
+  /// The same springs in the same order every time.
+  virtual void linearize(const MechanicalState& state, const Drive& drive, double t, Linearization& out) = 0;
+  /// J: kinetic, of weight and of springs. Of the bodies as they are, joints open.
+  virtual double energy(const MechanicalState& state, const Drive& drive) const = 0;
+
+ protected:
+  SpringSystem(const Scene& island, const Settings& settings);
+  const Scene& scene() const { return scene_; }
+  const Settings& settings() const { return settings_; }
+
+  Eigen::VectorXd masses_;
+
+ private:
+  void advance_adaptively(MechanicalState& state, const Drive& drive, double h);
+  double rms_difference(const MechanicalState& a, const MechanicalState& b) const;
+
+  Scene scene_;
+  Settings settings_;
+  std::vector<std::uint32_t> movable_;  ///< particles
+  ImplicitEuler implicit_;
+  MechanicalState whole_, halves_;
+  Drive trial_drive_;
+  double next_step_ = std::numeric_limits<double>::infinity();  ///< s, that the last step left as a guess
+  std::uint64_t repeated_ = 0, inaccurate_ = 0;                 ///< since the last report
+};
+
+/// N s/m: Settings::springs' share of what damps two masses (kg; infinity for an anchor) critically.
+double spring_damping(const SpringSettings& springs, double mass_a, double mass_b);
+
+std::unique_ptr<SpringSystem> make_springs(const Scene& island, const Settings& settings);
+/// SpringModel::particles.
+std::unique_ptr<SpringSystem> make_spring_particles(const Scene& island, const Settings& settings);
+/// SpringModel::rigid_rods.
+std::unique_ptr<SpringSystem> make_spring_rods(const Scene& island, const Settings& settings);
+
+/// Throws InputError if a rod of the scene has no inertia to turn by in SpringModel::rigid_rods: the mass of
+/// its body lies in one point.
+void require_spring_bodies(const Scene& scene, const Settings& settings);
+
+}  // namespace plumb::detail

@@ -1,0 +1,9 @@
+#define PLUMB_ARCH xsimd::sse2
+#include "simd/double_vector.hpp"
+#include "simd/front/front_lanes.hpp"
+
+namespace plumb::simd {
+
+constinit const FrontKernels front_sse2{eliminate<Batch>, forward<Batch>, backward<Batch>};
+
+}  // namespace plumb::simd

@@ -1,0 +1,114 @@
+// Trees side by side in the lanes of one vector. Included once per instruction set with PLUMB_ARCH set to its
+// xsimd architecture and PLUMB_ISA to its name.
+#include <cstddef>
+#include <cstring>
+#include <xsimd/xsimd.hpp>
+
+#include "simd/tree/tree_kernels.hpp"
+
+namespace plumb::simd {
+namespace {
+
+template <class T>
+using Batch = xsimd::batch<T, PLUMB_ARCH>;
+
+template <class V, class T>
+inline __attribute__((always_inline)) V load(const T* from) {
+  return V::load_aligned(from);
+}
+template <class T>
+inline __attribute__((always_inline)) void store(const Batch<T>& value, T* to) {
+  value.store_aligned(to);
+}
+/// As many doubles as V has lanes, in two registers where V holds floats.
+template <class V>
+using Wide __attribute__((vector_size(V::size * sizeof(double)))) = double;
+template <class V>
+using Narrow __attribute__((vector_size(V::size * sizeof(typename V::value_type)))) = typename V::value_type;
+
+template <class V>
+inline __attribute__((always_inline)) Wide<V> load_wide(const double* from) {
+  Wide<V> value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+template <class V>
+inline __attribute__((always_inline)) V narrow(Wide<V> value) {
+  const Narrow<V> narrowed = __builtin_convertvector(value, Narrow<V>);
+  V result;
+  std::memcpy(&result, &narrowed, sizeof result);
+  return result;
+}
+template <class T>
+inline __attribute__((always_inline)) void add_wide(const Batch<T>& value, double* to) {
+  Narrow<Batch<T>> narrowed;
+  std::memcpy(&narrowed, &value, sizeof narrowed);
+  const Wide<Batch<T>> sum = load_wide<Batch<T>>(to) + __builtin_convertvector(narrowed, Wide<Batch<T>>);
+  std::memcpy(to, &sum, sizeof sum);
+}
+template <class T>
+inline __attribute__((always_inline)) Batch<T> select_nonzero(const Batch<T>& mask, const Batch<T>& a,
+                                                              const Batch<T>& b) {
+  return xsimd::select(mask != Batch<T>(T(0)), a, b);
+}
+template <class T>
+inline __attribute__((always_inline)) Batch<T> larger(const Batch<T>& a, const Batch<T>& b) {
+  return xsimd::select(a > b, a, b);
+}
+template <class T>
+inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>& s, const Batch<T>& floor) {
+  return xsimd::select(xsimd::abs(s) > floor, Batch<T>(T(1)) / s, Batch<T>(T(0)));
+}
+
+}  // namespace
+}  // namespace plumb::simd
+
+#include "simd/tree/tree_lanes.hpp"
+
+// After what it builds on.
+#include "simd/tree/line_lanes.hpp"
+#include "simd/tree/segment_lanes.hpp"
+
+namespace plumb::simd {
+namespace {
+
+template <class T>
+void prepare(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    prepare_lanes<Batch<T>, logical_width<T>>(tree, lane);
+}
+template <class T>
+void newton(const TreeView<T>& tree, T theta) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    newton_lanes<Batch<T>, logical_width<T>>(tree, lane, theta);
+}
+template <class T>
+void newton_line(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    newton_line_lanes<Batch<T>, logical_width<T>>(tree, lane);
+}
+template <class T>
+void newton_segments(const TreeView<T>& tree) {
+  newton_segments_lanes<Batch<T>>(tree, [](auto&& f) {
+    for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+      f(At<Batch<T>, T, logical_width<T>>{lane});
+  });
+}
+template <class T>
+void find_stiffness(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    find_stiffness_lanes<Batch<T>, logical_width<T>>(tree, lane);
+}
+template <class T>
+void advance(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    advance_lanes<Batch<T>, logical_width<T>>(tree, lane);
+}
+template <class T>
+void project(const TreeView<T>& tree) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    project_lanes<Batch<T>, logical_width<T>>(tree, lane);
+}
+
+}  // namespace
+}  // namespace plumb::simd

@@ -1,0 +1,170 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "linear/sparse_kkt.hpp"
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// A weighted sum of particles, by an island's numbers.
+struct Combination {
+  struct Term {
+    std::uint32_t particle = 0;
+    double weight = 0;
+  };
+  std::array<Term, 8> terms{};
+  std::uint32_t count = 0;
+
+  void add(std::uint32_t particle, double weight);
+  Vec3 of(std::span<const Vec3> values) const {
+    Vec3 sum{};
+    for (std::uint32_t i = 0; i < count; ++i) sum += terms[i].weight * values[terms[i].particle];
+    return sum;
+  }
+};
+
+/// What all islands of one make have in common: limbs that are held together, their masses, shapes and
+/// joints, and the plan of the factors of
+///   [M Jᵀ; J 0]
+/// with M the exact mass matrix of rods and bodies and J the gradients of all constraints. Constraints are
+/// without dimension: rods (|d|²/L² - 1)/2, alignments (u·v - c)/(|u| |v|); but for pins, in m.
+class Linkage {
+ public:
+  struct Shape {
+    Combination a, b;
+    double radius;
+    Surface surface;
+  };
+  /// The end of a shape, for what is flat; where several end at one particle, the largest.
+  struct Ball {
+    Combination center;
+    double radius;
+    Surface surface;
+  };
+  struct Angle {
+    Combination u, v;
+    double over_u, over_v;  ///< 1/m, the directions' lengths
+    double lower, upper, friction, target, stiffness, damping;
+  };
+  /// How an angle changes with the particles of its two directions: rate = along_u·u' + along_v·v'.
+  struct AngleSlope {
+    double value;           ///< rad
+    Vec3 along_u, along_v;  ///< 1/m
+  };
+  static AngleSlope slope(const Angle& angle, std::span<const Vec3> x);
+
+  /// `part` is one island of `scene`, with its particles' numbers; the movable ones first.
+  Linkage(const Scene& part, std::uint32_t movable, Isa isa);
+
+  std::uint32_t particles() const { return particles_; }
+  std::uint32_t movable() const { return movable_; }
+  std::uint32_t rods() const { return static_cast<std::uint32_t>(rods_.size()); }
+  std::uint32_t constraints() const { return constraints_; }
+  const KktPlan& plan() const { return plan_; }
+  std::span<const Shape> shapes() const { return shapes_; }
+  std::span<const Ball> balls() const { return balls_; }
+  std::span<const Angle> angles() const { return angles_; }
+  bool is_grounded() const { return movable_ < particles_; }
+  bool has_drives() const { return has_drives_; }
+  /// Whether anything takes energy but contact: air, drag, joint drag or dampers.
+  bool has_air() const { return has_air_; }
+  double size() const { return size_; }  ///< m, the largest rod or shape: what errors are held against
+  double mass() const { return mass_; }  ///< kg, of what moves
+  double drag() const { return drag_; }  ///< 1/s
+  /// Of a velocity, what drag leaves after t.
+  double kept(double t) const { return drag_ == 0 ? 1 : std::exp(-t * drag_); }
+  double joint_drag() const { return joint_drag_; }  ///< 1/s
+  Vec3 gravity() const { return gravity_; }
+
+  /// Where a movable particle's x stands in vectors that are solved; y and z follow.
+  std::uint32_t slot(std::uint32_t particle) const { return slots_[particle]; }
+  /// Of every movable particle, into its slot and out of it.
+  void put(std::span<const Vec3> vectors, std::span<double> solved) const;
+  Vec3 taken(std::span<const double> solved, std::uint32_t particle) const {
+    const double* const at = &solved[slots_[particle]];
+    return {at[0], at[1], at[2]};
+  }
+
+  /// M and J at `x`, for KktPlan::factor().
+  void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
+  /// Constraints at `x`, negative, into their places of `right`; the largest absolute one.
+  double violations(std::span<const Vec3> x, std::span<double> right) const;
+  /// J(x) d - C(x + d), so that a solution moves from x by about d and keeps constraints to second order.
+  void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
+               std::span<double> right) const;
+  /// What constraints must do about anchors that move: -J v of fixed particles, into their places of `right`.
+  void anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const;
+  /// out = M v, of movable particles.
+  void momenta(std::span<const Vec3> v, std::span<Vec3> out) const;
+  /// Gravity, constant forces, air and dampers at `x` and `v`, N; dampers no stronger than a substep of h
+  /// bears.
+  void forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant, double h,
+              std::span<Vec3> out) const;
+  double kinetic(std::span<const Vec3> v) const;  ///< J, of movable particles
+  double potential(std::span<const Vec3> x, std::span<const Vec3> constant) const;
+  /// The fastest turn of a rod, 1/s.
+  double turning(std::span<const Vec3> v) const;
+  /// Splits velocities into those of a rigid body, in `rigid`, and the rest; kinetic energy of the rest in J.
+  /// Of linkages without fixed particles.
+  double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
+
+ private:
+  struct RodRow {
+    std::uint32_t a, b;
+    double over2;  ///< 1/L²
+    std::uint32_t row;
+    std::array<std::uint32_t, 6> places;  ///< of J among the values, ends a and b; none if fixed
+  };
+  struct DotRow {
+    Combination u, v;
+    double value, over;
+    std::uint32_t row;
+    std::vector<std::uint32_t> places;  ///< three by particle, in the order of `touched`
+    std::vector<std::uint32_t> touched;
+  };
+  struct PinRow {
+    Combination sum;
+    std::array<std::uint32_t, 3> rows;
+    std::vector<std::uint32_t> places;  ///< by term: x, y and z
+  };
+  struct Coupling {
+    std::uint32_t a, b;  ///< a < b
+    double mass;
+  };
+  struct Air {
+    std::uint32_t a, b;
+    RodMass mass;
+    double linear, orthogonal, over;  ///< 1/m
+  };
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  void weigh(const Scene& part);
+  void plan(const Scene& part, Isa isa);
+  void place_constraints();
+
+  std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;
+  KktPlan plan_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<simd::Block> template_;  ///< M and the tiny diagonal; J is zero
+  std::vector<RodRow> rods_;
+  std::vector<DotRow> dots_;
+  std::vector<PinRow> pins_;
+  std::vector<double> masses_;       ///< kg, the diagonal of M
+  std::vector<Coupling> couplings_;  ///< off the diagonal, between movable particles
+  std::vector<double> weights_;      ///< kg, what gravity pulls on
+  std::vector<Air> airs_;
+  std::vector<Shape> shapes_;
+  std::vector<Ball> balls_;
+  std::vector<Angle> angles_;   ///< with limits, friction or a drive
+  std::vector<Angle> dampers_;  ///< angles with damping alone
+  Vec3 gravity_{};
+  double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
+  bool has_drives_ = false, has_air_ = false;
+};
+
+}  // namespace plumb::detail

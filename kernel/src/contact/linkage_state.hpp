@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "contact/linkage.hpp"
+
+namespace plumb::detail {
+
+/// A box along the axes of space.
+struct Bounds {
+  Vec3 low{}, high{};
+
+  bool is_empty() const { return !(low.x <= high.x); }
+  bool overlaps(const Bounds& o) const {
+    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y &&
+           low.z <= o.high.z && o.low.z <= high.z;
+  }
+};
+
+/// What held at a contact, to start from in the next substep: forces on the way, and those at its end, which
+/// differ from them for many substeps in the same way.
+struct KeptContact {
+  std::uint64_t key = 0;
+  Vec3 force{}, end_force{};  ///< N
+};
+
+/// One island of a linkage's kind, wherever it is.
+struct LinkageState {
+  const Linkage* linkage = nullptr;
+  std::vector<std::uint32_t> particles;  ///< the scene's numbers
+  std::vector<Vec3> x, v;                ///< m and m/s; fixed particles too
+  std::vector<Vec3> force;               ///< N, constant, on movable particles
+  std::vector<Vec3> acceleration;    ///< m/s², what made the last substep's way differ from h v, over h²
+  std::vector<simd::Block> factors;  ///< at x
+  std::vector<KeptContact> kept;
+  std::uint32_t number = 0;  ///< of this island
+  bool factored = false;
+  bool asleep = false;
+  bool frozen = false;
+  double calm = 0;                 ///< s, for how long it has been slow
+  std::optional<double> energy{};  ///< J, that free flight keeps
+
+  /// False if the matrix at x has none.
+  bool factor() {
+    factors.resize(linkage->plan().blocks());
+    linkage->assemble(x, factors);
+    return factored = linkage->plan().factor(factors);
+  }
+};
+
+/// How steps are cut, and which islands rest.
+struct ContactRules {
+  std::uint32_t substeps = 1;
+  double sleep_speed = 0.02;  ///< m/s; slower, for sleep_time, is at rest
+  double sleep_time = 0.5;    ///< s
+  bool sleep = true;
+};
+
+/// Around its shapes, wherever gravity and the speed of its fastest movable particle bring them within dt.
+/// What goes farther is not in it: ends of shapes beyond the particles, anchors that move, and what forces,
+/// drives and hits within dt add.
+Bounds reach(const LinkageState& state, double dt);
+/// The fastest of its particles, m/s.
+double top_speed(const LinkageState& state);
+
+}  // namespace plumb::detail

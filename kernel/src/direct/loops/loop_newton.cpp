@@ -1,0 +1,179 @@
+#include "direct/loops/loop_newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "direct/loops/loop_vectors.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// A pivot below this, relative to what both ends of the rod could yield, is rounding.
+constexpr double redundant_pivot = 1e-12;
+
+void add(double* to, Vec3 v) {
+  to[0] += v.x;
+  to[1] += v.y;
+  to[2] += v.z;
+}
+
+/// A rod's directions at the present delta: of its force, of the gradient of C; and C.
+struct Stretched {
+  Vec3 force, gradient;
+  double c;
+};
+
+Stretched stretched(const LoopRod& rod, std::uint32_t k, double theta, const LoopWorkspace& work) {
+  const Vec3 d = at(work.d, k), e = at(work.delta, rod.a) - at(work.delta, rod.b);
+  return {d + theta * e, d + e, constraint(d, e, work.excess[k])};
+}
+
+void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
+  put(values + 1, force);
+  put(values + 4, -1.0 * force);
+  put(values + 7, gradient);
+  put(values + 10, -1.0 * gradient);
+  values[13] = soft;
+}
+
+double softness(const LoopState& state, std::uint32_t k, double soft) {
+  return 2 * soft * state.length2[k];
+}
+
+}  // namespace
+
+void measure_rods(const LoopState& state, LoopWorkspace& work) {
+  const LoopTopology& shape = *state.topology;
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const Vec3 d = at(state.x, shape.rods[k].a) - at(state.x, shape.rods[k].b);
+    put(work.d.data() + 3 * std::size_t{k}, d);
+    work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
+  }
+}
+
+void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
+                      LoopWorkspace::Factor& factor) {
+  const LoopTopology& shape = *state.topology;
+  const LoopSystem& system = *factor.system;
+  double* diagonal = factor.values.data();
+  std::copy(state.mass.begin(), state.mass.end(), diagonal);
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    const double mu = soft > 0 ? std::min(state.mu[k], 0.0) : state.mu[k];
+    diagonal[a] -= theta * mu;
+    if (b < shape.nodes) diagonal[b] -= theta * mu;
+    factor.values[system.at(k)] = state.coupling[k] + theta * mu;
+    const Stretched rod = stretched(shape.rods[k], k, theta, work);
+    write_rod(&factor.values[system.at(k)], rod.force, rod.gradient, softness(state, k, soft));
+  }
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    const double* v = &factor.values[system.at(k)];
+    const double along = std::abs(v[4] * v[7] + v[5] * v[8] + v[6] * v[9]);
+    const auto give = [&](std::uint32_t i) {
+      return i < shape.nodes ? 1 / (diagonal[i] > 0 ? diagonal[i] : state.mass[i]) : 0.0;
+    };
+    factor.smallest[system.analysis.position(shape.nodes + k)] =
+        redundant_pivot * along * (give(a) + give(b));
+  }
+  factor.ldu.factorize(factor.values, factor.smallest);
+}
+
+double find_newton_change(const LoopState& state, double theta, double soft, LoopWorkspace& work,
+                          LoopWorkspace::Factor& factor) {
+  const LoopTopology& shape = *state.topology;
+  const SparseAnalysis& analysis = factor.system->analysis;
+  double* right = factor.right.data();
+  for (std::uint32_t i = 0; i < shape.nodes; ++i)
+    put(right + analysis.position(i), at(work.load, i) - state.mass[i] * at(work.delta, i));
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    const Stretched rod = stretched(shape.rods[k], k, theta, work);
+    const Vec3 pull = state.mu[k] * rod.force;
+    add(right + analysis.position(a), pull - state.coupling[k] * at(work.delta, b));
+    if (b < shape.nodes)
+      add(right + analysis.position(b), -1.0 * (pull + state.coupling[k] * at(work.delta, a)));
+    right[analysis.position(shape.nodes + k)] = -(rod.c + softness(state, k, soft) * state.mu[k]);
+  }
+  factor.ldu.solve(factor.right);
+  double sum = 0;
+  for (std::uint32_t i = 0; i < shape.nodes; ++i) {
+    const double* change = right + analysis.position(i);
+    sum += (change[0] * change[0] + change[1] * change[1]) + change[2] * change[2];
+  }
+  return std::sqrt(sum / (shape.nodes * state.scale2));
+}
+
+void apply_change(LoopState& state, double scale, LoopWorkspace& work, const LoopWorkspace::Factor& factor) {
+  const LoopTopology& shape = *state.topology;
+  const SparseAnalysis& analysis = factor.system->analysis;
+  for (std::uint32_t i = 0; i < shape.nodes; ++i)
+    for (std::uint32_t c = 0; c < 3; ++c)
+      work.delta[3 * i + c] += scale * factor.right[analysis.position(i) + c];
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
+    state.mu[k] += scale * factor.right[analysis.position(shape.nodes + k)];
+}
+
+double largest_misfit(const LoopState& state, const LoopWorkspace& work,
+                      const LoopWorkspace::Factor& factor) {
+  const LoopTopology& shape = *state.topology;
+  double largest = 0;
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
+    if (factor.ldu.left_out(factor.system->analysis.position(shape.nodes + k)))
+      largest = std::max(largest, std::abs(stretched(shape.rods[k], k, 0, work).c) / state.length2[k]);
+  return largest;
+}
+
+double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work) {
+  const LoopTopology& shape = *state.topology;
+  double sum = 0;
+  for (std::uint32_t i = 0; i < shape.nodes; ++i) {
+    const Vec3 delta = at(work.delta, i);
+    sum += dot(delta, 0.5 * state.mass[i] * delta - at(work.load, i));
+  }
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    const double c = stretched(shape.rods[k], k, 1, work).c;
+    sum += state.coupling[k] * dot(at(work.delta, a), at(work.delta, b)) +
+           c * c / (2 * softness(state, k, soft));
+  }
+  return sum;
+}
+
+void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work) {
+  for (std::uint32_t k = 0; k < state.mu.size(); ++k)
+    state.mu[k] = -stretched(state.topology->rods[k], k, 1, work).c / softness(state, k, soft);
+}
+
+void project_delta(const LoopState& state, double kick, LoopWorkspace& work, LoopWorkspace::Factor& factor) {
+  const LoopTopology& shape = *state.topology;
+  const LoopSystem& system = *factor.system;
+  const SparseAnalysis& analysis = system.analysis;
+  std::copy(state.mass.begin(), state.mass.end(), factor.values.data());
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    const Vec3 d = at(work.d, k);
+    factor.values[system.at(k)] = state.coupling[k];
+    write_rod(&factor.values[system.at(k)], d, d, 0);
+    const double give = 1 / state.mass[a] + (b < shape.nodes ? 1 / state.mass[b] : 0);
+    factor.smallest[analysis.position(shape.nodes + k)] = redundant_pivot * dot(d, d) * give;
+  }
+  factor.ldu.factorize(factor.values, factor.smallest);
+  // The second time takes out what rounding left in the first.
+  for (const double force : {kick, 0.0}) {
+    for (std::uint32_t i = 0; i < shape.nodes; ++i)
+      put(factor.right.data() + analysis.position(i), force * at(state.force, i));
+    for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+      const auto [a, b] = shape.rods[k];
+      factor.right[analysis.position(shape.nodes + k)] =
+          dot(at(work.d, k), at(work.delta, b) - at(work.delta, a));
+    }
+    factor.ldu.solve(factor.right);
+    for (std::uint32_t i = 0; i < shape.nodes; ++i) {
+      const double* change = factor.right.data() + analysis.position(i);
+      add(work.delta.data() + 3 * std::size_t{i}, {change[0], change[1], change[2]});
+    }
+  }
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,80 @@
+#include "direct/loops/loop_state.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace plumb::detail {
+
+LoopTopology::LoopTopology(const layouts::Graph& island) : vertices(island.vertices) {
+  for (const layouts::Edge edge : island.edges) {
+    const bool turned = !island.movable[edge.a];
+    rods.push_back(turned ? LoopRod{edge.b, edge.a} : LoopRod{edge.a, edge.b});
+  }
+  while (nodes < vertices && island.movable[nodes]) ++nodes;
+  order.resize(vertices);
+  std::iota(order.begin(), order.end(), 0u);
+}
+
+void LoopTopology::use_lines(std::span<const Vec3> positions) {
+  const std::vector<Line> found = find_lines(rods, nodes, positions);
+  const std::vector<std::uint32_t> by_lines = RodLines(found, rods, nodes).node_order();
+  std::copy(by_lines.begin(), by_lines.end(), order.begin());
+  std::vector<std::uint32_t> place(vertices);
+  for (std::uint32_t i = 0; i < vertices; ++i) place[order[i]] = i;
+  for (LoopRod& rod : rods) rod = {place[rod.a], place[rod.b]};
+  lines = std::make_unique<RodLines>(found, rods, nodes);
+}
+
+LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& scene, MassModel model,
+                     std::span<const std::uint32_t> members, std::span<const std::uint32_t> edges)
+    : topology(std::move(shape)) {
+  const std::uint32_t n = topology->nodes;
+  for (const std::uint32_t vertex : members) {
+    const Vec3 p = scene.particles[vertex].position;
+    x.insert(x.end(), {p.x, p.y, p.z});
+  }
+  u.assign(3 * std::size_t{n}, 0);
+  force = weight = u;
+  std::vector<double> first_moment;
+  for (std::uint32_t i = 0; i < n; ++i) mass.push_back(scene.particles[members[i]].mass);
+  first_moment = mass;
+  double lengths = 0;
+  for (std::uint32_t k = 0; k < topology->rods.size(); ++k) {
+    const RodMass m = rod_mass(scene, edges[k], model);
+    const auto [a, b] = topology->rods[k];
+    const bool turned = scene.rods[edges[k]].a != members[a];
+    mass[a] += turned ? m.bb : m.aa;
+    first_moment[a] += (turned ? m.bb : m.aa) + m.ab;
+    if (b < n) {
+      mass[b] += turned ? m.aa : m.bb;
+      first_moment[b] += (turned ? m.aa : m.bb) + m.ab;
+    }
+    coupling.push_back(m.ab);
+    const double length = rod_length(scene, edges[k]);
+    length2.push_back(length * length);
+    lengths += length * length;
+  }
+  mu.assign(topology->rods.size(), 0);
+  fixed_velocity.assign(topology->vertices - n, {});
+  fixed_last_velocity = fixed_velocity;
+  if (!mu.empty()) scale2 = lengths / static_cast<double>(mu.size());
+  double total = 0;
+  for (const double m : first_moment) total += m;
+  mass_unit = total / n;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Vec3 pull = first_moment[i] / mass_unit * scene.gravity;
+    weight[3 * i] = pull.x;
+    weight[3 * i + 1] = pull.y;
+    weight[3 * i + 2] = pull.z;
+    mass[i] /= mass_unit;
+  }
+  for (double& m : coupling) m /= mass_unit;
+  force = weight;
+}
+
+void LoopState::set_force(std::uint32_t node, Vec3 newton) {
+  const double f[3] = {newton.x, newton.y, newton.z};
+  for (std::uint32_t c = 0; c < 3; ++c) force[3 * node + c] = weight[3 * node + c] + f[c] / mass_unit;
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,388 @@
+#include "direct/loops/loop_stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "direct/loops/loop_newton.hpp"
+#include "direct/nets/loop_lines.hpp"
+#include "time/composition.hpp"
+#include "time/verlet.hpp"
+
+namespace plumb::detail {
+namespace {
+
+constexpr int most_iterations = 36;
+constexpr int most_factors = 12;
+constexpr int most_halvings = 10;
+constexpr int most_attempts = 256;  ///< of one substep, all halves together
+/// A substep that had to be halved has been tried in vain. So that the next need not be, it is cut into
+/// pieces as short as the shortest half, and longer by this every time.
+constexpr double regrowth = 1.1;
+/// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
+/// there is little hope that what did not work then works now. Twice as many each time it does not.
+constexpr std::uint32_t calm_substeps = 16, most_calm_substeps = 1024;
+constexpr int calm_halvings = 1;
+
+/// Of what loads do in a substep: how much rods may add before a solution is taken for one of rounding only.
+constexpr double energy_tolerance = 1e-6;
+
+/// Newton's last change, RMS over nodes relative to a rod, after which the next would be lost in rounding
+/// where convergence is quadratic, and what may be left where it is linear.
+constexpr double converged_change = 1e-8, converged_rest = 1e-17;
+
+/// Of redundant rods, as |C|/L^2: with more, the rods do not fit together.
+constexpr double most_misfit = 1e-8;
+
+/// With an old factor the change must fall at least this fast, or a new one is made.
+constexpr double slow_rate = 0.1;
+/// With the factor of an earlier substep, at least this fast, or the substep begins again with one of its
+/// own.
+constexpr double lost_rate = 0.5;
+
+/// Multiplications per number of a factor from which one of an earlier substep, with more iterations, is
+/// faster than a new one: a net of 16 x 16 particles has 30.
+constexpr double costly_factor = 30;
+
+/// After so many substeps in a row for which lines were no help they are given up.
+constexpr int most_stalls = 3;
+
+/// A change of many rod lengths does not lead back.
+constexpr double hopeless_change = 30;
+
+/// Of the compromise: compliance in units of 2 L^2/mass, and when to stop looking for its minimum.
+constexpr double compromise_softness = 1e-5, compromise_change = 1e-9;
+constexpr int compromise_iterations = 60;
+
+void calm_down(LoopState& state) {
+  state.next_calm = std::max(state.next_calm, calm_substeps);
+  state.calm = state.next_calm;
+  state.next_calm = std::min(2 * state.next_calm, most_calm_substeps);
+}
+
+/// How many times u goes into a substep, and force (s^2).
+struct Coefficients {
+  double ratio, kick;
+};
+
+/// As for trees.
+Coefficients coefficients(const LoopState& state, double h, Gradient gradient, double drag) {
+  if (gradient == Gradient::mid) return {std::exp(-drag * h / 2) * h, 0.5 * h * h};
+  const double last = state.u_step, between = (h + last) / 2;
+  return {std::exp(-drag * between) * (last != 0 ? h / last : h), mean_decay(drag * between) * h * between};
+}
+
+}  // namespace
+
+LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
+    : system(&of),
+      ldu(of.analysis, isa),
+      values(of.at(static_cast<std::uint32_t>(of.analysis.size() - 3 * std::size_t{of.nodes}))),
+      smallest(of.analysis.size()),
+      right(of.analysis.size()) {}
+
+bool LoopWorkspace::Factor::worth_carrying() const {
+  return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());
+}
+
+LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa instructions)
+    : topology(state.topology), isa(instructions) {
+  const std::size_t n = topology->nodes, rods = topology->rods.size();
+  if (topology->system) {
+    first = std::make_unique<Factor>(*topology->system, isa);
+    if (gradient != Gradient::mid) projection = std::make_unique<Factor>(*topology->system, isa);
+  }
+  if (topology->lines) lines = std::make_unique<LineWorkspace>(*topology->lines, state.mass);
+  delta.assign(3 * std::size_t{topology->vertices}, 0);
+  load.assign(3 * n, 0);
+  d.assign(3 * rods, 0);
+  excess.assign(rods, 0);
+  mu_start.assign(rods, 0);
+  saved = state.motion();
+  trial.assign(delta.size(), 0);
+}
+
+LoopStepper::LoopStepper(Gradient gradient, double drag, std::uint32_t time_order)
+    : gradient_(gradient),
+      drag_(drag),
+      shares_(composition(time_order)),
+      largest_share_(largest_share(time_order)) {}
+
+LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
+  if (first && (first->system->couples || !couples)) return *first;
+  if (!second) {
+    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true);
+    second = std::make_unique<Factor>(*coupled, isa);
+  }
+  return *second;
+}
+
+/// Load, and where Newton starts: displacements and multipliers as they were, for this substep's
+/// length.
+void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
+  const LoopTopology& shape = *state.topology;
+  const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
+  std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
+  const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
+  for (double& mu : state.mu) mu *= scale;
+  for (std::size_t i = 0; i < state.u.size(); ++i) {
+    work.delta[i] = ratio * state.u[i];
+    work.load[i] = state.mass[i / 3] * work.delta[i] + kick * state.force[i];
+  }
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    if (state.coupling[k] == 0) continue;
+    const auto [a, b] = shape.rods[k];
+    const bool fixed = b >= shape.nodes;
+    const Vec3 v = fixed ? state.fixed_last_velocity[b - shape.nodes] : Vec3{};
+    const double before[3] = {h * v.x, h * v.y, h * v.z};
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      work.load[3 * a + c] += state.coupling[k] * (fixed ? before[c] : work.delta[3 * b + c]);
+      if (!fixed) work.load[3 * b + c] += state.coupling[k] * work.delta[3 * a + c];
+    }
+  }
+  for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
+    const Vec3 moved = h * state.fixed_velocity[i - shape.nodes];
+    work.delta[3 * i] = moved.x;
+    work.delta[3 * i + 1] = moved.y;
+    work.delta[3 * i + 2] = moved.z;
+  }
+}
+
+/// Gradient mid keeps energy as far as rods keep their lengths: delta . (M delta - load) is what they did,
+/// zero but for rounding. Where rods are nearly redundant, multipliers can be so large that it is not.
+bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work) const {
+  if (state.anchors_move) return true;
+  const LoopTopology& shape = *state.topology;
+  double done = 0, scale = 0;
+  const double least = 1e-6 * std::sqrt(state.scale2);
+  for (std::size_t i = 0; i < work.load.size(); ++i) {
+    done += work.delta[i] * (state.mass[i / 3] * work.delta[i] - work.load[i]);
+    scale += std::abs(work.load[i]) * (std::abs(work.delta[i]) + least);
+  }
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    for (std::uint32_t c = 0; c < 3; ++c)
+      done += 2 * state.coupling[k] * work.delta[3 * a + c] * work.delta[3 * b + c];
+  }
+  return std::abs(done) <= energy_tolerance * scale;
+}
+
+bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
+                          DirectCounters& counters) const {
+  const double theta = theta_of(gradient);
+  LoopWorkspace::Factor& factor = work.factor(theta > 0);
+  bool stale = !carried, converged = false;
+  double last = 0;
+  int iterations = 0;
+  measure_rods(state, work);
+  for (int factors = 0; iterations < most_iterations;) {
+    const bool fresh = stale;
+    if (fresh) {
+      if (factors++ == most_factors) break;
+      factorize_newton(state, theta, 0, work, factor);
+      factor.theta = theta;
+      factor.h = h;
+    }
+    const double change = find_newton_change(state, theta, 0, work, factor);
+    ++iterations;
+    if (!(change <= hopeless_change)) break;
+    apply_change(state, 1, work, factor);
+    const double rate = last > 0 ? change / last : 1;
+    converged = change <= converged_change && (fresh || change * rate <= converged_rest);
+    if (converged) break;
+    if (carried && factors == 0 && last > 0 && rate > lost_rate) break;
+    stale = fresh ? change > slow_rate : last > 0 && rate > slow_rate;
+    last = change;
+  }
+  counters.newton += static_cast<std::uint64_t>(iterations);
+  if (converged && largest_misfit(state, work, factor) <= most_misfit) return true;
+  std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+  factor.h = 0;
+  return false;
+}
+
+bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+                        DirectCounters& counters) const {
+  const double theta = theta_of(gradient);
+  if (work.lines) {
+    begin(state, h, gradient, work);
+    const double kick = coefficients(state, h, gradient, drag_).kick;
+    const double tolerance = gradient == Gradient::mid ? finest_line_tolerance : line_tolerance_;
+    const LineOutcome outcome = iterate_by_lines(state, theta, kick, tolerance, work, counters);
+    if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
+      work.lines->stalls = 0;
+      return true;
+    }
+    std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+    // A shorter substep is what helps, and costs less than a factorisation.
+    if (outcome != LineOutcome::stalled) return false;
+    if (++work.lines->stalls == most_stalls) work.lines.reset();
+  }
+  const LoopWorkspace::Factor& factor = work.factor(theta > 0);
+  for (const bool carried : {true, false}) {
+    if (carried && !(factor.worth_carrying() && factor.h == h && factor.theta == theta)) continue;
+    begin(state, h, gradient, work);
+    if (!iterate(state, h, gradient, carried, work, counters)) continue;
+    if (gradient != Gradient::mid || keeps_energy(state, work)) return true;
+    std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+    break;
+  }
+  return false;
+}
+
+double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
+  const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
+  // Over two substeps, free of what mid swings by from one to the next; half of it is that of one, and h^2/12
+  // times that the error of position.
+  double jolt = 0;
+  for (std::size_t i = 0; i < state.acceleration.size(); ++i) {
+    const double acceleration = (work.delta[i] - ratio * state.u[i]) / kick;
+    const double change = acceleration - std::exchange(state.acceleration_before[i],
+                                                       std::exchange(state.acceleration[i], acceleration));
+    jolt += change * change;
+  }
+  const double error = state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
+  state.known = gradient == gradient_ ? std::min(state.known + 1, 2u) : 0;
+  const double decay = std::exp(-drag_ * h / 2);
+  for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];
+  for (std::size_t i = 0; i < state.u.size(); ++i) {
+    const double delta = work.delta[i];
+    state.u[i] = gradient == Gradient::mid ? decay * (2 / h * delta - 1 / h * (ratio * state.u[i])) : delta;
+  }
+  state.u_step = gradient == Gradient::mid ? 0 : h;
+  state.mu_kick = kick;
+  // What follows in this step finds fixed vertices already on their way.
+  if (state.anchors_move)
+    std::copy(state.fixed_velocity.begin(), state.fixed_velocity.end(), state.fixed_last_velocity.begin());
+  if (gradient == gradient_) return error;
+  // As a velocity, which every gradient can go on from.
+  for (double& u : state.u) u /= h;
+  state.u_step = 0;
+  return error;
+}
+
+bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
+                               DirectCounters& counters) const {
+  const Gradient wanted = state.calm > 0 ? Gradient::new_ : gradient_;
+  for (const Gradient gradient : {wanted, Gradient::new_}) {
+    if (attempts.left-- == 0) return false;
+    if (solve(state, h, gradient, work, counters)) {
+      attempts.error += accept(state, h, gradient, work);
+      if (depth > 0 && (attempts.shortest_half == 0 || std::abs(h) < attempts.shortest_half))
+        attempts.shortest_half = std::abs(h);
+      ++counters.substeps;
+      if (gradient != gradient_) ++counters.fallbacks;
+      if (gradient != wanted) attempts.fell_back = true;
+      return true;
+    }
+    if (wanted == Gradient::new_ || depth < attempts.halvings) break;
+  }
+  if (depth == attempts.halvings) return false;
+  ++counters.halvings;
+  return advance_part(state, h / 2, depth + 1, attempts, work, counters) &&
+         advance_part(state, h / 2, depth + 1, attempts, work, counters);
+}
+
+std::uint32_t LoopStepper::pieces(const LoopState& state, double h) const {
+  if (state.calm > 0) return 1;  // gradient new, which is hardly ever halved
+  return pieces_of(largest_share_ * h / state.longest);
+}
+
+double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {
+  work.saved = state.motion();
+  const bool is_calm = state.calm > 0;
+  Attempts attempts{.halvings = is_calm ? calm_halvings : most_halvings, .left = 0};
+  const std::uint32_t count = pieces(state, h);
+  bool solved = true;
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (const double share : shares_) {
+      attempts.left = is_calm ? 3 * calm_halvings : most_attempts;
+      solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
+    }
+  if (solved) {
+    state.longest = attempts.shortest_half > 0 ? attempts.shortest_half : regrowth * state.longest;
+    if (attempts.fell_back)
+      calm_down(state);
+    else if (state.calm > 0)
+      --state.calm;
+    else
+      state.next_calm /= 2;
+    return attempts.error;
+  }
+  state.motion() = work.saved;
+  compromise(state, h, work, counters);
+  calm_down(state);
+  return std::numeric_limits<double>::infinity();
+}
+
+void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
+                             DirectCounters& counters) const {
+  ++counters.unsolved;
+  begin(state, h, Gradient::new_, work);
+  measure_rods(state, work);
+  LoopWorkspace::Factor& factor = work.factor(true);
+  factor.h = 0;
+  const double soft = compromise_softness;
+  double energy = elastic_energy(state, soft, work);
+  std::uint64_t iterations = 0;
+  for (bool better = true; better && iterations < compromise_iterations; ++iterations) {
+    set_elastic_multipliers(state, soft, work);
+    factorize_newton(state, 1, soft, work, factor);
+    const double change = find_newton_change(state, 1, soft, work, factor);
+    if (change <= compromise_change) break;
+    std::copy(work.delta.begin(), work.delta.end(), work.trial.begin());
+    better = false;
+    for (double scale = 1; !better && scale > 1e-6; scale /= 2) {
+      std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
+      apply_change(state, scale, work, factor);
+      const double now = elastic_energy(state, soft, work);
+      better = now < energy;
+      if (better) energy = now;
+    }
+    if (!better) std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
+  }
+  counters.newton += iterations;
+  std::fill(state.mu.begin(), state.mu.end(), 0.0);
+  if (!std::isfinite(energy)) return;  // stays where it was
+  accept(state, h, Gradient::new_, work);
+}
+
+void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {
+  const LoopTopology& shape = *state.topology;
+  for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
+    const Vec3 v = state.fixed_velocity[i - shape.nodes];
+    work.delta[3 * i] = v.x;
+    work.delta[3 * i + 1] = v.y;
+    work.delta[3 * i + 2] = v.z;
+  }
+  if (work.lines) {
+    if (project_by_lines(state, kick, work)) return;
+    kick = 0;
+  }
+  // Of its own, so that it changes nothing that a later substep starts from.
+  if (shape.lines && !work.projection)
+    work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
+  measure_rods(state, work);
+  LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
+  project_delta(state, kick, work, factor);
+  factor.h = 0;
+}
+
+void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) const {
+  std::copy(state.u.begin(), state.u.end(), work.delta.begin());
+  project(state, 0, work);
+  std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
+}
+
+void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
+  const double step = state.u_step;
+  const double scale = step > 0 ? std::exp(-drag_ * step / 2) / step : 1;
+  for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
+  // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
+  // earlier.
+  if (step > 0)
+    project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,136 @@
+#include "direct/trees/line_segments.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumb::detail {
+namespace {
+
+using namespace simd;
+
+/// Nodes per lane from which segments are faster than the line as a whole.
+constexpr std::uint32_t shortest_segment = 4;
+
+/// The topology of a segment: a line with a pin at its first node.
+layouts::Tree segment_tree(std::uint32_t nodes) {
+  layouts::Tree tree;
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    tree.vertex.push_back(i);
+    tree.parent.push_back(i == 0 ? 0 : i - 1);
+    tree.edge.push_back(i);
+    tree.pin_begin.push_back(i == 0 ? 0 : 1);
+  }
+  tree.pin_begin.push_back(1);
+  tree.pins.push_back({nodes, nodes});
+  return tree;
+}
+
+}  // namespace
+
+bool LineSegments::fits(const TreeTopology& topology, std::uint32_t lanes) {
+  return topology.is_line && topology.pins == 1 && topology.pin_begin[1] == 1 &&
+         topology.nodes >= shortest_segment * lanes;
+}
+
+LineSegments::LineSegments(std::uint32_t nodes, std::uint32_t lanes)
+    : nodes_(nodes), lanes_(lanes), length_((nodes + lanes - 1) / lanes) {}
+
+template <class T>
+TreeState<T> LineSegments::cut(const TreeState<T>& whole) const {
+  TreeState<T> segments(std::make_shared<const TreeTopology>(segment_tree(length_)), lanes_);
+  for_numbers(tree_fields::node,
+              [&](std::size_t from, std::size_t to) { segments.node[to] = whole.node[from]; });
+  for_numbers(3, [&](std::size_t from, std::size_t to) { segments.weight[to] = whole.weight[from]; });
+  for_numbers(1, [&](std::size_t from, std::size_t to) { segments.length2[to] = whole.length2[from]; });
+  segments.pin_length2[0] = whole.pin_length2[0];
+  for (std::uint32_t lane = 1; lane < lanes_; ++lane)
+    if (lane * length_ < nodes_) segments.pin_length2[lane] = whole.length2[std::size_t{lane} * length_];
+  std::fill(segments.mass_unit.begin(), segments.mass_unit.end(), whole.mass_unit[0]);
+  std::fill(segments.scale2.begin(), segments.scale2.end(), whole.scale2[0]);
+  for_numbers(3, [&](std::size_t from, std::size_t to) { segments.force[to] = whole.force[from]; });
+  scatter(whole, segments);
+  return segments;
+}
+
+template <class T>
+void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) const {
+  for_node_motion(whole, segments, [&](auto& to, const auto& from) {
+    for_numbers(3, [&](std::size_t i, std::size_t j) { to[i] = from[j]; });
+  });
+  for_rod_motion(whole, segments, [&](auto& to, auto& pin_to, const auto& from, const auto& pin_from) {
+    for_numbers(1, [&](std::size_t i, std::size_t j) { to[i] = begins(i) ? pin_from[j] : from[j]; });
+    pin_to[0] = pin_from[0];
+  });
+  for_lane_motion(whole, segments, [](auto& to, const auto& from) { to[0] = from[0]; });
+  for_numbers(3, [&](std::size_t i, std::size_t j) { whole.force[i] = segments.force[j]; });
+  for (std::uint32_t c = 0; c < 3; ++c) whole.pin_x[c] = segments.pin_x[c * lanes_];
+  whole.pin_velocity[0] = segments.pin_velocity[0];
+  whole.pin_last_velocity[0] = segments.pin_last_velocity[0];
+  whole.pins_move = segments.pins_move;
+}
+
+template <class T>
+void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) const {
+  for_node_motion(segments, whole, [&](auto& to, const auto& from) {
+    for_numbers(3, [&](std::size_t i, std::size_t j) { to[j] = from[i]; });
+  });
+  for_rod_motion(segments, whole, [&](auto& to, auto& pin_to, const auto& from, const auto& pin_from) {
+    for_numbers(1, [&](std::size_t i, std::size_t j) { (begins(i) ? pin_to : to)[j] = from[i]; });
+    pin_to[0] = pin_from[0];
+  });
+  for_lane_motion(segments, whole,
+                  [](auto& to, const auto& from) { std::fill(to.begin(), to.end(), from[0]); });
+  for (std::uint32_t c = 0; c < 3; ++c) segments.pin_x[c * lanes_] = whole.pin_x[c];
+  segments.pin_velocity[0] = whole.pin_velocity[0];
+  segments.pin_last_velocity[0] = whole.pin_last_velocity[0];
+  segments.pins_move = whole.pins_move;
+}
+
+template <class T>
+void LineSegments::scatter_nodes(const layouts::AlignedBuffer<T>& whole,
+                                 layouts::AlignedBuffer<T>& segments) const {
+  for_numbers(3, [&](std::size_t from, std::size_t to) { segments[to] = whole[from]; });
+}
+
+template <class T>
+void LineSegments::link(TreeState<T>& segments) const {
+  for (std::uint32_t c = 0; c < 3; ++c)
+    for (std::uint32_t lane = 1; lane < lanes_; ++lane)
+      segments.pin_x[c * lanes_ + lane] =
+          segments.x[(std::size_t{3} * (length_ - 1) + c) * lanes_ + lane - 1];
+}
+
+template <class T>
+void LineSegments::trim(TreeWorkspace<T>& work) const {
+  for (std::uint32_t i = nodes_; i < length_ * lanes_; ++i) {
+    T* const rods = entry(i) > 0 ? work.rod.data() : work.pin_rod.data();
+    for (std::uint32_t c = 0; c < tree_fields::rod; ++c)
+      rods[(std::size_t{tree_fields::rod} * entry(i) + c) * lanes_ + lane(i)] = 0;
+  }
+}
+
+template <class T>
+void LineSegments::join_stiffness(const TreeState<T>& segments, TreeWorkspace<T>& work) const {
+  const std::size_t last = length_ - 1;
+  const auto& own = last > 0 ? segments.mu : segments.pin_mu;
+  for (std::size_t lane = 0; lane + 1 < lanes_; ++lane) {
+    const T pull = std::abs(own[last * lanes_ + lane]) + std::abs(segments.pin_mu[lane + 1]);
+    const T over = segments.node[(tree_fields::node * last + 3) * lanes_ + lane];
+    work.stiffness[lane] = std::max(work.stiffness[lane], 2 * over * pull);
+  }
+}
+
+#define PLUMB_INSTANTIATE(T)                                                                              \
+  template TreeState<T> LineSegments::cut(const TreeState<T>&) const;                                     \
+  template void LineSegments::gather(const TreeState<T>&, TreeState<T>&) const;                           \
+  template void LineSegments::scatter(const TreeState<T>&, TreeState<T>&) const;                          \
+  template void LineSegments::scatter_nodes(const layouts::AlignedBuffer<T>&, layouts::AlignedBuffer<T>&) \
+      const;                                                                                              \
+  template void LineSegments::link(TreeState<T>&) const;                                                  \
+  template void LineSegments::trim(TreeWorkspace<T>&) const;                                              \
+  template void LineSegments::join_stiffness(const TreeState<T>&, TreeWorkspace<T>&) const;
+PLUMB_INSTANTIATE(float)
+PLUMB_INSTANTIATE(double)
+#undef PLUMB_INSTANTIATE
+
+}  // namespace plumb::detail

@@ -1,0 +1,271 @@
+#include "direct/trees/tree_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace plumb::detail {
+namespace {
+
+using layouts::AlignedBuffer;
+using namespace simd;
+
+/// A pivot below this, relative to what it is made of, is rounding: pins make the rod redundant.
+template <class T>
+constexpr T smallest_pivot = 64 * std::numeric_limits<T>::epsilon();
+
+/// Of a node's mass, what a bound of it is at least: rods whose mass is all in their middle leave none.
+constexpr double least_share = 1e-6;
+
+template <class B>
+void copy_entries(B& to, std::uint32_t to_lanes, std::uint32_t to_lane, const B& from,
+                  std::uint32_t from_lanes, std::uint32_t from_lane) {
+  for (std::size_t i = 0; i * to_lanes < to.size(); ++i)
+    to[i * to_lanes + to_lane] = from[i * from_lanes + from_lane];
+}
+
+}  // namespace
+
+TreeTopology::TreeTopology(const layouts::Tree& tree)
+    : nodes(tree.nodes()),
+      pins(static_cast<std::uint32_t>(tree.pins.size())),
+      parent(tree.parent),
+      pin_begin(tree.pin_begin),
+      below_slot(nodes, no_slot),
+      holds_pins(nodes, 0) {
+  const std::uint32_t first_pins = pin_begin[1], last_pins = nodes > 1 ? pins - pin_begin[nodes - 1] : 0;
+  is_line = first_pins <= 1 && last_pins <= 1 && first_pins + last_pins == pins;
+  for (std::uint32_t i = 1; i < nodes; ++i) is_line = is_line && parent[i] + 1 == i;
+  for (std::uint32_t i = nodes; i-- > 0;) {
+    if (pin_begin[i] != pin_begin[i + 1]) holds_pins[i] = 1;
+    if (i == 0) break;
+    if (holds_pins[i]) holds_pins[parent[i]] = 1;
+    if (parent[i] + 1 != i && below_slot[parent[i]] == no_slot) below_slot[parent[i]] = below_slots++;
+  }
+}
+
+template <class T>
+TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t width)
+    : topology(std::move(shape)), lanes(width) {
+  const std::size_t n = std::size_t{topology->nodes} * lanes, p = std::size_t{topology->pins} * lanes;
+  node = AlignedBuffer<T>(tree_fields::node * n);
+  pin = AlignedBuffer<T>(tree_fields::pin * p);
+  u = AlignedBuffer<T>(3 * n);
+  acceleration = AlignedBuffer<T>(3 * n);
+  acceleration_before = AlignedBuffer<T>(3 * n);
+  force = AlignedBuffer<T>(3 * n);
+  pin_delta = AlignedBuffer<T>(3 * p);
+  pin_u = AlignedBuffer<T>(3 * p);
+  mu = AlignedBuffer<T>(n);
+  pin_mu = AlignedBuffer<T>(p);
+  mu_before = AlignedBuffer<T>(n);
+  pin_mu_before = AlignedBuffer<T>(p);
+  length2 = AlignedBuffer<double>(n);
+  pin_length2 = AlignedBuffer<double>(p);
+  x = AlignedBuffer<double>(3 * n);
+  pin_x = AlignedBuffer<double>(3 * p);
+  weight = AlignedBuffer<double>(3 * n);
+  mass_unit.assign(lanes, 1);
+  scale2.assign(lanes, 1);
+  pin_velocity.assign(p, {});
+  pin_last_velocity.assign(p, {});
+  for (auto* times : {&u_step, &u_step_before, &mu_kick, &mu_kick_before}) times->assign(lanes, 0);
+  smooth.assign(lanes, 0);
+  known.assign(lanes, 0);
+}
+
+template <class T>
+void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel model,
+                             const layouts::Tree& tree, const TreeMembers& members) {
+  const std::uint32_t nodes = tree.nodes();
+  std::vector<double> mass(nodes), least(nodes), first_moment(nodes), coupling(nodes);
+  std::vector<double> pin_coupling(tree.pins.size());
+  const auto put = [&](AlignedBuffer<double>& to, std::uint32_t first, Vec3 v) {
+    to[at(first, lane)] = v.x;
+    to[at(first + 1, lane)] = v.y;
+    to[at(first + 2, lane)] = v.z;
+  };
+  /// The rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
+  const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples,
+                           bool other_moves) {
+    const std::uint32_t rod = members.edges[e];
+    const RodMass m = rod_mass(scene, rod, model);
+    const bool is_a = scene.rods[rod].a == members.vertices[vertex];
+    const double own = is_a ? m.aa : m.bb, other = is_a ? m.bb : m.aa;
+    mass[i] += own;
+    // [aa ab; ab bb] lies above its diagonal less |ab| sqrt(aa/bb) and |ab| sqrt(bb/aa).
+    least[i] += other_moves && m.ab != 0 ? own - std::abs(m.ab) * std::sqrt(own / other) : own;
+    first_moment[i] += own + m.ab;
+    couples = m.ab;
+    return rod_length(scene, rod) * rod_length(scene, rod);
+  };
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    const Particle& particle = scene.particles[members.vertices[tree.vertex[i]]];
+    put(x, 3 * i, particle.position);
+    mass[i] += particle.mass;
+    least[i] += particle.mass;
+    first_moment[i] += particle.mass;
+    for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+      pin_length2[at(k, lane)] = add_rod(tree.pins[k].edge, tree.vertex[i], i, pin_coupling[k], false);
+      put(pin_x, 3 * k, scene.particles[members.vertices[tree.pins[k].vertex]].position);
+    }
+    if (i == 0) continue;
+    const std::uint32_t p = tree.parent[i];
+    length2[at(i, lane)] = add_rod(tree.edge[i], tree.vertex[i], i, coupling[i], true);
+    double same;
+    add_rod(tree.edge[i], tree.vertex[p], p, same, true);
+  }
+  double total = 0;
+  for (const double m : first_moment) total += m;
+  const double unit = total / nodes;
+  mass_unit[lane] = unit;
+  double sum = 0;
+  for (std::uint32_t i = 1; i < nodes; ++i) sum += length2[at(i, lane)];
+  for (std::uint32_t k = 0; k < topology->pins; ++k) sum += pin_length2[at(k, lane)];
+  const std::uint32_t rods = nodes - 1 + topology->pins;
+  scale2[lane] = rods > 0 ? sum / rods : 1;
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    const T floor = topology->holds_pins[i] ? smallest_pivot<T> : T(0);
+    node[at(tree_fields::node * i, lane)] = static_cast<T>(mass[i] / unit);
+    node[at(tree_fields::node * i + 1, lane)] = static_cast<T>(coupling[i] / unit);
+    is_coupled = is_coupled || coupling[i] != 0;
+    node[at(tree_fields::node * i + 2, lane)] = floor;
+    node[at(tree_fields::node * i + 3, lane)] =
+        static_cast<T>(unit / std::max(least[i], least_share * mass[i]));
+    put(weight, 3 * i, first_moment[i] * scene.gravity);
+    set_force(i, lane, {});
+    for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+      pin[at(tree_fields::pin * k, lane)] = static_cast<T>(pin_coupling[k] / unit);
+      is_coupled = is_coupled || pin_coupling[k] != 0;
+      pin[at(tree_fields::pin * k + 1, lane)] = floor;
+    }
+  }
+}
+
+template <class T>
+void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uint32_t from_lane) {
+  const auto copy = [&](auto& to, const auto& source) {
+    copy_entries(to, lanes, lane, source, from.lanes, from_lane);
+  };
+  for_motion(*this, from, copy);
+  copy(node, from.node);
+  copy(pin, from.pin);
+  copy(force, from.force);
+  copy(pin_delta, from.pin_delta);
+  copy(pin_u, from.pin_u);
+  copy(length2, from.length2);
+  copy(pin_length2, from.pin_length2);
+  copy(pin_x, from.pin_x);
+  copy(weight, from.weight);
+  copy(pin_velocity, from.pin_velocity);
+  copy(pin_last_velocity, from.pin_last_velocity);
+  copy(mass_unit, from.mass_unit);
+  copy(scale2, from.scale2);
+  pins_move = from.pins_move;
+  is_coupled = from.is_coupled;
+}
+
+template <class T>
+void TreeState<T>::set_velocities(std::uint32_t lane, const AlignedBuffer<T>& velocity) {
+  for (std::size_t i = lane; i < u.size(); i += lanes) u[i] = velocity[i];
+  u_step[lane] = 0;
+}
+
+template <class T>
+void TreeState<T>::copy_motion(const TreeState& from) {
+  const auto copy = [](auto& to, const auto& source) {
+    std::copy_n(source.data(), source.size(), to.data());
+  };
+  for_motion(*this, from, copy);
+  copy(pin_x, from.pin_x);
+  copy(pin_last_velocity, from.pin_last_velocity);
+  frequency2 = from.frequency2;
+}
+
+template <class T>
+Vec3 TreeState<T>::position(std::uint32_t i, std::uint32_t lane) const {
+  return {x[at(3 * i, lane)], x[at(3 * i + 1, lane)], x[at(3 * i + 2, lane)]};
+}
+
+template <class T>
+void TreeState<T>::set_force(std::uint32_t i, std::uint32_t lane, Vec3 newton) {
+  const double f[3] = {newton.x, newton.y, newton.z};
+  for (std::uint32_t c = 0; c < 3; ++c)
+    force[at(3 * i + c, lane)] = static_cast<T>((weight[at(3 * i + c, lane)] + f[c]) / mass_unit[lane]);
+}
+
+template <class T>
+TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes) {
+  const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.pins} * lanes;
+  for (auto* buffer : {&delta, &velocity, &load}) *buffer = AlignedBuffer<T>(3 * n);
+  rod = AlignedBuffer<T>(tree_fields::rod * n);
+  pin_rod = AlignedBuffer<T>(tree_fields::rod * p);
+  elimination = AlignedBuffer<T>(tree_fields::elimination * n);
+  pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
+  below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
+  for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
+                       &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
+    *buffer = AlignedBuffer<T>(lanes);
+  failed.assign(lanes, 0);
+  first.assign(lanes, 0);
+}
+
+template <class T>
+simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
+  const TreeTopology& shape = *state.topology;
+  return {.nodes = shape.nodes,
+          .lanes = state.lanes,
+          .parent = shape.parent.data(),
+          .pin_begin = shape.pin_begin.data(),
+          .is_coupled = state.is_coupled,
+          .is_plain = !state.is_coupled && shape.pins <= 1,
+          .node = state.node.data(),
+          .pin = state.pin.data(),
+          .length2 = state.length2.data(),
+          .pin_length2 = state.pin_length2.data(),
+          .x = state.x.data(),
+          .u = state.u.data(),
+          .force = state.force.data(),
+          .pin_x = state.pin_x.data(),
+          .pin_delta = state.pin_delta.data(),
+          .pin_u = state.pin_u.data(),
+          .guesses = guesses,
+          .keeps_acceleration = keeps_acceleration,
+          .acceleration_before = state.acceleration_before.data(),
+          .acceleration = state.acceleration.data(),
+          .ratio = ratio.data(),
+          .kick = kick.data(),
+          .guess = guess.data(),
+          .guess_before = guess_before.data(),
+          .mu_scale = mu_scale.data(),
+          .mu_scale_before = mu_scale_before.data(),
+          .u_delta = u_delta.data(),
+          .u_before = u_before.data(),
+          .inverse_kick = inverse_kick.data(),
+          .active = active.data(),
+          .change = change.data(),
+          .stiffness = stiffness.data(),
+          .residual = residual.data(),
+          .push = push.data(),
+          .jolt = jolt.data(),
+          .delta = delta.data(),
+          .mu = state.mu.data(),
+          .pin_mu = state.pin_mu.data(),
+          .mu_before = state.mu_before.data(),
+          .pin_mu_before = state.pin_mu_before.data(),
+          .load = load.data(),
+          .rod = rod.data(),
+          .pin_rod = pin_rod.data(),
+          .elimination = elimination.data(),
+          .pin_elimination = pin_elimination.data(),
+          .below_slot = shape.below_slot.data(),
+          .below_slots = shape.below_slots,
+          .below = below.data()};
+}
+
+template struct TreeState<float>;
+template struct TreeState<double>;
+template struct TreeWorkspace<float>;
+template struct TreeWorkspace<double>;
+
+}  // namespace plumb::detail

@@ -1,0 +1,457 @@
+#include "direct/trees/tree_stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "time/composition.hpp"
+#include "time/verlet.hpp"
+
+namespace plumb::detail {
+namespace {
+
+constexpr int most_iterations = 12;
+constexpr int most_halvings = 10;
+/// Solves of one substep after which the rest of it is left to gradient new: a tree that cannot be solved
+/// must not hold up the others.
+constexpr int most_attempts = 200;
+
+/// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
+/// rounding: convergence is quadratic. For mid tighter: what is left of every substep adds up in the energy
+/// (at 1e-7 to 2e-9 of the range in 12,000 steps of 100 rods with an end mass of 1000).
+template <class T>
+double converged_change(Gradient gradient) {
+  if (sizeof(T) == 4) return 1e-4;
+  return gradient == Gradient::mid ? 1e-8 : 1e-7;
+}
+
+/// Violation that the last iteration may find: root of the sum of C^2 relative to the square of a rod. What
+/// a sound solve leaves is as small as its change; rods that stay violated although nothing changes any more
+/// contradict each other, or are lost in rounding.
+template <class T>
+constexpr double solved_residual = sizeof(T) == 8 ? 3e-6 : 3e-3;
+
+/// A change of many rod lengths does not lead back.
+constexpr double hopeless_change = 30;
+
+/// Below this (change of acceleration)^2 over acceleration^2, starting Newton from the last acceleration
+/// pays; above, it starts farther off than without.
+constexpr double smooth_jolt = 0.05;
+
+/// Multipliers are extrapolated over at most so many times the time between the two they are made of: steps
+/// double at most, where an accuracy chooses them.
+constexpr double most_extrapolated = 2;
+
+/// Gradient old breaks where h times the highest frequency is above 2. A substep is cut into pieces below the
+/// first of these before it is tried, by the tensions of the last one, and does not count as solved above the
+/// second: between 1.6 and 2 chains with heavy ends gain energy, although each step alone is stable. What is
+/// compared is a bound of the frequency (TreeKernels::find_stiffness).
+constexpr double aimed_frequency = 1.25, highest_frequency = 1.6;
+
+constexpr double square(double a) {
+  return a * a;
+}
+
+/// After a Newton step that found violations with squares that sum to `residual2` and changed displacements
+/// by the root of `change2`, a mean of squares, m^2. Squares, so that no lane takes a root.
+template <class T>
+bool has_converged(double change2, double residual2, double scale2, Gradient gradient) {
+  return change2 <= square(converged_change<T>(gradient)) * scale2 &&
+         residual2 <= square(solved_residual<T> * scale2);
+}
+bool is_hopeless(double change2, double scale2) {
+  return !(change2 <= square(hopeless_change) * scale2);
+}
+
+/// Of the last multipliers and of those before, what goes into a first guess. -mu/kick is a tension over a
+/// length, where a substep starts for gradient old: the last two are u_step_before apart, and the next comes
+/// u_step later (both negative in parts of compositions). Gradient mid's swing from one substep to the next.
+template <class T>
+std::pair<double, double> multiplier_scales(const TreeState<T>& state, std::uint32_t lane, double kick,
+                                            Gradient gradient) {
+  const double last = state.mu_kick[lane], before = state.mu_kick_before[lane];
+  if (last == 0) return {0, 0};
+  const double step = state.u_step[lane], step_before = state.u_step_before[lane];
+  const bool extrapolates = gradient == Gradient::old && before != 0 && step != 0 &&
+                            std::abs(step) <= most_extrapolated * std::abs(step_before);
+  if (!extrapolates) return {kick / last, 0};
+  const double step_ratio = step / step_before;
+  return {(1 + step_ratio) * kick / last, -step_ratio * kick / before};
+}
+
+}  // namespace
+
+/// load = ratio M u + kick force; u becomes u_delta delta - u_before ratio u.
+template <class T>
+struct TreeStepper<T>::Coefficients {
+  double ratio, kick, u_delta, u_before;
+};
+
+template <class T>
+TreeStepper<T>::TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa, std::uint32_t time_order)
+    : gradient_(gradient),
+      drag_(drag),
+      estimates_(estimates),
+      shares_(composition(time_order)),
+      largest_share_(largest_share(time_order)),
+      vector_(simd::tree_kernels<T>(isa)),
+      scalar_(simd::tree_kernels<T>(Isa::scalar)) {}
+
+template <class T>
+const simd::TreeKernels<T>& TreeStepper<T>::kernels(const TreeState<T>& state) const {
+  return state.lanes == 1 ? scalar_ : vector_;
+}
+
+template <class T>
+auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) const -> Coefficients {
+  if (gradient == Gradient::mid) {
+    const double decay = drag_ > 0 ? std::exp(-drag_ * h / 2) : 1;
+    return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
+  }
+  if (gradient_ == Gradient::mid) {  // falls back from a velocity in mid-flight, not from a start
+    const double decay = drag_ > 0 ? std::exp(-drag_ * h) : 1;
+    return {decay * h, mean_decay(drag_ * h) * h * h, 1, 0};
+  }
+  // From the middle of the last substep to that of this one; from its start if u is a velocity.
+  const double between = (h + last) / 2;
+  return {(drag_ > 0 ? std::exp(-drag_ * between) : 1) * (last != 0 ? h / last : h),
+          mean_decay(drag_ * between) * h * between, 1, 0};
+}
+
+template <class T>
+void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
+                           TreeWorkspace<T>& work) const {
+  Coefficients of_lane{};  // mostly the same in all: exp() is dear
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    if (lane == 0 || state.u_step[lane] != state.u_step[lane - 1])
+      of_lane = coefficients(state.u_step[lane], h, gradient);
+    const auto& [ratio, kick, u_delta, u_before] = of_lane;
+    work.ratio[lane] = static_cast<T>(ratio);
+    work.kick[lane] = static_cast<T>(kick);
+    // The acceleration of gradient mid carries an undamped oscillation of period 2h; means of two are free of
+    // it.
+    const bool mean = gradient == Gradient::mid;
+    work.guess[lane] = state.smooth[lane] ? static_cast<T>(mean ? kick / 2 : kick) : T(0);
+    work.guess_before[lane] = state.smooth[lane] && mean ? static_cast<T>(kick / 2) : T(0);
+    work.inverse_kick[lane] = static_cast<T>(1 / kick);
+    work.u_delta[lane] = static_cast<T>(u_delta);
+    work.u_before[lane] = static_cast<T>(u_before);
+    const auto [scale, scale_before] = multiplier_scales(state, lane, kick, gradient);
+    work.mu_scale[lane] = static_cast<T>(scale);
+    work.mu_scale_before[lane] = static_cast<T>(scale_before);
+    work.active[lane] = lane < trees ? T(1) : T(0);
+  }
+  if (state.pins_move) set_pin_displacements(state, h, work);
+  work.guesses = !is_line(state, gradient);
+  work.keeps_acceleration = estimates_ || work.guesses;
+  kernels(state).prepare(work.view(state));
+}
+
+template <class T>
+void TreeStepper<T>::put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const {
+  const std::size_t lanes = state.lanes, first = i / lanes * 3 * lanes + i % lanes;
+  state.pin_delta[first] = static_cast<T>(delta.x);
+  state.pin_delta[first + lanes] = static_cast<T>(delta.y);
+  state.pin_delta[first + 2 * lanes] = static_cast<T>(delta.z);
+  state.pin_u[first] = static_cast<T>(u.x);
+  state.pin_u[first + lanes] = static_cast<T>(u.y);
+  state.pin_u[first + 2 * lanes] = static_cast<T>(u.z);
+}
+
+template <class T>
+void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
+                                           const TreeWorkspace<T>& work) const {
+  for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
+    // What comes before goes into the load as the tree's own u does, drag included.
+    const std::size_t lane = i % state.lanes;
+    const double ratio = static_cast<double>(work.ratio[lane]), step = state.u_step[lane];
+    put_pins(state, i, h * state.pin_velocity[i],
+             ratio * (step != 0 ? step : 1) * state.pin_last_velocity[i]);
+  }
+}
+
+template <class T>
+bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gradient,
+                           TreeWorkspace<T>& work, DirectCounters& counters) const {
+  const simd::TreeView<T> view = work.view(state);
+  const simd::TreeKernels<T>& run = kernels(state);
+  const double nodes = state.topology->nodes;
+  const bool line = is_line(state, gradient);
+  std::uint64_t iterations = 0;
+  std::uint32_t left = trees;
+  bool all = true;
+  for (int i = 0; i < most_iterations && left > 0; ++i) {
+    if (line) {
+      run.newton_line(view);
+    } else {
+      run.newton(view, static_cast<T>(theta_of(gradient)));
+    }
+    iterations += left;
+    for (std::uint32_t lane = 0; lane < trees; ++lane) {
+      if (work.active[lane] == 0) continue;
+      const double scale2 = state.scale2[lane], change2 = work.change[lane] / nodes;
+      const bool converged = has_converged<T>(change2, work.residual[lane], scale2, gradient);
+      if (!converged && !is_hopeless(change2, scale2) && i + 1 < most_iterations) continue;
+      work.active[lane] = 0;
+      work.failed[lane] = !converged;
+      all = all && converged;
+      --left;
+    }
+  }
+  counters.newton += iterations;
+  return all;
+}
+
+template <class T>
+void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
+                            TreeWorkspace<T>& work) const {
+  for (std::uint32_t lane = 0; lane < trees; ++lane) {
+    work.active[lane] = work.failed[lane] ? T(0) : T(1);
+    if (work.failed[lane]) continue;
+    state.u_step_before[lane] = state.u_step[lane];
+    state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
+    state.mu_kick_before[lane] = state.mu_kick[lane];
+    state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
+    state.known[lane] = static_cast<std::uint8_t>(std::min(state.known[lane] + 1, 2));
+    if (!state.pins_move) continue;
+    for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
+      state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
+    for (std::size_t i = lane; i < state.pin_velocity.size(); i += state.lanes)
+      state.pin_last_velocity[i] = state.pin_velocity[i];
+  }
+  kernels(state).advance(work.view(state));
+  for (std::uint32_t lane = 0; lane < trees; ++lane)
+    if (!work.failed[lane] && work.keeps_acceleration)
+      state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];
+}
+
+template <class T>
+void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane) const {
+  for (std::size_t i = lane; i < state.mu.size(); i += state.lanes) state.mu[i] = state.mu_before[i];
+  for (std::size_t i = lane; i < state.pin_mu.size(); i += state.lanes)
+    state.pin_mu[i] = state.pin_mu_before[i];
+  state.mu_kick_before[lane] = 0;  // those before the last are overwritten
+}
+
+template <class T>
+bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int& attempts,
+                                   TreeWorkspace<T>& work, DirectCounters& counters) const {
+  const bool last = depth == most_halvings || --attempts <= 0;
+  for (const Gradient gradient : {gradient_, Gradient::new_}) {
+    if (gradient != gradient_ && !last) break;
+    begin(state, 1, h, gradient, work);
+    if (solve(state, 1, gradient, work, counters) &&
+        (gradient != Gradient::old || is_stable(state, 1, h, work))) {
+      accept(state, 1, h, gradient, work);
+      ++counters.substeps;
+      if (gradient != gradient_) {
+        ++counters.fallbacks;
+        // As a velocity, which every gradient can go on from.
+        for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(state.u[i] / h);
+        state.u_step[0] = 0;
+      }
+      return true;
+    }
+    restore_multipliers(state, 0);
+    if (gradient == Gradient::new_) break;
+  }
+  if (last) return false;
+  ++counters.halvings;
+  return advance_alone(state, h / 2, depth + 1, attempts, work, counters) &&
+         advance_alone(state, h / 2, depth + 1, attempts, work, counters);
+}
+
+template <class T>
+bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work,
+                                    DirectCounters& counters) const {
+  ++counters.halvings;
+  int attempts = most_attempts;
+  const bool solved = advance_alone(state, h / 2, 1, attempts, work, counters) &&
+                      advance_alone(state, h / 2, 1, attempts, work, counters);
+  if (!solved) ++counters.unsolved;
+  return solved;
+}
+
+template <class T>
+std::uint32_t TreeStepper<T>::pieces(const TreeState<T>& state, double h) const {
+  if (gradient_ != Gradient::old) return 1;
+  return pieces_of(largest_share_ * h * std::sqrt(state.frequency2) / aimed_frequency);
+}
+
+template <class T>
+bool TreeStepper<T>::is_stable(TreeState<T>& state, std::uint32_t lanes, double h, TreeWorkspace<T>& work,
+                               const LineSegments* segments) const {
+  kernels(state).find_stiffness(work.view(state));
+  if (segments) segments->join_stiffness(state, work);
+  double largest = 0;
+  bool stable = true;
+  for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+    if (work.failed[lane]) continue;
+    const double frequency2 =
+        static_cast<double>(work.stiffness[lane]) / std::abs(static_cast<double>(work.kick[lane]));
+    largest = std::max(largest, frequency2);
+    if (h * h * frequency2 <= highest_frequency * highest_frequency) continue;
+    work.failed[lane] = 1;
+    stable = false;
+  }
+  state.frequency2 = largest;
+  return stable;
+}
+
+template <class T>
+double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
+                               TreeState<T>& alone, TreeWorkspace<T>& alone_work,
+                               DirectCounters& counters) const {
+  double error = 0;
+  const std::uint32_t count = pieces(state, h);
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (const double share : shares_)
+      error += advance_piece(state, trees, share * h / count, work, alone, alone_work, counters);
+  return error;
+}
+
+template <class T>
+double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, double h,
+                                     TreeWorkspace<T>& work, TreeState<T>& alone,
+                                     TreeWorkspace<T>& alone_work, DirectCounters& counters) const {
+  begin(state, trees, h, gradient_, work);
+  bool all = solve(state, trees, gradient_, work, counters);
+  if (gradient_ == Gradient::old) all = is_stable(state, trees, h, work) && all;
+  double error = 0;
+  for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.known[lane] < 2;
+  accept(state, trees, h, gradient_, work);
+  for (std::uint32_t lane = 0; lane < trees; ++lane) {
+    if (!estimates_) break;
+    const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
+    if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
+  }
+  counters.substeps += trees;
+  for (std::uint32_t lane = 0; !all && lane < trees; ++lane) {
+    if (!work.failed[lane]) continue;
+    error = std::numeric_limits<double>::infinity();
+    --counters.substeps;
+    restore_multipliers(state, lane);
+    alone.copy_lane(0, state, lane);
+    if (advance_halves(alone, h, alone_work, counters)) {
+      state.copy_lane(lane, alone, 0);
+    } else {
+      state.frequency2 = 0;  // made of multipliers that solve nothing
+    }
+  }
+  return error;
+}
+
+template <class T>
+double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
+                               TreeWorkspace<T>& work, TreeState<T>& alone, TreeWorkspace<T>& alone_work,
+                               DirectCounters& counters) const {
+  double error = 0;
+  const std::uint32_t count = pieces(state, h);
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (const double share : shares_)
+      error += advance_piece(segments, state, share * h / count, work, alone, alone_work, counters);
+  return error;
+}
+
+template <class T>
+double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>& state, double h,
+                                     TreeWorkspace<T>& work, TreeState<T>& alone,
+                                     TreeWorkspace<T>& alone_work, DirectCounters& counters) const {
+  const double nodes = alone.topology->nodes, scale2 = state.scale2[0];
+  const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {
+    double sum = 0;
+    for (std::uint32_t lane = 0; lane < state.lanes; ++lane) sum += static_cast<double>(lanes[lane]);
+    return sum;
+  };
+  segments.link(state);
+  begin(state, state.lanes, h, gradient_, work);
+  segments.trim(work);
+  const simd::TreeView<T> view = work.view(state);
+  double change2 = 0;
+  bool converged = false;
+  for (int i = 0; i < most_iterations && !converged && !is_hopeless(change2, scale2); ++i) {
+    vector_.newton_segments(view);
+    change2 = total(work.change) / nodes;
+    converged = has_converged<T>(change2, total(work.residual), scale2, gradient_);
+    ++counters.newton;
+  }
+  std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
+  if (converged && is_stable(state, state.lanes, h, work, &segments)) {
+    const bool first = state.known[0] < 2;
+    accept(state, state.lanes, h, gradient_, work);
+    ++counters.substeps;
+    return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt) / nodes) : 0;
+  }
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore_multipliers(state, lane);
+  segments.gather(state, alone);
+  if (advance_halves(alone, h, alone_work, counters)) {
+    segments.scatter(alone, state);
+  } else {
+    state.frequency2 = 0;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+template <class T>
+void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity,
+                             TreeWorkspace<T>& work) const {
+  std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
+  simd::TreeView<T> view = work.view(state);
+  view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
+  for (std::size_t i = 0; i < pin_velocity.size(); ++i)
+    put_pins(state, i, pin_velocity[i], state.pin_last_velocity[i]);
+  kernels(state).prepare(view);
+  std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
+  kernels(state).project(view);
+  std::fill_n(state.pin_delta.data(), state.pin_delta.size(), T(0));
+  std::fill_n(state.pin_u.data(), state.pin_u.size(), T(0));
+}
+
+template <class T>
+void TreeStepper<T>::take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                                 layouts::AlignedBuffer<T>& to) const {
+  for (std::size_t lane = 0; lane < state.lanes; ++lane) {
+    bool finite = true;
+    for (std::size_t i = lane; i < to.size(); i += state.lanes)
+      finite = finite && std::isfinite(work.delta[i]);
+    for (std::size_t i = lane; finite && i < to.size(); i += state.lanes) to[i] = work.delta[i];
+  }
+}
+
+template <class T>
+void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
+  std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
+  std::fill_n(work.kick.data(), work.kick.size(), T(0));
+  std::fill_n(work.active.data(), work.active.size(), T(1));
+  project(state, state.pin_velocity, work);
+  take_finite(state, work, state.u);
+  state.pin_last_velocity = state.pin_velocity;
+}
+
+template <class T>
+void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
+  bool any = false;
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    const double step = state.u_step[lane];
+    const bool displacements = step > 0;
+    any = any || displacements;
+    const T scale = displacements ? static_cast<T>(std::exp(-drag_ * step / 2) / step) : T(1);
+    for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
+    // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
+    // earlier.
+    work.kick[lane] = gradient_ == Gradient::old && displacements
+                          ? static_cast<T>(mean_decay(drag_ * step / 2) * step / 2)
+                          : T(0);
+    work.active[lane] = displacements ? T(1) : T(0);
+  }
+  if (any) {
+    project(state, state.pin_last_velocity, work);
+    take_finite(state, work, work.velocity);
+  }
+}
+
+template class TreeStepper<float>;
+template class TreeStepper<double>;
+
+}  // namespace plumb::detail

@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <numeric>
+
+#include "linear/sparse_ldu.hpp"
+
+namespace plumb::detail {
+namespace {
+
+using Index = std::uint32_t;
+constexpr Index none = 0xffffffff;
+
+/// Fronts up to this many numbers wide are merged with their parents whatever zeros that stores.
+constexpr Index narrow = 16;
+
+/// Later neighbours of each variable, in numbers of the elimination order.
+std::vector<std::vector<Index>> later_neighbours(const SparsePattern& pattern,
+                                                 const std::vector<Index>& number) {
+  std::vector<std::vector<Index>> later(pattern.size.size());
+  for (const auto& [a, b] : pattern.meet) {
+    const auto [first, second] = std::minmax(number[a], number[b]);
+    if (first != second) later[first].push_back(second);
+  }
+  for (auto& list : later) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return later;
+}
+
+/// The elimination tree (Liu 1990) by path compression.
+std::vector<Index> elimination_tree(const std::vector<std::vector<Index>>& later) {
+  const auto n = static_cast<Index>(later.size());
+  std::vector<std::vector<Index>> earlier(n);
+  for (Index i = 0; i < n; ++i)
+    for (const Index j : later[i]) earlier[j].push_back(i);
+  std::vector<Index> parent(n, none), ancestor(n, none);
+  for (Index j = 0; j < n; ++j)
+    for (Index i : earlier[j])
+      while (i != none && i < j) {
+        const Index next = ancestor[i];
+        ancestor[i] = j;
+        if (next == none) parent[i] = j;
+        i = next;
+      }
+  return parent;
+}
+
+/// Children before parents, a parent right after its last child; the widest subtrees last.
+std::vector<Index> postorder(const std::vector<Index>& parent) {
+  const auto n = static_cast<Index>(parent.size());
+  std::vector<Index> head(n + std::size_t{1}, none), next(n, none), order, stack;
+  for (Index i = n; i-- > 0;) {
+    const Index p = parent[i] == none ? n : parent[i];
+    next[i] = head[p];
+    head[p] = i;
+  }
+  order.reserve(n);
+  for (Index root = head[n]; root != none; root = next[root]) {
+    stack.push_back(root);
+    while (!stack.empty()) {
+      const Index top = stack.back(), child = head[top];
+      if (child == none) {
+        order.push_back(top);
+        stack.pop_back();
+      } else {
+        head[top] = next[child];
+        stack.push_back(child);
+      }
+    }
+  }
+  return order;
+}
+
+/// An order made a postorder, and the structure of the factor.
+struct Symbolic {
+  std::vector<Index> order, number, parent;
+  std::vector<std::vector<Index>> below;  ///< per variable: those after it that its elimination touches
+};
+
+Symbolic analyse(const SparsePattern& pattern) {
+  const auto n = static_cast<Index>(pattern.size.size());
+  Symbolic s;
+  s.order = pattern.order;
+  s.number.resize(n);
+  const auto renumber = [&] {
+    for (Index i = 0; i < n; ++i) s.number[s.order[i]] = i;
+  };
+  renumber();
+  const std::vector<Index> post = postorder(elimination_tree(later_neighbours(pattern, s.number)));
+  std::vector<Index> order(n);
+  for (Index i = 0; i < n; ++i) order[i] = s.order[post[i]];
+  s.order = std::move(order);
+  renumber();
+  s.below = later_neighbours(pattern, s.number);
+  s.parent.assign(n, none);
+  std::vector<std::vector<Index>> children(n);
+  std::vector<Index> mark(n, none);
+  for (Index j = 0; j < n; ++j) {
+    auto& rows = s.below[j];
+    mark[j] = j;
+    for (const Index i : rows) mark[i] = j;
+    for (const Index c : children[j])
+      for (const Index i : s.below[c])
+        if (mark[i] != j) {
+          mark[i] = j;
+          rows.push_back(i);
+        }
+    std::sort(rows.begin(), rows.end());
+    if (rows.empty()) continue;
+    s.parent[j] = rows.front();
+    children[rows.front()].push_back(j);
+  }
+  return s;
+}
+
+double operations_of(double pivots, double rows) {
+  double sum = 0;
+  for (double k = 0; k < pivots; ++k) sum += (rows - k) * (rows - k);
+  return sum;
+}
+
+}  // namespace
+
+double SparseAnalysis::estimate(const SparsePattern& pattern) {
+  const Symbolic s = analyse(pattern);
+  double sum = 0;
+  for (Index i = 0; i < s.order.size(); ++i) {
+    double rows = pattern.size[s.order[i]];
+    for (const Index j : s.below[i]) rows += pattern.size[s.order[j]];
+    sum += operations_of(pattern.size[s.order[i]], rows);
+  }
+  return sum;
+}
+
+SparseAnalysis::SparseAnalysis(const SparsePattern& pattern, std::span<const SparseEntry> entries) {
+  const Symbolic s = analyse(pattern);
+  const auto n = static_cast<Index>(s.order.size());
+  const auto numbers_of = [&](Index i) { return pattern.size[s.order[i]]; };
+  position_.resize(n);
+  std::vector<Index> start(n + std::size_t{1}, 0);
+  for (Index i = 0; i < n; ++i) {
+    position_[s.order[i]] = start[i];
+    start[i + 1] = start[i] + numbers_of(i);
+  }
+  size_ = start[n];
+
+  // Fronts: runs of variables, each the parent of the one before, with nearly the same rows.
+  std::vector<Index> front_of(n);
+  for (Index i = 0; i < n;) {
+    const Index first = i;
+    Index width = numbers_of(i);
+    for (const Index j : s.below[i]) width += numbers_of(j);
+    while (i + 1 < n && s.parent[i] == i + 1) {
+      Index next_width = start[i + 1] - start[first];
+      next_width += numbers_of(i + 1);
+      for (const Index j : s.below[i + 1]) next_width += numbers_of(j);
+      if (next_width > width && next_width > narrow) break;
+      width = next_width;
+      ++i;
+    }
+    Front front{};
+    front.first = start[first];
+    front.pivots = start[i + 1] - start[first];
+    front.rows = width;
+    front.parent = none;
+    front.row_begin = rows_.size();
+    for (const Index j : s.below[i])
+      for (Index part = 0; part < numbers_of(j); ++part) rows_.push_back(start[j] + part);
+    front.stride = layouts::round_up(width, simd::logical_width<double>);
+    front.factor = padded_;
+    padded_ += std::size_t{front.pivots} * front.stride;
+    numbers_ += std::size_t{front.pivots} * (2 * std::size_t{front.rows} - front.pivots);
+    operations_ += operations_of(front.pivots, front.rows);
+    widest_ = std::max(widest_, front.stride);
+    for (Index j = first; j <= i; ++j) front_of[j] = static_cast<Index>(fronts_.size());
+    fronts_.push_back(front);
+    ++i;
+  }
+
+  // Who passes its rows on to whom, and where they are there.
+  std::vector<Index> variable_of(size_), local(size_);
+  for (Index i = 0; i < n; ++i)
+    for (Index k = start[i]; k < start[i + 1]; ++k) variable_of[k] = i;
+  std::vector<std::vector<Index>> children(fronts_.size());
+  relative_.resize(rows_.size());
+  const auto number_rows = [&](const Front& front) {
+    for (Index k = 0; k < front.pivots; ++k) local[front.first + k] = k;
+    for (Index k = front.pivots; k < front.rows; ++k) local[rows_[front.row_begin + k - front.pivots]] = k;
+  };
+  std::vector<std::vector<Place>> places(fronts_.size());
+  std::vector<std::vector<Index>> entries_of(fronts_.size());
+  for (Index e = 0; e < entries.size(); ++e)
+    entries_of[front_of[std::min(s.number[entries[e].row], s.number[entries[e].column])]].push_back(e);
+  std::size_t used = 0;
+  for (Index f = 0; f < fronts_.size(); ++f) {
+    Front& front = fronts_[f];
+    number_rows(front);
+    front.child_begin = static_cast<Index>(children_.size());
+    for (const Index c : children[f]) {
+      const Front& child = fronts_[c];
+      const Index passed = child.rows - child.pivots;
+      for (Index k = 0; k < passed; ++k) relative_[child.row_begin + k] = local[rows_[child.row_begin + k]];
+      used -= std::size_t{passed} * passed;
+      children_.push_back(c);
+    }
+    front.child_end = static_cast<Index>(children_.size());
+    front.place_begin = places_.size();
+    for (const Index e : entries_of[f]) {
+      const SparseEntry& entry = entries[e];
+      const Index row = local[position_[entry.row] + entry.row_part];
+      const Index column = local[position_[entry.column] + entry.column_part];
+      places_.push_back({row * front.stride + column, entry.value});
+    }
+    const std::size_t passed = front.rows - front.pivots;
+    used += passed * passed;
+    stack_ = std::max(stack_, used);
+    if (passed == 0) continue;
+    front.parent = front_of[variable_of[rows_[front.row_begin]]];
+    children[front.parent].push_back(f);
+  }
+}
+
+}  // namespace plumb::detail

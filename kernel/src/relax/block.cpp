@@ -1,0 +1,259 @@
+#include "relax/block.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "plumb/layouts/stores.hpp"
+
+namespace plumb::detail {
+
+using layouts::none;
+
+template <class T>
+Block<T>::Block(layouts::Packing packing, bool jacobi)
+    : packing_(std::move(packing)),
+      x_(packing_.elements),
+      displacements_{layouts::AlignedBuffer<T>(packing_.elements),
+                     layouts::AlignedBuffer<T>(packing_.elements)},
+      kick_(packing_.elements),
+      accumulator_(jacobi ? packing_.elements : 0),
+      rod_(std::size_t{packing_.vectors()} * simd::rod_fields * packing_.lanes),
+      weight_(std::size_t{packing_.vectors()} * simd::weight_fields * packing_.lanes),
+      frozen_slots_(packing_.slot_offset.size(), 0) {
+  rods_before_.push_back(0);
+  for (std::uint32_t q = 0; q < packing_.positions; ++q) {
+    const std::uint32_t begin = q * packing_.position_vectors;
+    rods_before_.push_back(rods_before_.back() + distinct_rods(begin, begin + packing_.position_vectors));
+  }
+}
+
+/// A rod may stand in several lanes of the last position, where islands are repeated to fill it.
+template <class T>
+std::uint32_t Block<T>::distinct_rods(std::uint32_t begin, std::uint32_t end) const {
+  std::vector<std::uint32_t> seen;
+  for (std::size_t i = std::size_t{begin} * packing_.lanes; i < std::size_t{end} * packing_.lanes; ++i)
+    if (packing_.lane_edge[i] != none) seen.push_back(packing_.lane_edge[i]);
+  std::sort(seen.begin(), seen.end());
+  return static_cast<std::uint32_t>(std::unique(seen.begin(), seen.end()) - seen.begin());
+}
+
+template <class T>
+void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrder order, double omega) {
+  const std::uint32_t lanes = packing_.lanes;
+  const auto inverse_mass = [&](std::uint32_t particle) {
+    const double w = constants.inverse_mass[particle];
+    return weights == Weights::equal ? (w > 0 ? 1.0 : 0.0) : w;
+  };
+  // Jacobi: every rod sees a particle with its mass divided by the number of rods at it, so that all of them
+  // can be corrected at once without moving it too far, and momentum stays (mass splitting, Tonge et al.
+  // 2012).
+  const auto rods_sharing = [&](std::uint32_t particle) {
+    return order == SweepOrder::jacobi ? static_cast<double>(constants.valence[particle]) : 1.0;
+  };
+  // Packings may turn a rod round, so its ends are looked up by address.
+  const std::vector<std::uint32_t> slot_at = slots_by_element();
+  const auto end_of = [&](const std::vector<std::uint32_t>& addresses, std::size_t i) {
+    return packing_.slot_vertex[slot_at[element_of_end(addresses, i)]];
+  };
+  moving_anchors_.reserve(static_cast<std::size_t>(
+      std::count_if(packing_.slot_vertex.begin(), packing_.slot_vertex.end(),
+                    [&](std::uint32_t vertex) { return constants.inverse_mass[vertex] == 0; })));
+
+  std::map<std::pair<T, T>, std::uint32_t> candidates;
+  for (std::size_t i = 0; i < packing_.lane_edge.size(); ++i) {
+    T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
+    const std::uint32_t edge = packing_.lane_edge[i];
+    if (edge == none) {
+      fields[0] = 1;
+      fields[lanes] = fields[2 * lanes] = fields[3 * lanes] = 0;
+      continue;
+    }
+    const std::uint32_t a = end_of(packing_.address_a, i), b = end_of(packing_.address_b, i);
+    const double wa = inverse_mass(a), wb = inverse_mass(b);
+    const double scale = omega / 4 / (rods_sharing(a) * wa + rods_sharing(b) * wb);
+    fields[0] = static_cast<T>(constants.length2[edge]);
+    fields[lanes] = static_cast<T>(scale * wa);
+    fields[2 * lanes] = static_cast<T>(scale * wb);
+    fields[3 * lanes] = static_cast<T>(1 / constants.length2[edge]);
+    if (fields[lanes] == fields[2 * lanes]) ++candidates[{fields[0], fields[lanes]}];
+  }
+  find_uniform_ranges(candidates);
+  if (std::find(frozen_slots_.begin(), frozen_slots_.end(), 1) != frozen_slots_.end())
+    retire_frozen_rods(0, packing_.positions);
+}
+
+template <class T>
+std::vector<std::uint32_t> Block<T>::slots_by_element() const {
+  std::vector<std::uint32_t> slot_at(packing_.elements, none);
+  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot)
+    slot_at[packing_.slot_offset[slot]] = slot;
+  return slot_at;
+}
+
+template <class T>
+std::uint32_t Block<T>::element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const {
+  const std::uint32_t lanes = packing_.lanes;
+  return packing_.access == layouts::Access::rows
+             ? addresses[lane / lanes] + static_cast<std::uint32_t>(lane % lanes)
+             : addresses[lane];
+}
+
+template <class T>
+void Block<T>::retire_frozen_rods(std::uint32_t q0, std::uint32_t q1) {
+  const std::vector<std::uint32_t> slot_at = slots_by_element();
+  const std::uint32_t lanes = packing_.lanes;
+  for (std::uint32_t q = q0; q < q1; ++q)
+    for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) {
+      const simd::Range r = range(q, stage);
+      for (std::size_t i = std::size_t{r.begin} * lanes; i < std::size_t{r.end} * lanes; ++i) {
+        if (packing_.lane_edge[i] == none || !is_frozen(slot_at[element_of_end(packing_.address_a, i)]))
+          continue;
+        T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
+        fields[0] = 1;
+        fields[lanes] = fields[2 * lanes] = fields[3 * lanes] = 0;
+        uniform_[q * packing_.stages.size() + stage] = 0;
+      }
+    }
+}
+
+template <class T>
+void Block<T>::find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t>& candidates) {
+  uniform_.assign(packing_.positions * packing_.stages.size(), 0);
+  uniform_rods_ = 0;
+  if (candidates.empty()) return;
+  const auto most = std::max_element(candidates.begin(), candidates.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::tie(uniform_length2_, uniform_share_) = most->first;
+
+  const std::uint32_t lanes = packing_.lanes;
+  const auto is_uniform = [&](std::size_t i) {
+    const T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
+    return packing_.lane_edge[i] != none && fields[0] == uniform_length2_ &&
+           fields[lanes] == uniform_share_ && fields[2 * lanes] == uniform_share_;
+  };
+  for (std::uint32_t q = 0; q < packing_.positions; ++q)
+    for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) {
+      const simd::Range r = range(q, stage);
+      bool uniform = true;
+      for (std::size_t i = std::size_t{r.begin} * lanes; uniform && i < std::size_t{r.end} * lanes; ++i)
+        uniform = is_uniform(i);
+      uniform_[q * packing_.stages.size() + stage] = uniform;
+      if (uniform) uniform_rods_ += distinct_rods(r.begin, r.end);
+    }
+}
+
+template <class T>
+simd::BlockView<T> Block<T>::view(T* p) {
+  return {
+      .x = x_.data(),
+      .p = p,
+      .out = accumulator_.size() ? accumulator_.data() : p,
+      .component_stride = packing_.component_stride,
+      .rod = rod_.data(),
+      .weight = weight_.data(),
+      .address_a = packing_.address_a.data(),
+      .address_b = packing_.address_b.data(),
+      .uniform_length2 = uniform_length2_,
+      .uniform_share = uniform_share_,
+      .uniform_inverse_length2 = T(1) / uniform_length2_,
+  };
+}
+
+template <class T>
+void Block<T>::write(T* field, std::uint32_t slot, Vec3 value) const {
+  const layouts::StoreView<T> store{field, packing_.component_stride};
+  const std::uint32_t at = packing_.slot_offset[slot];
+  store.x(at) = static_cast<T>(value.x);
+  store.y(at) = static_cast<T>(value.y);
+  store.z(at) = static_cast<T>(value.z);
+}
+
+template <class T>
+Vec3 Block<T>::read(const T* field, std::uint32_t slot) const {
+  const layouts::StoreView<const T> store{field, packing_.component_stride};
+  const std::uint32_t at = packing_.slot_offset[slot];
+  return {store.x(at), store.y(at), store.z(at)};
+}
+
+template <class T>
+std::size_t Block<T>::bytes() const {
+  return sizeof(T) * (x_.size() + 2 * displacements_[0].size() + kick_.size() + accumulator_.size() +
+                      rod_.size() + weight_.size()) +
+         sizeof(std::uint32_t) * (packing_.address_a.size() + packing_.address_b.size());
+}
+
+/// Slots of independent positions are told apart by their addresses; other blocks are one whole.
+template <class T>
+bool Block<T>::is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const {
+  const std::uint32_t at = packing_.slot_offset[slot];
+  return packing_.coupling != layouts::Coupling::independent ||
+         (at >= q0 * packing_.position_elements && at < q1 * packing_.position_elements);
+}
+
+template <class T>
+void Block<T>::move_anchor(std::uint32_t slot, Vec3 move) {
+  write(kick(), slot, move);
+  moving_anchors_.push_back(slot);
+}
+
+template <class T>
+void Block<T>::sort_moving_anchors() {
+  std::sort(moving_anchors_.begin(), moving_anchors_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return packing_.slot_offset[a] < packing_.slot_offset[b];
+  });
+}
+
+template <class T>
+void Block<T>::release_anchors() {
+  settling_ = !moving_anchors_.empty();
+  for (const std::uint32_t slot : moving_anchors_) write(kick(), slot, {});
+  moving_anchors_.clear();
+}
+
+template <class T>
+void Block<T>::rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const {
+  auto anchor = moving_anchors_.begin();
+  if (packing_.coupling == layouts::Coupling::independent)
+    anchor = std::partition_point(anchor, moving_anchors_.end(), [&](std::uint32_t slot) {
+      return packing_.slot_offset[slot] < q0 * packing_.position_elements;
+    });
+  for (; anchor != moving_anchors_.end() && is_within(*anchor, q0, q1); ++anchor) write(field, *anchor, {});
+}
+
+template <class T>
+std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t q0,
+                                              std::uint32_t q1) noexcept {
+  const auto breaks = [&](std::uint32_t slot) {
+    const Vec3 next = read(x(), slot) + read(current, slot);
+    return !std::isfinite(static_cast<T>(next.x)) || !std::isfinite(static_cast<T>(next.y)) ||
+           !std::isfinite(static_cast<T>(next.z));
+  };
+  std::vector<std::uint32_t> broken;
+  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
+    if (!is_within(slot, q0, q1) || !breaks(slot)) continue;
+    // A frozen island whose last finite state is too large to square breaks again in every solve.
+    if (is_frozen(slot)) {
+      write(current, slot, {});
+    } else {
+      broken.push_back(packing_.slot_island[slot]);
+    }
+  }
+  if (broken.empty()) return 0;
+  std::sort(broken.begin(), broken.end());
+  broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
+  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
+    if (!is_within(slot, q0, q1) ||
+        !std::binary_search(broken.begin(), broken.end(), packing_.slot_island[slot]))
+      continue;
+    for (T* field : {last, current, kick()}) write(field, slot, {});
+    frozen_slots_[slot] = 1;
+  }
+  retire_frozen_rods(q0, q1);
+  return static_cast<std::uint32_t>(broken.size());
+}
+
+template class Block<float>;
+template class Block<double>;
+
+}  // namespace plumb::detail

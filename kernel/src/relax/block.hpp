@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "plumb/layouts/aligned_buffer.hpp"
+#include "plumb/layouts/packing.hpp"
+#include "plumb/settings.hpp"
+#include "plumb/vec3.hpp"
+#include "relax/constants.hpp"
+#include "simd/relax/relax_kernels.hpp"
+
+namespace plumb::detail {
+
+/// A set of rods solved together, with its numbers in the places its packing gives them.
+///
+/// Between substeps `x` holds positions and displacement(0) the displacement of the last substep (gradient
+/// mid: its velocity times h); displacement(1) the one before. A substep predicts into displacement(1),
+/// relaxes it, and the two change places.
+template <class T>
+class Block {
+ public:
+  Block(layouts::Packing packing, bool jacobi);
+
+  const layouts::Packing& packing() const { return packing_; }
+
+  /// Shares of a correction and squared lengths for every rod, and which ranges need none of them.
+  void set_weights(const Constants& constants, Weights weights, SweepOrder order, double omega);
+
+  /// Vectors of stage `stage` of position `q`.
+  simd::Range range(std::uint32_t q, std::size_t stage) const {
+    const std::uint32_t begin = q * packing_.position_vectors + packing_.stages[stage].begin;
+    return {begin, begin + packing_.stages[stage].count, uniform_[q * packing_.stages.size() + stage] != 0};
+  }
+  /// For kernels that relax the displacements `p`; corrections go to the accumulator if there is one
+  /// (Jacobi).
+  simd::BlockView<T> view(T* p);
+
+  T* x() { return x_.data(); }
+  const T* x() const { return x_.data(); }
+  T* displacement(unsigned ago) { return displacements_[(newest_ + ago) & 1].data(); }
+  const T* displacement(unsigned ago) const { return displacements_[(newest_ + ago) & 1].data(); }
+  T* kick() { return kick_.data(); }
+  T* accumulator() { return accumulator_.data(); }
+  /// Says that all positions were advanced by `n` substeps, each of which used displacement(0) and
+  /// displacement(1) in turn as its last and its own.
+  void count_substeps(std::uint32_t n) { newest_ ^= n & 1; }
+
+  void write(T* field, std::uint32_t slot, Vec3 value) const;
+  Vec3 read(const T* field, std::uint32_t slot) const;
+
+  std::uint32_t rods() const { return rods_before_.back(); }
+  /// Rods of positions [q0, q1), duplicates not counted.
+  std::uint32_t rods(std::uint32_t q0, std::uint32_t q1) const { return rods_before_[q1] - rods_before_[q0]; }
+  std::uint32_t uniform_rods() const { return uniform_rods_; }
+  std::size_t bytes() const;
+
+  /// A fixed slot moves by `move` (m) every substep until anchors are released.
+  void move_anchor(std::uint32_t slot, Vec3 move);
+  /// Once all are set to move, so that those of a position are found without looking at all.
+  void sort_moving_anchors();
+  void release_anchors();
+  /// Whether velocities along rods may be left over from anchors that move or stopped a step ago, or from
+  /// rods that started off their length.
+  bool is_settling() const { return !moving_anchors_.empty() || settling_; }
+  void settle() { settling_ = true; }
+  /// Moving anchors have no momentum: forgets the displacements in `field` of those in positions [q0, q1).
+  void rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const;
+
+  /// Puts islands with a non-finite displacement back to the start of the substep, at rest and without forces
+  /// from now on; returns how many there were. Allocates, and ends the program if it cannot. Looks only at
+  /// slots with numbers in positions [q0, q1).
+  std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) noexcept;
+  bool is_frozen(std::uint32_t slot) const { return frozen_slots_[slot] != 0; }
+
+ private:
+  bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
+  std::vector<std::uint32_t> slots_by_element() const;
+  std::uint32_t element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const;
+  /// Rods of frozen islands are never moved again and not looked at: their lanes become padding.
+  void retire_frozen_rods(std::uint32_t q0, std::uint32_t q1);
+  std::uint32_t distinct_rods(std::uint32_t begin, std::uint32_t end) const;
+  void find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t>& candidates);
+
+  layouts::Packing packing_;
+  layouts::AlignedBuffer<T> x_, displacements_[2], kick_, accumulator_, rod_, weight_;
+  unsigned newest_ = 0;
+  std::vector<std::uint8_t> uniform_;  ///< per position and stage
+  T uniform_length2_ = 1, uniform_share_ = 0;
+  std::uint32_t uniform_rods_ = 0;
+  std::vector<std::uint32_t> rods_before_;     ///< positions + 1 entries
+  std::vector<std::uint32_t> moving_anchors_;  ///< slots, by their place in memory while stepping
+  bool settling_ = false;
+  std::vector<std::uint8_t> frozen_slots_;
+};
+
+extern template class Block<float>;
+extern template class Block<double>;
+
+}  // namespace plumb::detail

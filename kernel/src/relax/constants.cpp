@@ -1,0 +1,20 @@
+#include "relax/constants.hpp"
+
+namespace plumb::detail {
+
+Constants make_constants(const Scene& scene) {
+  Constants constants;
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    const double length = rod_length(scene, i);
+    constants.length2.push_back(length * length);
+  }
+  for (const double mass : lumped_masses(scene)) constants.inverse_mass.push_back(1 / mass);
+  constants.valence.assign(scene.particles.size(), 0);
+  for (const Rod& rod : scene.rods) {
+    ++constants.valence[rod.a];
+    ++constants.valence[rod.b];
+  }
+  return constants;
+}
+
+}  // namespace plumb::detail

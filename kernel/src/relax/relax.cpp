@@ -1,0 +1,330 @@
+#include "relax/relax.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "threads/wavefront.hpp"
+
+namespace plumb::detail {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using layouts::Coupling;
+
+/// Largest |C|/L^2 at which gradient mid trusts its own velocities. Beyond it, 2p - u turns the unresolved
+/// part of a step into velocity along the rods; the damped p + kick is then the better estimate. See
+/// README, "Limits".
+constexpr double mid_guard_violation = 0.05;
+
+/// The team of one that works on independent positions.
+struct Alone {
+  static constexpr unsigned parts() { return 1; }
+  template <class F>
+  void for_parts(F&& f) {
+    f(0);
+  }
+};
+
+/// The stages of one substep, on positions [q0, q1) of a block.
+template <class T, class Crew>
+class Substep {
+ public:
+  Substep(Block<T>& block, T* u, T* p, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
+          RelaxCounters& counters, Crew& crew)
+      : block_(block),
+        packing_(block.packing()),
+        kernels_(*settings.kernels),
+        access_(settings.kernels->access[static_cast<int>(packing_.access)]),
+        settings_(settings),
+        counters_(counters),
+        crew_(crew),
+        u_(u),
+        p_(p),
+        view_(block.view(p)),
+        q0_(q0),
+        q1_(q1) {}
+
+  void run() {
+    predict_and_prepare();
+    if (!packing_.stages.empty()) solve();
+    advance();
+  }
+
+ private:
+  // --- Geometry: parts are cut at the same places for particles and rods, so that a thread keeps its cache.
+
+  struct Cut {
+    std::uint32_t begin, end;
+  };
+  Cut positions_of(unsigned part) const {
+    return {q0_ + Team::begin_of(q1_ - q0_, part, crew_.parts()),
+            q0_ + Team::begin_of(q1_ - q0_, part + 1, crew_.parts())};
+  }
+  /// Cut of `n` items in steps of `grain`.
+  Cut share_of(unsigned part, std::uint32_t n, std::uint32_t grain) const {
+    const std::uint32_t grains = (n + grain - 1) / grain;
+    return {std::min(n, Team::begin_of(grains, part, crew_.parts()) * grain),
+            std::min(n, Team::begin_of(grains, part + 1, crew_.parts()) * grain)};
+  }
+  Cut elements_of(unsigned part) const {
+    if (packing_.positions == 1) return share_of(part, packing_.position_elements, packing_.lanes);
+    const Cut q = positions_of(part);
+    return {q.begin * packing_.position_elements, q.end * packing_.position_elements};
+  }
+  /// f(first element, number of elements) for the particle numbers of a part.
+  template <class F>
+  void for_elements(unsigned part, F&& f) const {
+    const Cut cut = elements_of(part);
+    if (cut.begin == cut.end) return;
+    for (std::uint32_t stream = 0; stream < packing_.streams; ++stream)
+      f(stream * packing_.stream_pitch + cut.begin, cut.end - cut.begin);
+  }
+  /// f(range) for the rods of a part.
+  template <class F>
+  void for_rods(unsigned part, F&& f) const {
+    if (packing_.positions > 1 || crew_.parts() == 1) {
+      const Cut q = positions_of(part);
+      for (std::uint32_t position = q.begin; position < q.end; ++position)
+        for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) f(block_.range(position, stage));
+      return;
+    }
+    for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) f(stage_part(stage, part));
+  }
+  simd::Range stage_part(std::size_t stage, unsigned part) const {
+    simd::Range range = block_.range(q0_, stage);
+    const Cut cut = share_of(part, range.end - range.begin, 1);
+    return {range.begin + cut.begin, range.begin + cut.end, range.uniform};
+  }
+
+  // --- Stages
+
+  void predict_and_prepare() {
+    crew_.for_parts([&](unsigned part) {
+      for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
+        kernels_.particles.predict(p_ + first, u_ + first, block_.kick() + first, settings_.decay, n);
+      });
+      for_rods(part, [&](simd::Range range) { access_.prepare(view_, range); });
+    });
+  }
+
+  void solve() {
+    const StopRule& stop = settings_.stop;
+    if (!stop.tolerance && !stop.budget_us) {
+      sweep(stop.sweeps);
+      stopped(StoppedBy::sweeps, stop.sweeps);
+      return;
+    }
+    // |C|/L^2 = |(1 + stretch)^2 - 1|; the compressed side is the stricter one.
+    const double bound = stop.tolerance ? *stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)) : 0;
+    const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                             std::chrono::duration<double, std::micro>(settings_.budget_us));
+    std::uint32_t done = 0;
+    while (true) {
+      if (stop.tolerance && violation() <= bound) {
+        if (done == 0) counters_.skipped_within_tolerance.fetch_add(1, std::memory_order_relaxed);
+        return stopped(StoppedBy::tolerance, done);
+      }
+      if (done == stop.sweeps) return stopped(StoppedBy::sweeps, done);
+      if (stop.budget_us && done > 0 && Clock::now() >= deadline) return stopped(StoppedBy::budget, done);
+      // Looking costs almost half a sweep: look less often as sweeps add up. A budget needs the clock every
+      // sweep.
+      const std::uint32_t next = stop.budget_us ? 1 : std::min(1 + done / 4, stop.sweeps - done);
+      sweep(next);
+      done += next;
+    }
+  }
+
+  void advance() {
+    std::atomic<bool> broken{false};
+    crew_.for_parts([&](unsigned part) {
+      for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
+        if (!kernels_.particles.all_finite(block_.x() + first, p_ + first, n))
+          broken.store(true, std::memory_order_relaxed);
+      });
+    });
+    if (broken.load(std::memory_order_relaxed))
+      counters_.frozen_islands.fetch_add(block_.freeze_broken_islands(u_, p_, q0_, q1_),
+                                         std::memory_order_relaxed);
+
+    const bool guarded = settings_.gradient == Gradient::mid && !packing_.stages.empty() &&
+                         (block_.is_settling() || violation() > mid_guard_violation);
+    if (guarded) counters_.mid_guarded.fetch_add(1, std::memory_order_relaxed);
+    crew_.for_parts([&](unsigned part) {
+      for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
+        const auto& particles = kernels_.particles;
+        T* x = block_.x() + first;
+        T* p = p_ + first;
+        if (settings_.gradient != Gradient::mid) {
+          particles.advance(x, p, n);
+        } else if (guarded) {
+          particles.advance_mid_guarded(x, p, block_.kick() + first, settings_.decay, n);
+        } else {
+          particles.advance_mid(x, p, u_ + first, settings_.decay, n);
+        }
+      });
+    });
+    block_.rest_anchors(p_, q0_, q1_);
+  }
+
+  // --- Sweeps
+
+  void sweep(std::uint32_t n) {
+    if (settings_.order == SweepOrder::jacobi) {
+      for (std::uint32_t i = 0; i < n; ++i) sweep_jacobi();
+    } else if (packing_.coupling == Coupling::neighbor) {
+      sweep_pipelined(n);
+    } else if (crew_.parts() == 1) {
+      Queue queue(*this);
+      for (std::uint32_t i = 0; i < n; ++i)
+        for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage)
+          for (std::uint32_t q = q0_; q < q1_; ++q) queue.add(block_.range(q, stage));
+    } else {
+      for (std::uint32_t i = 0; i < n; ++i)
+        for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) run_stage(stage);
+    }
+  }
+
+  /// Ranges to project in order, handed to the kernel many at a time.
+  class Queue {
+   public:
+    explicit Queue(const Substep& substep) : substep_(substep) {}
+    ~Queue() { flush(); }
+    void add(simd::Range range) {
+      if (count_ == ranges_.size()) flush();
+      ranges_[count_++] = range;
+    }
+
+   private:
+    void flush() {
+      substep_.access_.sweep[static_cast<int>(substep_.settings_.gradient)](substep_.view_, ranges_.data(),
+                                                                            count_);
+      count_ = 0;
+    }
+
+    const Substep& substep_;
+    std::array<simd::Range, 64> ranges_;
+    std::uint32_t count_ = 0;
+  };
+
+  /// All rods of one stage, at once.
+  void run_stage(std::size_t stage) {
+    crew_.for_parts([&](unsigned part) {
+      Queue queue(*this);
+      if (packing_.positions == 1 && crew_.parts() > 1) return queue.add(stage_part(stage, part));
+      const Cut q = positions_of(part);
+      for (std::uint32_t position = q.begin; position < q.end; ++position)
+        queue.add(block_.range(position, stage));
+    });
+  }
+
+  void sweep_jacobi() {
+    for (std::size_t stage = 0; stage < packing_.stages.size(); ++stage) run_stage(stage);
+    crew_.for_parts([&](unsigned part) {
+      for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
+        kernels_.particles.accumulate(p_ + first, block_.accumulator() + first, n);
+      });
+    });
+  }
+
+  template <class Bounds>
+  void run_pipeline(std::int64_t sweeps, const Bounds& bounds) {
+    Queue queue(*this);
+    const auto add = [&](std::int64_t q, std::size_t begin, std::size_t end) {
+      for (std::size_t stage = begin; stage < end; ++stage)
+        queue.add(block_.range(static_cast<std::uint32_t>(q), stage));
+    };
+    run_wavefront(
+        sweeps, bounds, [&](std::int64_t q) { add(q, 0, packing_.within_stages); },
+        [&](std::int64_t q) { add(q, packing_.within_stages, packing_.stages.size()); });
+  }
+
+  void sweep_pipelined(std::uint32_t n) {
+    const unsigned parts = crew_.parts();
+    const std::int64_t most =
+        parts == 1 ? sweeps_in_flight
+                   : std::min(sweeps_in_flight, sweeps_between_barriers(packing_.positions, parts));
+    if (most < 1) {  // too short to share: the leader does it alone
+      for (std::int64_t left = n; left > 0; left -= sweeps_in_flight)
+        run_pipeline(std::min(left, sweeps_in_flight), Trapezoid{0, packing_.positions, true, true});
+      return;
+    }
+    for (std::int64_t left = n; left > 0; left -= most) {
+      const std::int64_t now = std::min(left, most);
+      crew_.for_parts([&](unsigned part) {
+        const Cut q = positions_of(part);
+        run_pipeline(now, Trapezoid{q.begin, q.end, part == 0, part + 1 == parts});
+      });
+      if (parts > 1)
+        crew_.for_parts([&](unsigned part) {
+          if (part > 0) run_pipeline(now, CutTriangle{positions_of(part).begin});
+        });
+    }
+  }
+
+  T violation() {
+    std::array<T, Team::max_size> largest{};
+    crew_.for_parts([&](unsigned part) {
+      for_rods(part, [&](simd::Range range) {
+        largest[part] = std::max(largest[part], access_.violation(view_, range));
+      });
+    });
+    return *std::max_element(largest.begin(), largest.begin() + crew_.parts());
+  }
+
+  void stopped(StoppedBy reason, std::uint32_t sweeps) {
+    counters_.block_sweeps.fetch_add(sweeps, std::memory_order_relaxed);
+    counters_.rod_projections.fetch_add(std::uint64_t{sweeps} * block_.rods(q0_, q1_),
+                                        std::memory_order_relaxed);
+    const auto value = static_cast<std::uint8_t>(reason);
+    std::uint8_t seen = counters_.stopped_by.load(std::memory_order_relaxed);
+    while (seen < value &&
+           !counters_.stopped_by.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+    }
+  }
+
+  Block<T>& block_;
+  const layouts::Packing& packing_;
+  const simd::Kernels<T>& kernels_;
+  const simd::AccessKernels<T>& access_;
+  const RelaxSettings<T>& settings_;
+  RelaxCounters& counters_;
+  Crew& crew_;
+  T* u_;  ///< displacement of the last substep
+  T* p_;  ///< displacement of this one
+  simd::BlockView<T> view_;
+  std::uint32_t q0_, q1_;
+};
+
+}  // namespace
+
+template <class T>
+void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
+                 RelaxCounters& counters) {
+  Alone alone;
+  for (std::uint32_t substep = 0; substep < settings.substeps; ++substep) {
+    const unsigned odd = substep & 1;
+    Substep<T, Alone>(block, block.displacement(odd), block.displacement(1 - odd), q0, q1, settings, counters,
+                      alone)
+        .run();
+  }
+}
+
+template <class T>
+void relax_block(Block<T>& block, const RelaxSettings<T>& settings, RelaxCounters& counters, Team& team) {
+  Substep<T, Team>(block, block.displacement(0), block.displacement(1), 0, block.packing().positions,
+                   settings, counters, team)
+      .run();
+  block.count_substeps(1);
+}
+
+template void relax_alone(Block<float>&, std::uint32_t, std::uint32_t, const RelaxSettings<float>&,
+                          RelaxCounters&);
+template void relax_alone(Block<double>&, std::uint32_t, std::uint32_t, const RelaxSettings<double>&,
+                          RelaxCounters&);
+template void relax_block(Block<float>&, const RelaxSettings<float>&, RelaxCounters&, Team&);
+template void relax_block(Block<double>&, const RelaxSettings<double>&, RelaxCounters&, Team&);
+
+}  // namespace plumb::detail

@@ -1,0 +1,218 @@
+#include "scene/validate_limbs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "plumb/joints.hpp"
+#include "scene/barycentric.hpp"
+#include "scene/refuse.hpp"
+#include "scene/second_moments.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// How far numbers that must add up to one, or be of length one, may be off.
+constexpr double rounding = 1e-9;
+
+bool is_amount(double value) {
+  return value >= 0 && std::isfinite(value);
+}
+
+std::uint64_t pair_of(std::uint32_t a, std::uint32_t b) {
+  const auto [low, high] = std::minmax(a, b);
+  return std::uint64_t{low} << 32 | high;
+}
+
+std::vector<std::uint64_t> sorted_pairs(const std::vector<Rod>& rods) {
+  std::vector<std::uint64_t> pairs;
+  pairs.reserve(rods.size());
+  for (const Rod& rod : rods) pairs.push_back(pair_of(rod.a, rod.b));
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+void require_rods(const Scene& scene, std::size_t i, const std::vector<std::uint64_t>& pairs) {
+  const auto& ids = scene.bodies[i].particles;
+  for (std::size_t j = 0; j < 4; ++j)
+    for (std::size_t k = 0; k < j; ++k) {
+      if (scene.particles[ids[j]].fixed && scene.particles[ids[k]].fixed) continue;
+      if (std::binary_search(pairs.begin(), pairs.end(), pair_of(ids[j], ids[k]))) continue;
+      refuse("body ", i, ": no rod keeps its particles ", ids[k], " and ", ids[j], " apart");
+    }
+}
+
+void validate_point(const Scene& scene, const Point& point, const std::string& name) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double weight = point.weights[k];
+    if (weight == 0) continue;
+    if (!std::isfinite(weight)) refuse(name, ": weight is not finite: ", weight);
+    if (point.particles[k] >= scene.particles.size()) {
+      refuse(name, ": particle ", point.particles[k], " does not exist (the scene has ",
+             scene.particles.size(), " particles)");
+    }
+    sum += weight;
+  }
+  if (!(std::abs(sum - 1) <= rounding)) refuse(name, ": weights must add up to 1, not ", sum);
+}
+
+bool moves(const Scene& scene, const Point& point) {
+  for (std::size_t k = 0; k < 4; ++k)
+    if (point.weights[k] != 0 && !scene.particles[point.particles[k]].fixed) return true;
+  return false;
+}
+bool moves(const Scene& scene, const Direction& d) {
+  return moves(scene, d.from) || moves(scene, d.to);
+}
+
+void validate_pin(const Scene& scene, std::size_t i) {
+  const Pin& pin = scene.pins[i];
+  const std::string name = "pin " + std::to_string(i);
+  validate_point(scene, pin.a, name + ", point a");
+  validate_point(scene, pin.b, name + ", point b");
+  if (pin.a.particles == pin.b.particles && pin.a.weights == pin.b.weights)
+    refuse(name, ": both points are the same");
+  if (!moves(scene, pin.a) && !moves(scene, pin.b)) refuse(name, ": all its particles are fixed");
+}
+
+/// Its length, in m.
+double validate_direction(const Scene& scene, const Direction& direction, const std::string& name) {
+  validate_point(scene, direction.from, name + ".from");
+  validate_point(scene, direction.to, name + ".to");
+  return norm(position_of(scene, direction.to) - position_of(scene, direction.from));
+}
+
+void validate_alignment(const Scene& scene, std::size_t i) {
+  const auto& [u, v] = scene.alignments[i];
+  const std::string name = "alignment " + std::to_string(i);
+  const double u_length = validate_direction(scene, u, name + ", u");
+  const double v_length = validate_direction(scene, v, name + ", v");
+  if (u_length == 0 && v_length == 0) refuse(name, ": both directions are of length zero");
+  if (!moves(scene, u) && !moves(scene, v)) refuse(name, ": all its particles are fixed");
+}
+
+void validate_angle(const Scene& scene, std::size_t i) {
+  const AngleControl& angle = scene.angles[i];
+  const std::string name = "angle " + std::to_string(i);
+  if (validate_direction(scene, angle.u, name + ", u") == 0) refuse(name, ", u: is of length zero");
+  if (validate_direction(scene, angle.v, name + ", v") == 0) refuse(name, ", v: is of length zero");
+  if (!(angle.lower >= 0 && angle.upper <= std::numbers::pi && angle.lower < angle.upper)) {
+    refuse(name, ": limits must be within 0 and pi, the lower below the upper, got ", angle.lower, " and ",
+           angle.upper, " rad");
+  }
+  if (!(angle.target >= 0 && angle.target <= std::numbers::pi))
+    refuse(name, ": target must be within 0 and pi, got ", angle.target, " rad");
+  const auto require = [&](const char* what, double value, const char* unit) {
+    if (!is_amount(value))
+      refuse(name, ": ", what, " must be finite and not negative, got ", value, ' ', unit);
+  };
+  require("friction", angle.friction, "N m");
+  require("stiffness", angle.stiffness, "N m/rad");
+  require("damping", angle.damping, "N m s/rad");
+}
+
+void validate_surface(const Surface& surface, const std::string& name) {
+  if (!is_amount(surface.friction))
+    refuse(name, ": friction must be finite and not negative, got ", surface.friction);
+  if (!(surface.restitution >= 0 && surface.restitution <= 1))
+    refuse(name, ": restitution must be from 0 to 1, got ", surface.restitution);
+}
+
+void validate_capsule(const Scene& scene, std::size_t i) {
+  const Capsule& capsule = scene.capsules[i];
+  const std::string name = "capsule " + std::to_string(i);
+  validate_point(scene, capsule.a, name + ", point a");
+  validate_point(scene, capsule.b, name + ", point b");
+  if (!is_amount(capsule.radius))
+    refuse(name, ": radius must be finite and not negative, got ", capsule.radius, " m");
+  validate_surface(capsule.surface, name);
+}
+
+void validate_plane(const Plane& plane, std::size_t i) {
+  const std::string name = "plane " + std::to_string(i);
+  const double length = norm(plane.normal);
+  if (!(std::abs(length - 1) <= rounding)) refuse(name, ": normal must be of length 1, not ", length);
+  if (!std::isfinite(plane.offset)) refuse(name, ": offset is not finite: ", plane.offset);
+  validate_surface(plane.surface, name);
+}
+
+void validate_box(const Box& box, std::size_t i) {
+  const std::string name = "box " + std::to_string(i);
+  if (!is_finite(box.center)) refuse(name, ": center is not finite");
+  for (const double half : {box.half_size.x, box.half_size.y, box.half_size.z})
+    if (!(half > 0 && std::isfinite(half)))
+      refuse(name, ": half size must be positive and finite, got ", half, " m");
+  const auto [w, x, y, z] = box.orientation;
+  const double length = std::sqrt(w * w + x * x + y * y + z * z);
+  if (!(std::abs(length - 1) <= rounding))
+    refuse(name, ": orientation must be a quaternion of length 1, not ", length);
+  validate_surface(box.surface, name);
+}
+
+}  // namespace
+
+std::array<Vec3, 4> positions_of(const Scene& scene, const std::array<std::uint32_t, 4>& particles) {
+  std::array<Vec3, 4> positions;
+  for (std::size_t k = 0; k < 4; ++k) positions[k] = scene.particles[particles[k]].position;
+  return positions;
+}
+
+void require_particles(const Scene& scene, std::size_t i, const std::array<std::uint32_t, 4>& particles) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (particles[k] >= scene.particles.size()) {
+      refuse("body ", i, ": particle ", particles[k], " does not exist (the scene has ",
+             scene.particles.size(), " particles)");
+    }
+    for (std::size_t j = 0; j < k; ++j)
+      if (particles[j] == particles[k]) refuse("body ", i, ": particle ", particles[k], " is there twice");
+  }
+}
+
+void require_volume(std::size_t i, const std::array<Vec3, 4>& positions) {
+  if (!(relative_volume(positions) > 1e-9)) refuse("body ", i, ": its particles lie in one plane");
+}
+
+void require_solid(std::size_t i, const MassProperties& properties) {
+  const auto& [mass, center, inertia] = properties;
+  if (!(mass > 0 && std::isfinite(mass)))
+    refuse("body ", i, ": mass must be positive and finite, got ", mass, " kg");
+  if (!is_finite(center)) refuse("body ", i, ": center of mass is not finite");
+  if (!is_finite(inertia)) refuse("body ", i, ": inertia is not finite");
+  // What is flat to rounding is flat: four particles could not be told from three.
+  const auto moment = principal_axes(second_moments(inertia)).moment;
+  if (!(moment[2] > 0 && moment[0] > 1e-12 * moment[2])) {
+    refuse("body ", i,
+           ": inertia is not that of a solid: the second moments of its mass must be positive, "
+           "the smallest is ",
+           moment[0], " kg m^2");
+  }
+}
+
+void validate_bodies(const Scene& scene) {
+  if (scene.bodies.empty()) return;
+  const std::vector<std::uint64_t> pairs = sorted_pairs(scene.rods);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    require_particles(scene, i, body.particles);
+    require_volume(i, positions_of(scene, body.particles));
+    require_solid(i, {body.mass, body.center, body.inertia});
+    require_rods(scene, i, pairs);
+  }
+}
+
+void validate_joints(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene, i);
+  for (std::size_t i = 0; i < scene.alignments.size(); ++i) validate_alignment(scene, i);
+  for (std::size_t i = 0; i < scene.angles.size(); ++i) validate_angle(scene, i);
+}
+
+void validate_shapes(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.capsules.size(); ++i) validate_capsule(scene, i);
+  for (std::size_t i = 0; i < scene.planes.size(); ++i) validate_plane(scene.planes[i], i);
+  for (std::size_t i = 0; i < scene.boxes.size(); ++i) validate_box(scene.boxes[i], i);
+}
+
+}  // namespace plumb::detail

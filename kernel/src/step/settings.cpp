@@ -1,0 +1,224 @@
+#include "plumb/settings.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "plumb/error.hpp"
+#include "scene/refuse.hpp"
+
+namespace plumb {
+namespace {
+
+using detail::refuse;
+
+constexpr std::uint32_t most_substeps = 1'000'000;
+
+void validate_isa(Isa isa) {
+  if (is_supported(isa)) return;
+  std::string list;
+  for (const Isa each : all_isas())
+    if (is_supported(each)) list += (list.empty() ? "" : ", ") + std::string(to_string(each));
+  refuse("this machine or build does not run instruction set ", to_string(isa), "; it runs ", list);
+}
+
+bool has_accuracy(const Settings& settings) {
+  return settings.method == Method::automatic || settings.method == Method::direct ||
+         (settings.method == Method::springs &&
+          integrator_of(settings) == Integrator::adaptive_implicit_euler);
+}
+
+void validate_integrator(const Settings& settings) {
+  const Integrator integrator = integrator_of(settings);
+  const bool implicit =
+      integrator == Integrator::implicit_euler || integrator == Integrator::adaptive_implicit_euler;
+  if (implicit && settings.method != Method::springs)
+    refuse("integrator ", to_string(integrator), " needs method springs");
+  if (integrator == Integrator::adaptive_implicit_euler && !settings.accuracy)
+    refuse("integrator adaptive-implicit-euler needs an accuracy");
+}
+
+void validate_time_order(const Settings& settings) {
+  if (settings.time_order != 2 && settings.time_order != 4 && settings.time_order != 6)
+    refuse("time order must be 2, 4 or 6, got ", settings.time_order);
+  if (settings.time_order == 2) return;
+  if (settings.method != Method::direct || gradient_of(settings) != Gradient::old)
+    refuse("time order ", settings.time_order, " needs method direct with gradient old");
+}
+
+}  // namespace
+
+void validate(const Settings& settings) {
+  if (!(settings.omega > 0 && settings.omega < 2)) refuse("omega must be in (0, 2), got ", settings.omega);
+  if (settings.substeps == 0 || settings.substeps > most_substeps) {
+    refuse("substeps must be from 1 to ", most_substeps, ", got ", settings.substeps);
+  }
+  validate(settings.stop);
+  if (settings.isa) validate_isa(*settings.isa);
+  if (settings.accuracy && !(*settings.accuracy > 0 && std::isfinite(*settings.accuracy)))
+    refuse("accuracy must be positive and finite, got ", *settings.accuracy);
+  if (settings.accuracy && !has_accuracy(settings))
+    refuse("accuracy needs method direct or auto, or springs with integrator adaptive-implicit-euler");
+  validate_integrator(settings);
+  validate_time_order(settings);
+  if (!(settings.springs.stiffness > 0 && std::isfinite(settings.springs.stiffness)))
+    refuse("stiffness must be positive and finite, got ", settings.springs.stiffness, " N/m");
+  if (!(settings.springs.damping_ratio >= 0 && std::isfinite(settings.springs.damping_ratio)))
+    refuse("damping ratio must be 0 or more and finite, got ", settings.springs.damping_ratio);
+  if (!(settings.multipliers.baumgarte_rate > 0 && std::isfinite(settings.multipliers.baumgarte_rate)))
+    refuse("baumgarte rate must be positive and finite, got ", settings.multipliers.baumgarte_rate, " 1/s");
+  if (mass_model_of(settings) == MassModel::consistent && settings.method == Method::relax)
+    refuse("mass consistent needs method direct or auto: relaxation moves particles one by one");
+}
+
+void validate(const StopRule& rule) {
+  if (rule.sweeps == 0) refuse("sweeps must be at least 1, got 0");
+  // Negated comparisons, so that NaN is refused too.
+  if (rule.tolerance && !(*rule.tolerance > 0 && std::isfinite(*rule.tolerance))) {
+    refuse("tolerance must be positive and finite, got ", *rule.tolerance);
+  }
+  if (rule.budget_us && !(*rule.budget_us > 0 && std::isfinite(*rule.budget_us))) {
+    refuse("budget must be positive and finite, got ", *rule.budget_us, " us");
+  }
+}
+
+Gradient gradient_of(const Settings& settings) {
+  return settings.gradient.value_or(settings.method == Method::relax ? Gradient::new_ : Gradient::mid);
+}
+
+Integrator integrator_of(const Settings& settings) {
+  return settings.integrator.value_or(settings.method == Method::springs ? Integrator::semi_implicit_euler
+                                                                         : Integrator::rk4);
+}
+
+MassModel mass_model_of(const Settings& settings) {
+  return settings.mass.value_or(settings.method == Method::relax ? MassModel::lumped : MassModel::consistent);
+}
+
+// The names are those of the command line. No switch has a default, so that the compiler names a missing
+// case.
+
+std::string_view to_string(Method method) {
+  switch (method) {
+    case Method::automatic:
+      return "auto";
+    case Method::relax:
+      return "relax";
+    case Method::direct:
+      return "direct";
+    case Method::springs:
+      return "springs";
+    case Method::multipliers:
+      return "multipliers";
+    case Method::featherstone:
+      return "featherstone";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Precision precision) {
+  switch (precision) {
+    case Precision::single:
+      return "float";
+    case Precision::double_:
+      return "double";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Gradient gradient) {
+  switch (gradient) {
+    case Gradient::new_:
+      return "new";
+    case Gradient::old:
+      return "old";
+    case Gradient::mid:
+      return "mid";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(MassModel model) {
+  switch (model) {
+    case MassModel::lumped:
+      return "lumped";
+    case MassModel::consistent:
+      return "consistent";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Weights weights) {
+  switch (weights) {
+    case Weights::mass:
+      return "mass";
+    case Weights::equal:
+      return "equal";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(SweepOrder order) {
+  switch (order) {
+    case SweepOrder::gauss_seidel:
+      return "gauss-seidel";
+    case SweepOrder::jacobi:
+      return "jacobi";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::explicit_euler:
+      return "explicit-euler";
+    case Integrator::semi_implicit_euler:
+      return "semi-implicit-euler";
+    case Integrator::rk2:
+      return "rk2";
+    case Integrator::rk4:
+      return "rk4";
+    case Integrator::implicit_euler:
+      return "implicit-euler";
+    case Integrator::adaptive_implicit_euler:
+      return "adaptive-implicit-euler";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(SpringModel model) {
+  switch (model) {
+    case SpringModel::rigid_rods:
+      return "rods";
+    case SpringModel::particles:
+      return "particles";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Stabilization stabilization) {
+  switch (stabilization) {
+    case Stabilization::none:
+      return "none";
+    case Stabilization::baumgarte:
+      return "baumgarte";
+    case Stabilization::projection:
+      return "projection";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(LayoutChoice layout) {
+  switch (layout) {
+    case LayoutChoice::automatic:
+      return "auto";
+    case LayoutChoice::aos:
+      return "aos";
+    case LayoutChoice::soa:
+      return "soa";
+    case LayoutChoice::aosoa:
+      return "aosoa";
+  }
+  return "unknown";
+}
+
+}  // namespace plumb

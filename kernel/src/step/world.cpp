@@ -1,0 +1,145 @@
+#include "plumb/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "relax/compile.hpp"
+#include "scene/refuse.hpp"
+#include "step/simulation.hpp"
+
+namespace plumb {
+
+using detail::refuse;
+
+struct World::Impl {
+  std::unique_ptr<detail::Simulation> simulation;
+  std::vector<std::uint8_t> fixed;
+  std::uint32_t rods = 0;
+  double time = 0;
+
+  void require_known(std::uint32_t particle) const {
+    if (particle >= fixed.size())
+      refuse("particle ", particle, ": unknown, the scene has ", fixed.size(), " particles");
+  }
+  void require(std::uint32_t particle, bool want_fixed, const char* reason) const {
+    require_known(particle);
+    if ((fixed[particle] != 0) != want_fixed)
+      refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
+  }
+  void require_fit(std::span<const Vec3> out, const char* what) const {
+    if (out.size() != fixed.size())
+      refuse(what, " of ", fixed.size(), " particles cannot be copied into ", out.size(), " elements");
+  }
+};
+
+World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>()) {
+  validate(scene);
+  validate(settings);
+  detail::require_addressable(scene.particles.size(), scene.rods.size());
+  impl_->simulation = detail::make_simulation(scene, settings);
+  for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
+  impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
+}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+StepReport World::step(double dt) {
+  if (!(dt > 0) || !std::isfinite(dt)) refuse("dt must be positive and finite, got ", dt);
+  impl_->time += dt;
+  return impl_->simulation->step(dt);
+}
+
+void World::set_stop_rule(const StopRule& rule) {
+  validate(rule);
+  impl_->simulation->set_stop_rule(rule);
+}
+
+void World::set_weights(Weights weights) {
+  impl_->simulation->set_weights(weights);
+}
+
+void World::set_force(std::uint32_t particle, Vec3 force) {
+  impl_->require(particle, false, "a force cannot move it");
+  if (!is_finite(force)) refuse("particle ", particle, ": force is not finite");
+  impl_->simulation->set_force(particle, force);
+}
+
+void World::move_anchor(std::uint32_t particle, Vec3 target) {
+  impl_->require(particle, true, "only fixed particles are moved as anchors");
+  if (!is_finite(target)) refuse("particle ", particle, ": target is not finite");
+  impl_->simulation->move_anchor(particle, target);
+}
+
+std::uint32_t World::particle_count() const {
+  return static_cast<std::uint32_t>(impl_->fixed.size());
+}
+std::uint32_t World::rod_count() const {
+  return impl_->rods;
+}
+double World::time() const {
+  return impl_->time;
+}
+
+void World::copy_positions(std::span<Vec3> out) const {
+  impl_->require_fit(out, "positions");
+  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->simulation->position(i);
+}
+void World::copy_velocities(std::span<Vec3> out) const {
+  impl_->require_fit(out, "velocities");
+  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->simulation->velocity(i);
+}
+Vec3 World::position(std::uint32_t particle) const {
+  impl_->require_known(particle);
+  return impl_->simulation->position(particle);
+}
+Vec3 World::velocity(std::uint32_t particle) const {
+  impl_->require_known(particle);
+  return impl_->simulation->velocity(particle);
+}
+std::uint64_t World::state_hash() const {
+  return impl_->simulation->state_hash();
+}
+const WorldInfo& World::info() const {
+  return impl_->simulation->info();
+}
+
+StepReport& StepReport::operator+=(const StepReport& other) {
+  substeps += other.substeps;
+  block_sweeps += other.block_sweeps;
+  rod_projections += other.rod_projections;
+  stopped_by = std::max(stopped_by, other.stopped_by);
+  skipped_within_tolerance += other.skipped_within_tolerance;
+  mid_guarded += other.mid_guarded;
+  frozen_islands += other.frozen_islands;
+  direct_substeps += other.direct_substeps;
+  newton += other.newton;
+  halvings += other.halvings;
+  fallbacks += other.fallbacks;
+  repeated_steps += other.repeated_steps;
+  unsolved += other.unsolved;
+  largest_gap = std::max(largest_gap, other.largest_gap);
+  rms_gap = std::max(rms_gap, other.rms_gap);
+  inaccurate_steps += other.inaccurate_steps;
+  contacts = std::max(contacts, other.contacts);
+  guarded_energy += other.guarded_energy;
+  awake_islands = other.awake_islands;
+  fell_asleep += other.fell_asleep;
+  return *this;
+}
+
+std::string_view to_string(StoppedBy reason) {
+  switch (reason) {
+    case StoppedBy::nothing:
+      return "nothing";
+    case StoppedBy::tolerance:
+      return "tolerance";
+    case StoppedBy::sweeps:
+      return "sweeps";
+    case StoppedBy::budget:
+      break;
+  }
+  return "budget";
+}
+
+}  // namespace plumb

@@ -1,0 +1,62 @@
+#include "time/verlet.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumb::detail {
+
+double mean_decay(double z) {
+  return std::abs(z) > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
+}
+
+namespace {
+
+/// c h. What is left of a velocity after e^-50 is nothing; more would overflow the start's e^(c h).
+double drag_exponent(double drag, double h) {
+  return std::min(drag * h, 50.0);
+}
+
+}  // namespace
+
+double Verlet::decay(double h) const {
+  return std::exp(-drag_exponent(drag, h) * (gradient == Gradient::mid ? 0.5 : 1));
+}
+
+Vec3 Verlet::kick(Vec3 acceleration, double h) const {
+  const double factor = gradient == Gradient::mid ? 0.5 : mean_decay(drag * h);
+  return factor * h * h * acceleration;
+}
+
+Verlet::Displacements Verlet::start(Vec3 velocity, Vec3 acceleration, double h) const {
+  if (gradient == Gradient::mid) return {h * velocity, {}};
+  // First displacement of the exact solution of v' = a - c v, then the prediction solved for its input.
+  const double z = drag * h;
+  const double phi = mean_decay(z);
+  const double psi = z > 1e-4 ? (1 - phi) / z : 0.5 - z / 6;
+  const Vec3 first = (h * phi) * velocity + (h * h * psi) * acceleration;
+  const Vec3 last = std::exp(drag_exponent(drag, h)) * (first - (phi * h * h) * acceleration);
+  return {last, last - (h * h) * acceleration};
+}
+
+Vec3 Verlet::change_step(Vec3 last, Vec3 acceleration, double h, double next) const {
+  const Vec3 mean = (1 / h) * last;
+  if (gradient == Gradient::mid) return next * mean;
+  // Force, gravity and drag take the velocity from the middle of the last substep to where it would be with
+  // the new one; rods must not, they act anew in the next solve (extrapolating them too would be first
+  // order).
+  const Vec3 rate = acceleration - drag * mean;
+  return next * mean + (0.5 * next * (h - next)) * rate;
+}
+
+Verlet::Displacements Verlet::change_acceleration(Displacements displacements, Vec3 change) const {
+  if (gradient == Gradient::mid) return displacements;
+  return {displacements.last - 0.5 * change, displacements.before - 1.5 * change};
+}
+
+Vec3 Verlet::velocity(const Displacements& displacements, double h) const {
+  if (gradient == Gradient::mid) return (1 / h) * displacements.last;
+  // Mean velocities, half a substep and one and a half ago, on a line.
+  return (0.5 / h) * (3 * displacements.last - displacements.before);
+}
+
+}  // namespace plumb::detail
