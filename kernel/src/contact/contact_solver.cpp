@@ -105,7 +105,7 @@ void ContactSolver::begin_step(double dt, Team& team) {
     if (!can_stay_home(clusters_[c])) {
       pieces_.push_back(c);
       for (LinkageState* const state : clusters_[c])
-        if (visitors_[state->number].is_at_home()) visitors_[state->number].come(*state);
+        if (visitors_[state->number].is_at_home()) visitors_[state->number].come(*state, work_);
       continue;
     }
     LinkageState& state = *clusters_[c].front();
@@ -261,7 +261,7 @@ void ContactSolver::describe(WorldInfo& info) const {
 double ContactSolver::project_initial_velocities() {
   double largest = 0;
   for (const std::uint32_t i : clusters_.awake())
-    if (is_plain_[i] == 0) largest = std::max(largest, project_velocities(states_[i]));
+    if (is_plain_[i] == 0) largest = std::max(largest, project_velocities(states_[i], work_));
   return largest;
 }
 

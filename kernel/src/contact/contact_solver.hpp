@@ -124,6 +124,7 @@ class ContactSolver final : public Solver {
   std::vector<std::uint32_t> pieces_;        ///< the clusters that are moved here in this step
   std::vector<Return> returned_;
   std::vector<std::uint8_t> rests_;       ///< by cluster, after its step
+  ProjectionWork work_;
   std::vector<ClusterStepper> steppers_;  ///< by part of the team
 };
 

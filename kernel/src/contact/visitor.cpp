@@ -18,7 +18,7 @@ double Visitor::look(LinkageState& state) const {
   return home_->read(slots_, std::span(state.x).first(slots_.size()));
 }
 
-void Visitor::come(LinkageState& state) {
+void Visitor::come(LinkageState& state, ProjectionWork& work) {
   look(state);
   for (std::size_t k = 0; k < slots_.size(); ++k) state.v[k] = home_->velocity(slots_[k]);
   home_->set_away(slots_.front(), true);
@@ -27,8 +27,8 @@ void Visitor::come(LinkageState& state) {
   state.kept.clear();
   state.energy.reset();
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
-  project_positions(state);
-  project_velocities(state);
+  project_positions(state, work);
+  project_velocities(state, work);
 }
 
 void Visitor::leave(const LinkageState& state) {
@@ -37,36 +37,35 @@ void Visitor::leave(const LinkageState& state) {
   is_visiting_ = false;
 }
 
-void project_positions(LinkageState& state) {
+void project_positions(LinkageState& state, ProjectionWork& work) {
   const Linkage& linkage = *state.linkage;
   if (linkage.constraints() == 0) return;
-  std::vector<Vec3> x = state.x;
-  std::vector<simd::Quad> unknowns(linkage.plan().columns(), simd::Quad{});
-  const std::span<double> right = numbers(unknowns);
-  const std::vector<Vec3> before = state.x;
+  work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
+  const std::span<double> right = numbers(work.unknowns);
+  work.before = state.x;
   for (int i = 0; i < most_corrections; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
     const double violation = linkage.violations(state.x, right);
     if (violation <= unnoticed) return;
     if (!std::isfinite(violation) || !state.factor()) break;
-    linkage.plan().solve(state.factors, unknowns);
+    linkage.plan().solve(state.factors, work.unknowns);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += linkage.taken(right, k);
     state.factored = false;
   }
-  state.x = before;
+  state.x = work.before;
   state.factored = false;
 }
 
-double project_velocities(LinkageState& state) {
+double project_velocities(LinkageState& state, ProjectionWork& work) {
   const Linkage& linkage = *state.linkage;
   if (linkage.constraints() == 0) return 0;
   state.factor();
-  std::vector<Vec3> momentum(linkage.movable());
-  std::vector<simd::Quad> unknowns(linkage.plan().columns(), simd::Quad{});
-  const std::span<double> right = numbers(unknowns);
-  linkage.momenta(state.v, momentum);
-  linkage.put(momentum, right);
-  linkage.plan().solve(state.factors, unknowns);
+  work.momentum.resize(linkage.movable());
+  work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
+  const std::span<double> right = numbers(work.unknowns);
+  linkage.momenta(state.v, work.momentum);
+  linkage.put(work.momentum, right);
+  linkage.plan().solve(state.factors, work.unknowns);
   double largest = 0;
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
     const Vec3 given = std::exchange(state.v[k], linkage.taken(right, k));

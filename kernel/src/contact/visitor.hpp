@@ -9,6 +9,12 @@
 
 namespace plumb::detail {
 
+/// Numbers that projections need; kept, so that steps allocate nothing.
+struct ProjectionWork {
+  std::vector<Vec3> before, momentum;
+  std::vector<simd::Quad> unknowns;
+};
+
 /// An island of particles and rods that has a solver of its own, its home, and visits the contact solver while
 /// it may touch something. Lanes, precision, gradient and accuracy are those of its home until then.
 class Visitor {
@@ -25,7 +31,7 @@ class Visitor {
   double look(LinkageState& state) const;
   /// Takes the island from its home: reads positions and velocities, and makes them fit the rods, which a
   /// home may leave stretched; velocities do not change by that.
-  void come(LinkageState& state);
+  void come(LinkageState& state, ProjectionWork& work);
   /// Gives positions and velocities back.
   void leave(const LinkageState& state);
   /// The number of the home among the world's solvers, and a slot there: they tell the island's piece.
@@ -41,8 +47,8 @@ class Visitor {
 
 /// Moves an island's particles, by mass, so that its constraints hold: Newton's method without velocities.
 /// Does nothing where that does not converge.
-void project_positions(LinkageState& state);
+void project_positions(LinkageState& state, ProjectionWork& work);
 /// Takes from the velocities what constraints forbid. Returns the largest change, m/s.
-double project_velocities(LinkageState& state);
+double project_velocities(LinkageState& state, ProjectionWork& work);
 
 }  // namespace plumb::detail
