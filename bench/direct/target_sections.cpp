@@ -8,10 +8,10 @@
 #include "direct/peers.hpp"
 #include "direct/search.hpp"
 #include "direct/sections.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/numbers.hpp"
-#include "scenes/trajectory.hpp"
-#include "sheet.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
+#include "support/sheet.hpp"
 
 namespace plumb::bench {
 namespace {

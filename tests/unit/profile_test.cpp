@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "cachegrind.hpp"
-#include "perf_counters.hpp"
 #include "plumb/error.hpp"
-#include "profile_caches.hpp"
-#include "profile_measure.hpp"
-#include "profile_output.hpp"
-#include "profile_work.hpp"
+#include "profile/cachegrind.hpp"
+#include "profile/caches.hpp"
+#include "profile/measure.hpp"
+#include "profile/output.hpp"
+#include "profile/perf_counters.hpp"
+#include "profile/work.hpp"
 
 namespace plumb::tools {
 namespace {

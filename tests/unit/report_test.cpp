@@ -1,4 +1,4 @@
-#include "scenes/report.hpp"
+#include "scenes/runs/report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "plumb/error.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/run.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/runs/run.hpp"
 
 namespace plumb::scenes {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "scale_fit.hpp"
-#include "scale_output.hpp"
+#include "scale/fit.hpp"
+#include "scale/output.hpp"
 
 namespace plumb::tools {
 namespace {

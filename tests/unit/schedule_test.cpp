@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "relax/compile.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 
 namespace plumb::detail {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "scenes/generators.hpp"
-#include "thesis_table.hpp"
+#include "scenes/generators/generators.hpp"
+#include "thesis/table.hpp"
 
 namespace plumb::tools {
 namespace {

@@ -6,12 +6,12 @@
 #include <variant>
 
 #include "plumb/error.hpp"
-#include "scenes/contacts.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/humanoid.hpp"
-#include "scenes/lists.hpp"
-#include "scenes/numbers.hpp"
-#include "scenes/scene_file.hpp"
+#include "scenes/basics/lists.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/files/scene_file.hpp"
+#include "scenes/generators/contacts.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/humanoid/humanoid.hpp"
 
 namespace plumb::scenes {
 namespace {
