@@ -1,24 +1,22 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <stdexcept>
 #include <string>
 
-#include "cli/options.hpp"
+#include "cli/command_line.hpp"
 
-/// The commands, one file each. Each adds itself to the command line and, when chosen, puts what is to be
-/// done into `action`.
+/// The commands, one file each. Each adds itself to the command line, with what it does when chosen.
 namespace plumb::tools {
 
-void add_run_command(CLI::App& app, Action& action);
-void add_frontier_command(CLI::App& app, Action& action);
-void add_humanoid_command(CLI::App& app, Action& action);
-void add_info_command(CLI::App& app, Action& action);
-void add_profile_command(CLI::App& app, Action& action);
-void add_scale_command(CLI::App& app, Action& action);
-void add_stability_command(CLI::App& app, Action& action);
-void add_thesis_command(CLI::App& app, Action& action);
-void add_truth_command(CLI::App& app, Action& action);
+void add_run_command(Command& plumb);
+void add_frontier_command(Command& plumb);
+void add_humanoid_command(Command& plumb);
+void add_info_command(Command& plumb);
+void add_profile_command(Command& plumb);
+void add_scale_command(Command& plumb);
+void add_stability_command(Command& plumb);
+void add_thesis_command(Command& plumb);
+void add_truth_command(Command& plumb);
 
 /// Exit statuses.
 inline constexpr int fine = 0;

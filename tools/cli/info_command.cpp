@@ -2,13 +2,15 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <optional>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "plot/table.hpp"
 #include "plumb/world.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/json.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/files/scene_file.hpp"
 #include "scenes/runs/report.hpp"
@@ -89,9 +91,10 @@ int info(const InfoOptions& options) {
   const World world(scene, is_articulated(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {
-    nlohmann::ordered_json json{{"scene", options.scene}};
+    scenes::Json json{{"scene", options.scene}};
     json["fixed"] = facts.fixed;
-    json["mass"] = facts.most_mass > 0 ? nlohmann::ordered_json{facts.least_mass, facts.most_mass} : nullptr;
+    json["mass"] =
+        facts.most_mass > 0 ? scenes::Json::array_of({facts.least_mass, facts.most_mass}) : nullptr;
     json["diagonal"] = bounding_diagonal(scene);
     json["world"] = scenes::world_json(world.info());
     json["machine"] = scenes::machine_json(scenes::describe_machine(world.info()));
@@ -111,20 +114,19 @@ int info(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("info", "Show what a scene holds and how it is laid out");
+void add_info_command(Command& plumb) {
+  Command command = plumb.add_command("info", "Show what a scene holds and how it is laid out");
   auto options = std::make_shared<InfoOptions>();
-  add_scene(*command, options->scene);
-  add_layout_options(*command, options->settings);
-  command->add_option("--report", options->report, "Write the same as JSON to this file")
-      ->type_name("OUT.json");
-  command->add_option("--write", options->write, "Write the scene to this file")->type_name("SCENE.json");
-  command->footer(
+  add_scene(command, options->scene);
+  add_layout_options(command, options->settings);
+  command.add_option("--report", "OUT.json", options->report, "Write the same as JSON to this file");
+  command.add_option("--write", "SCENE.json", options->write, "Write the scene to this file");
+  command.set_footer(
       "Examples:\n"
       "  plumb info ensemble --precision float\n"
       "  plumb info net:width=8,height=8 --write net.json\n\n" +
       generators_help());
-  command->callback([options, &action] { action = [options] { return info(*options); }; });
+  command.set_action([options] { return info(*options); });
 }
 
 }  // namespace plumb::tools

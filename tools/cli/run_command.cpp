@@ -1,10 +1,11 @@
 // plumb run: simulate a scene, say how fast and how wrong.
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <optional>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "export/gltf.hpp"
 #include "export/vtk.hpp"
@@ -242,36 +243,33 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("run", "Simulate a scene; say how fast and how wrong");
+void add_run_command(Command& plumb) {
+  Command command = plumb.add_command("run", "Simulate a scene; say how fast and how wrong");
   auto options = std::make_shared<RunOptions>();
   RunOptions& o = *options;
-  add_scene(*command, o.scene);
-  add_seconds(*command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
-  add_seconds(*command, "--dt", o.plan.dt, "Length of a frame [1/60]");
-  add_solver_options(*command, o.plan.settings);
-  add_layout_options(*command, o.plan.settings);
+  add_scene(command, o.scene);
+  add_seconds(command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
+  add_seconds(command, "--dt", o.plan.dt, "Length of a frame [1/60]");
+  add_solver_options(command, o.plan.settings);
+  add_layout_options(command, o.plan.settings);
   add_save_at(
-      *command, o.save_at,
+      command, o.save_at,
       "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
-  command->add_option("--trajectory", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file")
-      ->type_name("OUT.csv");
-  command
-      ->add_option("--vtk", o.vtk,
-                   "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder")
-      ->type_name("DIR");
-  command
-      ->add_option("--gltf", o.gltf,
-                   "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text")
-      ->type_name("OUT.glb")
-      ->check([](const std::string& file) {
-        return file.ends_with(".glb") || file.ends_with(".gltf") ? "" : "must end in .glb or .gltf";
-      });
-  command->add_option("--truth", o.truth, "Compare positions with this trajectory")->type_name("TRUTH.csv");
-  command->add_option("--report", o.report, "Write settings, machine, time and errors to this file")
-      ->type_name("OUT.json");
-  command->add_flag("--quiet", o.quiet, "Print nothing but errors");
-  command->footer(
+  command.add_option("--trajectory", "OUT.csv", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file");
+  command.add_option("--vtk", "DIR", o.vtk,
+                     "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder");
+  command.add_option(
+      "--gltf", "OUT.glb",
+      [&o](const std::string& file) {
+        if (!file.ends_with(".glb") && !file.ends_with(".gltf")) throw BadValue("must end in .glb or .gltf");
+        o.gltf = file;
+      },
+      "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text");
+  command.add_option("--truth", "TRUTH.csv", o.truth, "Compare positions with this trajectory");
+  command.add_option("--report", "OUT.json", o.report,
+                     "Write settings, machine, time and errors to this file");
+  command.add_flag("--quiet", o.quiet, "Print nothing but errors");
+  command.set_footer(
       "Examples:\n"
       "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
       "  plumb run thesis5 --sweeps 1000\n"
@@ -280,7 +278,7 @@ void add_run_command(CLI::App& app, Action& action) {
       "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
       "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
       generators_help());
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command.set_action([options] { return run(*options); });
 }
 
 }  // namespace plumb::tools

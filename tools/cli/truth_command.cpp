@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
@@ -86,21 +88,19 @@ int truth_of(const TruthOptions& options) {
 
 }  // namespace
 
-void add_truth_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("truth", "Solve a scene so accurately that others can be measured");
+void add_truth_command(Command& plumb) {
+  Command command = plumb.add_command("truth", "Solve a scene so accurately that others can be measured");
   auto options = std::make_shared<TruthOptions>();
   TruthOptions& o = *options;
-  add_scene(*command, o.scene);
-  add_save_at(*command, o.plan.save_at, "Times to save, in seconds, in any order")->required();
-  command->add_option("--out", o.out, "Write t,particle,x,y,z,vx,vy,vz to this file")
-      ->required()
-      ->type_name("T.csv");
-  add_choice(*command, "--mass", o.plan.mass, {MassModel::lumped, MassModel::consistent},
+  add_scene(command, o.scene);
+  add_save_at(command, o.plan.save_at, "Times to save, in seconds, in any order").required();
+  command.add_option("--out", "T.csv", o.out, "Write t,particle,x,y,z,vx,vy,vz to this file").required();
+  add_choice(command, "--mass", o.plan.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly; the same if rods have none");
-  add_positive(*command, "--tolerance", o.plan.tolerance,
+  add_positive(command, "--tolerance", o.plan.tolerance,
                "Refuse to write unless accurate to this, from 1e-15 [1e-9]");
-  command->add_flag("--quiet", o.quiet, "Print nothing but errors");
-  command->footer(
+  command.add_flag("--quiet", o.quiet, "Print nothing but errors");
+  command.set_footer(
       "Solves the equations of motion with every rod exactly at its length, by Taylor series in time, in "
       "long\n"
       "double, twice: order 20 and order 26, with different steps. How far the two lie apart is the "
@@ -117,7 +117,7 @@ void add_truth_command(CLI::App& app, Action& action) {
       "  plumb run chain:links=20,end_mass=10 --substeps 8 --truth truth.csv\n"
       "  plumb truth rods.json --mass lumped --save-at 1 --tolerance 1e-12 --out lumped.csv\n\n" +
       generators_help());
-  command->callback([options, &action] { action = [options] { return truth_of(*options); }; });
+  command.set_action([options] { return truth_of(*options); });
 }
 
 }  // namespace plumb::tools

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <optional>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "frontier/contest.hpp"
 #include "frontier/peers.hpp"
@@ -14,6 +15,7 @@
 #include "plot/page.hpp"
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/json.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/runs/report.hpp"
@@ -201,10 +203,10 @@ std::string csv_of(const std::vector<Result>& results) {
   return csv;
 }
 
-nlohmann::ordered_json json_of(const std::vector<Result>& results) {
-  auto list = nlohmann::ordered_json::array();
+scenes::Json json_of(const std::vector<Result>& results) {
+  scenes::Json list = scenes::Json::array();
   for (const Result& r : results) {
-    auto points = nlohmann::ordered_json::array();
+    scenes::Json points = scenes::Json::array();
     for (const Point& p : r.points)
       points.push_back({{"family", p.family},
                         {"setting", p.setting},
@@ -215,8 +217,7 @@ nlohmann::ordered_json json_of(const std::vector<Result>& results) {
                         {"stretch_max", p.stretch},
                         {"energy_drift", p.energy_drift},
                         {"on_front", p.on_front},
-                        {"picked", p.picked.empty() ? nlohmann::ordered_json(nullptr)
-                                                    : nlohmann::ordered_json(p.picked)}});
+                        {"picked", p.picked.empty() ? nullptr : scenes::Json(p.picked)}});
     list.push_back({{"scene", r.problem.name},
                     {"spec", r.problem.spec},
                     {"rods", r.problem.scene.rods.size()},
@@ -246,10 +247,9 @@ void publish(const FrontierOptions& options, const std::vector<Result>& results)
   scenes::Machine machine = scenes::describe_machine();
   machine.threads = 1;
   scenes::write_file(folder / "frontier.csv", csv_of(results));
-  nlohmann::ordered_json json{
-      {"command", "plumb frontier" + options.typed},
-      {"machine", scenes::machine_json(machine)},
-      {"limits", {{"path_s", options.limits.path_s}, {"repeat_s", options.limits.contest_s}}}};
+  scenes::Json json{{"command", "plumb frontier" + options.typed},
+                    {"machine", scenes::machine_json(machine)},
+                    {"limits", {{"path_s", options.limits.path_s}, {"repeat_s", options.limits.contest_s}}}};
   json["scenes"] = json_of(results);
   scenes::write_file(folder / "frontier.json", scenes::format_json(json));
   Section section("frontier", "The frontier: run time against error", "plumb frontier" + options.typed,
@@ -299,71 +299,60 @@ int run_frontier(FrontierOptions options) {
   return fine;
 }
 
-/// scenes::named(), of an option's value.
-template <class Item, class NameOf>
-std::vector<Item> named(const std::string& option, const std::string& text, const std::vector<Item>& all,
-                        NameOf name_of) {
+std::vector<Problem> problems_named(const std::string& list) {
   try {
-    return scenes::named(text, all, name_of);
+    return scenes::named(list, frontier::all_problems(), [](const Problem& p) { return p.name; });
   } catch (const std::invalid_argument& error) {
-    throw CLI::ValidationError(option, error.what());
+    throw BadValue(error.what());
+  }
+}
+
+std::vector<std::string> families_named(const std::string& list) {
+  try {
+    return scenes::named(list, frontier::all_families(), [](const std::string& name) { return name; });
+  } catch (const std::invalid_argument& error) {
+    throw BadValue(error.what());
   }
 }
 
 }  // namespace
 
-void add_frontier_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("frontier", "Measure run time against error, every method");
+void add_frontier_command(Command& plumb) {
+  Command command = plumb.add_command("frontier", "Measure run time against error, every method");
   auto options = std::make_shared<FrontierOptions>();
   FrontierOptions& o = *options;
-  command->add_flag_callback(
+  command.add_flag(
       "--quick",
       [&o] {
-        o.problems = named("--scenes", "N20_r1000,N1000_r10,rods5", frontier::all_problems(),
-                           [](const Problem& p) { return p.name; });
+        o.problems = problems_named("N20_r1000,N1000_r10,rods5");
         o.limits = {.path_s = 0.05, .contest_s = 1.5};
       },
       "Three scenes, half a minute");
-  command
-      ->add_option_function<std::string>(
-          "--scenes",
-          [&o](const std::string& text) {
-            o.problems =
-                named("--scenes", text, frontier::all_problems(), [](const Problem& p) { return p.name; });
-          },
-          "Some of the scenes, separated by commas [all]")
-      ->type_name("S1,S2,...");
-  command
-      ->add_option_function<std::string>(
-          "--methods",
-          [&o](const std::string& text) {
-            o.families = named("--methods", text, frontier::all_families(),
-                               [](const std::string& name) { return name; });
-          },
-          "Some of auto|direct|relax|over-relaxed|springs|implicit-springs|multipliers|featherstone [all]")
-      ->type_name("M1,M2,...");
-  add_seconds(*command, "--path-seconds", o.limits.path_s,
+  command.add_option(
+      "--scenes", "S1,S2,...", [&o](const std::string& text) { o.problems = problems_named(text); },
+      "Some of the scenes, separated by commas [all]");
+  command.add_option(
+      "--methods", "M1,M2,...", [&o](const std::string& text) { o.families = families_named(text); },
+      "Some of auto|direct|relax|over-relaxed|springs|implicit-springs|multipliers|featherstone [all]");
+  add_seconds(command, "--path-seconds", o.limits.path_s,
               "Wall-clock time for settings from coarse to fine [0.1]");
-  add_seconds(*command, "--repeat-seconds", o.limits.contest_s,
+  add_seconds(command, "--repeat-seconds", o.limits.contest_s,
               "Wall-clock time for a scene's repetitions [6]");
-  command
-      ->add_option("--peers", o.peers,
-                   "Points of other libraries, as bench_peers writes them, into the same page")
-      ->type_name("PEERS.csv");
-  command
-      ->add_option("--out", o.out, "Write frontier.csv, frontier.json, frontier.html and charts here [out]")
-      ->type_name("DIR");
-  command->add_flag("--quiet", o.quiet, "No progress bar");
+  command.add_option("--peers", "PEERS.csv", o.peers,
+                     "Points of other libraries, as bench_peers writes them, into the same page");
+  command.add_option("--out", "DIR", o.out,
+                     "Write frontier.csv, frontier.json, frontier.html and charts here [out]");
+  command.add_flag("--quiet", o.quiet, "No progress bar");
   std::string names;
   for (const Problem& problem : o.problems) append_item(names, problem.name);
-  command->footer("Scenes: " + names +
-                  "\n\nExamples:\n"
-                  "  plumb frontier\n"
-                  "  plumb frontier --quick --out out\n"
-                  "  plumb frontier --scenes N20_r1000,rods5 --methods auto,direct,featherstone");
-  command->callback([options, command, &action] {
-    options->typed = typed_options(*command);
-    action = [options] { return run_frontier(*options); };
+  command.set_footer("Scenes: " + names +
+                     "\n\nExamples:\n"
+                     "  plumb frontier\n"
+                     "  plumb frontier --quick --out out\n"
+                     "  plumb frontier --scenes N20_r1000,rods5 --methods auto,direct,featherstone");
+  command.set_action([options, command] {
+    options->typed = command.typed();
+    return run_frontier(*options);
   });
 }
 

@@ -3,15 +3,17 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "humanoid/experiment.hpp"
 #include "humanoid/pictures.hpp"
 #include "plot/page.hpp"
 #include "plumb/world.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/json.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/runs/report.hpp"
@@ -56,11 +58,7 @@ std::string percent(const std::optional<double>& share) {
   return share ? plain_number(100 * *share, 2) + " %" : "-";
 }
 
-nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
-nlohmann::ordered_json run_json(const HumanoidRun& run) {
+scenes::Json run_json(const HumanoidRun& run) {
   const Vec3 d = run.ball.direction;
   return {{"body", std::string(to_string(run.figure.body))},
           {"arms", run.figure.arms != 0},
@@ -68,7 +66,7 @@ nlohmann::ordered_json run_json(const HumanoidRun& run) {
           {"joint_drag", run.figure.joint_drag},
           {"ball",
            {{"speed", run.ball.speed},
-            {"direction", {d.x, d.y, d.z}},
+            {"direction", scenes::Json::array_of({d.x, d.y, d.z})},
             {"radius", run.ball.radius},
             {"mass", run.ball.mass},
             {"elasticity", run.ball.elasticity}}},
@@ -78,41 +76,38 @@ nlohmann::ordered_json run_json(const HumanoidRun& run) {
           {"seed", run.seed}};
 }
 
-nlohmann::ordered_json result_json(const HumanoidResult& result) {
+scenes::Json result_json(const HumanoidResult& result) {
   return {{"hit", result.hit},
-          {"distance", number_or_null(result.distance)},
-          {"time_to_rest", number_or_null(result.time_to_rest)},
-          {"energy_received", number_or_null(result.energy_received)},
-          {"max_stretch", number_or_null(result.max_stretch)},
-          {"penetration", number_or_null(result.penetration)},
-          {"energy_before", number_or_null(result.energy_before)},
-          {"energy_after", number_or_null(result.energy_after)},
+          {"distance", result.distance},
+          {"time_to_rest", result.time_to_rest},
+          {"energy_received", result.energy_received},
+          {"max_stretch", result.max_stretch},
+          {"penetration", result.penetration},
+          {"energy_before", result.energy_before},
+          {"energy_after", result.energy_after},
           {"simulated", result.simulated},
           {"wall_s", result.wall_s},
           {"unsolved", result.unsolved},
           {"frozen_islands", result.frozen}};
 }
 
-nlohmann::ordered_json measure_json(const HumanoidMeasure& m) {
-  return {{"distance", number_or_null(m.distance)},
-          {"time_to_rest", number_or_null(m.time_to_rest)},
-          {"energy_received", number_or_null(m.energy_received)}};
+scenes::Json measure_json(const HumanoidMeasure& m) {
+  return {{"distance", m.distance}, {"time_to_rest", m.time_to_rest}, {"energy_received", m.energy_received}};
 }
 
-nlohmann::ordered_json comparison_json(const HumanoidComparison& c) {
-  return {
-      {"figure", c.which.figure},
-      {"case", c.which.name},
-      {"run", run_json(c.which.run)},
-      {"median", measure_json(c.usual)},
-      {"median_finer", measure_json(c.fine)},
-      {"difference",
-       {{"distance", number_or_null(difference(c.usual.distance, c.fine.distance))},
-        {"time_to_rest", number_or_null(rest_difference(c))},
-        {"energy_received", number_or_null(difference(c.usual.energy_received, c.fine.energy_received))}}},
-      {"max_stretch", number_or_null(c.max_stretch)},
-      {"penetration", number_or_null(c.penetration)},
-      {"sound", c.sound}};
+scenes::Json comparison_json(const HumanoidComparison& c) {
+  return {{"figure", c.which.figure},
+          {"case", c.which.name},
+          {"run", run_json(c.which.run)},
+          {"median", measure_json(c.usual)},
+          {"median_finer", measure_json(c.fine)},
+          {"difference",
+           {{"distance", difference(c.usual.distance, c.fine.distance)},
+            {"time_to_rest", rest_difference(c)},
+            {"energy_received", difference(c.usual.energy_received, c.fine.energy_received)}}},
+          {"max_stretch", c.max_stretch},
+          {"penetration", c.penetration},
+          {"sound", c.sound}};
 }
 
 /// What the thesis says of each pair beside what came out.
@@ -219,7 +214,7 @@ scenes::Machine machine_of(const HumanoidRun& run) {
   return scenes::describe_machine(World(make_scene(run), one_thread).info());
 }
 
-void write_report(const HumanoidOptions& options, nlohmann::ordered_json json) {
+void write_report(const HumanoidOptions& options, scenes::Json json) {
   if (options.report.empty()) return;
   json["machine"] = scenes::machine_json(machine_of(options.run));
   scenes::write_file(options.report, scenes::format_json(json));
@@ -281,7 +276,7 @@ int run_experiments(const HumanoidOptions& options) {
   }
   std::printf("%s\n\n%s\n%s", experiments_text(options.run).c_str(), experiments_table(all).to_text().c_str(),
               claims_table(all).to_text().c_str());
-  nlohmann::ordered_json json{{"usual", run_json(options.run)}};
+  scenes::Json json{{"usual", run_json(options.run)}};
   for (const HumanoidComparison& c : all) json["cases"].push_back(comparison_json(c));
   write_report(options, json);
   if (!options.out.empty()) {
@@ -300,105 +295,99 @@ int humanoid(const HumanoidOptions& options) {
   return options.experiments ? run_experiments(options) : run_once(options);
 }
 
-void add_direction(CLI::App& command, Vec3& target) {
-  command
-      .add_option_function<std::string>(
-          "--ball-direction",
-          [&target](const std::string& text) {
-            std::vector<double> numbers;
-            for (const std::string& item : CLI::detail::split(text, ','))
-              if (const auto value = scenes::parse_number<double>(item)) numbers.push_back(*value);
-            const Vec3 read = numbers.size() == 3 ? Vec3{numbers[0], numbers[1], numbers[2]} : Vec3{};
-            if (numbers.size() != 3 || norm(read) == 0)
-              throw CLI::ValidationError("--ball-direction",
-                                         "'" + text + "' is not a direction such as -1,0,0.5");
-            target = read;
-          },
-          "In which it flies; the figure looks towards +x, y is up [-1,0,0]")
-      ->type_name("X,Y,Z");
+void add_direction(Command& command, Vec3& target) {
+  const auto take = [&target](const std::string& text) {
+    std::vector<double> numbers;
+    for (const std::string& item : scenes::split_list(text))
+      if (const auto value = scenes::parse_number<double>(item)) numbers.push_back(*value);
+    const Vec3 read = numbers.size() == 3 ? Vec3{numbers[0], numbers[1], numbers[2]} : Vec3{};
+    if (numbers.size() != 3 || norm(read) == 0)
+      throw BadValue("'" + text + "' is not a direction such as -1,0,0.5");
+    target = read;
+  };
+  command.add_option("--ball-direction", "X,Y,Z", take,
+                     "In which it flies; the figure looks towards +x, y is up [-1,0,0]");
 }
 
-/// A number from `least` to `most`.
-void add_number_within(CLI::App& command, const std::string& name, double& target, double least, double most,
+struct Range {
+  double least = 0;
+  double most = std::numeric_limits<double>::infinity();
+};
+
+/// A number within a range.
+void add_number_within(Command& command, const std::string& name, double& target, Range range,
                        const std::string& help) {
-  command
-      .add_option_function<std::string>(
-          name,
-          [=, &target](const std::string& text) {
-            const auto value = scenes::parse_fraction(text);
-            if (!value || !(*value >= least && *value <= most))
-              throw CLI::ValidationError(
-                  name, "'" + text + "' is not a number " +
-                            (std::isfinite(most) ? "from " + short_number(least) + " to " + short_number(most)
-                                                 : "of at least " + short_number(least)));
-            target = *value;
-          },
-          help)
-      ->type_name("T");
+  const auto take = [range, &target](const std::string& text) {
+    const auto value = scenes::parse_fraction(text);
+    if (!value || !(*value >= range.least && *value <= range.most))
+      throw BadValue("'" + text + "' is not a number " +
+                     (std::isfinite(range.most)
+                          ? "from " + short_number(range.least) + " to " + short_number(range.most)
+                          : "of at least " + short_number(range.least)));
+    target = *value;
+  };
+  command.add_option(name, "T", take, help);
+}
+
+Option add_seed(Command& command, std::uint64_t& seed) {
+  const auto take = [&seed](const std::string& text) {
+    const auto value = scenes::parse_number<std::uint64_t>(text);
+    if (!value) throw BadValue("'" + text + "' is not a whole number");
+    seed = *value;
+  };
+  return command.add_option(
+      "--seed", "N", take,
+      "Aims the ball up to 1 cm off, each seed elsewhere; 0: at the middle of the upper torso [0]");
 }
 
 }  // namespace
 
-void add_humanoid_command(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("humanoid", "Throw a ball at a standing figure; say how far it goes (thesis 4.5)");
+void add_humanoid_command(Command& plumb) {
+  Command command =
+      plumb.add_command("humanoid", "Throw a ball at a standing figure; say how far it goes (thesis 4.5)");
   auto options = std::make_shared<HumanoidOptions>();
   HumanoidOptions& o = *options;
   HumanoidRun& run = o.run;
   const std::array ball = {
-      add_positive(*command, "--ball-speed", run.ball.speed, "Where it meets the figure, m/s [10]"),
-      add_positive(*command, "--ball-radius", run.ball.radius, "m [0.127, the thesis's 5 inches]"),
-      add_positive(*command, "--ball-mass", run.ball.mass, "kg [2.268, the thesis's 5 pounds]")};
-  add_direction(*command, run.ball.direction);
-  add_number_within(*command, "--elasticity", run.ball.elasticity, 0, 1,
+      add_positive(command, "--ball-speed", run.ball.speed, "Where it meets the figure, m/s [10]"),
+      add_positive(command, "--ball-radius", run.ball.radius, "m [0.127, the thesis's 5 inches]"),
+      add_positive(command, "--ball-mass", run.ball.mass, "kg [2.268, the thesis's 5 pounds]")};
+  add_direction(command, run.ball.direction);
+  add_number_within(command, "--elasticity", run.ball.elasticity, {0, 1},
                     "The ball's restitution, 0 to 1: what is left of the speed of an impact [0.5]");
-  add_choice(*command, "--body", run.figure.body, {BodyType::thin, BodyType::medium, BodyType::wide},
+  add_choice(command, "--body", run.figure.body, {BodyType::thin, BodyType::medium, BodyType::wide},
              "The thesis's builds: 116, 177 or 393 kg");
-  command->add_flag_callback(
+  command.add_flag(
       "--arms", [&run] { run.figure.arms = 1; },
       "A fuller figure: arms, hips beside each other, knees and elbows that bend one way");
-  add_number_within(*command, "--friction", run.figure.friction, 0, std::numeric_limits<double>::infinity(),
-                    "Between body, ball and ground [0.6]");
-  add_number_within(*command, "--joint-drag", run.figure.joint_drag, 0,
-                    std::numeric_limits<double>::infinity(),
+  add_number_within(command, "--friction", run.figure.friction, {}, "Between body, ball and ground [0.6]");
+  add_number_within(command, "--joint-drag", run.figure.joint_drag, {},
                     "Friction in all joints alike, 1/s: relative motion of limbs decays at this rate [3]");
-  add_seconds(*command, "--dt", run.dt, "Length of a frame [1/60]");
+  add_seconds(command, "--dt", run.dt, "Length of a frame [1/60]");
   add_count(
-      *command, "--substeps", run.substeps,
+      command, "--substeps", run.substeps,
       "Integrations per frame; with 8 the distance of 71 in 72 throws was within 10 % of that with 64 [8]");
-  add_seconds(*command, "--duration", run.most,
+  add_seconds(command, "--duration", run.most,
               "Most simulated time; a run ends when the figure sleeps again [10]");
-  CLI::Option* const seed =
-      command
-          ->add_option_function<std::string>(
-              "--seed",
-              [&run](const std::string& text) {
-                const auto value = scenes::parse_number<std::uint64_t>(text);
-                if (!value) throw CLI::ValidationError("--seed", "'" + text + "' is not a whole number");
-                run.seed = *value;
-              },
-              "Aims the ball up to 1 cm off, each seed elsewhere; 0: at the middle of the upper torso [0]")
-          ->type_name("N");
-  CLI::Option* experiments = command->add_flag(
+  const Option seed = add_seed(command, run.seed);
+  const Option experiments = command.add_flag(
       "--experiments", o.experiments,
       "The thesis's figures 4.11 to 4.14 with balls of their own, each case three times and in 8 times as "
       "many substeps");
-  for (CLI::Option* option : ball) experiments->excludes(option);
-  experiments->excludes(seed);
-  command
-      ->add_option("--report", o.report,
-                   "Write what was thrown, what came of it and the machine to this file")
-      ->type_name("OUT.json");
-  command->add_option("--out", o.out, "Write a page with drawn poses into this folder")->type_name("DIR");
-  command->add_flag("--quiet", o.quiet, "Print nothing but errors; with --experiments no progress bar");
-  command->footer(
+  for (const Option option : ball) experiments.excludes(option);
+  experiments.excludes(seed);
+  command.add_option("--report", "OUT.json", o.report,
+                     "Write what was thrown, what came of it and the machine to this file");
+  command.add_option("--out", "DIR", o.out, "Write a page with drawn poses into this folder");
+  command.add_flag("--quiet", o.quiet, "Print nothing but errors; with --experiments no progress bar");
+  command.set_footer(
       "Examples:\n"
       "  plumb humanoid --ball-speed 30 --body thin\n"
       "  plumb humanoid --ball-mass 20 --elasticity 0.9 --report hit.json --out out\n"
       "  plumb humanoid --experiments --out out");
-  command->callback([options, command, &action] {
-    options->typed = typed_options(*command);
-    action = [options] { return humanoid(*options); };
+  command.set_action([options, command] {
+    options->typed = command.typed();
+    return humanoid(*options);
   });
 }
 

@@ -1,15 +1,17 @@
 // plumb profile: bytes and cache misses of a rod's projection, by layout, shape and size.
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
+#include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "plot/gnuplot.hpp"
 #include "plot/page.hpp"
 #include "plumb/error.hpp"
 #include "profile/output.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/json.hpp"
 #include "scenes/runs/report.hpp"
 
 namespace plumb::tools {
@@ -53,7 +55,7 @@ void publish(const ProfileOptions& options, const Profile& profile) {
   scenes::Machine machine = scenes::describe_machine();
   machine.isa = to_string(profile.isa);
   machine.threads = 1;
-  nlohmann::ordered_json json{{"machine", scenes::machine_json(machine)}};
+  scenes::Json json{{"machine", scenes::machine_json(machine)}};
   json.update(profile_json(profile));
   scenes::write_file(folder / "profile.json", scenes::format_json(json));
   scenes::write_file(folder / "profile.csv", profile_csv(profile));
@@ -116,32 +118,31 @@ int work(const WorkPlan& plan) {
 }
 
 /// The part that is run under cachegrind.
-CLI::App* add_worker(CLI::App& profile_command, Action& action) {
-  CLI::App* command = profile_command.add_subcommand(
+void add_worker(Command& profile_command) {
+  Command command = profile_command.add_command(
       "worker", "Step one scene and print what was done, in JSON: what profile runs under cachegrind");
   auto plan = std::make_shared<WorkPlan>();
-  add_scene(*command, plan->scene);
-  add_layout_options(*command, plan->settings);
-  add_solver_options(*command, plan->settings);
-  add_count(*command, "--frames", plan->frames, "Steps [1]");
-  add_seconds(*command, "--dt", plan->dt, "Length of a step in seconds [1/60]");
-  command->footer(
+  add_scene(command, plan->scene);
+  add_layout_options(command, plan->settings);
+  add_solver_options(command, plan->settings);
+  add_count(command, "--frames", plan->frames, "Steps [1]");
+  add_seconds(command, "--dt", plan->dt, "Length of a step in seconds [1/60]");
+  command.set_footer(
       "Example:\n  valgrind --tool=cachegrind --cache-sim=yes plumb profile worker chain:links=1000 "
       "--method relax --isa avx2 --sweeps 16");
-  command->callback([plan, &action] { action = [plan] { return work(*plan); }; });
-  return command;
+  command.set_action([plan] { return work(*plan); });
 }
 
 }  // namespace
 
-void add_profile_command(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("profile", "Measure bytes and cache misses of a projection, by layout and shape");
+void add_profile_command(Command& plumb) {
+  Command command =
+      plumb.add_command("profile", "Measure bytes and cache misses of a projection, by layout and shape");
   auto options = std::make_shared<ProfileOptions>();
   ProfileOptions& o = *options;
-  command->add_flag("--quick", o.quick, "About half a minute: fewer and smaller scenes");
+  command.add_flag("--quick", o.quick, "About half a minute: fewer and smaller scenes");
   add_words(
-      *command, "--way", {"auto", "counters", "cachegrind"},
+      command, "--way", {"auto", "counters", "cachegrind"},
       [&o](const std::string& word) {
         o.way.reset();
         if (word != "auto") o.way = word == "counters" ? Way::counters : Way::cachegrind;
@@ -149,23 +150,22 @@ void add_profile_command(CLI::App& app, Action& action) {
       "The processor's counters, or caches simulated by valgrind's cachegrind; auto: the first of them that "
       "is there [auto]");
   add_words(
-      *command, "--last-level", {"2", "3"},
+      command, "--last-level", {"2", "3"},
       [&o](const std::string& word) { o.last_level = word == "2" ? 2 : 3; },
       "The last cache to look at; 3 with cachegrind takes long [2 with cachegrind, else the last]");
-  add_choice(*command, "--precision", o.precision, {Precision::single, Precision::double_}, "Arithmetic");
-  command->add_option("--out", o.out, "Write a page with pictures, JSON and CSV into this folder [out]")
-      ->type_name("DIR");
-  command->add_flag("--quiet", o.quiet, "No progress bar");
-  command->footer(
+  add_choice(command, "--precision", o.precision, {Precision::single, Precision::double_}, "Arithmetic");
+  command.add_option("--out", "DIR", o.out,
+                     "Write a page with pictures, JSON and CSV into this folder [out]");
+  command.add_flag("--quiet", o.quiet, "No progress bar");
+  command.set_footer(
       "Scenes are made to fit the caches of this machine. Without counters and without valgrind (package "
       "valgrind) cache\nmisses are shown as not available; bytes and times are there all the same.\n\n"
       "Examples:\n  plumb profile\n  plumb profile --quick --way cachegrind\n"
       "  plumb profile --precision double --out out-double");
-  CLI::App* worker = add_worker(*command, action);
-  command->callback([options, command, worker, &action] {
-    if (worker->parsed()) return;
-    options->typed = typed_options(*command);
-    action = [options] { return profile(*options); };
+  add_worker(command);
+  command.set_action([options, command] {
+    options->typed = command.typed();
+    return profile(*options);
   });
 }
 

@@ -2,7 +2,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
@@ -48,34 +47,28 @@ std::string csv_number(const std::optional<double>& value) {
   return value ? scenes::short_number(*value, 9) : std::string();
 }
 
-nlohmann::ordered_json json_number(const std::optional<double>& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
-nlohmann::ordered_json cache_json(const Cache& cache) {
+scenes::Json cache_json(const Cache& cache) {
   return {{"level", cache.level}, {"bytes", cache.bytes}, {"ways", cache.ways}, {"line", cache.line}};
 }
 
-nlohmann::ordered_json row_json(const ProfileRow& row, const CachePair& caches) {
+scenes::Json row_json(const ProfileRow& row, const CachePair& caches) {
   const Settings& settings = row.profile_case.plan.settings;
-  return {
-      {"method", std::string(to_string(settings.method))},
-      {"gradient", std::string(to_string(gradient_of(settings)))},
-      {"shape", row.profile_case.shape},
-      {"scene", row.profile_case.plan.scene},
-      {"fits", size_name(row.profile_case.size, caches)},
-      {"layout", row.layout.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(row.layout)},
-      {"auto", row.layout.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(row.is_auto)},
-      {"rods", row.rods},
-      {"state_bytes",
-       row.state_bytes ? nlohmann::ordered_json(*row.state_bytes) : nlohmann::ordered_json(nullptr)},
-      {"model_bytes", row.model_bytes},
-      {"ns", json_number(row.ns)},
-      {"instructions", json_number(row.counts.instructions)},
-      {"cycles", json_number(row.counts.cycles)},
-      {"l1d_read_misses", json_number(row.counts.l1d_read_misses)},
-      {"l1d_write_misses", json_number(row.counts.l1d_write_misses)},
-      {"ll_misses", json_number(row.counts.ll_misses)}};
+  return {{"method", std::string(to_string(settings.method))},
+          {"gradient", std::string(to_string(gradient_of(settings)))},
+          {"shape", row.profile_case.shape},
+          {"scene", row.profile_case.plan.scene},
+          {"fits", size_name(row.profile_case.size, caches)},
+          {"layout", row.layout.empty() ? nullptr : scenes::Json(row.layout)},
+          {"auto", row.layout.empty() ? nullptr : scenes::Json(row.is_auto)},
+          {"rods", row.rods},
+          {"state_bytes", row.state_bytes},
+          {"model_bytes", row.model_bytes},
+          {"ns", row.ns},
+          {"instructions", row.counts.instructions},
+          {"cycles", row.counts.cycles},
+          {"l1d_read_misses", row.counts.l1d_read_misses},
+          {"l1d_write_misses", row.counts.l1d_write_misses},
+          {"ll_misses", row.counts.ll_misses}};
 }
 
 }  // namespace
@@ -197,8 +190,8 @@ std::string profile_csv(const Profile& profile) {
   return csv;
 }
 
-nlohmann::ordered_json profile_json(const Profile& profile) {
-  nlohmann::ordered_json json{{"way", std::string(to_string(profile.way))}};
+scenes::Json profile_json(const Profile& profile) {
+  scenes::Json json{{"way", std::string(to_string(profile.way))}};
   json["remark"] = profile.remark;
   json["precision"] = std::string(to_string(profile.precision));
   json["isa"] = std::string(to_string(profile.isa));
@@ -209,7 +202,7 @@ nlohmann::ordered_json profile_json(const Profile& profile) {
   if (profile.way == Way::cachegrind)
     json["simulated"] = {{"l1d", cache_json(profile.simulated.first)},
                          {"ll", cache_json(profile.simulated.last)}};
-  auto rows = nlohmann::ordered_json::array();
+  scenes::Json rows = scenes::Json::array();
   for (const ProfileRow& row : profile.rows) rows.push_back(row_json(row, profile.caches));
   json["rows"] = rows;
   return json;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "plot/table.hpp"
 #include "profile/measure.hpp"
+#include "scenes/basics/json.hpp"
 
 /// A profile as people and programs read it. What is not available is "—" in tables, an empty field in CSV
 /// and null in JSON: never a zero.
@@ -30,7 +30,7 @@ std::string way_text(const Profile& profile);
 /// One line per row, with a header.
 std::string profile_csv(const Profile& profile);
 /// way, caches, simulated (null unless cachegrind), rows.
-nlohmann::ordered_json profile_json(const Profile& profile);
+scenes::Json profile_json(const Profile& profile);
 
 /// Which count a picture shows.
 enum class MissKind : std::uint8_t { l1d_read, ll };

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "plumb/error.hpp"
+#include "scenes/basics/json.hpp"
 #include "scenes/basics/numbers.hpp"
+#include "scenes/files/scene_json.hpp"
 #include "scenes/spec.hpp"
 
 namespace plumb::tools {
@@ -152,16 +153,20 @@ WorkDone do_work(const WorkPlan& plan) {
 }
 
 std::string to_json_line(const WorkDone& done) {
-  return nlohmann::ordered_json{{"projections", done.projections}, {"rod_newtons", done.rod_newtons}}.dump() +
-         "\n";
+  return scenes::Json{{"projections", done.projections}, {"rod_newtons", done.rod_newtons}}.dump() + "\n";
 }
 
 WorkDone parse_work(const std::string& line) {
-  const auto json = nlohmann::json::parse(line, nullptr, false);
-  if (!json.is_object() || !json.contains("projections") || !json["projections"].is_number_unsigned() ||
-      !json.contains("rod_newtons") || !json["rod_newtons"].is_number_unsigned())
+  WorkDone done;
+  try {
+    scenes::read_json(line, [&](const scenes::json& value) {
+      const scenes::Object object(value, "", {"projections", "rod_newtons"});
+      done = {scenes::count(object, "projections"), scenes::count(object, "rod_newtons")};
+    });
+  } catch (const InputError&) {
     throw InputError("'" + line + "' does not say what a run did");
-  return {json["projections"].get<std::uint64_t>(), json["rod_newtons"].get<std::uint64_t>()};
+  }
+  return done;
 }
 
 WorkPlan repeated(WorkPlan plan, std::uint32_t times) {

@@ -2,14 +2,17 @@
 // each method costs at equal error.
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "plot/gnuplot.hpp"
 #include "plot/page.hpp"
 #include "plumb/error.hpp"
 #include "scale/output.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/json.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/runs/report.hpp"
@@ -75,7 +78,7 @@ void print(const ScaleOptions& options, const ScaleResults& results) {
 void publish(const ScaleOptions& options, const ScaleResults& results, const std::string& typed) {
   const std::filesystem::path folder = options.out;
   const scenes::Machine machine = scenes::describe_machine();
-  nlohmann::ordered_json json{{"machine", scenes::machine_json(machine)}};
+  scenes::Json json{{"machine", scenes::machine_json(machine)}};
   json.update(scale_json(options, results));
   scenes::write_file(folder / "scale.json", scenes::format_json(json));
   scenes::write_file(folder / "scale.csv", scale_csv(results));
@@ -126,11 +129,11 @@ int scale(const ScaleOptions& options, const std::string& typed) {
   return fine;
 }
 
-std::vector<std::uint32_t> parse_links(const std::string& option, const std::string& text) {
+std::vector<std::uint32_t> parse_links(const std::string& text) {
   std::vector<std::uint32_t> out;
-  for (const std::string& item : CLI::detail::split(text, ',')) {
+  for (const std::string& item : scenes::split_list(text)) {
     const auto links = scenes::parse_number<std::uint32_t>(item);
-    if (!links || *links == 0) throw CLI::ValidationError(option, "'" + item + "' is not a number of links");
+    if (!links || *links == 0) throw BadValue("'" + item + "' is not a number of links");
     out.push_back(*links);
   }
   std::sort(out.begin(), out.end());
@@ -141,34 +144,32 @@ std::vector<std::uint32_t> parse_links(const std::string& option, const std::str
 std::vector<Method> parse_methods(const std::string& text) {
   std::vector<Method> out;
   const std::vector<Method> all = ScaleOptions{}.methods;
-  for (const std::string& item : CLI::detail::split(text, ',')) {
+  for (const std::string& item : scenes::split_list(text)) {
     std::string known;
     for (const Method method : all) scenes::append_item(known, to_string(method));
     const auto it =
         std::find_if(all.begin(), all.end(), [&](Method method) { return to_string(method) == item; });
-    if (it == all.end()) throw CLI::ValidationError("--methods", "'" + item + "' is not one of " + known);
+    if (it == all.end()) throw BadValue("'" + item + "' is not one of " + known);
     if (!has(out, *it)) out.push_back(*it);
   }
   return out;
 }
 
-void add_links(CLI::App& command, const std::string& name, std::vector<std::uint32_t>& target,
+void add_links(Command& command, const std::string& name, std::vector<std::uint32_t>& target,
                const std::string& help) {
-  command
-      .add_option_function<std::string>(
-          name, [name, &target](const std::string& text) { target = parse_links(name, text); }, help)
-      ->type_name("N1,N2,...");
+  command.add_option(
+      name, "N1,N2,...", [&target](const std::string& text) { target = parse_links(text); }, help);
 }
 
 }  // namespace
 
-void add_scale_command(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("scale", "Measure frames a second against links (thesis figures 4.7 and 4.8)");
+void add_scale_command(Command& plumb) {
+  Command command =
+      plumb.add_command("scale", "Measure frames a second against links (thesis figures 4.7 and 4.8)");
   auto options = std::make_shared<ScaleOptions>();
   ScaleOptions& o = *options;
   // Before the lists, so that these can still be given.
-  command->add_flag_callback(
+  command.add_flag(
       "--quick",
       [&o] {
         o.links = {1, 5, 20, 50, 100, 1000, 10000, 100000};
@@ -178,36 +179,30 @@ void add_scale_command(CLI::App& app, Action& action) {
         o.path_s = 0.05;
       },
       "Ten seconds: fewer lengths, shorter repetitions");
-  command
-      ->add_option_function<std::string>(
-          "--methods", [&o](const std::string& text) { o.methods = parse_methods(text); },
-          "Of relax|direct|springs|multipliers|featherstone|auto, separated by commas [all]")
-      ->type_name("M1,M2,...");
-  add_links(*command, "--links", o.links, "Lengths of chain [1,2,5,10,...,1000000]");
-  add_links(*command, "--error-links", o.error_links, "Lengths at equal error [5,20,100,1000]");
-  add_positive(*command, "--target", o.target,
+  command.add_option(
+      "--methods", "M1,M2,...", [&o](const std::string& text) { o.methods = parse_methods(text); },
+      "Of relax|direct|springs|multipliers|featherstone|auto, separated by commas [all]");
+  add_links(command, "--links", o.links, "Lengths of chain [1,2,5,10,...,1000000]");
+  add_links(command, "--error-links", o.error_links, "Lengths at equal error [5,20,100,1000]");
+  add_positive(command, "--target", o.target,
                "Position error at equal error, relative to the chain's length [0.01]");
-  add_count(*command, "--sweeps", o.sweeps, "Passes over all rods a frame, relaxed [5]");
-  add_count(*command, "--repetitions", o.repetitions, "Timed repetitions [5]");
-  add_seconds(*command, "--seconds", o.seconds, "Least time of a repetition [0.02]");
-  add_seconds(*command, "--cell", o.cell_s, "Most time to step a chain; above, a method ends [0.6]");
+  add_count(command, "--sweeps", o.sweeps, "Passes over all rods a frame, relaxed [5]");
+  add_count(command, "--repetitions", o.repetitions, "Timed repetitions [5]");
+  add_seconds(command, "--seconds", o.seconds, "Least time of a repetition [0.02]");
+  add_seconds(command, "--cell", o.cell_s, "Most time to step a chain; above, a method ends [0.6]");
   add_words(
-      *command, "--precision", {"float", "double", "both"},
+      command, "--precision", {"float", "double", "both"},
       [&o](const std::string& word) {
         if (word == "both") return;
         o.precisions = {word == "float" ? Precision::single : Precision::double_};
       },
       "Arithmetic of relaxation [both]");
-  command->add_option("--out", o.out, "Write a page with charts, JSON and CSV into this folder")
-      ->type_name("DIR");
-  command->add_flag("--quiet", o.quiet, "No progress bar");
-  command->footer(
+  command.add_option("--out", "DIR", o.out, "Write a page with charts, JSON and CSV into this folder");
+  command.add_flag("--quiet", o.quiet, "No progress bar");
+  command.set_footer(
       "Examples:\n  plumb scale --out out\n  plumb scale --quick --methods relax,springs\n"
       "  plumb scale --links 5,50,500 --sweeps 1000");
-  command->callback([options, command, &action] {
-    const std::string typed = typed_options(*command);
-    action = [options, typed] { return scale(*options, typed); };
-  });
+  command.set_action([options, command] { return scale(*options, command.typed()); });
 }
 
 }  // namespace plumb::tools

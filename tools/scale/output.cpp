@@ -412,50 +412,48 @@ std::string scale_csv(const ScaleResults& results) {
   return csv;
 }
 
-nlohmann::ordered_json scale_json(const ScaleOptions& options, const ScaleResults& results) {
-  using Json = nlohmann::ordered_json;
-  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+scenes::Json scale_json(const ScaleOptions& options, const ScaleResults& results) {
   const auto cells_json = [](const std::vector<ScaleCell>& cells) {
-    Json list = Json::array();
+    scenes::Json list = scenes::Json::array();
     for (const ScaleCell& r : cells) {
       if (!r.measured()) continue;
-      Json entry{{"links", r.links},
-                 {"method", std::string(to_string(r.series.method))},
-                 {"sweeps", r.series.method == Method::relax ? Json(r.sweeps) : Json(nullptr)},
-                 {"substeps", r.substeps},
-                 {"precision", std::string(to_string(r.series.precision))},
-                 {"threads", r.threads},
-                 {"frames", r.frames},
-                 {"least_s", r.least_s},
-                 {"median_s", r.median_s},
-                 {"frames_per_s", r.frames_per_s()},
-                 {"ns_per_rod", r.ns_per_rod()}};
+      scenes::Json entry{{"links", r.links},
+                         {"method", std::string(to_string(r.series.method))},
+                         {"sweeps", r.series.method == Method::relax ? scenes::Json(r.sweeps) : nullptr},
+                         {"substeps", r.substeps},
+                         {"precision", std::string(to_string(r.series.precision))},
+                         {"threads", r.threads},
+                         {"frames", r.frames},
+                         {"least_s", r.least_s},
+                         {"median_s", r.median_s},
+                         {"frames_per_s", r.frames_per_s()},
+                         {"ns_per_rod", r.ns_per_rod()}};
       entry["stretch"] = {{"rms", r.stretch.rms}, {"max", r.stretch.max}, {"max_rod", r.stretch.max_rod}};
       entry["state_hash"] = scenes::hash_text(r.state_hash);
       list.push_back(entry);
     }
     return list;
   };
-  Json json;
+  scenes::Json json;
   json["five_links"] = cells_json(results.five);
   json["chains"] = cells_json(results.cells);
-  json["slopes"] = Json::array();
+  json["slopes"] = scenes::Json::array();
   for (const ScaleSeries& series : measured_series(options, results)) {
     const std::vector<Timing> timings = timings_of(results.cells, series);
     json["slopes"].push_back({{"series", name_of(series)},
                               {"setting", describe(settings_of(series, options))},
-                              {"slope", number(fit_longer_half(timings))},
+                              {"slope", fit_longer_half(timings)},
                               {"level_until", level_until(timings, level_factor)}});
   }
-  json["equal_error"] = Json::array();
+  json["equal_error"] = scenes::Json::array();
   for (const EqualErrorCell& cell : results.errors) {
     const auto& best = cell.cheapest;
     json["equal_error"].push_back({{"scene", chain_spec(cell.family, cell.links)},
                                    {"target", options.target},
                                    {"method", std::string(to_string(cell.method))},
-                                   {"setting", best ? Json(best->setting) : Json(nullptr)},
-                                   {"ms_per_s", best ? Json(best->ms) : Json(nullptr)},
-                                   {"position_error", best ? Json(best->error) : Json(nullptr)}});
+                                   {"setting", best ? scenes::Json(best->setting) : nullptr},
+                                   {"ms_per_s", best ? scenes::Json(best->ms) : nullptr},
+                                   {"position_error", best ? scenes::Json(best->error) : nullptr}});
   }
   return json;
 }

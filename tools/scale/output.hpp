@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -8,6 +7,7 @@
 #include "plot/table.hpp"
 #include "scale/equal_error.hpp"
 #include "scale/measure.hpp"
+#include "scenes/basics/json.hpp"
 
 /// What `plumb scale` measured, as tables, charts and text. Cells without a number hold a dash.
 namespace plumb::tools {
@@ -60,6 +60,6 @@ Chart stretch_chart(const ScaleOptions& options, const ScaleResults& results);
 Chart error_chart(const ScaleOptions& options, const ScaleResults& results, ChainFamily family);
 
 std::string scale_csv(const ScaleResults& results);
-nlohmann::ordered_json scale_json(const ScaleOptions& options, const ScaleResults& results);
+scenes::Json scale_json(const ScaleOptions& options, const ScaleResults& results);
 
 }  // namespace plumb::tools

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "plot/gnuplot.hpp"
 #include "plot/page.hpp"
@@ -51,36 +53,33 @@ void sort_unique(std::vector<T>& values) {
 
 /// An option that takes positive numbers separated by commas.
 template <class T, class Parse>
-void add_list(CLI::App& app, const std::string& name, std::vector<T>& target, Parse parse,
+void add_list(Command& command, const std::string& name, std::vector<T>& target, Parse parse,
               const std::string& help) {
-  app.add_option_function<std::string>(
-         name,
-         [name, &target, parse](const std::string& text) {
-           std::vector<T> values;
-           for (const std::string& item : CLI::detail::split(text, ',')) {
-             const auto value = parse(item);
-             if (!value || !(*value > 0))
-               throw CLI::ValidationError(name, "'" + item + "' is not a positive " +
-                                                    (std::is_integral_v<T> ? "whole number" : "number"));
-             values.push_back(*value);
-           }
-           sort_unique(values);
-           target = std::move(values);
-         },
-         help)
-      ->type_name("X1,X2,...");
+  const auto take = [&target, parse](const std::string& text) {
+    std::vector<T> values;
+    for (const std::string& item : scenes::split_list(text)) {
+      const auto value = parse(item);
+      if (!value || !(*value > 0))
+        throw BadValue("'" + item + "' is not a positive " +
+                       (std::is_integral_v<T> ? "whole number" : "number"));
+      values.push_back(*value);
+    }
+    sort_unique(values);
+    target = std::move(values);
+  };
+  command.add_option(name, "X1,X2,...", take, help);
 }
 
 std::vector<StabilityMethod> parse_methods(const std::string& text) {
   std::vector<StabilityMethod> out;
-  for (const std::string& item : CLI::detail::split(text, ',')) {
+  for (const std::string& item : scenes::split_list(text)) {
     std::string known;
     const auto& all = scenes::all_stability_methods();
     const auto it = std::find_if(all.begin(), all.end(), [&](const StabilityMethod& m) {
       append_item(known, m.name);
       return m.name == item;
     });
-    if (it == all.end()) throw CLI::ValidationError("--methods", "'" + item + "' is not one of " + known);
+    if (it == all.end()) throw BadValue("'" + item + "' is not one of " + known);
     if (std::none_of(out.begin(), out.end(), [&](const StabilityMethod& m) { return m.name == item; }))
       out.push_back(*it);
   }
@@ -192,13 +191,12 @@ int stability(StabilityOptions options) {
 
 }  // namespace
 
-void add_stability_command(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("stability", "Map where methods hold and break: end mass, links, step");
+void add_stability_command(Command& plumb) {
+  Command command = plumb.add_command("stability", "Map where methods hold and break: end mass, links, step");
   auto options = std::make_shared<StabilityOptions>();
   StabilityOptions& o = *options;
   // Before the lists, so that these can still be given.
-  CLI::Option* quick = command->add_flag_callback(
+  const Option quick = command.add_flag(
       "--quick",
       [&o] {
         o.grid.ratios = {1, 100, 1e4, 1e6};
@@ -207,55 +205,46 @@ void add_stability_command(CLI::App& app, Action& action) {
         o.grid.duration = 2;
       },
       "A few seconds: every other ratio, up to 100 links, three steps, two simulated seconds");
-  command->add_flag("--full", o.grid.full, "Every combination, not only the two planes drawn: many minutes")
-      ->excludes(quick);
-  command
-      ->add_option_function<std::string>(
-          "--methods", [&o](const std::string& text) { o.grid.methods = parse_methods(text); },
-          "Of relax-old|relax-mid|relax-new|direct-old|direct-mid|direct-new|auto, separated by commas "
-          "[all but auto]")
-      ->type_name("M1,M2,...");
-  add_list(*command, "--ratios", o.grid.ratios, scenes::parse_number<double>,
+  command.add_flag("--full", o.grid.full, "Every combination, not only the two planes drawn: many minutes")
+      .excludes(quick);
+  command.add_option(
+      "--methods", "M1,M2,...", [&o](const std::string& text) { o.grid.methods = parse_methods(text); },
+      "Of relax-old|relax-mid|relax-new|direct-old|direct-mid|direct-new|auto, separated by commas "
+      "[all but auto]");
+  add_list(command, "--ratios", o.grid.ratios, scenes::parse_number<double>,
            "Mass of the last particle to that of each other [1,10,...,1e6]");
-  add_list(*command, "--links", o.grid.links, scenes::parse_number<std::uint32_t>,
+  add_list(command, "--links", o.grid.links, scenes::parse_number<std::uint32_t>,
            "Lengths of chain [5,20,100,1000,10000]");
-  add_list(*command, "--dt", o.grid.dts, scenes::parse_fraction,
+  add_list(command, "--dt", o.grid.dts, scenes::parse_fraction,
            "Steps in seconds [0.001,0.003,0.01,1/60,0.033,0.1]");
-  command
-      ->add_option_function<std::string>(
-          "--at-dt",
-          [&o](const std::string& text) {
-            o.at_dt = scenes::parse_fraction(text);
-            if (!o.at_dt) throw CLI::ValidationError("--at-dt", "'" + text + "' is not a finite number");
-          },
-          "Step of the map over links, one of --dt [1/60, or else the longest]")
-      ->type_name("S");
-  command
-      ->add_option_function<std::string>(
-          "--at-links",
-          [&o](const std::string& text) {
-            o.at_links = scenes::parse_number<std::uint32_t>(text);
-            if (!o.at_links) throw CLI::ValidationError("--at-links", "'" + text + "' is not a whole number");
-          },
-          "Links of the map over steps, one of --links [100, or else the longest]")
-      ->type_name("N");
-  add_seconds(*command, "--duration", o.grid.duration, "Simulated time, rounded to whole steps [3]");
-  add_count(*command, "--sweeps", o.sweeps, "Passes of relaxation over all rods a step [20]");
-  add_seconds(*command, "--budget", o.budget_s, "Most wall-clock time for a cell; above, it is too slow [2]");
-  command
-      ->add_option("--out", o.out, "Write stability.csv, stability.html and pictures into this folder [out]")
-      ->type_name("DIR");
-  command->add_flag("--quiet", o.quiet, "No progress bar");
-  command->footer(
+  const auto take_dt = [&o](const std::string& text) {
+    o.at_dt = scenes::parse_fraction(text);
+    if (!o.at_dt) throw BadValue("'" + text + "' is not a finite number");
+  };
+  command.add_option("--at-dt", "S", take_dt,
+                     "Step of the map over links, one of --dt [1/60, or else the longest]");
+  const auto take_links = [&o](const std::string& text) {
+    o.at_links = scenes::parse_number<std::uint32_t>(text);
+    if (!o.at_links) throw BadValue("'" + text + "' is not a whole number");
+  };
+  command.add_option("--at-links", "N", take_links,
+                     "Links of the map over steps, one of --links [100, or else the longest]");
+  add_seconds(command, "--duration", o.grid.duration, "Simulated time, rounded to whole steps [3]");
+  add_count(command, "--sweeps", o.sweeps, "Passes of relaxation over all rods a step [20]");
+  add_seconds(command, "--budget", o.budget_s, "Most wall-clock time for a cell; above, it is too slow [2]");
+  command.add_option("--out", "DIR", o.out,
+                     "Write stability.csv, stability.html and pictures into this folder [out]");
+  command.add_flag("--quiet", o.quiet, "No progress bar");
+  command.set_footer(
       "A cell survives if its state stays finite, no island is frozen, no substep stays unsolved, no rod is "
       "ever stretched\nby more than 50 % and energy never rises by more than its range.\n\nExamples:\n"
       "  plumb stability\n"
       "  plumb stability --quick --methods relax-new,direct-mid\n"
       "  plumb stability --full --budget 10 --out out-full\n"
       "  plumb stability --links 20 --ratios 1,1000 --dt 1/240,1/60 --methods direct-mid");
-  command->callback([options, command, &action] {
-    options->typed = typed_options(*command);
-    action = [options] { return stability(*options); };
+  command.set_action([options, command] {
+    options->typed = command.typed();
+    return stability(*options);
   });
 }
 

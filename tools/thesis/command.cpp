@@ -5,13 +5,15 @@
 #include <cstdio>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "plot/gnuplot.hpp"
 #include "plot/page.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/json.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/files/trajectory.hpp"
 #include "scenes/generators/generators.hpp"
@@ -273,25 +275,24 @@ void publish(const ThesisOptions& options, const ThesisResults& results, const s
   section.publish(options.out);
 }
 
-nlohmann::ordered_json measured_json(const Measured& m) {
-  nlohmann::ordered_json json{{"weights", std::string(to_string(m.settings.weights))},
-                              {"gradient", std::string(to_string(gradient_of(m.settings)))},
-                              {"substeps", m.settings.substeps},
-                              {"sweeps", m.settings.stop.sweeps}};
-  json["tolerance"] =
-      m.settings.stop.tolerance ? nlohmann::ordered_json(*m.settings.stop.tolerance) : nullptr;
+scenes::Json measured_json(const Measured& m) {
+  scenes::Json json{{"weights", std::string(to_string(m.settings.weights))},
+                    {"gradient", std::string(to_string(gradient_of(m.settings)))},
+                    {"substeps", m.settings.substeps},
+                    {"sweeps", m.settings.stop.sweeps}};
+  json["tolerance"] = m.settings.stop.tolerance;
   json["stable"] = m.stable;
-  json["error"] = std::isfinite(m.error) ? nlohmann::ordered_json(m.error) : nullptr;
-  json["stretch_rms"] = std::isfinite(m.stretch_rms) ? nlohmann::ordered_json(m.stretch_rms) : nullptr;
+  json["error"] = m.error;
+  json["stretch_rms"] = m.stretch_rms;
   json["us_per_frame"] = m.us_per_frame;
   return json;
 }
 
 void write_json(const ThesisOptions& options, const ThesisResults& results, const scenes::Machine& machine) {
-  nlohmann::ordered_json json{{"machine", scenes::machine_json(machine)}};
+  scenes::Json json{{"machine", scenes::machine_json(machine)}};
   json["thesis"] = thesis_rows_json(thesis_rows(results.numbers));
   for (const ChainResults& chain : results.chains) {
-    nlohmann::ordered_json entry{{"scene", chain.spec}, {"truth_uncertainty", chain.truth.uncertainty}};
+    scenes::Json entry{{"scene", chain.spec}, {"truth_uncertainty", chain.truth.uncertainty}};
     for (const Measured& m : chain.by_sweeps) entry["by_sweeps"].push_back(measured_json(m));
     for (const Measured& m : chain.by_substeps) entry["by_substeps"].push_back(measured_json(m));
     json["chains"].push_back(entry);
@@ -353,15 +354,15 @@ int thesis(const ThesisOptions& options) {
 
 }  // namespace
 
-void add_thesis_command(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("thesis", "Repeat the thesis's experiment on heavy last links, with numbers");
+void add_thesis_command(Command& plumb) {
+  Command command =
+      plumb.add_command("thesis", "Repeat the thesis's experiment on heavy last links, with numbers");
   auto options = std::make_shared<ThesisOptions>();
-  command->add_option("--out", options->out, "Write a page with charts, and the numbers, into this folder")
-      ->type_name("DIR");
-  command->add_flag("--quiet", options->quiet, "No progress bar");
-  command->footer("Example:\n  plumb thesis --out out");
-  command->callback([options, &action] { action = [options] { return thesis(*options); }; });
+  command.add_option("--out", "DIR", options->out,
+                     "Write a page with charts, and the numbers, into this folder");
+  command.add_flag("--quiet", options->quiet, "No progress bar");
+  command.set_footer("Example:\n  plumb thesis --out out");
+  command.set_action([options] { return thesis(*options); });
 }
 
 }  // namespace plumb::tools

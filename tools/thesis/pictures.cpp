@@ -153,17 +153,17 @@ std::string velocity_text() {
          short_number(central, 2) + " m/s, " + plain_number(central / rk2, 2) + " times.";
 }
 
-nlohmann::ordered_json stiff_json() {
-  auto list = nlohmann::ordered_json::array();
+scenes::Json stiff_json() {
+  scenes::Json list = scenes::Json::array();
   for (const StiffCase& c : stiff_cases)
     list.push_back({{"integrator", c.implicit ? "backward Euler" : "forward Euler"},
                     {"hk", c.hk},
-                    {"y", follow(c, stiff_steps)}});
+                    {"y", scenes::Json::array_of(follow(c, stiff_steps))}});
   return list;
 }
 
-nlohmann::ordered_json velocity_json() {
-  auto list = nlohmann::ordered_json::array();
+scenes::Json velocity_json() {
+  scenes::Json list = scenes::Json::array();
   for (const VelocityCase& c : velocity_cases)
     for (const double h : velocity_steps)
       list.push_back({{"scheme", c.name}, {"h", h}, {"error", error_of(c, h)}});

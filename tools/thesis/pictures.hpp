@@ -1,11 +1,11 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "plot/chart.hpp"
 #include "plot/table.hpp"
+#include "scenes/basics/json.hpp"
 
 /// What integrators do to a stiff equation and to a velocity (thesis sections 3.2 and 3.3), drawn and in
 /// numbers.
@@ -26,7 +26,7 @@ Table velocity_table();
 /// Which scheme is the more precise, from the numbers.
 std::string velocity_text();
 
-nlohmann::ordered_json stiff_json();
-nlohmann::ordered_json velocity_json();
+scenes::Json stiff_json();
+scenes::Json velocity_json();
 
 }  // namespace plumb::tools

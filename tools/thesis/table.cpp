@@ -254,16 +254,15 @@ Table thesis_table(const std::vector<ThesisRow>& rows) {
   return table;
 }
 
-nlohmann::ordered_json thesis_rows_json(const std::vector<ThesisRow>& rows) {
-  auto list = nlohmann::ordered_json::array();
+scenes::Json thesis_rows_json(const std::vector<ThesisRow>& rows) {
+  scenes::Json list = scenes::Json::array();
   for (const ThesisRow& row : rows) {
-    nlohmann::ordered_json entry{{"what", row.what},
-                                 {"thesis", row.thesis},
-                                 {"section", row.where},
-                                 {"here", row.ours},
-                                 {"agrees", row.agrees ? nlohmann::ordered_json(*row.agrees) : nullptr}};
-    for (const auto& [name, value] : row.values)
-      entry["values"][name] = std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr;
+    scenes::Json entry{{"what", row.what},
+                       {"thesis", row.thesis},
+                       {"section", row.where},
+                       {"here", row.ours},
+                       {"agrees", row.agrees}};
+    for (const auto& [name, value] : row.values) entry["values"][name] = value;
     list.push_back(entry);
   }
   return list;

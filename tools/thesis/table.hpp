@@ -1,12 +1,12 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "plot/table.hpp"
+#include "scenes/basics/json.hpp"
 #include "thesis/springs.hpp"
 
 /// What the thesis saw or said of its five links, beside what is measured here.
@@ -53,7 +53,7 @@ struct ThesisRow {
 };
 std::vector<ThesisRow> thesis_rows(const ThesisNumbers& numbers);
 Table thesis_table(const std::vector<ThesisRow>& rows);
-nlohmann::ordered_json thesis_rows_json(const std::vector<ThesisRow>& rows);
+scenes::Json thesis_rows_json(const std::vector<ThesisRow>& rows);
 /// How all was measured.
 std::string thesis_table_text(const ThesisNumbers& numbers);
 

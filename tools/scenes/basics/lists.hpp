@@ -14,6 +14,17 @@ inline void append_item(std::string& list, std::string_view item, std::string_vi
   list += item;
 }
 
+/// The items of a list such as "a,b": one for an empty text, and none after a comma that ends it.
+inline std::vector<std::string> split_list(std::string_view list) {
+  std::vector<std::string> out;
+  do {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    out.emplace_back(list.substr(0, comma));
+    list.remove_prefix(std::min(comma + 1, list.size()));
+  } while (!list.empty());
+  return out;
+}
+
 /// Those of `all` whose names, by name_of(item), are in a list such as "a,b", in its order. Throws
 /// std::invalid_argument on a word that names none, with what there is.
 template <class Item, class NameOf>

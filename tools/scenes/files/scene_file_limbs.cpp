@@ -3,23 +3,24 @@
 #include <algorithm>
 
 #include "plumb/joints.hpp"
+#include "scenes/files/scene_text.hpp"
 
 namespace plumb::scenes {
 namespace {
 
 Point point(const json& value, const std::string& path) {
-  if (!value.is_object()) return point_at(particle_id(value, path));
+  if (!is_object(value)) return point_at(particle_id(value, path));
   const Object item(value, path, {"particles", "weights"});
-  const json& particles = array(item, "particles");
-  const json& weights = array(item, "weights");
-  if (particles.empty() || particles.size() > 4 || weights.size() != particles.size()) {
+  const Array particles(item, "particles");
+  const Array weights(item, "weights");
+  if (particles.size() == 0 || particles.size() > 4 || weights.size() != particles.size()) {
     refuse(path, "must have one to four particles and a weight for each, not " +
                      std::to_string(particles.size()) + " and " + std::to_string(weights.size()));
   }
   Point out;
   for (std::size_t k = 0; k < particles.size(); ++k) {
-    out.particles[k] = particle_id(particles[k], item_path(item.path_of("particles"), k));
-    out.weights[k] = number(weights[k], item_path(item.path_of("weights"), k));
+    out.particles[k] = particle_id(particles[k], particles.path_of(k));
+    out.weights[k] = number(weights[k], weights.path_of(k));
   }
   return out;
 }
@@ -34,10 +35,11 @@ Direction direction(const Object& object, const char* key) {
 
 template <std::size_t n, class Number, class Read>
 std::array<Number, n> numbers(const json& value, const std::string& path, Read read) {
-  if (array(value, path).size() != n)
-    refuse(path, "must have " + std::to_string(n) + " numbers, not " + std::to_string(value.size()));
+  const Array list(value, path);
+  if (list.size() != n)
+    refuse(path, "must have " + std::to_string(n) + " numbers, not " + std::to_string(list.size()));
   std::array<Number, n> out;
-  for (std::size_t k = 0; k < n; ++k) out[k] = read(value[k], item_path(path, k));
+  for (std::size_t k = 0; k < n; ++k) out[k] = read(list[k], list.path_of(k));
   return out;
 }
 
@@ -115,13 +117,14 @@ template <class Item>
 void read_list(const Object& top, const char* key, std::vector<Item>& out,
                Item (*read)(const json&, const std::string&)) {
   if (!top.find(key)) return;
-  for (const json& value : array(top, key)) out.push_back(read(value, item_path(key, out.size())));
+  const Array list(top, key);
+  for (std::size_t i = 0; i < list.size(); ++i) out.push_back(read(list[i], list.path_of(i)));
 }
 
 using scenes::to_json;  // of Vec3, which those below would hide
 
 /// Slots with weight 0 are left out.
-ordered_json to_json(const Point& p) {
+Json to_json(const Point& p) {
   std::vector<std::uint32_t> particles;
   std::vector<double> weights;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -130,39 +133,39 @@ ordered_json to_json(const Point& p) {
     weights.push_back(p.weights[k]);
   }
   if (weights == std::vector<double>{1}) return particles.front();
-  return {{"particles", particles}, {"weights", weights}};
+  return {{"particles", Json::array_of(particles)}, {"weights", Json::array_of(weights)}};
 }
 
-ordered_json to_json(const Direction& d) {
+Json to_json(const Direction& d) {
   return {{"from", to_json(d.from)}, {"to", to_json(d.to)}};
 }
 
-ordered_json to_json(const Inertia& i) {
-  ordered_json object{{"xx", i.xx}, {"yy", i.yy}, {"zz", i.zz}};
+Json to_json(const Inertia& i) {
+  Json object{{"xx", i.xx}, {"yy", i.yy}, {"zz", i.zz}};
   if (i.xy != 0) object["xy"] = i.xy;
   if (i.xz != 0) object["xz"] = i.xz;
   if (i.yz != 0) object["yz"] = i.yz;
   return object;
 }
 
-ordered_json to_json(const Body& b) {
-  return {{"particles", b.particles},
+Json to_json(const Body& b) {
+  return {{"particles", Json::array_of(b.particles)},
           {"mass", b.mass},
           {"center", to_json(b.center)},
           {"inertia", to_json(b.inertia)}};
 }
 
-ordered_json to_json(const Pin& p) {
+Json to_json(const Pin& p) {
   return {{"a", to_json(p.a)}, {"b", to_json(p.b)}};
 }
 
-ordered_json to_json(const Alignment& a) {
+Json to_json(const Alignment& a) {
   return {{"u", to_json(a.u)}, {"v", to_json(a.v)}};
 }
 
-ordered_json to_json(const AngleControl& a) {
+Json to_json(const AngleControl& a) {
   const AngleControl usual;
-  ordered_json object{{"u", to_json(a.u)}, {"v", to_json(a.v)}};
+  Json object{{"u", to_json(a.u)}, {"v", to_json(a.v)}};
   if (a.lower != usual.lower) object["lower"] = a.lower;
   if (a.upper != usual.upper) object["upper"] = a.upper;
   if (a.friction != usual.friction) object["friction"] = a.friction;
@@ -172,29 +175,29 @@ ordered_json to_json(const AngleControl& a) {
   return object;
 }
 
-ordered_json with_surface(ordered_json object, const Surface& s) {
+Json with_surface(Json object, const Surface& s) {
   const Surface usual;
   if (s.friction != usual.friction) object["friction"] = s.friction;
   if (s.restitution != usual.restitution) object["restitution"] = s.restitution;
   return object;
 }
 
-ordered_json to_json(const Capsule& c) {
-  ordered_json object{{"a", to_json(c.a)}};
-  if (const ordered_json b = to_json(c.b); b != object["a"]) object["b"] = b;
+Json to_json(const Capsule& c) {
+  Json object{{"a", to_json(c.a)}};
+  if (const Json b = to_json(c.b); b.dump() != object["a"].dump()) object["b"] = b;
   object["radius"] = c.radius;
   return with_surface(object, c.surface);
 }
 
-ordered_json to_json(const Plane& p) {
-  ordered_json object{{"normal", to_json(p.normal)}};
+Json to_json(const Plane& p) {
+  Json object{{"normal", to_json(p.normal)}};
   if (p.offset != 0) object["offset"] = p.offset;
   return with_surface(object, p.surface);
 }
 
-ordered_json to_json(const Box& b) {
-  ordered_json object{{"center", to_json(b.center)}, {"half_size", to_json(b.half_size)}};
-  if (b.orientation != Box{}.orientation) object["orientation"] = b.orientation;
+Json to_json(const Box& b) {
+  Json object{{"center", to_json(b.center)}, {"half_size", to_json(b.half_size)}};
+  if (b.orientation != Box{}.orientation) object["orientation"] = Json::array_of(b.orientation);
   return with_surface(object, b.surface);
 }
 

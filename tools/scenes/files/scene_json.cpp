@@ -1,6 +1,9 @@
 #include "scenes/files/scene_json.hpp"
 
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <vector>
 
 #include "plumb/error.hpp"
 #include "scenes/basics/lists.hpp"
@@ -12,15 +15,44 @@ std::string join(const std::string& path, const char* key) {
   return path.empty() ? key : path + "." + key;
 }
 
-}  // namespace
-
-void refuse(const std::string& path, const std::string& reason) {
-  throw InputError(path + " " + reason);
-}
-
+/// Such as "an array", for messages.
 std::string kind_of(const json& value) {
   const std::string name = value.type_name();
   return name == "object" || name == "array" ? "an " + name : name == "null" ? name : "a " + name;
+}
+
+/// A number as it is, anything else by its kind.
+std::string text_of(const json& value) {
+  return value.is_number() ? value.dump() : kind_of(value);
+}
+
+json parse_strictly(std::string_view text) {
+  std::vector<std::set<std::string>> open;
+  const auto check = [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) open.emplace_back();
+    if (event == json::parse_event_t::object_end) open.pop_back();
+    if (event == json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second) {
+      refuse("the key " + value.dump(), "appears twice in one object");
+    }
+    return true;
+  };
+  try {
+    return json::parse(text, check);
+  } catch (const json::exception& error) {
+    std::string reason = error.what();
+    if (const std::size_t end = reason.find("] "); end != std::string::npos) reason.erase(0, end + 2);
+    refuse("not JSON:", reason);
+  }
+}
+
+}  // namespace
+
+void read_json(std::string_view text, const std::function<void(const json&)>& read) {
+  read(parse_strictly(text));
+}
+
+void refuse(const std::string& path, const std::string& reason) {
+  throw InputError(path + " " + reason);
 }
 
 Object::Object(const json& value, std::string path, std::initializer_list<const char*> known)
@@ -86,8 +118,7 @@ bool truth_or(const Object& object, const char* key, bool otherwise) {
 
 std::uint32_t particle_id(const json& value, const std::string& path) {
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
-    refuse(path, "must be the number of a particle, counted from 0, not " +
-                     (value.is_number() ? value.dump() : kind_of(value)));
+    refuse(path, "must be the number of a particle, counted from 0, not " + text_of(value));
   }
   return value.get<std::uint32_t>();
 }
@@ -95,20 +126,36 @@ std::uint32_t particle_id(const Object& object, const char* key) {
   return particle_id(object.at(key), object.path_of(key));
 }
 
-const json& array(const json& value, const std::string& path) {
-  if (!value.is_array()) refuse(path, "must be an array, not " + kind_of(value));
-  return value;
-}
-const json& array(const Object& object, const char* key) {
-  return array(object.at(key), object.path_of(key));
+std::uint64_t count(const Object& object, const char* key) {
+  const json& value = object.at(key);
+  if (!value.is_number_unsigned()) refuse(object.path_of(key), "must be a count, not " + text_of(value));
+  return value.get<std::uint64_t>();
 }
 
-std::string item_path(const std::string& list, std::size_t i) {
-  return list + "[" + std::to_string(i) + "]";
+void require_version(const Object& object, const char* key, std::uint64_t expected) {
+  const json& version = object.at(key);
+  if (!version.is_number_integer() || version != expected)
+    refuse(object.path_of(key), "is the version of the format and must be " + std::to_string(expected) +
+                                    ", not " + version.dump());
 }
 
-json to_json(Vec3 v) {
-  return json::array({v.x, v.y, v.z});
+bool is_object(const json& value) {
+  return value.is_object();
+}
+
+Array::Array(const json& value, std::string path) : value_(value), path_(std::move(path)) {
+  if (!value.is_array()) refuse(path_, "must be an array, not " + kind_of(value));
+}
+Array::Array(const Object& object, const char* key) : Array(object.at(key), object.path_of(key)) {}
+
+std::size_t Array::size() const {
+  return value_.size();
+}
+const json& Array::operator[](std::size_t i) const {
+  return value_[i];
+}
+std::string Array::path_of(std::size_t i) const {
+  return path_ + "[" + std::to_string(i) + "]";
 }
 
 }  // namespace plumb::scenes

@@ -1,23 +1,26 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "plumb/vec3.hpp"
 
-/// JSON values with the path of each, for messages. All functions throw InputError with it.
+/// JSON that is read, with the path of each value for messages. All functions throw InputError with it. Only
+/// scene_json.cpp includes nlohmann's library, which takes seconds to compile.
 namespace plumb::scenes {
 
 using nlohmann::json;
-using nlohmann::ordered_json;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason);
 
-/// Such as "an array", for messages.
-std::string kind_of(const json& value);
+/// Hands the value of `text` to `read`. The library keeps the last of two equal keys; here that is an error,
+/// since one of the two would be ignored silently.
+void read_json(std::string_view text, const std::function<void(const json&)>& read);
 
 /// An object whose keys are all known; `path` names it in messages ("" is the whole file).
 class Object {
@@ -46,23 +49,27 @@ bool truth_or(const Object& object, const char* key, bool otherwise);
 std::uint32_t particle_id(const json& value, const std::string& path);
 std::uint32_t particle_id(const Object& object, const char* key);
 
-const json& array(const json& value, const std::string& path);
-const json& array(const Object& object, const char* key);
+/// A count, to 64 bits.
+std::uint64_t count(const Object& object, const char* key);
 
-/// Such as rods[3].
-std::string item_path(const std::string& list, std::size_t i);
+/// Refuses all but `expected`, the version of the format.
+void require_version(const Object& object, const char* key, std::uint64_t expected);
 
-json to_json(Vec3 v);
+bool is_object(const json& value);
 
-/// One item to a line.
-template <class Items, class ToJson>
-void append_list(std::string& out, const char* key, const Items& items, ToJson to_object) {
-  out += std::string(",\n  \"") + key + "\": [";
-  for (const auto& item : items) {
-    out += &item == &items.front() ? "\n    " : ",\n    ";
-    out += to_object(item).dump();
-  }
-  out += items.empty() ? "]" : "\n  ]";
-}
+/// An array, with the path of each item, such as rods[3].
+class Array {
+ public:
+  Array(const json& value, std::string path);
+  Array(const Object& object, const char* key);
+
+  std::size_t size() const;
+  const json& operator[](std::size_t i) const;
+  std::string path_of(std::size_t i) const;
+
+ private:
+  const json& value_;
+  std::string path_;
+};
 
 }  // namespace plumb::scenes

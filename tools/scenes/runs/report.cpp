@@ -1,26 +1,7 @@
 #include "scenes/runs/report.hpp"
 
-#include <cmath>
-#include <nlohmann/json.hpp>
-
 namespace plumb::scenes {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json text(std::string_view view) {
-  return std::string(view);
-}
-
-/// JSON has no NaN and no infinity.
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-template <class T>
-Json optional(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
 
 /// Null where nothing can touch.
 Json contact_json(const RunResult& result) {
@@ -40,30 +21,30 @@ Json machine_json(const Machine& machine) {
 
 Json settings_json(const RunPlan& plan) {
   const Settings& s = plan.settings;
-  return {{"method", text(to_string(s.method))},
+  return {{"method", to_string(s.method)},
           {"duration", plan.duration},
           {"dt", plan.dt},
           {"substeps", s.substeps},
           {"time_order", s.time_order},
-          {"accuracy", optional(s.accuracy)},
+          {"accuracy", s.accuracy},
           {"sweeps", s.stop.sweeps},
-          {"tolerance", optional(s.stop.tolerance)},
-          {"budget_us", optional(s.stop.budget_us)},
-          {"order", text(to_string(s.order))},
+          {"tolerance", s.stop.tolerance},
+          {"budget_us", s.stop.budget_us},
+          {"order", to_string(s.order)},
           {"omega", s.omega},
-          {"weights", text(to_string(s.weights))},
-          {"gradient", text(to_string(gradient_of(s)))},
-          {"mass", text(to_string(mass_model_of(s)))},
-          {"integrator", text(to_string(integrator_of(s)))},
-          {"springs", text(to_string(s.springs.model))},
+          {"weights", to_string(s.weights)},
+          {"gradient", to_string(gradient_of(s))},
+          {"mass", to_string(mass_model_of(s))},
+          {"integrator", to_string(integrator_of(s))},
+          {"springs", to_string(s.springs.model)},
           {"stiffness", s.springs.stiffness},
           {"damping_ratio", s.springs.damping_ratio},
-          {"stabilization", text(to_string(s.multipliers.stabilization))},
+          {"stabilization", to_string(s.multipliers.stabilization)},
           {"baumgarte_rate", s.multipliers.baumgarte_rate},
-          {"layout", text(to_string(s.layout))},
-          {"precision", text(to_string(s.precision))},
+          {"layout", to_string(s.layout)},
+          {"precision", to_string(s.precision)},
           {"threads", s.threads},
-          {"isa", s.isa ? text(to_string(*s.isa)) : Json("auto")}};
+          {"isa", s.isa ? to_string(*s.isa) : Json("auto")}};
 }
 
 Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
@@ -78,20 +59,18 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
   const EnergyDrift& energy = result.energy;
   Json errors = Json::array();
   for (const PositionError& e : result.position_error) {
-    errors.push_back({{"t", e.t}, {"rms_m", number(e.rms_m)}, {"relative", number(e.relative)}});
+    errors.push_back({{"t", e.t}, {"rms_m", e.rms_m}, {"relative", e.relative}});
   }
   return {
-      {"scene", text(scene)},
-      {"method", text(to_string(method))},
+      {"scene", scene},
+      {"method", to_string(method)},
       {"settings", settings_json(plan)},
       {"machine", machine_json(machine)},
       {"relaxed_rods", result.info.relaxed_rods},
       {"direct_rods", result.info.direct_rods},
-      {"direct_gradient",
-       result.info.direct_rods > 0 ? text(to_string(result.info.direct_gradient)) : Json(nullptr)},
+      {"direct_gradient", result.info.direct_rods > 0 ? Json(to_string(result.info.direct_gradient)) : nullptr},
       {"changes_gradient", result.info.changes_gradient},
-      {"direct_time_order",
-       result.info.direct_rods > 0 ? Json(result.info.direct_time_order) : Json(nullptr)},
+      {"direct_time_order", result.info.direct_rods > 0 ? Json(result.info.direct_time_order) : nullptr},
       {"rods", result.info.rods},
       {"particles", result.info.particles},
       {"islands", result.info.islands},
@@ -110,26 +89,24 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"rod_projections", result.total.rod_projections},
       {"contact", contact_json(result)},
       {"wall_s", result.wall_s},
-      {"ns_per_rod_frame", number(result.ns_per_rod_frame())},
+      {"ns_per_rod_frame", result.ns_per_rod_frame()},
       {"stretch",
-       {{"rms", number(result.stretch.rms)},
-        {"max", number(result.stretch.max)},
-        {"max_rod", result.stretch.max_rod}}},
+       {{"rms", result.stretch.rms}, {"max", result.stretch.max}, {"max_rod", result.stretch.max_rod}}},
       {"energy",
-       {{"initial", number(energy.initial / energy.range)},
-        {"final", number(energy.final / energy.range)},
-        {"drift_max", number(energy.drift_max / energy.range)}}},
+       {{"initial", energy.initial / energy.range},
+        {"final", energy.final / energy.range},
+        {"drift_max", energy.drift_max / energy.range}}},
       {"position_error", errors},
-      {"stopped_by", text(to_string(result.total.stopped_by))},
+      {"stopped_by", to_string(result.total.stopped_by)},
       {"skipped",
        {{"within_tolerance", result.total.skipped_within_tolerance},
         {"per_rod_weights", result.info.skipped_per_rod_weights},
         {"drag", result.info.skipped_drag}}},
       {"mid_guarded", result.total.mid_guarded},
       {"frozen_islands", result.total.frozen_islands},
-      {"projected_position", number(result.info.projected_position)},
+      {"projected_position", result.info.projected_position},
       {"unprojected_islands", result.info.unprojected_islands},
-      {"projected_velocity", number(result.info.projected_velocity)},
+      {"projected_velocity", result.info.projected_velocity},
       {"state_hash", hash_text(result.state_hash)},
   };
 }
@@ -145,17 +122,17 @@ Json world_json(const WorldInfo& info) {
                       {"colors", b.colors},
                       {"bytes", b.bytes},
                       {"bytes_per_projection", b.bytes_per_projection},
-                      {"uniform_fraction", number(b.uniform_fraction)}});
+                      {"uniform_fraction", b.uniform_fraction}});
   }
   return {{"particles", info.particles},
           {"rods", info.rods},
           {"islands", info.islands},
-          {"isa", text(to_string(info.isa))},
+          {"isa", to_string(info.isa)},
           {"threads", info.threads},
           {"parallel", info.parallel},
           {"skipped", {{"per_rod_weights", info.skipped_per_rod_weights}, {"drag", info.skipped_drag}}},
-          {"projected_position", number(info.projected_position)},
-          {"projected_velocity", number(info.projected_velocity)},
+          {"projected_position", info.projected_position},
+          {"projected_velocity", info.projected_velocity},
           {"blocks", blocks}};
 }
 
@@ -167,7 +144,7 @@ std::string hash_text(std::uint64_t hash) {
 }
 
 std::string format_json(const Json& value) {
-  return value.dump(2) + "\n";
+  return value.dump_indented() + "\n";
 }
 
 }  // namespace plumb::scenes

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
+#include "scenes/basics/json.hpp"
 #include "scenes/runs/machine.hpp"
 #include "scenes/runs/run.hpp"
 
@@ -11,26 +11,26 @@
 /// or has no meaning for the scene is null.
 namespace plumb::scenes {
 
-nlohmann::ordered_json machine_json(const Machine& machine);
+Json machine_json(const Machine& machine);
 
 /// Settings as the command spells them; what is left to plumb is "auto", 0 threads or null.
-nlohmann::ordered_json settings_json(const RunPlan& plan);
+Json settings_json(const RunPlan& plan);
 
 /// scene, method, settings, machine, rods, particles, islands, frames, steps (substeps), sweeps (over
 /// blocks), newton, rod_projections, wall_s, ns_per_rod_frame, stretch, energy (relative to energy_range();
 /// null without gravity), position_error, stopped_by, skipped, mid_guarded, frozen_islands,
 /// projected_position,
 /// unprojected_islands, projected_velocity, state_hash.
-nlohmann::ordered_json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
-                                   const Machine& machine);
+Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
+                 const Machine& machine);
 
 /// How a world laid out a scene.
-nlohmann::ordered_json world_json(const WorldInfo& info);
+Json world_json(const WorldInfo& info);
 
 /// "0x" and sixteen digits.
 std::string hash_text(std::uint64_t hash);
 
 /// The text of a JSON file.
-std::string format_json(const nlohmann::ordered_json& value);
+std::string format_json(const Json& value);
 
 }  // namespace plumb::scenes
