@@ -112,64 +112,75 @@ Reached reached(const Outcome& outcome, const Contender& contender, const Case& 
   return {compute_ns / ns, memory_ns / ns};
 }
 
+namespace {
+
+const std::vector<std::string> full_columns{"name",
+                                            "kind",
+                                            "shape",
+                                            "precision",
+                                            "arrangement",
+                                            "isa",
+                                            "threads",
+                                            "threads_working",
+                                            "size",
+                                            "level",
+                                            "rods",
+                                            "bytes",
+                                            "sweeps",
+                                            "samples",
+                                            "ns_min",
+                                            "ns_median",
+                                            "sweep_ns_median",
+                                            "speedup",
+                                            "speedup_colored",
+                                            "fraction_of_compute_limit",
+                                            "fraction_of_bandwidth_limit",
+                                            "run_up_steps",
+                                            "run_up_stretch",
+                                            "steps",
+                                            "max_stretch",
+                                            "state_hash"};
+
+std::vector<std::string> full_row(const Contest& contest, std::size_t i, const Contender& contender,
+                                  const Limits& limits) {
+  const Case& c = contest.scene_case();
+  const Outcome& outcome = contender.outcome;
+  const bool is_world = !contender.is_baseline;
+  const Reached share = is_world ? reached(outcome, contender, c, limits) : Reached{};
+  return {contender.name(c),
+          is_world ? "relax" : "baseline",
+          std::string(to_string(c.shape)),
+          std::string(number_name(c.precision)),
+          contender.arrangement,
+          is_world ? std::string(to_string(contender.isa)) : "",
+          std::to_string(contender.threads),
+          std::to_string(outcome.threads),
+          size_name(c),
+          std::string(to_string(c.level)),
+          std::to_string(outcome.rods),
+          is_world ? std::to_string(outcome.bytes) : "",
+          std::to_string(sweeps),
+          std::to_string(outcome.step_s.size()),
+          exact(outcome.least_ns()),
+          exact(outcome.median_ns()),
+          exact(outcome.median_sweep_ns()),
+          exact(contest.median_speedup(i, "natural")),
+          exact(contest.median_speedup(i, "colored")),
+          exact(share.compute),
+          exact(share.bandwidth),
+          std::to_string(outcome.run_up_steps),
+          exact(outcome.run_up_stretch),
+          std::to_string(outcome.steps),
+          exact(outcome.max_stretch),
+          is_world ? scenes::hash_text(outcome.state_hash) : ""};
+}
+
+}  // namespace
+
 Sheet full_sheet(const std::vector<std::shared_ptr<Contest>>& contests, const Limits& limits) {
-  Sheet sheet({"name",
-               "kind",
-               "shape",
-               "precision",
-               "arrangement",
-               "isa",
-               "threads",
-               "threads_working",
-               "size",
-               "level",
-               "rods",
-               "bytes",
-               "sweeps",
-               "samples",
-               "ns_min",
-               "ns_median",
-               "sweep_ns_median",
-               "speedup",
-               "speedup_colored",
-               "fraction_of_compute_limit",
-               "fraction_of_bandwidth_limit",
-               "run_up_steps",
-               "run_up_stretch",
-               "steps",
-               "max_stretch",
-               "state_hash"});
+  Sheet sheet(full_columns);
   for_listed(contests, [&](const Contest& contest, std::size_t i, const Contender& contender) {
-    const Case& c = contest.scene_case();
-    const Outcome& outcome = contender.outcome;
-    const bool is_world = !contender.is_baseline;
-    const Reached share = is_world ? reached(outcome, contender, c, limits) : Reached{};
-    sheet.add_row({contender.name(c),
-                   is_world ? "relax" : "baseline",
-                   std::string(to_string(c.shape)),
-                   std::string(number_name(c.precision)),
-                   contender.arrangement,
-                   is_world ? std::string(to_string(contender.isa)) : "",
-                   std::to_string(contender.threads),
-                   std::to_string(outcome.threads),
-                   size_name(c),
-                   std::string(to_string(c.level)),
-                   std::to_string(outcome.rods),
-                   is_world ? std::to_string(outcome.bytes) : "",
-                   std::to_string(sweeps),
-                   std::to_string(outcome.step_s.size()),
-                   exact(outcome.least_ns()),
-                   exact(outcome.median_ns()),
-                   exact(outcome.median_sweep_ns()),
-                   exact(contest.median_speedup(i, "natural")),
-                   exact(contest.median_speedup(i, "colored")),
-                   exact(share.compute),
-                   exact(share.bandwidth),
-                   std::to_string(outcome.run_up_steps),
-                   exact(outcome.run_up_stretch),
-                   std::to_string(outcome.steps),
-                   exact(outcome.max_stretch),
-                   is_world ? scenes::hash_text(outcome.state_hash) : ""});
+    sheet.add_row(full_row(contest, i, contender, limits));
   });
   return sheet;
 }

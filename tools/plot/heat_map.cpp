@@ -37,10 +37,16 @@ double level_of(const HeatMap& map, double value) {
                     static_cast<double>(map.most));
 }
 
-/// The cells of one kind as a data block, and the plot's part for them, if there are any.
+/// What gnuplot is told of a panel: its cells as data blocks, and the arguments of `plot`.
+struct PanelScript {
+  std::string blocks;
+  std::string plot;
+};
+
+/// Adds the cells of one kind, if there are any.
 template <class Takes>
-void add_cells(std::string& blocks, std::string& plot, const HeatMap& map, const HeatPanel& panel,
-               const std::string& name, const std::string& style, Takes takes) {
+void add_cells(PanelScript& script, const HeatMap& map, const HeatPanel& panel, const std::string& name,
+               const std::string& style, Takes takes) {
   std::string lines;
   for (const HeatCell& cell : panel.cells) {
     if (!takes(cell)) continue;
@@ -48,8 +54,8 @@ void add_cells(std::string& blocks, std::string& plot, const HeatMap& map, const
              short_number(level_of(map, cell.value)) + "\n";
   }
   if (lines.empty()) return;
-  blocks += name + " << EOD\n" + lines + "EOD\n";
-  append_item(plot, name + " " + style);
+  script.blocks += name + " << EOD\n" + lines + "EOD\n";
+  append_item(script.plot, name + " " + style);
 }
 
 /// Whether black is lost on the cell's colour.
@@ -106,20 +112,20 @@ std::string script_for(const HeatMap& map, int height) {
              " point pt 6 ps 0.7 lw 1.6 lc rgb 'black' offset 0.8,0 font ',12'\n";
       }
     }
-    std::string blocks, plot;
+    PanelScript script;
     const std::string box = "using 1:2:(0.5):(0.5)";
     const std::string cross = "using 1:2 with points pt 2 ps 0.7 lw 1.6 lc rgb ";
-    add_cells(blocks, plot, map, panel, "$coloured", box + ":3 with boxxyerror lc palette",
+    add_cells(script, map, panel, "$coloured", box + ":3 with boxxyerror lc palette",
               [](const HeatCell& c) { return !c.missing; });
-    add_cells(blocks, plot, map, panel, "$grey", box + " with boxxyerror lc rgb '#d9d9d9'",
+    add_cells(script, map, panel, "$grey", box + " with boxxyerror lc rgb '#d9d9d9'",
               [](const HeatCell& c) { return c.missing; });
-    add_cells(blocks, plot, map, panel, "$black", cross + "'black'",
+    add_cells(script, map, panel, "$black", cross + "'black'",
               [&](const HeatCell& c) { return c.crossed && !is_dark(map, c); });
-    add_cells(blocks, plot, map, panel, "$white", cross + "'white'",
+    add_cells(script, map, panel, "$white", cross + "'white'",
               [&](const HeatCell& c) { return c.crossed && is_dark(map, c); });
-    add_cells(blocks, plot, map, panel, "$ringed", "using 1:2 with points pt 6 ps 0.7 lw 1.6 lc rgb 'black'",
+    add_cells(script, map, panel, "$ringed", "using 1:2 with points pt 6 ps 0.7 lw 1.6 lc rgb 'black'",
               [](const HeatCell& c) { return c.missing; });
-    s += blocks + "plot " + (plot.empty() ? "NaN" : plot) + "\nunset label\n";
+    s += script.blocks + "plot " + (script.plot.empty() ? "NaN" : script.plot) + "\nunset label\n";
   }
   return s + "unset multiplot\n";
 }

@@ -5,22 +5,10 @@
 
 #include "plot/chart.hpp"
 #include "plot/table.hpp"
-#include "scale/equal_error.hpp"
-#include "scale/measure.hpp"
-#include "scenes/basics/json.hpp"
+#include "scale/results.hpp"
 
 /// What `plumb scale` measured, as tables, charts and text. Cells without a number hold a dash.
 namespace plumb::tools {
-
-struct ScaleResults {
-  std::vector<ScaleCell> cells;
-  std::vector<ScaleCell> five;  ///< the thesis's five links at 5 and 1000 sweeps
-  std::vector<EqualErrorCell> errors;
-};
-
-/// Lengths at equal error: those asked for, of chains of 1 m none above ScaleOptions::most_fine, which itself
-/// takes the place of longer ones.
-std::vector<std::uint32_t> error_links_of(ChainFamily family, const ScaleOptions& options);
 
 /// Every length in a row, every series that was measured anywhere in a column.
 Table frames_table(const ScaleOptions& options, const ScaleResults& results);
@@ -58,8 +46,5 @@ Chart frames_chart(const ScaleOptions& options, const ScaleResults& results);
 Chart rods_chart(const ScaleOptions& options, const ScaleResults& results);
 Chart stretch_chart(const ScaleOptions& options, const ScaleResults& results);
 Chart error_chart(const ScaleOptions& options, const ScaleResults& results, ChainFamily family);
-
-std::string scale_csv(const ScaleResults& results);
-scenes::Json scale_json(const ScaleOptions& options, const ScaleResults& results);
 
 }  // namespace plumb::tools

@@ -99,19 +99,13 @@ Generator describe(const char* name, const char* summary, Scene (*make)(const Sh
           }};
 }
 
-/// A new generator is one more entry here.
-const std::vector<Generator>& generators() {
+std::vector<Generator> chains_and_nets() {
   using C = ChainShape;
   using N = NetShape;
   using E = EnsembleShape;
   using R = RingShape;
   using T = TrussShape;
-  using G = GraphShape;
-  using H = HumanoidShape;
-  using W = CrowdShape;
-  using S = StickBoxShape;
-  using D = DropShape;
-  static const std::vector<Generator> list = {
+  return {
       describe<C>(
           "chain", "massless rods straight along +x from a fixed particle; the last particle may be heavy",
           make_chain,
@@ -148,6 +142,16 @@ const std::vector<Generator>& generators() {
       describe<C>("rods5", "five uniform rods with mass in a row, the last twice as heavy",
                   [](const C&) { return make_rods5(); }, {}),
       describe<C>("tree", "six rods with mass that branch twice", [](const C&) { return make_tree(); }, {}),
+  };
+}
+
+std::vector<Generator> figures_and_solids() {
+  using G = GraphShape;
+  using H = HumanoidShape;
+  using W = CrowdShape;
+  using S = StickBoxShape;
+  using D = DropShape;
+  return {
       describe<H>("humanoid",
                   "the thesis's nine limbs as rods with mass, level from the top of the head; "
                   "body=thin|medium|wide: standing on the ground, asleep; arms=1: with them, and knees that "
@@ -185,6 +189,15 @@ const std::vector<Generator>& generators() {
                    {"restitution", &D::restitution},
                    {"friction", &D::friction}}),
   };
+}
+
+/// A new generator is one more entry above; help lists them in this order.
+const std::vector<Generator>& generators() {
+  static const std::vector<Generator> list = [] {
+    std::vector<Generator> out = chains_and_nets();
+    for (Generator& generator : figures_and_solids()) out.push_back(std::move(generator));
+    return out;
+  }();
   return list;
 }
 

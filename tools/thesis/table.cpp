@@ -105,6 +105,112 @@ ThesisRow fps_row(const std::string& what, const char* where, double thesis, dou
           .values = {{"thesis_frames_per_s", thesis}, {"frames_per_s", ours}}};
 }
 
+/// How far the heavy end changes the motion.
+void add_change_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
+  const PerWay& c = n.change;
+  const auto near_truth = [&](double change) { return std::abs(change - c.truth) < 0.5 * c.truth; };
+  rows.push_back({.what = "change of motion by the heavy end, weights by mass",
+                  .thesis = "\"more control over the global motion\"",
+                  .where = "4.4.2",
+                  .ours = percent(c.mass) + " of the length at 1 s, truth " + percent(c.truth),
+                  .agrees = near_truth(c.mass),
+                  .values = {{"mass", c.mass}, {"truth", c.truth}}});
+  rows.push_back({.what = "the same, equal weights",
+                  .thesis = "\"difficult to observe any difference in mass\"",
+                  .where = "4.4.2",
+                  .ours = percent(c.equal),
+                  .agrees = c.equal < 0.1 * c.truth,
+                  .values = {{"equal", c.equal}}});
+  rows.push_back({.what = "the same, springs of " + short_number(n.stiffness, 3) + " N/m",
+                  .thesis = "\"in both simulations the larger mass ... could be noticed\"",
+                  .where = "4.4.3",
+                  .ours = percent(c.springs),
+                  .agrees = c.springs > 0.5 * c.truth,
+                  .values = {{"springs", c.springs}, {"stiffness_N_per_m", n.stiffness}}});
+}
+
+/// Times to rest, and errors.
+void add_error_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
+  rows.push_back(rest_row("time to rest, drag 0.5/s", n.drag));
+  rows.push_back(rest_row("time to rest, no drag, 5 sweeps", n.numerical));
+  rows.push_back({.what = "error at 1 s against truth",
+                  .thesis = "\"similar to those obtained with stiff springs\"",
+                  .where = "4.3",
+                  .ours = "by mass " + percent(n.error.mass) + ", equal " + percent(n.error.equal) +
+                          ", springs " + percent(n.error.springs) + "; of " + short_number(n.stiff, 2) +
+                          " N/m " + percent(n.stiff_error),
+                  .agrees = n.error.mass < n.error.equal && n.stiff_error < n.error.equal,
+                  .values = {{"mass", n.error.mass},
+                             {"equal", n.error.equal},
+                             {"springs", n.error.springs},
+                             {"stiff_springs", n.stiff_error},
+                             {"stiff_N_per_m", n.stiff},
+                             {"truth_known_to", n.error.truth}}});
+}
+
+/// How far springs open and rods stretch.
+void add_gap_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
+  const HangingGaps& h = n.hanging;
+  rows.push_back({.what = "gaps of springs, hanging at rest",
+                  .thesis = "\"worst at\" the top joint, which bears all links (figure 4.5)",
+                  .where = "4.4.1",
+                  .ours = "largest " + millimetres(h.largest) + ", RMS " + millimetres(h.rms) +
+                          "; weight/stiffness " + millimetres(h.top_load) + " on top, " +
+                          millimetres(h.bottom_load) + " below; spring " + std::to_string(h.widest + 1) +
+                          " from the top gives most",
+                  .agrees = h.widest == 0 && std::abs(h.largest - h.top_load) < 0.01 * h.top_load,
+                  .values = {{"largest_m", h.largest},
+                             {"rms_m", h.rms},
+                             {"top_load_m", h.top_load},
+                             {"bottom_load_m", h.bottom_load},
+                             {"widest_spring", h.widest}}});
+  rows.push_back({.what = "gaps in motion, springs against relaxation",
+                  .thesis = "gaps \"noticeable\" with springs, \"never any\" relaxed",
+                  .where = "4.4.2-3",
+                  .ours = "springs " + millimetres(n.moving.largest) + ", RMS " + millimetres(n.moving.rms) +
+                          "; rods relaxed are off by " + millimetres(n.link * n.five.stretch_max) + ", RMS " +
+                          millimetres(n.link * n.five.stretch_rms) + " (5 sweeps), " +
+                          millimetres(n.link * n.thousand.stretch_max) + " (1000)",
+                  // What is less than a twentieth of a link is hard to see.
+                  .agrees = n.moving.largest > 0.05 * n.link && n.five.stretch_max < 0.05,
+                  .values = {{"springs_largest_m", n.moving.largest},
+                             {"springs_rms_m", n.moving.rms},
+                             {"five_sweeps_largest_m", n.link * n.five.stretch_max},
+                             {"five_sweeps_rms_m", n.link * n.five.stretch_rms},
+                             {"thousand_sweeps_largest_m", n.link * n.thousand.stretch_max}}});
+}
+
+/// How stiff springs can be.
+void add_stiffness_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
+  rows.push_back({.what = "stiffness that keeps the top joint to 1 % of a link",
+                  .thesis = "\"could never be increased enough\"",
+                  .where = "4.4.3",
+                  .ours = short_number(n.one_percent, 3) + " N/m: " +
+                          short_number(std::ceil(n.explicit_steps)) + " steps/s of forward Euler, " +
+                          short_number(std::ceil(n.semi_implicit_steps)) + " of semi-implicit",
+                  .agrees = n.explicit_steps > thesis_fps,
+                  .values = {{"stiffness_N_per_m", n.one_percent},
+                             {"forward_euler_steps_per_s", n.explicit_steps},
+                             {"semi_implicit_euler_steps_per_s", n.semi_implicit_steps}}});
+  rows.push_back(limit_row("forward Euler", n.forward));
+  rows.push_back(limit_row("semi-implicit Euler", n.semi_implicit));
+}
+
+/// Frames a second.
+void add_speed_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
+  rows.push_back(fps_row("springs, forward Euler, a step a frame", "4.4.1", thesis_fps, n.springs_fps));
+  rows.push_back(fps_row("relaxation, 5 sweeps a frame", "4.4.2", 597, n.five_fps));
+  rows.push_back(fps_row("relaxation, 1000 sweeps a frame", "4.4.2", 30, n.thousand_fps));
+  const double ratio = n.springs_fps / n.five_fps;
+  rows.push_back({.what = "springs to 5 sweeps",
+                  .thesis = "\"similar\": 602 to 597, a ratio of 1.01",
+                  .where = "4.4.3",
+                  .ours = plain_number(ratio) + "; 5 to 1000 sweeps " +
+                          plain_number(n.five_fps / n.thousand_fps) + " (thesis 19.9)",
+                  .agrees = ratio > 0.5 && ratio < 2,
+                  .values = {{"ratio", ratio}, {"five_to_thousand", n.five_fps / n.thousand_fps}}});
+}
+
 }  // namespace
 
 ThesisNumbers measure_thesis_numbers() {
@@ -157,92 +263,11 @@ ThesisNumbers measure_thesis_numbers() {
 
 std::vector<ThesisRow> thesis_rows(const ThesisNumbers& n) {
   std::vector<ThesisRow> rows;
-  const PerWay& c = n.change;
-  const auto near_truth = [&](double change) { return std::abs(change - c.truth) < 0.5 * c.truth; };
-  rows.push_back({.what = "change of motion by the heavy end, weights by mass",
-                  .thesis = "\"more control over the global motion\"",
-                  .where = "4.4.2",
-                  .ours = percent(c.mass) + " of the length at 1 s, truth " + percent(c.truth),
-                  .agrees = near_truth(c.mass),
-                  .values = {{"mass", c.mass}, {"truth", c.truth}}});
-  rows.push_back({.what = "the same, equal weights",
-                  .thesis = "\"difficult to observe any difference in mass\"",
-                  .where = "4.4.2",
-                  .ours = percent(c.equal),
-                  .agrees = c.equal < 0.1 * c.truth,
-                  .values = {{"equal", c.equal}}});
-  rows.push_back({.what = "the same, springs of " + short_number(n.stiffness, 3) + " N/m",
-                  .thesis = "\"in both simulations the larger mass ... could be noticed\"",
-                  .where = "4.4.3",
-                  .ours = percent(c.springs),
-                  .agrees = c.springs > 0.5 * c.truth,
-                  .values = {{"springs", c.springs}, {"stiffness_N_per_m", n.stiffness}}});
-  rows.push_back(rest_row("time to rest, drag 0.5/s", n.drag));
-  rows.push_back(rest_row("time to rest, no drag, 5 sweeps", n.numerical));
-  rows.push_back({.what = "error at 1 s against truth",
-                  .thesis = "\"similar to those obtained with stiff springs\"",
-                  .where = "4.3",
-                  .ours = "by mass " + percent(n.error.mass) + ", equal " + percent(n.error.equal) +
-                          ", springs " + percent(n.error.springs) + "; of " + short_number(n.stiff, 2) +
-                          " N/m " + percent(n.stiff_error),
-                  .agrees = n.error.mass < n.error.equal && n.stiff_error < n.error.equal,
-                  .values = {{"mass", n.error.mass},
-                             {"equal", n.error.equal},
-                             {"springs", n.error.springs},
-                             {"stiff_springs", n.stiff_error},
-                             {"stiff_N_per_m", n.stiff},
-                             {"truth_known_to", n.error.truth}}});
-  const HangingGaps& h = n.hanging;
-  rows.push_back({.what = "gaps of springs, hanging at rest",
-                  .thesis = "\"worst at\" the top joint, which bears all links (figure 4.5)",
-                  .where = "4.4.1",
-                  .ours = "largest " + millimetres(h.largest) + ", RMS " + millimetres(h.rms) +
-                          "; weight/stiffness " + millimetres(h.top_load) + " on top, " +
-                          millimetres(h.bottom_load) + " below; spring " + std::to_string(h.widest + 1) +
-                          " from the top gives most",
-                  .agrees = h.widest == 0 && std::abs(h.largest - h.top_load) < 0.01 * h.top_load,
-                  .values = {{"largest_m", h.largest},
-                             {"rms_m", h.rms},
-                             {"top_load_m", h.top_load},
-                             {"bottom_load_m", h.bottom_load},
-                             {"widest_spring", h.widest}}});
-  rows.push_back({.what = "gaps in motion, springs against relaxation",
-                  .thesis = "gaps \"noticeable\" with springs, \"never any\" relaxed",
-                  .where = "4.4.2-3",
-                  .ours = "springs " + millimetres(n.moving.largest) + ", RMS " + millimetres(n.moving.rms) +
-                          "; rods relaxed are off by " + millimetres(n.link * n.five.stretch_max) + ", RMS " +
-                          millimetres(n.link * n.five.stretch_rms) + " (5 sweeps), " +
-                          millimetres(n.link * n.thousand.stretch_max) + " (1000)",
-                  // What is less than a twentieth of a link is hard to see.
-                  .agrees = n.moving.largest > 0.05 * n.link && n.five.stretch_max < 0.05,
-                  .values = {{"springs_largest_m", n.moving.largest},
-                             {"springs_rms_m", n.moving.rms},
-                             {"five_sweeps_largest_m", n.link * n.five.stretch_max},
-                             {"five_sweeps_rms_m", n.link * n.five.stretch_rms},
-                             {"thousand_sweeps_largest_m", n.link * n.thousand.stretch_max}}});
-  rows.push_back({.what = "stiffness that keeps the top joint to 1 % of a link",
-                  .thesis = "\"could never be increased enough\"",
-                  .where = "4.4.3",
-                  .ours = short_number(n.one_percent, 3) + " N/m: " +
-                          short_number(std::ceil(n.explicit_steps)) + " steps/s of forward Euler, " +
-                          short_number(std::ceil(n.semi_implicit_steps)) + " of semi-implicit",
-                  .agrees = n.explicit_steps > thesis_fps,
-                  .values = {{"stiffness_N_per_m", n.one_percent},
-                             {"forward_euler_steps_per_s", n.explicit_steps},
-                             {"semi_implicit_euler_steps_per_s", n.semi_implicit_steps}}});
-  rows.push_back(limit_row("forward Euler", n.forward));
-  rows.push_back(limit_row("semi-implicit Euler", n.semi_implicit));
-  rows.push_back(fps_row("springs, forward Euler, a step a frame", "4.4.1", thesis_fps, n.springs_fps));
-  rows.push_back(fps_row("relaxation, 5 sweeps a frame", "4.4.2", 597, n.five_fps));
-  rows.push_back(fps_row("relaxation, 1000 sweeps a frame", "4.4.2", 30, n.thousand_fps));
-  const double ratio = n.springs_fps / n.five_fps;
-  rows.push_back({.what = "springs to 5 sweeps",
-                  .thesis = "\"similar\": 602 to 597, a ratio of 1.01",
-                  .where = "4.4.3",
-                  .ours = plain_number(ratio) + "; 5 to 1000 sweeps " +
-                          plain_number(n.five_fps / n.thousand_fps) + " (thesis 19.9)",
-                  .agrees = ratio > 0.5 && ratio < 2,
-                  .values = {{"ratio", ratio}, {"five_to_thousand", n.five_fps / n.thousand_fps}}});
+  add_change_rows(n, rows);
+  add_error_rows(n, rows);
+  add_gap_rows(n, rows);
+  add_stiffness_rows(n, rows);
+  add_speed_rows(n, rows);
   return rows;
 }
 

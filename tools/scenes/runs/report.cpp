@@ -12,6 +12,24 @@ Json contact_json(const RunResult& result) {
           {"awake_islands", result.total.awake_islands}};
 }
 
+/// The method that was asked for, or what `auto` picked, if it picked the same for all.
+Method method_of(const RunPlan& plan, const RunResult& result) {
+  const Method asked = plan.settings.method;
+  return asked != Method::automatic      ? asked
+         : result.info.linkages > 0      ? Method::direct
+         : result.info.direct_rods == 0  ? Method::relax
+         : result.info.relaxed_rods == 0 ? Method::direct
+                                         : asked;
+}
+
+Json errors_json(const RunResult& result) {
+  Json errors = Json::array();
+  for (const PositionError& e : result.position_error) {
+    errors.push_back({{"t", e.t}, {"rms_m", e.rms_m}, {"relative", e.relative}});
+  }
+  return errors;
+}
+
 }  // namespace
 
 Json machine_json(const Machine& machine) {
@@ -49,26 +67,16 @@ Json settings_json(const RunPlan& plan) {
 
 Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
                  const Machine& machine) {
-  // What `auto` picked, if it picked the same for all.
-  const Method asked = plan.settings.method;
-  const Method method = asked != Method::automatic      ? asked
-                        : result.info.linkages > 0      ? Method::direct
-                        : result.info.direct_rods == 0  ? Method::relax
-                        : result.info.relaxed_rods == 0 ? Method::direct
-                                                        : asked;
   const EnergyDrift& energy = result.energy;
-  Json errors = Json::array();
-  for (const PositionError& e : result.position_error) {
-    errors.push_back({{"t", e.t}, {"rms_m", e.rms_m}, {"relative", e.relative}});
-  }
   return {
       {"scene", scene},
-      {"method", to_string(method)},
+      {"method", to_string(method_of(plan, result))},
       {"settings", settings_json(plan)},
       {"machine", machine_json(machine)},
       {"relaxed_rods", result.info.relaxed_rods},
       {"direct_rods", result.info.direct_rods},
-      {"direct_gradient", result.info.direct_rods > 0 ? Json(to_string(result.info.direct_gradient)) : nullptr},
+      {"direct_gradient",
+       result.info.direct_rods > 0 ? Json(to_string(result.info.direct_gradient)) : nullptr},
       {"changes_gradient", result.info.changes_gradient},
       {"direct_time_order", result.info.direct_rods > 0 ? Json(result.info.direct_time_order) : nullptr},
       {"rods", result.info.rods},
@@ -96,7 +104,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
        {{"initial", energy.initial / energy.range},
         {"final", energy.final / energy.range},
         {"drift_max", energy.drift_max / energy.range}}},
-      {"position_error", errors},
+      {"position_error", errors_json(result)},
       {"stopped_by", to_string(result.total.stopped_by)},
       {"skipped",
        {{"within_tolerance", result.total.skipped_within_tolerance},
