@@ -1,12 +1,12 @@
 #include "humanoid/experiment.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "plumb/world.hpp"
+#include "scenes/basics/clock.hpp"
 #include "scenes/basics/require.hpp"
 #include "scenes/basics/seeded.hpp"
 #include "scenes/humanoid/limbs.hpp"
@@ -158,7 +158,6 @@ double deepest_penetration(const Scene& scene, std::span<const Vec3> positions) 
 }
 
 HumanoidResult run_humanoid(const HumanoidRun& run, bool with_poses) {
-  using Clock = std::chrono::steady_clock;
   scenes::require_positive(run.dt, "dt");
   scenes::require_positive(run.most, "the duration");
   const Scene scene = make_scene(run);
@@ -192,9 +191,9 @@ HumanoidResult run_humanoid(const HumanoidRun& run, bool with_poses) {
   std::optional<Impact> impact;
   for (std::uint64_t number = 1; number <= frames && result.finite; ++number) {
     before = now.positions;
-    const auto start = Clock::now();
+    const auto start = scenes::Clock::now();
     const StepReport step = world.step(run.dt);
-    result.wall_s += std::chrono::duration<double>(Clock::now() - start).count();
+    result.wall_s += scenes::seconds_since(start);
     result.unsolved += step.unsolved;
     result.frozen += step.frozen_islands;
     now.t = static_cast<double>(number) * run.dt;

@@ -7,8 +7,8 @@ namespace plumb::tools {
 namespace {
 
 std::string script_for(const Chart& chart) {
-  std::string s = "set title " + quoted(chart.title) + "\nset xlabel " + quoted(chart.x) + "\nset ylabel " +
-                  quoted(chart.y) + (chart.log_x ? "\nset logscale x" : "") +
+  std::string s = "set title " + in_quotes(chart.title) + "\nset xlabel " + in_quotes(chart.x) +
+                  "\nset ylabel " + in_quotes(chart.y) + (chart.log_x ? "\nset logscale x" : "") +
                   (chart.log_y ? "\nset logscale y" : "") +
                   "\nset format '%g'\nset grid lc rgb '#dddddd'\nset border 3 lc rgb '#555555'\n"
                   "set tics nomirror\nset key outside right top Left reverse samplen 2.5\n";
@@ -26,8 +26,8 @@ std::string script_for(const Chart& chart) {
     }
     s += "EOD\n";
     plot += (plot.empty() ? "plot " : ", ");
-    plot += name + " using 1:2 with linespoints title " + quoted(series.name) + " lc rgb " +
-            quoted(series.color) + (series.dashed ? " dt 2 pt 7" : " dt 1 pt 7") + " lw " +
+    plot += name + " using 1:2 with linespoints title " + in_quotes(series.name) + " lc rgb " +
+            in_quotes(series.color) + (series.dashed ? " dt 2 pt 7" : " dt 1 pt 7") + " lw " +
             scenes::short_number(series.width) + " ps 0.5";
   }
   return s + (plot.empty() ? "set label 'no data' at graph 0.5,0.5\nplot [1:10] [1:10] NaN notitle" : plot) +

@@ -53,7 +53,7 @@ bool run_gnuplot(std::string argument, const std::filesystem::path& log) {
 
 }  // namespace
 
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
   return out + "'";
@@ -72,7 +72,7 @@ std::string draw_svg(const std::string& title, int width, int height, const std:
   scenes::write_file(folder / "script", "set terminal svg noenhanced size " + std::to_string(width) + "," +
                                             std::to_string(height) +
                                             " font 'sans-serif,13' background 'white'\nset output " +
-                                            quoted((folder / "svg").string()) + "\n" + script);
+                                            in_quotes((folder / "svg").string()) + "\n" + script);
   if (!run_gnuplot((folder / "script").string(), folder / "log")) {
     require_gnuplot();
     throw InputError("gnuplot failed to draw '" + title + "': " + scenes::read_file(folder / "log"));

@@ -8,7 +8,7 @@ namespace plumb::tools {
 void require_gnuplot();
 
 /// `text` as gnuplot's scripts spell it.
-std::string quoted(const std::string& text);
+std::string in_quotes(const std::string& text);
 
 /// What the script, which need set no terminal and no output, draws, as SVG text; sizes in pixels. Throws
 /// InputError with gnuplot's own words if it fails; `title` says what was to be drawn.

@@ -26,7 +26,7 @@ constexpr const char* palette =
 std::string ticks_of(const std::vector<std::string>& names) {
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i)
-    append_item(list, quoted(names[i]) + " " + std::to_string(i));
+    append_item(list, in_quotes(names[i]) + " " + std::to_string(i));
   return "(" + list + ")";
 }
 
@@ -69,7 +69,7 @@ std::string colour_ticks(const HeatMap& map) {
     std::string text = power == map.least ? "≤ " : power == map.most ? "≥ " : "";
     text += power == 0 ? "1" : power == -1 ? "0.1" : power == -2 ? "0.01" : "1e";
     if (power < -2 || power > 0) text += std::to_string(power);
-    append_item(list, quoted(text) + " " + std::to_string(power));
+    append_item(list, in_quotes(text) + " " + std::to_string(power));
   }
   return "(" + list + ")";
 }
@@ -83,8 +83,8 @@ std::string script_for(const HeatMap& map, int height) {
                   std::string(palette) + "set cbrange [" + std::to_string(map.least) + ":" +
                   std::to_string(map.most) + "]\nset xrange [-0.5:" + std::to_string(map.columns.size()) +
                   "-0.5]\nset yrange [-0.5:" + std::to_string(map.rows.size()) +
-                  "-0.5]\nset style fill solid noborder\n" + "set label 1 " + quoted(map.title) +
-                  " at screen 0.5," + from_below(18) + " center font ',15'\nset label 2 " + quoted(map.x) +
+                  "-0.5]\nset style fill solid noborder\n" + "set label 1 " + in_quotes(map.title) +
+                  " at screen 0.5," + from_below(18) + " center font ',15'\nset label 2 " + in_quotes(map.x) +
                   " at screen 0.5," + from_below(height - below + 40) + " center\n";
   for (std::size_t i = 0; i < map.panels.size(); ++i) {
     const HeatPanel& panel = map.panels[i];
@@ -94,21 +94,22 @@ std::string script_for(const HeatMap& map, int height) {
     const bool lowest = i + panels_in_line >= map.panels.size();
     s += "set lmargin at screen " + share(x, width) + "\nset rmargin at screen " +
          share(x + panel_width, width) + "\nset tmargin at screen " + from_below(y) +
-         "\nset bmargin at screen " + from_below(y + panel_height) + "\nset title " + quoted(panel.title) +
+         "\nset bmargin at screen " + from_below(y + panel_height) + "\nset title " + in_quotes(panel.title) +
          " offset 0,-0.6\nset xtics " + (lowest ? ticks_of(map.columns) : "('' 0)") +
          " scale 0 offset 0,0.4 font ',12'\nset ytics " + (column == 0 ? ticks_of(map.rows) : "('' 0)") +
-         " scale 0 font ',12'\nset ylabel " + quoted(column == 0 ? map.y : "") + "\n";
+         " scale 0 font ',12'\nset ylabel " + in_quotes(column == 0 ? map.y : "") + "\n";
     if (i + 1 == map.panels.size()) {
       const std::string y_marks = from_below(height - 26);
-      s += "set cbtics " + colour_ticks(map) + " scale 0.4 font ',12'\nset cblabel " + quoted(map.quantity) +
-           " offset 0,0.4\nset colorbox horizontal user origin " + share(left, width) + "," +
-           from_below(height - 44) + " size " + share(0.52 * width, width) + "," + share(14, height) + "\n";
-      s += "set label 3 " + quoted(map.crossed) + " at screen 0.72," + from_below(height - 50) +
+      s += "set cbtics " + colour_ticks(map) + " scale 0.4 font ',12'\nset cblabel " +
+           in_quotes(map.quantity) + " offset 0,0.4\nset colorbox horizontal user origin " +
+           share(left, width) + "," + from_below(height - 44) + " size " + share(0.52 * width, width) + "," +
+           share(14, height) + "\n";
+      s += "set label 3 " + in_quotes(map.crossed) + " at screen 0.72," + from_below(height - 50) +
            " point pt 2 ps 0.7 lw 1.6 lc rgb 'black' offset 0.8,0 font ',12'\n";
       if (std::any_of(map.panels.begin(), map.panels.end(), [](const HeatPanel& p) {
             return std::any_of(p.cells.begin(), p.cells.end(), [](const HeatCell& c) { return c.missing; });
           })) {
-        s += "set label 4 " + quoted(map.missing) + " at screen 0.72," + y_marks +
+        s += "set label 4 " + in_quotes(map.missing) + " at screen 0.72," + y_marks +
              " point pt 6 ps 0.7 lw 1.6 lc rgb 'black' offset 0.8,0 font ',12'\n";
       }
     }

@@ -40,7 +40,7 @@ std::string draw_misses(const Profile& profile, MissKind kind) {
   if (groups.empty()) return {};
   const bool first = kind == MissKind::l1d_read;
   const std::string title = first ? "L1D read misses per projection" : "LL misses per projection";
-  std::string s = "set title " + quoted(title) + "\nset ylabel 'misses'\nset yrange [0:*]\n" +
+  std::string s = "set title " + in_quotes(title) + "\nset ylabel 'misses'\nset yrange [0:*]\n" +
                   "set style data histograms\nset style histogram clustered gap 1\n"
                   "set style fill solid border -1\nset boxwidth 1\nset border 3 lc rgb '#555555'\n"
                   "set tics nomirror\nset grid y lc rgb '#dddddd'\nset key outside right top Left "
@@ -63,7 +63,7 @@ std::string draw_misses(const Profile& profile, MissKind kind) {
   for (std::size_t i = 0; i < std::size(layouts); ++i) {
     if (i > 0) s += ", ";
     s += "$data using " + std::to_string(i + 2) + (i == 0 ? ":xtic(1)" : "") + " title " +
-         quoted(layouts[i]) + " lc rgb " + quoted(colors[i]);
+         in_quotes(layouts[i]) + " lc rgb " + in_quotes(colors[i]);
   }
   return draw_svg(title, 1100, 400, s + "\n");
 }

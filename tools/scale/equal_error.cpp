@@ -1,24 +1,22 @@
 #include "scale/equal_error.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "frontier/contest.hpp"
+#include "scenes/basics/clock.hpp"
 #include "scenes/basics/numbers.hpp"
 
 namespace plumb::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using scenes::Clock;
+using scenes::seconds_since;
 
 /// Settings that were this much slower in a single run are not timed again.
 constexpr double nearly = 1.3;
 constexpr int most_repetitions = 10;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What met the target, and how it is run again.
 struct Tried {

@@ -1,28 +1,25 @@
 #include "scale/measure.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
 #include "plumb/error.hpp"
 #include "plumb/springs.hpp"
 #include "plumb/world.hpp"
+#include "scenes/basics/clock.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/generators/generators.hpp"
 
 namespace plumb::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using scenes::Clock;
+using scenes::seconds_since;
 
 constexpr std::uint32_t most_substeps = 64;
 /// Fewer say too little of the mean over a second.
 constexpr int least_frames = 10;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What a second of stepping came to.
 struct Second {

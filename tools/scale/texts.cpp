@@ -12,8 +12,6 @@ using scenes::append_item;
 using scenes::plain_number;
 using scenes::short_number;
 
-const std::string dash = "—";
-
 /// Slopes that differ by less are alike: timing on a busy machine is no better.
 constexpr double slope_room = 0.1;
 

@@ -1,11 +1,11 @@
 #include "stability/grid.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "plumb/error.hpp"
 #include "plumb/measures.hpp"
+#include "scenes/basics/clock.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/basics/require.hpp"
@@ -120,10 +120,6 @@ Outcome judge(const StabilityResult& result) {
 }
 
 StabilityResult measure_stability(const StabilityCase& cell, std::uint32_t sweeps, double budget_s) {
-  using Clock = std::chrono::steady_clock;
-  const auto seconds_since = [](Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-  };
   const auto begin = Clock::now();
   const Scene scene = make_chain(cell.links, rod_length, cell.ratio);
   Settings settings;

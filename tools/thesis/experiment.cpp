@@ -10,8 +10,6 @@
 namespace plumb::tools {
 namespace {
 
-constexpr double frame_length = 1.0 / 60;
-
 std::vector<Frame> frames_at(const Scene& scene, const Settings& settings, std::vector<double> times) {
   std::vector<Frame> out;
   scenes::RunObserver observer;

@@ -14,6 +14,8 @@
 /// corrections weighted by mass (eq. 4.7) and with equal ones (eq. 4.6).
 namespace plumb::tools {
 
+inline constexpr double frame_length = 1.0 / 60;  ///< s
+
 /// One way to correct a rod.
 struct Variant {
   Weights weights;

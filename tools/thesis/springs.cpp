@@ -1,17 +1,15 @@
 #include "thesis/springs.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "plumb/springs.hpp"
 #include "plumb/world.hpp"
+#include "scenes/basics/clock.hpp"
 
 namespace plumb::tools {
 namespace {
-
-constexpr double frame_length = 1.0 / 60;
 
 /// Whether a tug at the anchor leaves vibrations that grow. Without gravity nothing swings, and the tug is so
 /// small that what grows is not what springs do when they are far apart.
@@ -121,15 +119,14 @@ MovingGaps measure_moving_gaps(const Scene& scene, const Settings& settings) {
 }
 
 double frames_per_second(const Scene& scene, const Settings& settings, double step) {
-  using Clock = std::chrono::steady_clock;
   const auto frames = static_cast<int>(std::lround(1 / step));
   double least = std::numeric_limits<double>::infinity(), spent = 0;
   for (int run = 0; run < 200 && spent < 0.05; ++run) {
     World world(scene, settings);
     StepReport total;
-    const auto start = Clock::now();
+    const auto start = scenes::Clock::now();
     for (int frame = 0; frame < frames; ++frame) total += world.step(step);
-    const double s = std::chrono::duration<double>(Clock::now() - start).count();
+    const double s = scenes::seconds_since(start);
     if (total.frozen_islands > 0) return std::numeric_limits<double>::quiet_NaN();
     least = std::min(least, s / frames);
     spent += s;
