@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "plumb/reference/springs.hpp"
 #include "scenes/files/trajectory.hpp"
 #include "scenes/generators/generators.hpp"
 #include "support/sanitizers.hpp"

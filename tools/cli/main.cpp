@@ -8,6 +8,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "plumb/reference/methods.hpp"
 #include "scenes/runs/machine.hpp"
 
 namespace {
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.5,1 --out truth.csv\n\n" +
       tools::generators_help() + "\n`plumb COMMAND --help` tells the options of a command.";
 
+  register_reference_methods();
   try {
     tools::CommandLine line("plumb", "plumb: articulated things made of particles and rods",
                             "plumb " + scenes::version() + " (commit " + machine.commit + ", " +

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "plumb/error.hpp"
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "plumb/world.hpp"
 #include "scenes/basics/clock.hpp"
 #include "scenes/basics/numbers.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "plumb/world.hpp"
 #include "scenes/basics/clock.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/generators/generators.hpp"
 

@@ -15,15 +15,12 @@
 /// impact.hpp    two bodies that collide
 #pragma once
 
-#include "plumb/bounding.hpp"
 #include "plumb/error.hpp"
 #include "plumb/executor.hpp"
-#include "plumb/impact.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
-#include "plumb/springs.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/world.hpp"
