@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/humanoid.hpp"
+#include "scenes/humanoid/humanoid.hpp"
 #include "scenes/spec.hpp"
 
 namespace plumb {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

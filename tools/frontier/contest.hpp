@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "frontier/problem.hpp"
-#include "scenes/run.hpp"
+#include "scenes/runs/run.hpp"
 
 namespace plumb::frontier {
 

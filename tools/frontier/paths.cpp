@@ -6,7 +6,7 @@
 #include "frontier/contest.hpp"
 #include "plumb/reference/springs.hpp"
 #include "plumb/world.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::frontier {
 namespace {
