@@ -8,9 +8,10 @@
 /// The thesis's humanoid (section 4.5, figure 4.9, appendix B), standing, and the ball that is thrown at it.
 namespace plumb::scenes {
 
-/// The thesis's units.
-inline constexpr double inch = 0.0254;       ///< m
-inline constexpr double pound = 0.45359237;  ///< kg
+/// Units of the thesis's numbers. Masses are in pounds (figure 4.9). Lengths have no unit there; as inches
+/// they make a figure as tall as a person, so plumb takes them as inches.
+inline constexpr double inch = 0.0254;       ///< In m.
+inline constexpr double pound = 0.45359237;  ///< In kg.
 
 /// The thesis's three builds (figure 4.9); none is the frontier's tree, which does not stand.
 enum class BodyType : std::uint8_t { none, thin, medium, wide };
@@ -46,7 +47,8 @@ struct CrowdShape {
 /// Humanoids first, one after another, then the balls. Equal figures are equal but for where they stand.
 Scene make_crowd(const CrowdShape& shape);
 
-/// A ball as a single particle. Mass and radius are the thesis's (appendix B); elasticity is a slider there.
+/// A ball as a single particle. Mass and radius are the thesis's numbers (appendix B), taken as pounds and
+/// inches; elasticity is a slider there.
 struct Ball {
   double speed = 10;         ///< m/s, where it meets its target
   Vec3 direction{-1, 0, 0};  ///< of that velocity, of any length
