@@ -50,13 +50,19 @@ const double targets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
 constexpr double clearly = 1.1;
 
 const char* color_of(const std::string& family) {
-  static const std::pair<const char*, const char*> colors[] = {
-      {"auto", "#000000"},        {"direct", "#d1495b"},
-      {"relax", "#1f5fa8"},       {"over-relaxed", "#66a3dd"},
-      {"springs", "#2a9d5c"},     {"implicit-springs", "#8fd19e"},
-      {"multipliers", "#e09f3e"}, {"featherstone", "#8e44ad"},
-      {"Bullet soft", "#a8a8a8"}, {"Bullet multibody", "#5f5f5f"},
-      {"MuJoCo", "#9c6b4a"},      {"Simbody", "#c08497"}};
+  static const std::pair<const char*, const char*> colors[] = {{"auto", "#000000"},
+                                                               {"direct", "#d1495b"},
+                                                               {"relax", "#1f5fa8"},
+                                                               {"over-relaxed", "#66a3dd"},
+                                                               {"jacobi", "#16a5a5"},
+                                                               {"springs", "#2a9d5c"},
+                                                               {"implicit-springs", "#8fd19e"},
+                                                               {"multipliers", "#e09f3e"},
+                                                               {"featherstone", "#8e44ad"},
+                                                               {"Bullet soft", "#a8a8a8"},
+                                                               {"Bullet multibody", "#5f5f5f"},
+                                                               {"MuJoCo", "#9c6b4a"},
+                                                               {"Simbody", "#c08497"}};
   for (const auto& [name, color] : colors)
     if (family == name) return color;
   return "#888888";
@@ -158,7 +164,8 @@ std::string places_of(const Result& result) {
 }
 
 bool is_of_plumb(const std::string& family) {
-  return family == "auto" || family == "direct" || family == "relax" || family == "over-relaxed";
+  return family == "auto" || family == "direct" || family == "relax" || family == "over-relaxed" ||
+         family == "jacobi";
 }
 
 /// Targets at which another family or library is clearly faster than plumb's own.
@@ -340,7 +347,8 @@ void add_frontier_command(CLI::App& app, Action& action) {
             o.families = named("--methods", text, frontier::all_families(),
                                [](const std::string& name) { return name; });
           },
-          "Some of auto|direct|relax|over-relaxed|springs|implicit-springs|multipliers|featherstone [all]")
+          "Some of auto|direct|relax|over-relaxed|jacobi|springs|implicit-springs|multipliers|featherstone "
+          "[all]")
       ->type_name("M1,M2,...");
   add_seconds(*command, "--path-seconds", o.limits.path_s,
               "Wall-clock time for settings from coarse to fine [0.1]");

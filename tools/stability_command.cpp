@@ -212,7 +212,7 @@ void add_stability_command(CLI::App& app, Action& action) {
   command
       ->add_option_function<std::string>(
           "--methods", [&o](const std::string& text) { o.grid.methods = parse_methods(text); },
-          "Of relax-old|relax-mid|relax-new|direct-old|direct-mid|direct-new|auto, separated by commas "
+          "Of relax-old|relax-mid|relax-new|relax-jacobi|direct-old|direct-mid|direct-new|auto, separated by commas "
           "[all but auto]")
       ->type_name("M1,M2,...");
   add_list(*command, "--ratios", o.grid.ratios, scenes::parse_number<double>,

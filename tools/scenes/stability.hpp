@@ -18,9 +18,10 @@ struct StabilityMethod {
   std::string name;
   Method method = Method::relax;
   std::optional<Gradient> gradient{};
+  SweepOrder order = SweepOrder::gauss_seidel;
 };
-/// All that can be asked for. The last is `auto`; the default grid leaves it out, as it is one of the others on
-/// every chain.
+/// All that can be asked for. The last is `auto`; the default grid leaves it out, as it is one of the others
+/// on every chain.
 const std::vector<StabilityMethod>& all_stability_methods();
 std::vector<StabilityMethod> default_stability_methods();
 
