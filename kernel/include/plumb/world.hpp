@@ -122,8 +122,9 @@ class StateView {
 /// Under methods relax and direct the state of a particle is its position and the displacement of the last
 /// substep. Two stored positions would lose g·h² below one unit in the last place of a float.
 ///
-/// A world is not thread-safe: one thread at a time may use it. Different worlds may step at the same time. A
-/// world keeps no reference to its scene.
+/// A world is not thread-safe: one thread at a time may use it, reading included, since velocities are
+/// computed when they are first read. Different worlds may be used at the same time. A world keeps no
+/// reference to its scene.
 class World {
  public:
   /// Compiles a scene. Throws InputError if validate() refuses the scene or the settings, if numbers do not
