@@ -15,7 +15,7 @@ int main() {
 
   const plumb::StateView positions = world.positions(), velocities = world.velocities();
   std::vector<plumb::Vec3> copy(world.particle_count());
-  for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
+  for (int frame = 0; frame < 3; ++frame) world.step(1.0 / 60);
   world.copy_positions(copy);
 
   // The views were made before the steps, and show the state after them.
