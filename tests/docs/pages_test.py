@@ -2,7 +2,8 @@
 
     python3 tests/docs/pages_test.py [ROOT]
 
-A page is every Markdown file but those that bench/run writes. Exit status 1 if a page breaks a rule.
+A page is every Markdown file but those that bench/run writes. Sentences of doc comments in public headers are
+checked, too. Exit status 1 if a page or a header breaks a rule.
 """
 
 import pathlib
@@ -101,12 +102,35 @@ def long_sentences(text):
                 yield line, f"a sentence of {words} words: {' '.join(sentence[:8])} ..."
 
 
+def doc_comments(text):
+    """The header with its /// comments as paragraphs and everything else blanked, so that line numbers stay."""
+    lines = []
+    for line in text.split("\n"):
+        whole, trailing = re.match(r"\s*///(?!<)(.*)", line), re.search(r"///<(.*)", line)
+        if whole:
+            said = whole.group(1)
+            is_code = said.startswith("     ") or said.strip().startswith("@")
+            lines.append("" if is_code else said.strip())
+        elif trailing:
+            lines.append("- " + trailing.group(1).strip())  # a block of its own
+        else:
+            lines.append("")
+    return "\n".join(lines)
+
+
+def headers(root):
+    return sorted(root.glob("kernel/include/plumb/*.hpp")) + sorted(root.glob("layouts/include/plumb/layouts/*.hpp"))
+
+
 def check(root):
     complaints = []
     for page in pages(root):
         name, text = page.relative_to(root), page.read_text()
         complaints += [f"{name} {complaint}" for complaint in broken_links(root, page, text)]
         complaints += [f"{name}:{line}: {complaint}" for line, complaint in long_sentences(text)]
+    for header in headers(root):
+        found = long_sentences(doc_comments(header.read_text()))
+        complaints += [f"{header.relative_to(root)}:{line}: {complaint}" for line, complaint in found]
     words = len((root / "README.md").read_text().split())
     if words > MOST_WORDS_OF_README:
         complaints.append(f"README.md has {words} words; it may have {MOST_WORDS_OF_README}")
@@ -120,7 +144,7 @@ def main():
         print(f"no README.md under {root}", file=sys.stderr)
         return 2
     complaints = check(root)
-    print("\n".join(complaints) if complaints else f"{len(found)} pages are as they should be")
+    print("\n".join(complaints) or f"{len(found)} pages and {len(headers(root))} headers are as they should be")
     return 1 if complaints else 0
 
 

@@ -8,7 +8,8 @@
 ///
 /// The normal is a unit vector from body b to body a; restitution is from 0 to 1. All functions throw
 /// InputError before anything changes. They refuse a normal that is not of length one (to 1e-9), restitution
-/// outside [0, 1], mass that is not positive, two bodies of infinite mass, and anything else not finite.
+/// outside [0, 1], and mass that is not positive. They also refuse two bodies of infinite mass and anything
+/// else that is not finite.
 namespace plumb {
 
 /// How a body moves, and what it weighs. Nothing changes the motion of an infinite mass, whose inertia is not

@@ -16,6 +16,7 @@ struct Inertia {
   double xz = 0;  ///< Entry of the tensor, in kg m².
   double yz = 0;  ///< Entry of the tensor, in kg m².
 
+  /// Whether all entries are equal.
   friend constexpr bool operator==(const Inertia&, const Inertia&) = default;
 };
 

@@ -10,13 +10,17 @@ struct Vec3 {
   double y = 0;  ///< Second component; up, where gravity has its default.
   double z = 0;  ///< Third component.
 
+  /// @{
+  /// Sums, differences and multiples, component by component.
   friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   friend constexpr Vec3 operator*(double s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+  /// @}
   /// Adds `b` in place.
   constexpr Vec3& operator+=(Vec3 b) { return *this = *this + b; }
   /// Subtracts `b` in place.
   constexpr Vec3& operator-=(Vec3 b) { return *this = *this - b; }
+  /// Whether all components are equal.
   friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
 };
 

@@ -138,7 +138,7 @@ class World {
   /// Advances by `dt` seconds, in Settings::substeps equal substeps; with an accuracy, in as many as it
   /// takes. Throws InputError if `dt` is not positive and finite.
   ///
-  /// Methods relax, direct and auto allocate nothing after the first call, but for these firsts: an island
+  /// Methods relax, direct and auto allocate nothing after the first call, but for four firsts. An island
   /// freezes; an island with loops falls back; an anchor moves; more shapes touch at once than ever before.
   StepReport step(double dt);
 

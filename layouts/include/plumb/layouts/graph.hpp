@@ -11,6 +11,7 @@ struct Edge {
   std::uint32_t a = 0;  ///< One end.
   std::uint32_t b = 0;  ///< The other end.
 
+  /// Whether both ends are equal, in their order.
   friend constexpr bool operator==(const Edge&, const Edge&) = default;
 };
 

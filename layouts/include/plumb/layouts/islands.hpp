@@ -45,6 +45,7 @@ struct LocalGraph {
   /// The same as a view, valid while this object lives and is not changed.
   Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
 
+  /// Whether edges and movable flags are equal.
   friend bool operator==(const LocalGraph&, const LocalGraph&) = default;
 };
 
