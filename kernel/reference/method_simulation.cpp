@@ -21,11 +21,11 @@ struct Island {
   std::unique_ptr<MechanicalSystem> system;
   MechanicalState state, last;
   Drive drive;
-  std::vector<std::uint32_t> particles;  ///< the scene's numbers, by the island's
+  std::vector<std::uint32_t> particles;  ///< The scene's number of each of the island's particles.
   bool frozen = false;
 };
 
-/// Where a movable particle is.
+/// The island that holds a movable particle, and the particle's number there.
 struct Home {
   std::uint32_t island = 0, particle = 0;
 };
@@ -154,7 +154,7 @@ class MethodSimulation final : public Simulation {
       for (const Home& pin : pins_[i])
         islands_[pin.island].drive.anchor_velocities[pin.particle] = (1 / dt) * (targets_[i] - anchors_[i]);
   }
-  /// At their targets exactly, without the rounding of the way.
+  /// Puts anchors at their targets exactly, without the rounding that their way accumulated.
   void finish_anchors() {
     for (std::uint32_t i = 0; i < fixed_.size(); ++i)
       for (const Home& pin : pins_[i]) islands_[pin.island].drive.anchors[pin.particle] = targets_[i];
@@ -162,13 +162,13 @@ class MethodSimulation final : public Simulation {
   }
 
   Settings settings_;
-  double diagonal_ = 0;  ///< m, of the scene
+  double diagonal_ = 0;  ///< Diagonal of the scene, in m.
   WorldInfo info_;
   std::vector<Island> islands_;
   std::vector<Home> homes_;
-  std::vector<std::vector<Home>> pins_;  ///< of each fixed particle, in every island that hangs from it
+  std::vector<std::vector<Home>> pins_;  ///< Places of each anchor, in every island that hangs from it.
   std::vector<std::uint8_t> fixed_;
-  std::vector<Vec3> anchors_, targets_;  ///< of fixed particles, by the scene's numbers
+  std::vector<Vec3> anchors_, targets_;  ///< Of anchors, by the scene's numbers, in m.
 };
 
 }  // namespace
