@@ -119,7 +119,8 @@ def doc_comments(text):
 
 
 def headers(root):
-    return sorted(root.glob("kernel/include/plumb/*.hpp")) + sorted(root.glob("layouts/include/plumb/layouts/*.hpp"))
+    return [header for room in ("kernel", "kernel/reference", "layouts")
+            for header in sorted((root / room / "include").rglob("*.hpp"))]
 
 
 def check(root):

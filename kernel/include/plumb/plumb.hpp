@@ -1,5 +1,5 @@
 /// @file
-/// plumb: articulated things made of particles and rods. Include this header to have them all.
+/// plumb: articulated things made of particles and rods. This header includes all headers of the kernel.
 ///
 ///     plumb::Scene scene;                                   // describe: metres, kilograms, seconds
 ///     scene.particles = {{.position = {0, 0, 0}, .fixed = true}, {.position = {1, 0, 0}, .mass = 1}};
@@ -16,20 +16,20 @@
 /// - error.hpp: what is refused.
 /// - joints.hpp: bodies of a scene and the joints between them.
 /// - inertia.hpp: what sets of points and solids weigh.
+///
+/// The library plumb::reference adds the thesis's other methods and its geometry, in plumb/reference:
+/// - methods.hpp: makes springs, multipliers and Featherstone's method known.
 /// - springs.hpp: which steps springs bear.
 /// - bounding.hpp: volumes around points, and whether they overlap.
 /// - impact.hpp: two bodies that collide.
 #pragma once
 
-#include "plumb/bounding.hpp"
 #include "plumb/error.hpp"
 #include "plumb/executor.hpp"
-#include "plumb/impact.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
-#include "plumb/springs.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/world.hpp"

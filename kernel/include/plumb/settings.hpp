@@ -16,7 +16,7 @@ class Executor;
 /// `relax` corrects one rod after the other (thesis §3.2). `direct` solves all rods of an island at once, to
 /// rounding. `automatic` picks between these two for every island. The others are what the thesis compares
 /// with: stiff springs (§3.3), Lagrange multipliers (§3.4) and Featherstone's articulated bodies (§3.5). They
-/// run in double on one thread.
+/// run in double on one thread, and need plumb::reference and register_reference_methods().
 enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
 
 /// Where on the way from the old to the new configuration a correction's direction is taken.
@@ -52,6 +52,9 @@ struct SpringSettings {
   /// Damping of every spring, as a share of the critical damping of the two masses it joins. Critical is
   /// 2 sqrt(stiffness · reduced mass).
   double damping_ratio = 0.1;
+
+  /// Whether all members are equal.
+  friend constexpr bool operator==(const SpringSettings&, const SpringSettings&) = default;
 };
 
 /// What method multipliers does against drift, since it keeps accelerations alone. It does nothing, it feeds
@@ -62,6 +65,9 @@ enum class Stabilization : std::uint8_t { none, baumgarte, projection };
 struct MultiplierSettings {
   Stabilization stabilization = Stabilization::projection;  ///< What is done against drift.
   double baumgarte_rate = 10;  ///< Rate at which a violation decays, critically damped, in 1/s.
+
+  /// Whether all members are equal.
+  friend constexpr bool operator==(const MultiplierSettings&, const MultiplierSettings&) = default;
 };
 
 /// Which share of a correction each end takes. `mass` shares by inverse mass (thesis eq. 4.7); `equal` gives

@@ -143,9 +143,9 @@ class World {
   StepReport step(double dt);
 
   /// Changes the rule from the next step on. Layout, precision, instruction set and threads stay. Throws
-  /// InputError on a rule that makes no sense.
+  /// InputError on a rule that makes no sense, or that no island reads.
   void set_stop_rule(const StopRule& rule);
-  /// Changes the weights of relaxation from the next step on.
+  /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
 
   /// Sets a constant force, in N, on a movable particle, which stays until it is changed. Throws InputError

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "reference/springs/springs.hpp"
 
 namespace plumb {
