@@ -184,7 +184,9 @@ std::string experiments_text(const HumanoidRun& usual) {
          short_number(rest_speed) + " m/s until it sleeps, " + short_number(rest_duration) +
          " s later. Energy received: of the body after the impact over before. The thesis gives no numbers "
          "for "
-         "its sliders; those here are ours.";
+         "its sliders; those here are ours. Agreement is about these two values of a slider: between and "
+         "beyond "
+         "them a way can be longer or shorter.";
 }
 
 PoseRow row_of(const std::string& title, const HumanoidRun& run, const HumanoidResult& result) {
