@@ -172,6 +172,14 @@ TEST(ProfileMeasure, DifferencesLeaveOutWhatBothRunsDid) {
   EXPECT_THROW(counts_per_unit(shorter, 100, longer, 100), InputError);
 }
 
+// Under load the shorter run may take longer than the one that did twice as much.
+TEST(ProfileMeasure, ACostThatIsNotPositiveIsNotMeasurable) {
+  EXPECT_EQ(measurable_cost(0.4), 0.4);
+  EXPECT_FALSE(measurable_cost(-2.57));
+  EXPECT_FALSE(measurable_cost(0.0));
+  EXPECT_FALSE(measurable_cost({}));
+}
+
 TEST(ProfileMeasure, MediansAreOfWhatIsThere) {
   const std::vector<Counts> samples{
       {.ll_misses = 3.0}, {.cycles = 8.0, .ll_misses = 1.0}, {.ll_misses = 2.0}};
@@ -228,7 +236,8 @@ TEST(ProfileOutput, WhatIsNotAvailableIsNoZero) {
   EXPECT_NE(row.find("64.5"), std::string::npos);
   std::size_t dashes = 0;
   for (std::size_t at = row.find("—"); at != std::string::npos; at = row.find("—", at + 1)) ++dashes;
-  EXPECT_EQ(dashes, 7u);
+  EXPECT_EQ(dashes, 6u);
+  EXPECT_NE(row.find("not measurable under this noise"), std::string::npos);
 
   const std::string csv = profile_csv(profile);
   EXPECT_NE(csv.find("\"chain:links=9,end_mass=2\",> L2,soa,1,float,scalar,9,2048,64.5,,,,,,\n"),

@@ -333,7 +333,8 @@ void add_frontier_command(Command& plumb) {
       "Some of the scenes, separated by commas [all]");
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.families = families_named(text); },
-      "Some of auto|direct|relax|over-relaxed|springs|implicit-springs|multipliers|featherstone [all]");
+      "Some of auto|direct|relax|over-relaxed|jacobi|springs|implicit-springs|multipliers|featherstone "
+      "[all]");
   add_seconds(command, "--path-seconds", o.limits.path_s,
               "Wall-clock time for settings from coarse to fine [0.1]");
   add_seconds(command, "--repeat-seconds", o.limits.contest_s,

@@ -95,7 +95,7 @@ void measure_here(ProfileRow& row, World& world, PerfCounters* counters) {
     counts.push_back(counts_per_unit(shorter.counts, shorter.units, longer.counts, longer.units));
     ns.push_back((longer.ns - shorter.ns) / static_cast<double>(longer.units - shorter.units));
   }
-  row.ns = median(ns);
+  row.ns = measurable_cost(median(ns));
   row.counts = median_of(counts);
 }
 
@@ -192,6 +192,11 @@ Counts median_of(const std::vector<Counts>& samples) {
     out.*field = median(std::move(values));
   }
   return out;
+}
+
+std::optional<double> measurable_cost(std::optional<double> ns) {
+  if (!ns || !(*ns > 0)) return {};
+  return ns;
 }
 
 std::string_view to_string(Way way) {

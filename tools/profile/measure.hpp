@@ -29,6 +29,10 @@ Counts counts_per_unit(const Counts& shorter, std::uint64_t shorter_units, const
 /// Of each count the median of those that are there.
 Counts median_of(const std::vector<Counts>& samples);
 
+/// A cost, the difference of two times, if it is one. Work costs time: a difference that is not positive is
+/// that of other programs' work in between, and the cost is not measurable under this noise.
+std::optional<double> measurable_cost(std::optional<double> ns);
+
 /// How cache misses are found: the processor's counters, simulated by cachegrind, or not at all.
 enum class Way : std::uint8_t { counters, cachegrind, none };
 std::string_view to_string(Way);
@@ -56,7 +60,7 @@ struct ProfileRow {
   std::uint32_t rods = 0;
   std::optional<std::size_t> state_bytes;  ///< state and rods with padding; none for method direct
   double model_bytes = 0;                  ///< read and written by a unit before any cache
-  std::optional<double> ns;
+  std::optional<double> ns;                ///< none: not measurable under the noise of other programs
   Counts counts;
 };
 

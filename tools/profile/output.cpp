@@ -10,6 +10,7 @@ namespace plumb::tools {
 namespace {
 
 constexpr const char* not_available = "—";
+constexpr const char* lost_in_noise = "not measurable under this noise";
 
 std::string level_name(const Cache& cache) {
   std::string name("L");
@@ -34,9 +35,10 @@ const CachePair& counted_caches(const Profile& profile) {
 
 void append_counts(std::vector<std::string>& cells, const ProfileRow& row, const CachePair& caches) {
   const Counts& c = row.counts;
-  cells.insert(cells.end(), {number_cell(row.ns), number_cell(c.instructions), number_cell(c.cycles),
-                             count_cell(c.l1d_read_misses), count_cell(c.l1d_write_misses),
-                             count_cell(c.ll_misses), number_cell(ll_bytes(row, caches))});
+  cells.insert(cells.end(),
+               {row.ns ? number_cell(row.ns) : lost_in_noise, number_cell(c.instructions),
+                number_cell(c.cycles), count_cell(c.l1d_read_misses), count_cell(c.l1d_write_misses),
+                count_cell(c.ll_misses), number_cell(ll_bytes(row, caches))});
 }
 
 std::vector<std::string> count_headers() {

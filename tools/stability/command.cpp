@@ -209,7 +209,8 @@ void add_stability_command(Command& plumb) {
       .excludes(quick);
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.grid.methods = parse_methods(text); },
-      "Of relax-old|relax-mid|relax-new|direct-old|direct-mid|direct-new|auto, separated by commas "
+      "Of relax-old|relax-mid|relax-new|relax-jacobi|direct-old|direct-mid|direct-new|auto, separated by "
+      "commas "
       "[all but auto]");
   add_list(command, "--ratios", o.grid.ratios, scenes::parse_number<double>,
            "Mass of the last particle to that of each other [1,10,...,1e6]");

@@ -56,6 +56,7 @@ const std::vector<StabilityMethod>& all_stability_methods() {
       {"relax-old", Method::relax, Gradient::old},
       {"relax-mid", Method::relax, Gradient::mid},
       {"relax-new", Method::relax, Gradient::new_},
+      {"relax-jacobi", Method::relax, Gradient::new_, SweepOrder::jacobi},
       {"direct-old", Method::direct, Gradient::old},
       {"direct-mid", Method::direct, Gradient::mid},
       {"direct-new", Method::direct, Gradient::new_},
@@ -124,6 +125,7 @@ StabilityResult measure_stability(const StabilityCase& cell, std::uint32_t sweep
   const Scene scene = make_chain(cell.links, rod_length, cell.ratio);
   Settings settings;
   settings.method = cell.method.method;
+  settings.order = cell.method.order;
   settings.gradient = cell.method.gradient;
   settings.threads = 1;
   settings.stop.sweeps = sweeps;

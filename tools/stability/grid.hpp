@@ -18,6 +18,7 @@ struct StabilityMethod {
   std::string name;
   Method method = Method::relax;
   std::optional<Gradient> gradient{};
+  SweepOrder order = SweepOrder::gauss_seidel;
 };
 /// All that can be asked for. The last is `auto`; the default grid leaves it out, as it is one of the others
 /// on every chain.

@@ -10,19 +10,19 @@ namespace plumb::scenes {
 /// A chain of `links` massless rods, straight along +x from a fixed particle at the origin.
 struct ChainShape {
   std::uint32_t links = 20;
-  double length = 0.1;  ///< m, of one rod
-  double mass = 1;      ///< kg, of every movable particle but the last
-  double end_mass = 1;  ///< kg, of the last
+  double length = 0.1;  ///< Length of every rod, in m.
+  double mass = 1;      ///< Mass of every movable particle but the last, in kg.
+  double end_mass = 1;  ///< Mass of the last, in kg.
 };
 
 /// A square net in the x-y plane that hangs from its two fixed upper corners. Particles row-major from the
 /// top left one at the origin, rods first along x then along y within each particle.
 struct NetShape {
-  std::uint32_t width = 32;   ///< particles along x
-  std::uint32_t height = 32;  ///< particles along y
-  double spacing = 0.1;       ///< m
-  double mass = 1;            ///< kg, of every movable particle
-  /// 1: held along its whole first row, and level at first, in the x-z plane.
+  std::uint32_t width = 32;   ///< Particles along x.
+  std::uint32_t height = 32;  ///< Particles along y.
+  double spacing = 0.1;       ///< Distance of neighbours, in m.
+  double mass = 1;            ///< Mass of every movable particle, in kg.
+  /// 1 holds it along its whole first row, and starts it level, in the x-z plane.
   std::uint32_t level = 0;
 };
 
@@ -30,20 +30,20 @@ struct NetShape {
 struct EnsembleShape {
   std::uint32_t chains = 1000;
   std::uint32_t links = 32;
-  double length = 0.1;     ///< m, of one rod
-  double mass = 1;         ///< kg, of every movable particle but the last of each chain
-  double end_mass = 10;    ///< kg, of the last
-  double spacing = 0.1;    ///< m, between neighbouring chains
-  double vary = 0;         ///< in [0, 1): each chain's end mass is multiplied by 1 ± at most this
-  std::uint64_t seed = 1;  ///< of that variation; without it every chain is the same
+  double length = 0.1;     ///< Length of every rod, in m.
+  double mass = 1;         ///< Mass of every movable particle but the last of each chain, in kg.
+  double end_mass = 10;    ///< Mass of the last, in kg.
+  double spacing = 0.1;    ///< Distance of neighbouring chains, in m.
+  double vary = 0;         ///< Each chain's end mass is multiplied by 1 ± at most this, in [0, 1).
+  std::uint64_t seed = 1;  ///< Seed of that variation; without variation every chain is the same.
 };
 
 /// A ring in the x-y plane, a regular polygon of massless rods, hanging from a fixed particle at the origin,
 /// its highest. Particles and rods go around.
 struct RingShape {
   std::uint32_t links = 24;
-  double length = 0.1;  ///< m, of one rod
-  double mass = 1;      ///< kg, of every movable particle
+  double length = 0.1;  ///< Length of every rod, in m.
+  double mass = 1;      ///< Mass of every movable particle, in kg.
 };
 
 /// A truss along +x from x = 0, where its end is fixed: flat in the x-y plane with two chords, or with three
@@ -51,23 +51,23 @@ struct RingShape {
 /// within each station, then those to the next.
 struct TrussShape {
   std::uint32_t bays = 10;
-  std::uint32_t chords = 3;  ///< 2 or 3
-  std::uint32_t braces = 1;  ///< diagonals per panel; with 2 the truss has more rods than it needs
+  std::uint32_t chords = 3;  ///< Chords, 2 or 3.
+  std::uint32_t braces = 1;  ///< Diagonals per panel; with 2 the truss has more rods than it needs.
   std::uint32_t fixed =
-      0;  ///< particles of the first station that are; 0: all of them. With one less it swings.
-  double spacing = 0.1;  ///< m, of stations, and between chords
-  double mass = 1;       ///< kg, of every movable particle
+      0;  ///< Particles of the first station that are fixed; 0 fixes all. With one less the truss swings.
+  double spacing = 0.1;  ///< Distance of stations, and of chords, in m.
+  double mass = 1;       ///< Mass of every movable particle, in kg.
 };
 
 /// A random graph in a cube: particles at random places, the nearest ones tied together.
 struct GraphShape {
   std::uint32_t particles = 1000;
-  double degree = 4;     ///< mean number of rods at a particle
-  double spacing = 0.1;  ///< m; the cube holds one particle per spacing³
+  double degree = 4;     ///< Mean number of rods at a particle.
+  double spacing = 0.1;  ///< The cube holds one particle per spacing³, in m.
   std::uint64_t seed = 1;
 };
 
-/// Each throws InputError naming the value that makes no sense.
+/// Each of these makes a scene. Each throws InputError with the value that makes no sense.
 Scene make_chain(const ChainShape& shape);
 Scene make_chain(std::uint32_t links, double length = 0.1, double end_mass = 1, double mass = 1);
 Scene make_net(const NetShape& shape);

@@ -8,9 +8,10 @@
 /// The thesis's humanoid (section 4.5, figure 4.9, appendix B), standing, and the ball that is thrown at it.
 namespace plumb::scenes {
 
-/// The thesis's units.
-inline constexpr double inch = 0.0254;       ///< m
-inline constexpr double pound = 0.45359237;  ///< kg
+/// Units of the thesis's numbers. Masses are in pounds (figure 4.9). Lengths have no unit there; as inches
+/// they make a figure as tall as a person, so plumb takes them as inches.
+inline constexpr double inch = 0.0254;       ///< In m.
+inline constexpr double pound = 0.45359237;  ///< In kg.
 
 /// The thesis's three builds (figure 4.9); none is the frontier's tree, which does not stand.
 enum class BodyType : std::uint8_t { none, thin, medium, wide };
@@ -23,9 +24,9 @@ inline constexpr double usual_joint_drag = 3;
 
 struct HumanoidShape {
   BodyType body = BodyType::none;
-  double friction = 0.6;                 ///< Coulomb's coefficient between limbs, ball and ground
-  double joint_drag = usual_joint_drag;  ///< 1/s
-  std::uint32_t arms = 0;                ///< 1: the fuller figure of humanoid_arms.hpp
+  double friction = 0.6;                 ///< Coulomb's coefficient between limbs, ball and ground.
+  double joint_drag = usual_joint_drag;  ///< Scene::joint_drag, in 1/s.
+  std::uint32_t arms = 0;                ///< 1 makes the fuller figure of humanoid_arms.hpp.
 };
 
 /// Without a body make_humanoid() of generators.hpp. With one, nine limbs as capsules around rods, from the
@@ -37,24 +38,25 @@ Scene make_humanoid(const HumanoidShape& shape);
 /// Many that stand in a square field, 2.5 m apart along x and z, on one plane.
 struct CrowdShape {
   std::uint32_t humanoids = 10000;
-  std::uint32_t hit = 100;  ///< of them, evenly strewn, have a ball flying at them
+  std::uint32_t hit = 100;  ///< So many of them, evenly strewn, have a ball flying at them.
   BodyType body = BodyType::medium;
   double friction = 0.6;
-  double joint_drag = usual_joint_drag;  ///< 1/s
-  double speed = 10;                     ///< m/s, of the balls
+  double joint_drag = usual_joint_drag;  ///< Scene::joint_drag, in 1/s.
+  double speed = 10;                     ///< Speed of the balls, in m/s.
 };
 /// Humanoids first, one after another, then the balls. Equal figures are equal but for where they stand.
 Scene make_crowd(const CrowdShape& shape);
 
-/// A ball as a single particle. Mass and radius are the thesis's (appendix B); elasticity is a slider there.
+/// A ball as a single particle. Mass and radius are the thesis's numbers (appendix B), taken as pounds and
+/// inches; elasticity is a slider there.
 struct Ball {
-  double speed = 10;         ///< m/s, where it meets its target
-  Vec3 direction{-1, 0, 0};  ///< of that velocity, of any length
+  double speed = 10;         ///< Speed where it meets its target, in m/s.
+  Vec3 direction{-1, 0, 0};  ///< Direction of that velocity, of any length.
   double radius = 5 * inch;
   double mass = 5 * pound;
-  double elasticity = 0.5;  ///< restitution, 0 to 1
+  double elasticity = 0.5;  ///< Restitution, 0 to 1.
   double friction = 0.6;
-  double distance = 80 * inch;  ///< m, at most, that it flies
+  double distance = 80 * inch;  ///< Longest way that it flies, in m.
 };
 
 /// Adds the ball so that it flies freely through `target` (m), if nothing is in its way, with the speed and

@@ -21,7 +21,7 @@ Machine describe_machine(const WorldInfo& info);
 /// The same with the best instruction set and all hardware threads.
 Machine describe_machine();
 
-/// Such as "0.1.0".
+/// Such as "0.2.0".
 std::string version();
 
 }  // namespace plumb::scenes
