@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/vec3.hpp"
 
 /// Bounding volumes of thesis 2.3, from the cheapest to the tightest. Each holds all points it was made of,
@@ -41,31 +42,31 @@ struct ConvexMesh {
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, anticlockwise as seen from outside
 };
 
-BoundingSphere bounding_sphere_of(std::span<const Vec3> points);
-BoundingCylinder bounding_cylinder_of(std::span<const Vec3> points);
-Aabb aabb_of(std::span<const Vec3> points);
-Obb obb_of(std::span<const Vec3> points);
+PLUMB_API BoundingSphere bounding_sphere_of(std::span<const Vec3> points);
+PLUMB_API BoundingCylinder bounding_cylinder_of(std::span<const Vec3> points);
+PLUMB_API Aabb aabb_of(std::span<const Vec3> points);
+PLUMB_API Obb obb_of(std::span<const Vec3> points);
 /// By quickhull (Barber, Dobkin, Huhdanpaa 1996). Throws InputError also if the points lie in one plane, to
 /// 1e-9 of their size.
-ConvexMesh convex_mesh_of(std::span<const Vec3> points);
+PLUMB_API ConvexMesh convex_mesh_of(std::span<const Vec3> points);
 
-bool overlap(const BoundingSphere& a, const BoundingSphere& b);
-bool overlap(const BoundingCylinder& a, const BoundingCylinder& b);
-bool overlap(const Aabb& a, const Aabb& b);
+PLUMB_API bool overlap(const BoundingSphere& a, const BoundingSphere& b);
+PLUMB_API bool overlap(const BoundingCylinder& a, const BoundingCylinder& b);
+PLUMB_API bool overlap(const Aabb& a, const Aabb& b);
 /// By the 15 axes that can separate two boxes (Gottschalk, Lin, Manocha 1996), instead of the edges through
 /// faces of thesis 2.4.2, which miss a box inside another.
-bool overlap(const Obb& a, const Obb& b);
+PLUMB_API bool overlap(const Obb& a, const Obb& b);
 /// By the distance of the two (Gilbert, Johnson, Keerthi 1988); of two that all but touch, by their
 /// separating axes, which takes as many times longer as they have pairs of edges.
-bool overlap(const ConvexMesh& a, const ConvexMesh& b);
+PLUMB_API bool overlap(const ConvexMesh& a, const ConvexMesh& b);
 
 /// A sphere to ask first and a box to ask then (thesis 2.4).
 struct TwoLevels {
   BoundingSphere sphere{};
   Obb box{};
 };
-TwoLevels two_levels_of(std::span<const Vec3> points);
+PLUMB_API TwoLevels two_levels_of(std::span<const Vec3> points);
 /// Whether the boxes overlap, which is asked only if the spheres do.
-bool overlap_in_two_levels(const TwoLevels& a, const TwoLevels& b);
+PLUMB_API bool overlap_in_two_levels(const TwoLevels& a, const TwoLevels& b);
 
 }  // namespace plumb

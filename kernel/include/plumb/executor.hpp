@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "plumb/export.hpp"
+
 namespace plumb {
 
 /// Runs a task on several threads. An engine passes its own job system by deriving from this class.
@@ -10,7 +12,7 @@ namespace plumb {
 /// on any threads, and returns when all calls have returned. The calls may run one after the other: plumb's
 /// tasks never wait for a task that has not started, so an executor with one thread cannot deadlock them.
 /// `run` is never called from inside a task. Results do not depend on the executor.
-class Executor {
+class PLUMB_API Executor {
  public:
   using Task = void (*)(void* context, unsigned index);
 
@@ -20,7 +22,9 @@ class Executor {
   virtual void run(unsigned n, Task task, void* context) = 0;
 };
 
-/// The built-in executor on oneTBB, with `threads` workers including the caller (0: all hardware threads).
-std::unique_ptr<Executor> make_tbb_executor(unsigned threads = 0);
+/// The built-in executor, with `threads` workers including the caller (0: all hardware threads). It runs on
+/// oneTBB; a plumb that was built without (CMake's PLUMB_TBB=OFF) keeps threads of its own, which sleep
+/// between runs, and takes the runs of several callers one after the other.
+PLUMB_API std::unique_ptr<Executor> make_default_executor(unsigned threads = 0);
 
 }  // namespace plumb

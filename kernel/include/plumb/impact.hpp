@@ -1,5 +1,6 @@
 #pragma once
 
+#include "plumb/export.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/vec3.hpp"
 
@@ -20,20 +21,21 @@ struct RigidMotion {
 };
 
 /// The velocity of what is at `place` (m) of a body, in m/s: v + omega x r.
-Vec3 velocity_at(const RigidMotion& body, Vec3 place);
+PLUMB_API Vec3 velocity_at(const RigidMotion& body, Vec3 place);
 
 /// The impulse along the normal, in kg m/s, by thesis eq. 2.33: bodies that do not turn. Restitution (eq.
 /// 2.32) is of the velocity at which they near each other, v_a·n - v_b·n; the thesis prints
 /// -v_1·n - v_2·n, which would take two bodies side by side at one speed to collide. 0 if they part.
-double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 normal, double restitution);
+PLUMB_API double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 normal, double restitution);
 /// The same by thesis eq. 2.35: bodies that turn and touch at `contact` (m), with the velocities they have
 /// there. Throws InputError also on an inertia that is not positive definite.
-double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 contact, Vec3 normal, double restitution);
+PLUMB_API double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 contact, Vec3 normal,
+                         double restitution);
 
 /// The velocities after the impulse, by thesis eq. 2.34. Linear momentum is kept; energy is not gained.
-void collide(RigidMotion& a, RigidMotion& b, Vec3 normal, double restitution);
+PLUMB_API void collide(RigidMotion& a, RigidMotion& b, Vec3 normal, double restitution);
 /// The same with spin, by thesis eq. 2.36 and 2.37, in which b gets the opposite of what a gets, as the text
 /// before them says and its second line does not. Angular momentum is kept too.
-void collide(RigidMotion& a, RigidMotion& b, Vec3 contact, Vec3 normal, double restitution);
+PLUMB_API void collide(RigidMotion& a, RigidMotion& b, Vec3 contact, Vec3 normal, double restitution);
 
 }  // namespace plumb

@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "plumb/export.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb {
@@ -31,24 +32,24 @@ struct PointMass {
 /// Of a set of points: centre by thesis eq. 2.2, inertia by eq. 2.13 and 4.1, about the centre. A set without
 /// mass has its centre at the origin. Throws InputError on a mass that is negative or anything not finite,
 /// with the number of the point.
-MassProperties mass_properties(std::span<const PointMass> points);
+PLUMB_API MassProperties mass_properties(std::span<const PointMass> points);
 
 /// Of solids of even density, centred on the origin, by the integrals of thesis eq. 4.2 to 4.4. Lengths in m,
 /// mass in kg; the axis of cylinders and capsules is x. Throw InputError on a size that is not positive and
 /// finite, or a mass that is negative or not finite.
-MassProperties solid_cylinder(double mass, double radius, double length);
-MassProperties solid_box(double mass, Vec3 size);
-MassProperties solid_sphere(double mass, double radius);
+PLUMB_API MassProperties solid_cylinder(double mass, double radius, double length);
+PLUMB_API MassProperties solid_box(double mass, Vec3 size);
+PLUMB_API MassProperties solid_sphere(double mass, double radius);
 /// A cylinder of `length` with half a sphere on either end.
-MassProperties solid_capsule(double mass, double radius, double length);
+PLUMB_API MassProperties solid_capsule(double mass, double radius, double length);
 
 /// The inertia about another point, `offset` (m) away from the centre of mass (parallel axes).
-Inertia inertia_about(const MassProperties& body, Vec3 offset);
+PLUMB_API Inertia inertia_about(const MassProperties& body, Vec3 offset);
 
 /// Four points of equal mass with exactly the mass, the centre of mass and the inertia given: a tetrahedron
 /// whose sides are those of a cube, stretched along the principal axes. A flat body has them in a plane, a
 /// thin one on a line. Throws InputError on a mass that is not positive and finite, anything else not finite,
 /// or an inertia that no body has: of whose principal moments one is larger than the other two together.
-std::array<PointMass, 4> four_points(const MassProperties& body);
+PLUMB_API std::array<PointMass, 4> four_points(const MassProperties& body);
 
 }  // namespace plumb

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/vec3.hpp"
 
@@ -15,7 +16,7 @@ struct Stretch {
   double max = 0;             ///< largest absolute value
   std::uint32_t max_rod = 0;  ///< the rod that has it, in the scene's order
 };
-Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions);
+PLUMB_API Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions);
 
 /// Energies in J; the potential is −Σ m g·x. What is exact for a consistent mass matrix differs from what
 /// lumped masses keep.
@@ -24,11 +25,11 @@ struct Energy {
   double potential = 0;
   double total() const { return kinetic + potential; }
 };
-Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::span<const Vec3> velocities,
-                      MassModel model = MassModel::lumped);
+PLUMB_API Energy measure_energy(const Scene& scene, std::span<const Vec3> positions,
+                                std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
 /// Total mass × |g| × diagonal of the first bounding box, in J: what energy drift is relative to.
-double energy_range(const Scene& scene);
+PLUMB_API double energy_range(const Scene& scene);
 
 /// Of the movable particles: linear momentum in kg·m/s, angular momentum about the origin in kg·m²/s,
 /// centre of mass in m.
@@ -37,8 +38,8 @@ struct Momentum {
   Vec3 angular;
   Vec3 center_of_mass;
 };
-Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
-                          std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
+PLUMB_API Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
+                                    std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
 /// One saved instant of a trajectory or of a truth; arrays in the scene's particle order.
 struct Frame {
@@ -48,6 +49,6 @@ struct Frame {
 };
 
 /// RMS distance over all particles between positions and truth, in metres.
-double rms_distance(std::span<const Vec3> positions, std::span<const Vec3> truth);
+PLUMB_API double rms_distance(std::span<const Vec3> positions, std::span<const Vec3> truth);
 
 }  // namespace plumb

@@ -12,7 +12,7 @@
 /// executor.hpp  whose threads do it         error.hpp     what is refused
 /// springs.hpp   which steps springs bear    inertia.hpp   what sets of points and solids weigh
 /// joints.hpp    bodies and joints of a scene  bounding.hpp  volumes around points, and whether they meet
-/// impact.hpp    two bodies that collide
+/// impact.hpp    two bodies that collide       version.hpp   which plumb this is
 #pragma once
 
 #include "plumb/bounding.hpp"
@@ -26,4 +26,5 @@
 #include "plumb/settings.hpp"
 #include "plumb/springs.hpp"
 #include "plumb/vec3.hpp"
+#include "plumb/version.hpp"
 #include "plumb/world.hpp"

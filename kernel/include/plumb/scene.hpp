@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/vec3.hpp"
 
@@ -139,7 +140,7 @@ struct Scene {
 
 /// Whether it has more than particles and rods: limbs that touch, bodies, joints, air on rods or sleepers.
 /// Methods direct and automatic alone move such a scene.
-bool is_articulated(const Scene& scene);
+PLUMB_API bool is_articulated(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated; throws InputError naming the particle, rod, body, joint or shape
 /// by its number, and the reason:
@@ -149,10 +150,10 @@ bool is_articulated(const Scene& scene);
 /// inertia is not that of a solid; weights of a point that do not add up to 1; a pin or an alignment of
 /// nothing that moves; an angle without directions or with limits outside [0, pi]; a negative radius, size or
 /// friction; a normal or a quaternion that is not of length one (to 1e-9); restitution outside [0, 1].
-void validate(const Scene& scene);
+PLUMB_API void validate(const Scene& scene);
 
 /// The length of rod `i` in metres, with the default (distance between its particles) filled in.
-double rod_length(const Scene& scene, std::size_t i);
+PLUMB_API double rod_length(const Scene& scene, std::size_t i);
 
 /// The mass matrix of a rod on its ends, in kg: its kinetic energy is aa/2 va·va + ab va·vb + bb/2 vb·vb.
 /// Consistent: with s the fraction of the way from a to b, aa, ab and bb are the integrals of (1-s)^2, s(1-s)
@@ -162,20 +163,20 @@ struct RodMass {
   double ab = 0;
   double bb = 0;
 };
-RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
+PLUMB_API RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
 
 /// The mass matrix of body `i` on its four particles, in kg: with M_jk its entries, the kinetic energy is
 /// half the sum of M_jk v_j·v_k over all j and k, exactly that of the solid. A place x that moves with the
 /// body has barycentric weights w_j(x) = a_j + b_j·(x - center), so M_jk, the integral of w_j w_k over the
 /// mass, is mass a_j a_k + b_jᵀ S b_k, with S = tr(inertia)/2 1 - inertia its second moments about the
 /// centre, kg m². The particles must not lie in one plane, as validate() has it.
-std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i);
+PLUMB_API std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i);
 
 /// Mass of every particle in kg with its share of the lumped mass of its rods and a quarter of its bodies'.
 /// Fixed particles get infinity.
-std::vector<double> lumped_masses(const Scene& scene);
+PLUMB_API std::vector<double> lumped_masses(const Scene& scene);
 
 /// Diagonal of the axis-aligned box around all particles, in metres: the length errors are relative to.
-double bounding_diagonal(const Scene& scene);
+PLUMB_API double bounding_diagonal(const Scene& scene);
 
 }  // namespace plumb

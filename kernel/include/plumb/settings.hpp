@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb {
@@ -72,11 +73,11 @@ enum class LayoutChoice : std::uint8_t { automatic, aos, soa, aosoa };
 enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512 };
 
 /// All of them, slowest first, whether this processor runs them or not.
-std::span<const Isa> all_isas();
+PLUMB_API std::span<const Isa> all_isas();
 /// Whether this processor runs it and this build holds it; `scalar` always is.
-bool is_supported(Isa isa);
+PLUMB_API bool is_supported(Isa isa);
 /// The best that is supported.
-Isa best_isa();
+PLUMB_API Isa best_isa();
 
 /// When to stop sweeping in a substep. Sweeps are never more than `sweeps`; a tolerance or a budget can stop
 /// earlier. What stopped sweeps is reported per step (StepReport::stopped_by).
@@ -116,30 +117,30 @@ struct Settings {
   LayoutChoice layout = LayoutChoice::automatic;
   std::optional<Isa> isa{};      ///< none: best_isa()
   unsigned threads = 0;          ///< 0: as many as the executor offers; at most 64 are used
-  Executor* executor = nullptr;  ///< none: the built-in one on oneTBB. Must outlive the World.
+  Executor* executor = nullptr;  ///< none: make_default_executor(). Must outlive the World.
 };
 
 /// What settings that are not set stand for, which depends on the method.
-Gradient gradient_of(const Settings& settings);
-Integrator integrator_of(const Settings& settings);
-MassModel mass_model_of(const Settings& settings);
+PLUMB_API Gradient gradient_of(const Settings& settings);
+PLUMB_API Integrator integrator_of(const Settings& settings);
+PLUMB_API MassModel mass_model_of(const Settings& settings);
 
 /// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) or an
 /// instruction set that is not supported.
-void validate(const Settings& settings);
+PLUMB_API void validate(const Settings& settings);
 /// Throws InputError unless sweeps are at least 1, and tolerance and budget, if given, positive and finite.
-void validate(const StopRule& rule);
+PLUMB_API void validate(const StopRule& rule);
 
-std::string_view to_string(Method);
-std::string_view to_string(Precision);
-std::string_view to_string(Gradient);
-std::string_view to_string(MassModel);
-std::string_view to_string(Weights);
-std::string_view to_string(SweepOrder);
-std::string_view to_string(Integrator);
-std::string_view to_string(SpringModel);
-std::string_view to_string(Stabilization);
-std::string_view to_string(LayoutChoice);
-std::string_view to_string(Isa);
+PLUMB_API std::string_view to_string(Method);
+PLUMB_API std::string_view to_string(Precision);
+PLUMB_API std::string_view to_string(Gradient);
+PLUMB_API std::string_view to_string(MassModel);
+PLUMB_API std::string_view to_string(Weights);
+PLUMB_API std::string_view to_string(SweepOrder);
+PLUMB_API std::string_view to_string(Integrator);
+PLUMB_API std::string_view to_string(SpringModel);
+PLUMB_API std::string_view to_string(Stabilization);
+PLUMB_API std::string_view to_string(LayoutChoice);
+PLUMB_API std::string_view to_string(Isa);
 
 }  // namespace plumb

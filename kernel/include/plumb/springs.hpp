@@ -1,5 +1,6 @@
 #pragma once
 
+#include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 
@@ -23,8 +24,9 @@ struct SpringStability {
 
 /// Predicts them from the stiffness, damping and mass matrices of the scene's springs. semi_implicit_euler's
 /// limit and the frequency are exact at any size (to 1e-4 above 20,000 unknowns); the other explicit
-/// integrators' limits up to 50 particles or 25 rods, above that from the fastest vibration alone. Slow growth of swings and turns, which explicit Euler
-/// has at any step, is not a matter of the springs and is left out. Throws what World throws.
-SpringStability spring_stability(const Scene& scene, const Settings& settings);
+/// integrators' limits up to 50 particles or 25 rods, above that from the fastest vibration alone. Slow
+/// growth of swings and turns, which explicit Euler has at any step, is not a matter of the springs and is
+/// left out. Throws what World throws.
+PLUMB_API SpringStability spring_stability(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb

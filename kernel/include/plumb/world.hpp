@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
@@ -16,7 +17,7 @@ namespace plumb {
 
 /// What ended the sweeps. When blocks or substeps differ, the latest in this list is reported.
 enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
-std::string_view to_string(StoppedBy);
+PLUMB_API std::string_view to_string(StoppedBy);
 
 /// What one step did and what it skipped. Counts add up over substeps and blocks (sets of rods solved
 /// together).
@@ -55,7 +56,7 @@ struct StepReport {
   std::uint32_t awake_islands = 0;   ///< at the end of the step
   std::uint32_t fell_asleep = 0;     ///< islands, in this step
 
-  StepReport& operator+=(const StepReport& other);
+  PLUMB_API StepReport& operator+=(const StepReport& other);
 };
 
 /// How a scene was laid out, for `plumb info` and reports.
@@ -118,7 +119,7 @@ class StateView {
 /// never two positions: a float position minus a float position loses g·h² below one unit in the last place.
 ///
 /// Not thread-safe: one thread at a time. The world keeps no reference to the scene.
-class World {
+class PLUMB_API World {
  public:
   /// Throws InputError (see validate(); also if numbers do not fit the precision or 32-bit places, or if the
   /// method cannot move the scene), and leaves nothing behind.
@@ -168,7 +169,7 @@ class World {
   const WorldInfo& info() const;
 
  private:
-  struct Impl;
+  struct PLUMB_HIDDEN Impl;
   std::unique_ptr<Impl> impl_;
 };
 
