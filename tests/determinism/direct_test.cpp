@@ -1,7 +1,6 @@
 // Method direct: the same bits on every instruction set, on one thread and on two, and for a tree among
 // others as for the same tree alone.
 
-#include "scenes/generators.hpp"
 #include "support/direct.hpp"
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "determinism/scenes.hpp"
+#include "scenes/generators.hpp"
 #include "support/executors.hpp"
 #include "support/sanitizers.hpp"
 #include "support/truths.hpp"

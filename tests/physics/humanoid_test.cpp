@@ -121,7 +121,8 @@ TEST(FigureWithArms, BendsOneWayAndComesToRest) {
     if (i == 0) scene.particles[0].velocity = {0.5, 0, 0.2};
     if (i > 0) {
       const Vec3 target = scenes::torso_center({.body = BodyType::medium, .arms = 1});
-      scenes::throw_ball(scene, {.speed = 6.0 * i, .direction = test::random_vector(random) + Vec3{-2, 0, 0}}, target);
+      scenes::throw_ball(scene, {.speed = 6.0 * i, .direction = test::random_vector(random) + Vec3{-2, 0, 0}},
+                         target);
     }
     SCOPED_TRACE(i);
     World world(scene, {.method = Method::direct});

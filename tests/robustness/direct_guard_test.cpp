@@ -189,9 +189,9 @@ TEST(DirectGuard, ChainsOnWhatIsHeldForGood) {
   }
 }
 
-// Steps near the limit of gradient old do not gain energy: with heavy ends and rods of mass, whose matrix lets
-// waves be faster than its diagonal says, and around a light hub, which all its spokes pull at once. (Tens
-// to thousands of ranges where the bound of their frequency is too low, or steps go up to it.)
+// Steps near the limit of gradient old do not gain energy: with heavy ends and rods of mass, whose matrix
+// lets waves be faster than its diagonal says, and around a light hub, which all its spokes pull at once.
+// (Tens to thousands of ranges where the bound of their frequency is too low, or steps go up to it.)
 TEST(DirectGuard, OldStaysStableWhereverItsBoundIsTight) {
   const auto watch = [](const Scene& scene, std::uint32_t substeps, int steps) {
     World world(scene, test::direct(Gradient::old, substeps));

@@ -28,8 +28,8 @@ struct Tree {
 };
 
 /// The tree of an island (connected, at least one movable vertex), or nothing if its movable vertices have a
-/// cycle. The root is the first vertex with the most pins, if that is more than one, else the one with the pin
-/// of the smallest edge, without pins an end of the tree, so that a chain is numbered from one end to the
+/// cycle. The root is the first vertex with the most pins, if that is more than one, else the one with the
+/// pin of the smallest edge, without pins an end of the tree, so that a chain is numbered from one end to the
 /// other. Linear time, deterministic.
 std::optional<Tree> find_tree(const Graph& island);
 
