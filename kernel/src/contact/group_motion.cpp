@@ -3,6 +3,7 @@
 
 #include "contact/group_limits.hpp"
 #include "contact/group_stepper.hpp"
+#include "math/elementary.hpp"
 
 namespace plumb::detail {
 using namespace group;
@@ -90,7 +91,7 @@ void GroupStepper::brake(Island& island, double h) {
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
   }
   if (linkage.joint_drag() == 0 || (linkage.movable() == 1 && !linkage.is_grounded())) return;
-  const double kept = std::exp(-h * linkage.joint_drag());
+  const double kept = detail::exp(-h * linkage.joint_drag());
   island.rigid.assign(linkage.movable(), Vec3{});
   if (!linkage.is_grounded()) linkage.split(island.state->x, island.v, island.rigid);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k)

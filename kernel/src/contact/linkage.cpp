@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "math/elementary.hpp"
 #include "reference/multipliers/small_matrices.hpp"
 
 namespace plumb::detail {
@@ -359,7 +360,7 @@ Linkage::AngleSlope Linkage::slope(const Angle& angle, std::span<const Vec3> x) 
   const Vec3 u = angle.over_u * angle.u.of(x), v = angle.over_v * angle.v.of(x);
   const double cosine = std::clamp(dot(u, v), -1.0, 1.0);
   const double over_sine = 1 / std::max(std::sqrt(1 - cosine * cosine), least_sine);
-  return {std::acos(cosine), (-over_sine * angle.over_u) * (v - cosine * u),
+  return {detail::acos(cosine), (-over_sine * angle.over_u) * (v - cosine * u),
           (-over_sine * angle.over_v) * (u - cosine * v)};
 }
 

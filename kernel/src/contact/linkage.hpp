@@ -1,12 +1,12 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "linear/sparse_kkt.hpp"
+#include "math/elementary.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -77,7 +77,7 @@ class Linkage {
   double mass() const { return mass_; }  ///< kg, of what moves
   double drag() const { return drag_; }  ///< 1/s
   /// Of a velocity, what drag leaves after t.
-  double kept(double t) const { return drag_ == 0 ? 1 : std::exp(-t * drag_); }
+  double kept(double t) const { return drag_ == 0 ? 1 : detail::exp(-t * drag_); }
   double joint_drag() const { return joint_drag_; }  ///< 1/s
   Vec3 gravity() const { return gravity_; }
 

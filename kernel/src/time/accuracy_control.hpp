@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "math/elementary.hpp"
 #include "step/direct_counters.hpp"
 
 namespace plumb::detail {
@@ -86,7 +87,7 @@ struct AccuracyControl {
       const Attempt result = advance(h, substeps, of_attempt);
       const double rate = std::max(result.error / (h * allowed), result.is_blind ? blind_rate : 0);
       // The error of a step of order p grows by h^p a second.
-      const double change = order == 2 ? std::sqrt(safety / rate) : std::pow(safety / rate, 1.0 / order);
+      const double change = root(safety / rate, order);
       substep = std::isnan(change) ? h : h * std::clamp(change, slowest_change, fastest_change);
       const bool accurate = rate <= 1 && !result.is_final;
       // Where rounding is what is estimated, shorter steps make it worse; after a blow, which no substep
@@ -136,7 +137,7 @@ struct AccuracyControl {
       if (is_compared) apart += distance();
       out.is_final = out.is_final || counters.unsolved > 0;
     }
-    out.error = apart / ((std::pow(2, order) - 1) * stretches.length * stretches.compared());
+    out.error = apart / (((1u << order) - 1.0) * stretches.length * stretches.compared());
     out.is_blind = out.is_blind || counters.fallbacks > 0;
     return out;
   }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/elementary.hpp"
+
 namespace plumb::detail {
 
 double mean_decay(double z) {
-  return std::abs(z) > 1e-8 ? -std::expm1(-z) / z : 1 - z / 2;
+  return std::abs(z) > 1e-8 ? -detail::expm1(-z) / z : 1 - z / 2;
 }
 
 namespace {
@@ -19,7 +21,7 @@ double drag_exponent(double drag, double h) {
 }  // namespace
 
 double Verlet::decay(double h) const {
-  return std::exp(-drag_exponent(drag, h) * (gradient == Gradient::mid ? 0.5 : 1));
+  return detail::exp(-drag_exponent(drag, h) * (gradient == Gradient::mid ? 0.5 : 1));
 }
 
 Vec3 Verlet::kick(Vec3 acceleration, double h) const {
@@ -34,7 +36,7 @@ Verlet::Displacements Verlet::start(Vec3 velocity, Vec3 acceleration, double h) 
   const double phi = mean_decay(z);
   const double psi = z > 1e-4 ? (1 - phi) / z : 0.5 - z / 6;
   const Vec3 first = (h * phi) * velocity + (h * h * psi) * acceleration;
-  const Vec3 last = std::exp(drag_exponent(drag, h)) * (first - (phi * h * h) * acceleration);
+  const Vec3 last = detail::exp(drag_exponent(drag, h)) * (first - (phi * h * h) * acceleration);
   return {last, last - (h * h) * acceleration};
 }
 

@@ -7,6 +7,7 @@
 
 #include "direct/loops/loop_newton.hpp"
 #include "direct/nets/loop_lines.hpp"
+#include "math/elementary.hpp"
 #include "time/composition.hpp"
 #include "time/verlet.hpp"
 
@@ -68,9 +69,10 @@ struct Coefficients {
 
 /// As for trees.
 Coefficients coefficients(const LoopState& state, double h, Gradient gradient, double drag) {
-  if (gradient == Gradient::mid) return {std::exp(-drag * h / 2) * h, 0.5 * h * h};
+  if (gradient == Gradient::mid) return {detail::exp(-drag * h / 2) * h, 0.5 * h * h};
   const double last = state.u_step, between = (h + last) / 2;
-  return {std::exp(-drag * between) * (last != 0 ? h / last : h), mean_decay(drag * between) * h * between};
+  return {detail::exp(-drag * between) * (last != 0 ? h / last : h),
+          mean_decay(drag * between) * h * between};
 }
 
 }  // namespace
@@ -244,7 +246,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   }
   const double error = state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
   state.known = gradient == gradient_ ? std::min(state.known + 1, 2u) : 0;
-  const double decay = std::exp(-drag_ * h / 2);
+  const double decay = detail::exp(-drag_ * h / 2);
   for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     const double delta = work.delta[i];
@@ -377,7 +379,7 @@ void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) cons
 
 void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   const double step = state.u_step;
-  const double scale = step > 0 ? std::exp(-drag_ * step / 2) / step : 1;
+  const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
   for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
   // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
   // earlier.

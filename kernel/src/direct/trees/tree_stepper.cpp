@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "math/elementary.hpp"
 #include "time/composition.hpp"
 #include "time/verlet.hpp"
 
@@ -106,16 +107,16 @@ const simd::TreeKernels<T>& TreeStepper<T>::kernels(const TreeState<T>& state) c
 template <class T>
 auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) const -> Coefficients {
   if (gradient == Gradient::mid) {
-    const double decay = drag_ > 0 ? std::exp(-drag_ * h / 2) : 1;
+    const double decay = drag_ > 0 ? detail::exp(-drag_ * h / 2) : 1;
     return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
   }
   if (gradient_ == Gradient::mid) {  // falls back from a velocity in mid-flight, not from a start
-    const double decay = drag_ > 0 ? std::exp(-drag_ * h) : 1;
+    const double decay = drag_ > 0 ? detail::exp(-drag_ * h) : 1;
     return {decay * h, mean_decay(drag_ * h) * h * h, 1, 0};
   }
   // From the middle of the last substep to that of this one; from its start if u is a velocity.
   const double between = (h + last) / 2;
-  return {(drag_ > 0 ? std::exp(-drag_ * between) : 1) * (last != 0 ? h / last : h),
+  return {(drag_ > 0 ? detail::exp(-drag_ * between) : 1) * (last != 0 ? h / last : h),
           mean_decay(drag_ * between) * h * between, 1, 0};
 }
 
@@ -436,7 +437,7 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     const double step = state.u_step[lane];
     const bool displacements = step > 0;
     any = any || displacements;
-    const T scale = displacements ? static_cast<T>(std::exp(-drag_ * step / 2) / step) : T(1);
+    const T scale = displacements ? static_cast<T>(detail::exp(-drag_ * step / 2) / step) : T(1);
     for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
     // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
     // earlier.

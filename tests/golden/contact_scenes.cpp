@@ -1,0 +1,121 @@
+#include "golden/contact_scenes.hpp"
+
+#include "plumb/joints.hpp"
+#include "support/limbs.hpp"
+
+namespace plumb::golden {
+namespace {
+
+constexpr Surface rough{.friction = 0.5, .restitution = 0.1};
+
+/// A solid block with a ball of 1 cm at each of its eight corners, which are what touches.
+std::uint32_t add_block(Scene& scene, Vec3 center, Vec3 size, double mass) {
+  MassProperties block = solid_box(mass, size);
+  block.center = center;
+  const std::uint32_t body = add_body(scene, block);
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int bit, double extent) {
+      return (corner >> bit & 1) != 0 ? extent / 2 : -extent / 2;
+    };
+    const Point at =
+        point_on_body(scene, body, center + Vec3{side(0, size.x), side(1, size.y), side(2, size.z)});
+    scene.capsules.push_back({.a = at, .b = at, .radius = 0.01, .surface = rough});
+  }
+  return body;
+}
+
+/// A bar along the middle of a block's top, for the block above to stand on.
+void add_bar(Scene& scene, std::uint32_t body, Vec3 center, Vec3 size) {
+  const Vec3 half{size.x / 2, 0, 0}, top = center + Vec3{0, size.y / 2, 0};
+  for (const double z : {-size.z / 2, size.z / 2}) {
+    const Vec3 edge = top + Vec3{0, 0, z};
+    scene.capsules.push_back({.a = point_on_body(scene, body, edge - half),
+                              .b = point_on_body(scene, body, edge + half),
+                              .radius = 0.01,
+                              .surface = rough});
+  }
+}
+
+}  // namespace
+
+Scene make_tower() {
+  Scene scene;
+  scene.planes.push_back({.surface = rough});
+  const Vec3 size{0.5, 0.2, 0.4};
+  double bottom = 0.01;
+  for (int i = 0; i < 3; ++i) {
+    // Each is set a little aside, so that nothing is symmetric.
+    const Vec3 center{0.03 * i, bottom + size.y / 2, -0.01 * i};
+    add_bar(scene, add_block(scene, center, size, 2.0 + i), center, size);
+    bottom += size.y + 0.03;
+  }
+  return scene;
+}
+
+Scene make_slide() {
+  Scene scene;
+  // The slope is 3 in 4: its normal has the sides of a triangle of 3, 4 and 5.
+  scene.planes.push_back({.normal = {0.6, 0.8, 0}, .offset = 0, .surface = {.friction = 0.3}});
+  scene.boxes.push_back({.center = {0.7, -0.5, 0}, .half_size = {0.2, 0.3, 1}, .surface = rough});
+  add_block(scene, {0.05, 0.2, 0.1}, {0.2, 0.1, 0.15}, 1.5);
+  return scene;
+}
+
+Scene make_mechanism() {
+  Scene scene;
+  const Vec3 along = (1 / 3.0) * Vec3{2, 1, 2}, across = (1 / 3.0) * Vec3{1, 2, -2};
+  const Vec3 reach{0.5, -0.1, 0.2};  // m, from joint to joint
+  std::uint32_t above = test::add_fixed_body(scene);
+  Vec3 joint{};
+  for (int i = 0; i < 5; ++i) {
+    MassProperties block = solid_box(1 + 0.5 * i, {0.3, 0.4, 0.5});
+    block.center = joint + 0.5 * reach;
+    const std::uint32_t body = add_body(scene, block);
+    if (i == 0 || i == 4)
+      add_spherical(scene, point_on_body(scene, above, joint), point_on_body(scene, body, joint));
+    if (i == 1) add_revolute(scene, above, body, joint, along);
+    if (i == 2) add_universal(scene, above, body, joint, along, across);
+    if (i == 3) add_prismatic(scene, above, body, joint, across);
+    if (i != 3) {
+      const auto direction = [&](std::uint32_t of, Vec3 way) {
+        return Direction{point_on_body(scene, of, joint), point_on_body(scene, of, joint + way)};
+      };
+      AngleControl angle{.u = direction(above, along), .v = direction(body, across)};
+      if (i == 0) angle.lower = 1.4, angle.upper = 1.7;
+      if (i == 1) angle.friction = 0.8;
+      if (i == 2) angle.target = 1.2, angle.stiffness = 30, angle.damping = 2;
+      if (i == 4) angle.lower = 1.5, angle.friction = 0.2, angle.damping = 0.1;
+      scene.angles.push_back(angle);
+    }
+    above = body;
+    joint += reach;
+  }
+  return scene;
+}
+
+Scene make_pool() {
+  Scene scene;
+  scene.planes.push_back({.surface = rough});
+  for (const double x : {0.5, 0.9, 1.3}) test::add_ball(scene, {x, 0.1, 0.02 * x}, 0.1, 1, {}, rough);
+  test::add_limb(scene, {1.6, 0.05, -0.5}, {1.6, 0.05, 0.5}, 2, 0.05, rough);
+  for (Particle& particle : scene.particles) particle.asleep = true;
+  test::add_ball(scene, {0, 0.1, 0}, 0.1, 2, {5, 0, 0}, {.friction = 0.2, .restitution = 0.9});
+  return scene;
+}
+
+Scene make_rope() {
+  constexpr std::uint32_t links = 12;
+  constexpr double length = 0.12;  // m, of a link
+  Scene scene;
+  scene.planes.push_back({.surface = rough});
+  scene.boxes.push_back({.center = {0.1, 0.25, 0}, .half_size = {0.2, 0.25, 0.5}, .surface = rough});
+  for (std::uint32_t i = 0; i <= links; ++i)
+    scene.particles.push_back(test::movable({i * length - 0.6, 0.56 + 0.01 * (i % 2), 0.02 * i}, 0.1));
+  for (std::uint32_t i = 0; i < links; ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1, .mass = 0.2});
+    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.03, .surface = rough});
+  }
+  return scene;
+}
+
+}  // namespace plumb::golden

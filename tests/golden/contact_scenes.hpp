@@ -1,0 +1,15 @@
+#pragma once
+
+#include "plumb/scene.hpp"
+
+/// Scenes with limbs, joints and contact that scenes.hpp lists. None takes an angle's sine or cosine, whose
+/// last bits differ between C libraries.
+namespace plumb::golden {
+
+Scene make_tower();
+Scene make_slide();
+Scene make_mechanism();
+Scene make_pool();
+Scene make_rope();
+
+}  // namespace plumb::golden
