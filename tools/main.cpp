@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "plumb/error.hpp"
+#include "plumb/reference/methods.hpp"
 #include "scenes/lists.hpp"
 #include "scenes/machine.hpp"
 
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.5,1 --out truth.csv\n\n" +
       tools::generators_help() + "\n`plumb COMMAND --help` tells the options of a command.");
 
+  register_reference_methods();
   tools::Action action;
   tools::add_run_command(app, action);
   tools::add_info_command(app, action);

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "plumb/error.hpp"
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "plumb/world.hpp"
 #include "scenes/generators.hpp"
 #include "scenes/numbers.hpp"

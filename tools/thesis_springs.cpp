@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "plumb/world.hpp"
 
 namespace plumb::tools {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "scenes/generators.hpp"
 #include "scenes/numbers.hpp"
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "plumb/reference/springs.hpp"
 #include "scenes/generators.hpp"
 #include "scenes/trajectory.hpp"
 #include "support/sanitizers.hpp"

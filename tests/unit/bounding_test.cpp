@@ -1,4 +1,4 @@
-#include "plumb/bounding.hpp"
+#include "plumb/reference/bounding.hpp"
 
 #include <gtest/gtest.h>
 

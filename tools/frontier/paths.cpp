@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "frontier/contest.hpp"
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "plumb/world.hpp"
 #include "scenes/numbers.hpp"
 

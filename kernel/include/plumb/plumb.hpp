@@ -15,16 +15,13 @@
 /// impact.hpp    two bodies that collide       version.hpp   which plumb this is
 #pragma once
 
-#include "plumb/bounding.hpp"
 #include "plumb/error.hpp"
 #include "plumb/executor.hpp"
-#include "plumb/impact.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
-#include "plumb/springs.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/version.hpp"
 #include "plumb/world.hpp"

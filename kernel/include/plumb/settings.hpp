@@ -46,6 +46,8 @@ struct SpringSettings {
   /// Of every spring, relative to the critical damping of the two masses it joins: 2 sqrt(stiffness · reduced
   /// mass).
   double damping_ratio = 0.1;
+
+  friend constexpr bool operator==(const SpringSettings&, const SpringSettings&) = default;
 };
 
 /// What method multipliers does against drift, since accelerations alone are kept: nothing, Baumgarte's
@@ -55,6 +57,8 @@ enum class Stabilization : std::uint8_t { none, baumgarte, projection };
 struct MultiplierSettings {
   Stabilization stabilization = Stabilization::projection;
   double baumgarte_rate = 10;  ///< 1/s, at which a violation decays, critically damped
+
+  friend constexpr bool operator==(const MultiplierSettings&, const MultiplierSettings&) = default;
 };
 
 /// Which share of a correction each end takes: by inverse mass (thesis eq. 4.7) or half each (eq. 4.6).

@@ -1,4 +1,4 @@
-#include "plumb/bounding.hpp"
+#include "plumb/reference/bounding.hpp"
 
 #include <algorithm>
 #include <cmath>

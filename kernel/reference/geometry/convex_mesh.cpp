@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "plumb/bounding.hpp"
+#include "plumb/reference/bounding.hpp"
 #include "scene/require_points.hpp"
 
 namespace plumb {

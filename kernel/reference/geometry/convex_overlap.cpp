@@ -6,7 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "plumb/bounding.hpp"
+#include "plumb/reference/bounding.hpp"
 #include "scene/barycentric.hpp"
 
 namespace plumb {

@@ -1,4 +1,4 @@
-#include "plumb/impact.hpp"
+#include "plumb/reference/impact.hpp"
 
 #include <algorithm>
 #include <cmath>

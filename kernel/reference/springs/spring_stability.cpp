@@ -5,7 +5,7 @@
 #include <complex>
 
 #include "linear/sparse_cholesky.hpp"
-#include "plumb/springs.hpp"
+#include "plumb/reference/springs.hpp"
 #include "reference/springs/springs.hpp"
 
 namespace plumb {

@@ -26,21 +26,27 @@ struct KeptContact {
   Vec3 force{}, end_force{};  ///< N
 };
 
-/// One island of a linkage's kind, wherever it is.
-struct LinkageState {
-  const Linkage* linkage = nullptr;
-  std::vector<std::uint32_t> particles;  ///< the scene's numbers
-  std::vector<Vec3> x, v;                ///< m and m/s; fixed particles too
-  std::vector<Vec3> force;               ///< N, constant, on movable particles
-  std::vector<Vec3> acceleration;    ///< m/s², what made the last substep's way differ from h v, over h²
-  std::vector<simd::Block> factors;  ///< at x
+/// What steps change of an island.
+struct LinkageMotion {
+  std::vector<Vec3> x, v;          ///< m and m/s; fixed particles too
+  std::vector<Vec3> acceleration;  ///< m/s², by which the last substep's way differs from h v, over h²
   std::vector<KeptContact> kept;
-  std::uint32_t number = 0;  ///< of this island
-  bool factored = false;
   bool asleep = false;
   bool frozen = false;
   double calm = 0;                 ///< s, for how long it has been slow
-  std::optional<double> energy{};  ///< J, that free flight keeps
+  std::optional<double> energy{};  ///< J, which free flight keeps
+};
+
+/// One island of a linkage's kind, wherever it is.
+struct LinkageState : LinkageMotion {
+  const Linkage* linkage = nullptr;
+  std::vector<std::uint32_t> particles;  ///< the scene's numbers
+  std::vector<Vec3> force;               ///< N, constant, on movable particles
+  std::vector<simd::Block> factors;      ///< at x
+  std::uint32_t number = 0;              ///< of this island
+  bool factored = false;
+
+  LinkageMotion& motion() { return *this; }
 
   /// False if the matrix at x has none.
   bool factor() {
@@ -48,14 +54,6 @@ struct LinkageState {
     linkage->assemble(x, factors);
     return factored = linkage->plan().factor(factors);
   }
-};
-
-/// How steps are cut, and which islands rest.
-struct ContactRules {
-  std::uint32_t substeps = 1;
-  double sleep_speed = 0.02;  ///< m/s; slower, for sleep_time, is at rest
-  double sleep_time = 0.5;    ///< s
-  bool sleep = true;
 };
 
 /// Around its shapes, wherever gravity and the speed of its fastest movable particle bring them within dt.

@@ -74,6 +74,12 @@ class Block {
   /// slots with numbers in positions [q0, q1).
   std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) noexcept;
   bool is_frozen(std::uint32_t slot) const { return frozen_slots_[slot] != 0; }
+  /// The position that a slot lies in; 0 if positions depend on each other.
+  std::uint32_t position_of(std::uint32_t slot) const {
+    return packing_.coupling == layouts::Coupling::independent
+               ? packing_.slot_offset[slot] / packing_.position_elements
+               : 0;
+  }
 
  private:
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;

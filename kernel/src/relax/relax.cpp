@@ -33,13 +33,13 @@ template <class T, class Crew>
 class Substep {
  public:
   Substep(Block<T>& block, T* u, T* p, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
-          RelaxCounters& counters, Crew& crew)
+          StepReport& report, Crew& crew)
       : block_(block),
         packing_(block.packing()),
         kernels_(*settings.kernels),
         access_(settings.kernels->access[static_cast<int>(packing_.access)]),
         settings_(settings),
-        counters_(counters),
+        report_(report),
         crew_(crew),
         u_(u),
         p_(p),
@@ -124,7 +124,7 @@ class Substep {
     std::uint32_t done = 0;
     while (true) {
       if (stop.tolerance && violation() <= bound) {
-        if (done == 0) counters_.skipped_within_tolerance.fetch_add(1, std::memory_order_relaxed);
+        if (done == 0) ++report_.skipped_within_tolerance;
         return stopped(StoppedBy::tolerance, done);
       }
       if (done == stop.sweeps) return stopped(StoppedBy::sweeps, done);
@@ -146,12 +146,11 @@ class Substep {
       });
     });
     if (broken.load(std::memory_order_relaxed))
-      counters_.frozen_islands.fetch_add(block_.freeze_broken_islands(u_, p_, q0_, q1_),
-                                         std::memory_order_relaxed);
+      report_.frozen_islands += block_.freeze_broken_islands(u_, p_, q0_, q1_);
 
     const bool guarded = settings_.gradient == Gradient::mid && !packing_.stages.empty() &&
                          (block_.is_settling() || violation() > mid_guard_violation);
-    if (guarded) counters_.mid_guarded.fetch_add(1, std::memory_order_relaxed);
+    if (guarded) ++report_.mid_guarded;
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
         const auto& particles = kernels_.particles;
@@ -275,14 +274,9 @@ class Substep {
   }
 
   void stopped(StoppedBy reason, std::uint32_t sweeps) {
-    counters_.block_sweeps.fetch_add(sweeps, std::memory_order_relaxed);
-    counters_.rod_projections.fetch_add(std::uint64_t{sweeps} * block_.rods(q0_, q1_),
-                                        std::memory_order_relaxed);
-    const auto value = static_cast<std::uint8_t>(reason);
-    std::uint8_t seen = counters_.stopped_by.load(std::memory_order_relaxed);
-    while (seen < value &&
-           !counters_.stopped_by.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
-    }
+    report_.block_sweeps += sweeps;
+    report_.rod_projections += std::uint64_t{sweeps} * block_.rods(q0_, q1_);
+    report_.stopped_by = std::max(report_.stopped_by, reason);
   }
 
   Block<T>& block_;
@@ -290,7 +284,7 @@ class Substep {
   const simd::Kernels<T>& kernels_;
   const simd::AccessKernels<T>& access_;
   const RelaxSettings<T>& settings_;
-  RelaxCounters& counters_;
+  StepReport& report_;
   Crew& crew_;
   T* u_;  ///< displacement of the last substep
   T* p_;  ///< displacement of this one
@@ -302,29 +296,29 @@ class Substep {
 
 template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
-                 RelaxCounters& counters) {
+                 StepReport& report) {
   Alone alone;
   for (std::uint32_t substep = 0; substep < settings.substeps; ++substep) {
     const unsigned odd = substep & 1;
-    Substep<T, Alone>(block, block.displacement(odd), block.displacement(1 - odd), q0, q1, settings, counters,
+    Substep<T, Alone>(block, block.displacement(odd), block.displacement(1 - odd), q0, q1, settings, report,
                       alone)
         .run();
   }
 }
 
 template <class T>
-void relax_block(Block<T>& block, const RelaxSettings<T>& settings, RelaxCounters& counters, Team& team) {
+void relax_block(Block<T>& block, const RelaxSettings<T>& settings, StepReport& report, Team& team) {
   Substep<T, Team>(block, block.displacement(0), block.displacement(1), 0, block.packing().positions,
-                   settings, counters, team)
+                   settings, report, team)
       .run();
   block.count_substeps(1);
 }
 
 template void relax_alone(Block<float>&, std::uint32_t, std::uint32_t, const RelaxSettings<float>&,
-                          RelaxCounters&);
+                          StepReport&);
 template void relax_alone(Block<double>&, std::uint32_t, std::uint32_t, const RelaxSettings<double>&,
-                          RelaxCounters&);
-template void relax_block(Block<float>&, const RelaxSettings<float>&, RelaxCounters&, Team&);
-template void relax_block(Block<double>&, const RelaxSettings<double>&, RelaxCounters&, Team&);
+                          StepReport&);
+template void relax_block(Block<float>&, const RelaxSettings<float>&, StepReport&, Team&);
+template void relax_block(Block<double>&, const RelaxSettings<double>&, StepReport&, Team&);
 
 }  // namespace plumb::detail

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "plumb/settings.hpp"
@@ -23,22 +22,15 @@ struct RelaxSettings {
   double budget_us = 0;  ///< for this block and one substep, if the stop rule has a budget
 };
 
-/// Counts of a step, added to from several threads.
-struct RelaxCounters {
-  std::atomic<std::uint64_t> block_sweeps{0}, rod_projections{0}, skipped_within_tolerance{0}, mid_guarded{0};
-  std::atomic<std::uint32_t> frozen_islands{0};
-  std::atomic<std::uint8_t> stopped_by{0};
-};
-
 /// Advances positions [q0, q1) of a block by all substeps on the calling thread; the positions must not
 /// depend on others. When all positions of the block are advanced, by whatever threads, the caller says so by
 /// Block::count_substeps().
 template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
-                 RelaxCounters& counters);
+                 StepReport& report);
 
 /// Advances a whole block by one substep with all threads of the team, and counts it.
 template <class T>
-void relax_block(Block<T>& block, const RelaxSettings<T>& settings, RelaxCounters& counters, Team& team);
+void relax_block(Block<T>& block, const RelaxSettings<T>& settings, StepReport& report, Team& team);
 
 }  // namespace plumb::detail

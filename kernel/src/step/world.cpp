@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "relax/compile.hpp"
+#include "relax/plan.hpp"
 #include "scene/refuse.hpp"
-#include "step/simulation.hpp"
+#include "step/step.hpp"
 
 namespace plumb {
 
 using detail::refuse;
 
 struct World::Impl {
-  std::unique_ptr<detail::Simulation> simulation;
+  std::unique_ptr<detail::Step> step;
   std::vector<std::uint8_t> fixed;
   std::uint32_t rods = 0;
   double time = 0;
@@ -36,7 +36,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   validate(scene);
   validate(settings);
   detail::require_addressable(scene.particles.size(), scene.rods.size());
-  impl_->simulation = detail::make_simulation(scene, settings);
+  impl_->step = std::make_unique<detail::Step>(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
 }
@@ -46,29 +46,30 @@ World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step(double dt) {
   if (!(dt > 0) || !std::isfinite(dt)) refuse("dt must be positive and finite, got ", dt);
+  const StepReport report = impl_->step->run(dt);
   impl_->time += dt;
-  return impl_->simulation->step(dt);
+  return report;
 }
 
 void World::set_stop_rule(const StopRule& rule) {
   validate(rule);
-  impl_->simulation->set_stop_rule(rule);
+  impl_->step->set_stop_rule(rule);
 }
 
 void World::set_weights(Weights weights) {
-  impl_->simulation->set_weights(weights);
+  impl_->step->set_weights(weights);
 }
 
 void World::set_force(std::uint32_t particle, Vec3 force) {
   impl_->require(particle, false, "a force cannot move it");
   if (!is_finite(force)) refuse("particle ", particle, ": force is not finite");
-  impl_->simulation->set_force(particle, force);
+  impl_->step->set_force(particle, force);
 }
 
 void World::move_anchor(std::uint32_t particle, Vec3 target) {
   impl_->require(particle, true, "only fixed particles are moved as anchors");
   if (!is_finite(target)) refuse("particle ", particle, ": target is not finite");
-  impl_->simulation->move_anchor(particle, target);
+  impl_->step->move_anchor(particle, target);
 }
 
 std::uint32_t World::particle_count() const {
@@ -83,25 +84,25 @@ double World::time() const {
 
 void World::copy_positions(std::span<Vec3> out) const {
   impl_->require_fit(out, "positions");
-  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->simulation->position(i);
+  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->step->position(i);
 }
 void World::copy_velocities(std::span<Vec3> out) const {
   impl_->require_fit(out, "velocities");
-  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->simulation->velocity(i);
+  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->step->velocity(i);
 }
 Vec3 World::position(std::uint32_t particle) const {
   impl_->require_known(particle);
-  return impl_->simulation->position(particle);
+  return impl_->step->position(particle);
 }
 Vec3 World::velocity(std::uint32_t particle) const {
   impl_->require_known(particle);
-  return impl_->simulation->velocity(particle);
+  return impl_->step->velocity(particle);
 }
 std::uint64_t World::state_hash() const {
-  return impl_->simulation->state_hash();
+  return impl_->step->state_hash();
 }
 const WorldInfo& World::info() const {
-  return impl_->simulation->info();
+  return impl_->step->info();
 }
 
 StepReport& StepReport::operator+=(const StepReport& other) {

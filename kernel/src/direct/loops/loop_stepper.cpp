@@ -171,7 +171,7 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
 }
 
 bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
-                          DirectCounters& counters) const {
+                          StepReport& counters) const {
   const double theta = theta_of(gradient);
   LoopWorkspace::Factor& factor = work.factor(theta > 0);
   bool stale = !carried, converged = false;
@@ -205,7 +205,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
 }
 
 bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
-                        DirectCounters& counters) const {
+                        StepReport& counters) const {
   const double theta = theta_of(gradient);
   if (work.lines) {
     begin(state, h, gradient, work);
@@ -265,7 +265,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
 }
 
 bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
-                               DirectCounters& counters) const {
+                               StepReport& counters) const {
   const Gradient wanted = state.calm > 0 ? Gradient::new_ : gradient_;
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
@@ -273,7 +273,7 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
       attempts.error += accept(state, h, gradient, work);
       if (depth > 0 && (attempts.shortest_half == 0 || std::abs(h) < attempts.shortest_half))
         attempts.shortest_half = std::abs(h);
-      ++counters.substeps;
+      ++counters.direct_substeps;
       if (gradient != gradient_) ++counters.fallbacks;
       if (gradient != wanted) attempts.fell_back = true;
       return true;
@@ -286,16 +286,16 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
          advance_part(state, h / 2, depth + 1, attempts, work, counters);
 }
 
-std::uint32_t LoopStepper::pieces(const LoopState& state, double h) const {
+std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
   if (state.calm > 0) return 1;  // gradient new, which is hardly ever halved
   return pieces_of(largest_share_ * h / state.longest);
 }
 
-double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const {
+double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const {
   work.saved = state.motion();
   const bool is_calm = state.calm > 0;
   Attempts attempts{.halvings = is_calm ? calm_halvings : most_halvings, .left = 0};
-  const std::uint32_t count = pieces(state, h);
+  const std::uint32_t count = cuts(state, h);
   bool solved = true;
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_) {
@@ -319,7 +319,7 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Dir
 }
 
 void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
-                             DirectCounters& counters) const {
+                             StepReport& counters) const {
   ++counters.unsolved;
   begin(state, h, Gradient::new_, work);
   measure_rods(state, work);

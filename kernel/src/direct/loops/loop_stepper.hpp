@@ -81,10 +81,10 @@ class LoopStepper {
   /// it was not solved.
   /// Allocates nothing, but the first time that gradient old with lumped masses falls back or lines do not
   /// lead to a solution.
-  double advance(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
+  double advance(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const;
 
   /// How many pieces a substep is cut into. Each piece has all shares.
-  std::uint32_t pieces(const LoopState& state, double h) const;
+  std::uint32_t cuts(const LoopState& state, double h) const;
 
   /// Takes from u, which must hold velocities, what pulls on rods.
   void project_velocities(LoopState& state, LoopWorkspace& work) const;
@@ -97,11 +97,11 @@ class LoopStepper {
   void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// Newton with the factor of an earlier substep or not; if it does not converge, mu is as it was.
   bool iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
-               DirectCounters& counters) const;
+               StepReport& counters) const;
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
   bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
-             DirectCounters& counters) const;
-  void compromise(LoopState& state, double h, LoopWorkspace& work, DirectCounters& counters) const;
+             StepReport& counters) const;
+  void compromise(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const;
   /// Returns the estimate.
   double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// What a part of a substep may try, and what all parts so far came to.
@@ -112,7 +112,7 @@ class LoopStepper {
     double error = 0;          ///< m
   };
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
-                    DirectCounters& counters) const;
+                    StepReport& counters) const;
   void project(LoopState& state, double kick, LoopWorkspace& work) const;
 
   Gradient gradient_;

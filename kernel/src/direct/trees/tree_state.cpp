@@ -46,7 +46,7 @@ TreeTopology::TreeTopology(const layouts::Tree& tree)
 
 template <class T>
 TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t width)
-    : topology(std::move(shape)), lanes(width) {
+    : topology(std::move(shape)), lanes(width), trees(width), idle(width, 0) {
   const std::size_t n = std::size_t{topology->nodes} * lanes, p = std::size_t{topology->pins} * lanes;
   node = AlignedBuffer<T>(tree_fields::node * n);
   pin = AlignedBuffer<T>(tree_fields::pin * p);
@@ -166,9 +166,22 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
 }
 
 template <class T>
+void TreeState<T>::set_idle(std::uint32_t lane, bool is_idle) {
+  idle[lane] = is_idle;
+  trees = static_cast<std::uint32_t>(std::count(idle.begin(), idle.end(), std::uint8_t{0}));
+}
+
+template <class T>
 void TreeState<T>::set_velocities(std::uint32_t lane, const AlignedBuffer<T>& velocity) {
   for (std::size_t i = lane; i < u.size(); i += lanes) u[i] = velocity[i];
   u_step[lane] = 0;
+}
+
+template <class T>
+void TreeState<T>::restart(std::uint32_t lane, const AlignedBuffer<T>& velocity) {
+  set_velocities(lane, velocity);
+  known[lane] = 0;
+  smooth[lane] = 0;
 }
 
 template <class T>

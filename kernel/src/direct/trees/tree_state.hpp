@@ -44,6 +44,8 @@ struct TreeState {
 
   /// Makes u of a lane velocities, m/s, of every node.
   void set_velocities(std::uint32_t lane, const layouts::AlignedBuffer<T>& velocity);
+  /// The same, and forgets accelerations, which the next steps would start from.
+  void restart(std::uint32_t lane, const layouts::AlignedBuffer<T>& velocity);
 
   /// Takes over what a substep changes from another state of the same trees.
   void copy_motion(const TreeState& from);
@@ -52,8 +54,13 @@ struct TreeState {
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);
 
+  /// Whether a lane is left out of steps: it has no tree of its own, or its tree is moved elsewhere.
+  void set_idle(std::uint32_t lane, bool is_idle);
+
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;
+  std::uint32_t trees;             ///< lanes that are not idle
+  std::vector<std::uint8_t> idle;  ///< per lane
   layouts::AlignedBuffer<T> node, pin, u, acceleration, acceleration_before, force, pin_delta, pin_u, mu,
       pin_mu, mu_before, pin_mu_before;
   layouts::AlignedBuffer<double> length2, pin_length2, x, pin_x, weight;  ///< weight: gravity per node, N

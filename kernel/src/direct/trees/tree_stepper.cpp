@@ -121,7 +121,7 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
 }
 
 template <class T>
-void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
+void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient,
                            TreeWorkspace<T>& work) const {
   Coefficients of_lane{};  // mostly the same in all: exp() is dear
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
@@ -141,7 +141,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, std::uint32_t trees, double h, G
     const auto [scale, scale_before] = multiplier_scales(state, lane, kick, gradient);
     work.mu_scale[lane] = static_cast<T>(scale);
     work.mu_scale_before[lane] = static_cast<T>(scale_before);
-    work.active[lane] = lane < trees ? T(1) : T(0);
+    work.active[lane] = state.idle[lane] ? T(0) : T(1);
   }
   if (state.pins_move) set_pin_displacements(state, h, work);
   work.guesses = !is_line(state, gradient);
@@ -173,14 +173,14 @@ void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
 }
 
 template <class T>
-bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gradient,
-                           TreeWorkspace<T>& work, DirectCounters& counters) const {
+bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient,
+                           TreeWorkspace<T>& work, StepReport& counters) const {
   const simd::TreeView<T> view = work.view(state);
   const simd::TreeKernels<T>& run = kernels(state);
   const double nodes = state.topology->nodes;
   const bool line = is_line(state, gradient);
   std::uint64_t iterations = 0;
-  std::uint32_t left = trees;
+  std::uint32_t left = state.trees;
   bool all = true;
   for (int i = 0; i < most_iterations && left > 0; ++i) {
     if (line) {
@@ -189,7 +189,7 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
       run.newton(view, static_cast<T>(theta_of(gradient)));
     }
     iterations += left;
-    for (std::uint32_t lane = 0; lane < trees; ++lane) {
+    for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
       if (work.active[lane] == 0) continue;
       const double scale2 = state.scale2[lane], change2 = work.change[lane] / nodes;
       const bool converged = has_converged<T>(change2, work.residual[lane], scale2, gradient);
@@ -205,11 +205,12 @@ bool TreeStepper<T>::solve(TreeState<T>& state, std::uint32_t trees, Gradient gr
 }
 
 template <class T>
-void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, Gradient gradient,
+void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient,
                             TreeWorkspace<T>& work) const {
-  for (std::uint32_t lane = 0; lane < trees; ++lane) {
-    work.active[lane] = work.failed[lane] ? T(0) : T(1);
-    if (work.failed[lane]) continue;
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    const bool skipped = state.idle[lane] || work.failed[lane];
+    work.active[lane] = skipped ? T(0) : T(1);
+    if (skipped) continue;
     state.u_step_before[lane] = state.u_step[lane];
     state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
     state.mu_kick_before[lane] = state.mu_kick[lane];
@@ -222,8 +223,8 @@ void TreeStepper<T>::accept(TreeState<T>& state, std::uint32_t trees, double h, 
       state.pin_last_velocity[i] = state.pin_velocity[i];
   }
   kernels(state).advance(work.view(state));
-  for (std::uint32_t lane = 0; lane < trees; ++lane)
-    if (!work.failed[lane] && work.keeps_acceleration)
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
+    if (!state.idle[lane] && !work.failed[lane] && work.keeps_acceleration)
       state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];
 }
 
@@ -237,15 +238,15 @@ void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane
 
 template <class T>
 bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int& attempts,
-                                   TreeWorkspace<T>& work, DirectCounters& counters) const {
+                                   TreeWorkspace<T>& work, StepReport& counters) const {
   const bool last = depth == most_halvings || --attempts <= 0;
   for (const Gradient gradient : {gradient_, Gradient::new_}) {
     if (gradient != gradient_ && !last) break;
-    begin(state, 1, h, gradient, work);
-    if (solve(state, 1, gradient, work, counters) &&
-        (gradient != Gradient::old || is_stable(state, 1, h, work))) {
-      accept(state, 1, h, gradient, work);
-      ++counters.substeps;
+    begin(state, h, gradient, work);
+    if (solve(state, gradient, work, counters) &&
+        (gradient != Gradient::old || is_stable(state, h, work))) {
+      accept(state, h, gradient, work);
+      ++counters.direct_substeps;
       if (gradient != gradient_) {
         ++counters.fallbacks;
         // As a velocity, which every gradient can go on from.
@@ -265,7 +266,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
 
 template <class T>
 bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                                    DirectCounters& counters) const {
+                                    StepReport& counters) const {
   ++counters.halvings;
   int attempts = most_attempts;
   const bool solved = advance_alone(state, h / 2, 1, attempts, work, counters) &&
@@ -275,20 +276,20 @@ bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace
 }
 
 template <class T>
-std::uint32_t TreeStepper<T>::pieces(const TreeState<T>& state, double h) const {
+std::uint32_t TreeStepper<T>::cuts(const TreeState<T>& state, double h) const {
   if (gradient_ != Gradient::old) return 1;
   return pieces_of(largest_share_ * h * std::sqrt(state.frequency2) / aimed_frequency);
 }
 
 template <class T>
-bool TreeStepper<T>::is_stable(TreeState<T>& state, std::uint32_t lanes, double h, TreeWorkspace<T>& work,
+bool TreeStepper<T>::is_stable(TreeState<T>& state, double h, TreeWorkspace<T>& work,
                                const LineSegments* segments) const {
   kernels(state).find_stiffness(work.view(state));
   if (segments) segments->join_stiffness(state, work);
   double largest = 0;
   bool stable = true;
-  for (std::uint32_t lane = 0; lane < lanes; ++lane) {
-    if (work.failed[lane]) continue;
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    if (state.idle[lane] || work.failed[lane]) continue;
     const double frequency2 =
         static_cast<double>(work.stiffness[lane]) / std::abs(static_cast<double>(work.kick[lane]));
     largest = std::max(largest, frequency2);
@@ -301,37 +302,37 @@ bool TreeStepper<T>::is_stable(TreeState<T>& state, std::uint32_t lanes, double 
 }
 
 template <class T>
-double TreeStepper<T>::advance(TreeState<T>& state, std::uint32_t trees, double h, TreeWorkspace<T>& work,
+double TreeStepper<T>::advance(TreeState<T>& state, double h, TreeWorkspace<T>& work,
                                TreeState<T>& alone, TreeWorkspace<T>& alone_work,
-                               DirectCounters& counters) const {
+                               StepReport& counters) const {
   double error = 0;
-  const std::uint32_t count = pieces(state, h);
+  const std::uint32_t count = cuts(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_)
-      error += advance_piece(state, trees, share * h / count, work, alone, alone_work, counters);
+      error += advance_piece(state, share * h / count, work, alone, alone_work, counters);
   return error;
 }
 
 template <class T>
-double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, double h,
+double TreeStepper<T>::advance_piece(TreeState<T>& state, double h,
                                      TreeWorkspace<T>& work, TreeState<T>& alone,
-                                     TreeWorkspace<T>& alone_work, DirectCounters& counters) const {
-  begin(state, trees, h, gradient_, work);
-  bool all = solve(state, trees, gradient_, work, counters);
-  if (gradient_ == Gradient::old) all = is_stable(state, trees, h, work) && all;
+                                     TreeWorkspace<T>& alone_work, StepReport& counters) const {
+  begin(state, h, gradient_, work);
+  bool all = solve(state, gradient_, work, counters);
+  if (gradient_ == Gradient::old) all = is_stable(state, h, work) && all;
   double error = 0;
-  for (std::uint32_t lane = 0; lane < trees; ++lane) work.first[lane] = state.known[lane] < 2;
-  accept(state, trees, h, gradient_, work);
-  for (std::uint32_t lane = 0; lane < trees; ++lane) {
-    if (!estimates_) break;
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) work.first[lane] = state.known[lane] < 2;
+  accept(state, h, gradient_, work);
+  for (std::uint32_t lane = 0; estimates_ && lane < state.lanes; ++lane) {
+    if (state.idle[lane]) continue;
     const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
     if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
   }
-  counters.substeps += trees;
-  for (std::uint32_t lane = 0; !all && lane < trees; ++lane) {
-    if (!work.failed[lane]) continue;
+  counters.direct_substeps += state.trees;
+  for (std::uint32_t lane = 0; !all && lane < state.lanes; ++lane) {
+    if (state.idle[lane] || !work.failed[lane]) continue;
     error = std::numeric_limits<double>::infinity();
-    --counters.substeps;
+    --counters.direct_substeps;
     restore_multipliers(state, lane);
     alone.copy_lane(0, state, lane);
     if (advance_halves(alone, h, alone_work, counters)) {
@@ -346,9 +347,9 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, std::uint32_t trees, d
 template <class T>
 double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
                                TreeWorkspace<T>& work, TreeState<T>& alone, TreeWorkspace<T>& alone_work,
-                               DirectCounters& counters) const {
+                               StepReport& counters) const {
   double error = 0;
-  const std::uint32_t count = pieces(state, h);
+  const std::uint32_t count = cuts(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_)
       error += advance_piece(segments, state, share * h / count, work, alone, alone_work, counters);
@@ -358,7 +359,7 @@ double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state
 template <class T>
 double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>& state, double h,
                                      TreeWorkspace<T>& work, TreeState<T>& alone,
-                                     TreeWorkspace<T>& alone_work, DirectCounters& counters) const {
+                                     TreeWorkspace<T>& alone_work, StepReport& counters) const {
   const double nodes = alone.topology->nodes, scale2 = state.scale2[0];
   const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {
     double sum = 0;
@@ -366,7 +367,7 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
     return sum;
   };
   segments.link(state);
-  begin(state, state.lanes, h, gradient_, work);
+  begin(state, h, gradient_, work);
   segments.trim(work);
   const simd::TreeView<T> view = work.view(state);
   double change2 = 0;
@@ -378,10 +379,10 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
     ++counters.newton;
   }
   std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
-  if (converged && is_stable(state, state.lanes, h, work, &segments)) {
+  if (converged && is_stable(state, h, work, &segments)) {
     const bool first = state.known[0] < 2;
-    accept(state, state.lanes, h, gradient_, work);
-    ++counters.substeps;
+    accept(state, h, gradient_, work);
+    ++counters.direct_substeps;
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt) / nodes) : 0;
   }
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore_multipliers(state, lane);

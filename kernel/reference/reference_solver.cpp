@@ -1,0 +1,110 @@
+#include "reference/reference_solver.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "reference/springs/springs.hpp"
+#include "threads/flush_denormals.hpp"
+
+namespace plumb::detail {
+
+ReferenceSolver::ReferenceSolver(const Scene& island, const Settings& settings, const IslandNames& names,
+                                 double diagonal) {
+  drive_.forces.resize(island.particles.size());
+  drive_.anchor_velocities.resize(island.particles.size());
+  drive_.scene_diagonal = diagonal;
+  for (const Particle& particle : island.particles) {
+    drive_.anchors.push_back(particle.position);
+    fixed_.push_back(particle.fixed);
+  }
+  system_ = make_system(island, settings, names);
+  state_ = system_->initial_state(drive_);
+  system_->place(state_, drive_);
+}
+
+double ReferenceSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) {
+  const FlushDenormals flush;
+  last_ = state_;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    system_->advance(state_, drive_, h);
+    for (std::uint32_t p = 0; p < fixed_.size(); ++p) drive_.anchors[p] = drive_.anchor(p, h);
+  }
+  if (state_.finite()) {
+    system_->report(state_, drive_, report);
+    system_->place(state_, drive_);
+    return 0;
+  }
+  std::swap(state_, last_);
+  frozen_ = true;
+  ++report.frozen_islands;
+  return 0;
+}
+
+Vec3 ReferenceSolver::position(Slot slot) const {
+  return fixed_[slot] ? drive_.anchors[slot] : system_->position(state_, slot);
+}
+
+Vec3 ReferenceSolver::velocity(Slot slot) const {
+  return fixed_[slot] || frozen_ ? Vec3{} : system_->velocity(state_, slot);
+}
+
+void ReferenceSolver::add_to_hash(Slot slot, StateHash& hash) const {
+  hash.add<double>(position(slot));
+  hash.add<double>(velocity(slot));
+}
+
+void ReferenceSolver::move_anchor(Slot slot, const AnchorMove& move) {
+  drive_.anchor_velocities[slot] = move.velocity();
+}
+
+void ReferenceSolver::end_anchors() {
+  std::fill(drive_.anchor_velocities.begin(), drive_.anchor_velocities.end(), Vec3{});
+}
+
+namespace {
+
+/// One island as a scene of its own.
+Scene island_scene(const Scene& scene, const IslandGroups& groups, std::uint32_t island) {
+  const layouts::LocalGraph local = layouts::local_graph(groups.graph, groups.islands, island);
+  Scene out;
+  out.gravity = scene.gravity;
+  out.drag = scene.drag;
+  for (const std::uint32_t particle : groups.islands.vertices(island))
+    out.particles.push_back(scene.particles[particle]);
+  const auto rods = groups.islands.edges(island);
+  for (std::size_t r = 0; r < rods.size(); ++r) {
+    Rod rod = scene.rods[rods[r]];
+    rod.length = rod_length(scene, rods[r]);
+    rod.a = local.edges[r].a;
+    rod.b = local.edges[r].b;
+    out.rods.push_back(rod);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandGroups& groups,
+                                               const Settings& settings, StartReport& report) {
+  if (settings.method == Method::springs) require_spring_bodies(scene, settings);
+  const double diagonal = bounding_diagonal(scene);
+  std::vector<MadeSolver> out;
+  for (std::uint32_t island = 0; island < groups.islands.count(); ++island) {
+    const auto particles = groups.islands.vertices(island);
+    auto solver = std::make_unique<ReferenceSolver>(island_scene(scene, groups, island), settings,
+                                                    IslandNames{particles, groups.islands.edges(island)},
+                                                    diagonal);
+    MadeSolver& made = out.emplace_back();
+    for (Slot slot = 0; slot < particles.size(); ++slot) {
+      made.places.push_back({particles[slot], slot});
+      if (scene.particles[particles[slot]].fixed) continue;
+      report.projected_velocity =
+          std::max(report.projected_velocity,
+                   norm(solver->velocity(slot) - scene.particles[particles[slot]].velocity));
+    }
+    made.solver = std::move(solver);
+  }
+  return out;
+}
+
+}  // namespace plumb::detail

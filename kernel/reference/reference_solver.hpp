@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "reference/mechanical_system.hpp"
+#include "solver/island_groups.hpp"
+#include "solver/made_solver.hpp"
+
+namespace plumb::detail {
+
+/// One island moved by one of the thesis's other methods. Slots are its particles.
+class ReferenceSolver final : public Solver {
+ public:
+  /// `diagonal` (m) of the scene is what an accuracy is relative to.
+  ReferenceSolver(const Scene& island, const Settings& settings, const IslandNames& names, double diagonal);
+
+  std::uint32_t islands(std::uint32_t) const override { return 1; }
+  double advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) override;
+
+  bool takes_accuracy() const override { return false; }
+  double& best_substep(std::uint32_t) override { return best_substep_; }
+  void save(std::uint32_t, Saved) override {}
+  void restore(std::uint32_t, Saved) override {}
+  void mark(std::uint32_t) override {}
+  double distance_from_mark(std::uint32_t) const override { return 0; }
+
+  bool can_rest() const override { return false; }
+  bool is_slower(std::uint32_t, double) const override { return false; }
+  void rest(std::uint32_t) override {}
+  double size(std::uint32_t) const override { return 1; }
+
+  Vec3 position(Slot slot) const override;
+  Vec3 velocity(Slot slot) const override;
+  void add_to_hash(Slot slot, StateHash& hash) const override;
+  void set_force(Slot slot, Vec3 newton) override { drive_.forces[slot] = newton; }
+  void move_anchor(Slot slot, const AnchorMove& move) override;
+  void end_anchors() override;
+  void place_anchor(Slot slot, Vec3 target) override { drive_.anchors[slot] = target; }
+  void set_motion(Slot, Vec3, Vec3) override {}
+  void set_away(Slot, bool) override {}
+  bool is_away(std::uint32_t) const override { return frozen_; }
+  void describe(WorldInfo&) const override {}
+
+ private:
+  std::unique_ptr<MechanicalSystem> system_;
+  MechanicalState state_, last_;  ///< now, and the last that was finite
+  Drive drive_;
+  std::vector<std::uint8_t> fixed_;
+  bool frozen_ = false;
+  double best_substep_ = 0;
+};
+
+/// Makes the solvers of islands by the settings' method: springs, multipliers or featherstone. Throws
+/// InputError if the method cannot move one of them.
+std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandGroups& groups,
+                                               const Settings& settings, StartReport& report);
+
+}  // namespace plumb::detail

@@ -1,0 +1,248 @@
+#include <algorithm>
+#include <cmath>
+
+#include "contact/cluster_limits.hpp"
+#include "contact/cluster_stepper.hpp"
+#include "contact/linkage_bounds.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+namespace {
+
+Combination blend(const Combination& a, const Combination& b, double t) {
+  if (t <= 0) return a;
+  if (t >= 1) return b;
+  Combination out;
+  for (std::uint32_t i = 0; i < a.count; ++i) out.add(a.terms[i].particle, (1 - t) * a.terms[i].weight);
+  for (std::uint32_t i = 0; i < b.count; ++i) out.add(b.terms[i].particle, t * b.terms[i].weight);
+  return out;
+}
+/// Two directions across n, of length one.
+std::pair<Vec3, Vec3> across(Vec3 n) {
+  const Vec3 other = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 t = cross(n, other);
+  const Vec3 first = (1 / norm(t)) * t;
+  return {first, cross(n, first)};
+}
+
+/// Who touches whom, in one number.
+std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t island, std::uint64_t other) {
+  return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
+}
+
+/// What held there in the last substep; without that key if nothing did.
+KeptContact kept_at(const LinkageState& state, std::uint64_t key) {
+  KeptContact out{};
+  for (const KeptContact& kept : state.kept)
+    if (kept.key == key) out = kept;
+  return out;
+}
+
+/// How near is looked at, of what moves so far in a substep, m.
+double in_sight(double moves) {
+  return sight + sight_of_moves * moves;
+}
+}  // namespace
+
+ClusterStepper::Sum ClusterStepper::add_sum(Island& island, const Combination& sum) {
+  const auto first = static_cast<std::uint32_t>(island.terms.size());
+  island.terms.insert(island.terms.end(), sum.terms.begin(), sum.terms.begin() + sum.count);
+  return {first, first + sum.count};
+}
+
+std::uint32_t ClusterStepper::add_side(Island& island, const Side& side) {
+  island.sides.push_back(side);
+  return static_cast<std::uint32_t>(island.sides.size() - 1);
+}
+
+void ClusterStepper::add_contact(std::uint32_t i, const Combination& at, std::uint32_t j,
+                               const Combination& at_other, const Touch& touch, const Surface& a,
+                               const Surface& b, std::uint64_t key, double h) {
+  Island* const one = &islands_[i];
+  Island* const two = j == none ? nullptr : &islands_[j];
+  const auto motion = [&](const Island* island, const Combination& sum, std::span<const Vec3> of) {
+    return island && island->awake ? sum.of(of) : Vec3{};
+  };
+  const Vec3 shift = motion(one, at, one->d) - (two ? motion(two, at_other, two->d) : Vec3{});
+  const double closing = dot(touch.normal, shift);
+  if (!all_near_ && touch.gap + closing > margin + 0.25 * norm(shift)) {
+    if (touch.gap < in_sight(norm(shift)))
+      left_out_.push_back(
+          {i, j, add_sum(*one, at), two ? add_sum(*two, at_other) : Sum{}, touch.gap, touch.normal});
+    return;
+  }
+  for (Island* island : {one, two})
+    if (island && !island->awake) {
+      if (island->state->asleep && touch.gap + closing < 0) {
+        island->state->asleep = false;
+        woken_ = true;
+      }
+      return;
+    }
+  const Vec3 speed = at.of(one->v) - (two ? at_other.of(two->v) : Vec3{});
+  // With what it arrives at the surface, having been sped up on the way there.
+  const double arriving = dot(touch.normal, speed), gain = 2 * (closing - h * arriving) / (h * h);
+  const double square = arriving * arriving - 2 * gain * std::max(touch.gap, 0.0);
+  const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
+  const double restitution = std::max(a.restitution, b.restitution);
+  const auto [t1, t2] = across(touch.normal);
+  const KeptContact held = kept_at(*one->state, key);
+  const Vec3 axes[3] = {touch.normal, t1, t2};
+  const Sum sum = add_sum(*one, at), sum_other = two ? add_sum(*two, at_other) : Sum{};
+  for (int axis = 0; axis < 3; ++axis) {
+    Row& row = rows_.emplace_back();
+    row.kind = axis == 0 ? Kind::normal : Kind::sliding;
+    row.island[0] = i;
+    row.side[0] = add_side(*one, {sum, {}, axes[axis], {}});
+    row.ends = two ? 2 : 1;
+    if (two) {
+      row.island[1] = j;
+      row.side[1] = add_side(*two, {sum_other, {}, -1.0 * axes[axis], {}});
+    }
+    row.key = key;
+    row.held = held.key == key;
+    row.p = h * h * dot(held.force, axes[axis]);
+    row.q = 0.5 * h * dot(held.end_force, axes[axis]);
+    if (axis == 0) {
+      row.gap = recovered(touch.gap, most_overlap, h);
+      row.bound = std::sqrt(a.friction * b.friction);
+      row.bounce = hit > least_bounce ? restitution * hit : 0;
+      row.p = std::max(row.p, 0.0);
+      row.q = std::max(row.q, 0.0);
+    }
+  }
+}
+
+void ClusterStepper::add_angles(std::uint32_t i, double h) {
+  Island& island = islands_[i];
+  const LinkageState& state = *island.state;
+  std::uint64_t number = 0;
+  for (const Linkage::Angle& angle : state.linkage->angles()) {
+    const std::uint64_t key = contact_key(4, number++, 0, 0);
+    const auto [value, along_u, along_v] = Linkage::slope(angle, state.x);
+    const Side side{add_sum(island, angle.u), add_sum(island, angle.v), along_u, along_v};
+    const double by = dot(along_u, island.of(side.a, island.d)) + dot(along_v, island.of(side.b, island.d));
+    const auto add = [&](Kind kind, double sign) -> Row& {
+      Row& row = rows_.emplace_back();
+      row.kind = kind;
+      row.island[0] = i;
+      row.ends = 1;
+      row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
+      row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
+      const KeptContact held = kept_at(state, row.key);
+      row.held = held.key == row.key;
+      row.p = h * h * held.force.x;
+      row.q = 0.5 * h * held.end_force.x;
+      return row;
+    };
+    const double near = 0.05 + std::abs(by);
+    if (angle.lower > 0 && value + by - angle.lower < near)
+      add(Kind::limit, 1).gap = recovered(value - angle.lower, 0, h);
+    if (angle.upper < std::numbers::pi && angle.upper - value - by < near)
+      add(Kind::limit, -1).gap = recovered(angle.upper - value, 0, h);
+    if (angle.friction > 0) {
+      // Half in either half of the substep.
+      Row& row = add(Kind::brake, 1);
+      row.bound = 0.5 * h * h * angle.friction;
+      row.bounce = 0.5 * h * angle.friction;
+    }
+    if (angle.stiffness > 0) {
+      const double stiff = h * h * angle.stiffness + h * angle.damping;
+      Row& row = add(Kind::drive, 1);
+      row.softness = 1 / stiff;
+      row.gap = h * h * angle.stiffness / stiff * (value - angle.target);
+    }
+  }
+}
+
+void ClusterStepper::find_contacts(const Surroundings& surroundings, double h) {
+  rows_.clear();
+  left_out_.clear();
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    island.terms.clear();
+    island.sides.clear();
+    if (!island.awake) {
+      island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
+      continue;
+    }
+    island.bounds = nowhere;
+    double square = 0;
+    for (const Linkage::Ball& ball : island.state->linkage->balls()) {
+      const Vec3 at = ball.center.of(island.state->x), by = ball.center.of(island.d);
+      include(island.bounds, at, ball.radius + margin);
+      include(island.bounds, at + 1.25 * by, ball.radius + margin);
+      square = std::max(square, dot(by, by));
+    }
+    island.moves = std::sqrt(square);
+  }
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    const Linkage& linkage = *island.state->linkage;
+    const std::span<const Vec3> x = island.state->x;
+    if (island.awake) {
+      for (std::uint32_t p = 0; p < surroundings.planes.size(); ++p) {
+        const Plane& plane = surroundings.planes[p];
+        if (!all_near_ && height(island.bounds, plane) > in_sight(island.moves)) continue;
+        for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
+          const Linkage::Ball& ball = linkage.balls()[k];
+          const Touch touch{dot(plane.normal, ball.center.of(x)) - plane.offset - ball.radius, plane.normal};
+          add_contact(i, ball.center, none, {}, touch, ball.surface, plane.surface, contact_key(1, k, 0, p),
+                      h);
+        }
+      }
+      for (std::uint32_t b = 0; b < surroundings.boxes.size(); ++b) {
+        const Surroundings::Solid& box = surroundings.boxes[b];
+        if (!box.bounds.overlaps(island.bounds)) continue;
+        for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
+          const Linkage::Shape& shape = linkage.shapes()[k];
+          const Vec3 p = box.frame.to_local(shape.a.of(x) - box.center);
+          const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
+          const double nearest = p == q ? 0 : nearest_to_box(p, q, box.half);
+          std::uint64_t which = 0;
+          for (const double t : touching_box(p, q, box.half, nearest)) {
+            ++which;
+            if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
+            Touch touch = touch_box(between(p, q, t), shape.radius, box.half);
+            touch.normal = box.frame.to_space(touch.normal);
+            add_contact(i, blend(shape.a, shape.b, t), none, {}, touch, shape.surface, box.surface,
+                        contact_key(2, 16 * k + which, 0, b), h);
+          }
+        }
+      }
+      add_angles(i, h);
+    }
+    for (std::uint32_t j = i + 1; j < count_; ++j) {
+      const Island& other = islands_[j];
+      if ((!island.awake && !other.awake) || !island.bounds.overlaps(other.bounds)) continue;
+      const Linkage& linkage_j = *other.state->linkage;
+      for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
+        const Linkage::Shape& a = linkage.shapes()[k];
+        const Segment first{a.a.of(x), a.b.of(x), a.radius};
+        for (std::uint32_t l = 0; l < linkage_j.shapes().size(); ++l) {
+          const Linkage::Shape& b = linkage_j.shapes()[l];
+          const Touches near = touches(first, {b.a.of(other.state->x), b.b.of(other.state->x), b.radius});
+          for (std::uint32_t n = 0; n < near.count; ++n) {
+            const Touch& at = near.at[n];
+            add_contact(i, blend(a.a, a.b, at.a), j, blend(b.a, b.b, at.b), at, a.surface, b.surface,
+                        contact_key(3, 4 * k + n, other.state->number, l), h);
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Whether something went through what it was not expected to reach, pushed by other contacts.
+bool ClusterStepper::is_contact_missed() const {
+  return std::any_of(left_out_.begin(), left_out_.end(), [&](const LeftOut& each) {
+    const auto moved = [&](std::uint32_t i, Sum at) {
+      return i != none && islands_[i].awake ? islands_[i].of(at, islands_[i].d) : Vec3{};
+    };
+    const Vec3 shift = moved(each.island, each.at) - moved(each.other, each.at_other);
+    return each.gap + dot(each.normal, shift) < -too_much;
+  });
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <cmath>
+
+#include "contact/cluster_limits.hpp"
+#include "contact/cluster_stepper.hpp"
+#include "math/elementary.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+// Of Island::impulse and what its sides push, along the constraints where the island is now.
+void ClusterStepper::find_velocities(Island& island) {
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = island.right();
+  linkage.anchor_rates(state.x, state.v, right);
+  linkage.put(island.impulse, right);
+  const auto add = [&](Sum sum, Vec3 by) {
+    for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+      const auto [particle, weight] = island.terms[k];
+      if (particle >= linkage.movable()) continue;
+      double* const at = &right[linkage.slot(particle)];
+      at[0] += weight * by.x;
+      at[1] += weight * by.y;
+      at[2] += weight * by.z;
+    }
+  };
+  for (std::size_t s = 0; s < island.sides.size(); ++s) {
+    const double by = island.push[s / simd::kkt_lanes].of[s % simd::kkt_lanes];
+    if (by == 0) continue;
+    add(island.sides[s].a, by * island.sides[s].along_a);
+    add(island.sides[s].b, by * island.sides[s].along_b);
+  }
+  linkage.plan().solve(state.factors, island.unknowns);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
+}
+
+void ClusterStepper::finish(double h, bool touched) {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    LinkageState& state = *island.state;
+    const Linkage& linkage = *state.linkage;
+    std::swap(state.x, island.there);  // there: where it was
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
+    state.factor();
+    if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, h, island.force);
+    island.impulse.resize(linkage.movable());
+    linkage.momenta(island.v, island.impulse);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
+    std::fill(island.push.begin(), island.push.end(), Lanes{});
+    if (island.sides.empty() || !touched) find_velocities(island);
+  }
+}
+
+// Pushes act along the constraints where the islands are now; the responses of where they were only lead
+// there, in a few rounds.
+void ClusterStepper::bounce(double h) {
+  // What pushed at the end of the last substep, if the row was there then and pushes in this one. Else, at
+  // rest, what pushes in the second half is what pushed in the first.
+  bool pushes = false;  // sliding rows follow their normal
+  for (Row& row : rows_) {
+    if (row.kind != Kind::sliding) pushes = row.p != 0;
+    const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
+    if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
+    // Speeds follow from find_velocities().
+    for (std::uint32_t i = 0; i < row.ends; ++i) row.end[i].push[row.end[i].side] += row.q;
+  }
+  const double enough = still_ / h;
+  for (int round = 0; round < most_rounds; ++round) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (island.sides.empty()) continue;
+      find_velocities(island);
+      see(island, island.v);
+    }
+    double left = sweep_velocities<Sweep::looks>();
+    if (left <= enough) return;
+    const double till = round + 1 < most_rounds ? std::max(enough, rough * left) : enough;
+    left = INFINITY;
+    for (int i = 0; i < most_sweeps && left > till; ++i) left = sweep_velocities<Sweep::pushes>();
+  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!islands_[i].sides.empty()) find_velocities(islands_[i]);
+}
+
+void ClusterStepper::brake(Island& island, double h) {
+  const Linkage& linkage = *island.state->linkage;
+  if (linkage.drag() != 0) {
+    const double kept = linkage.kept(0.5 * h);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
+  }
+  if (linkage.joint_drag() == 0 || (linkage.movable() == 1 && !linkage.is_grounded())) return;
+  const double kept = detail::exp(-h * linkage.joint_drag());
+  island.rigid.assign(linkage.movable(), Vec3{});
+  if (!linkage.is_grounded()) linkage.split(island.state->x, island.v, island.rigid);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+    island.v[k] = island.rigid[k] + kept * (island.v[k] - island.rigid[k]);
+}
+
+double ClusterStepper::energy() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    sum += state.linkage->kinetic(state.v) + state.linkage->potential(state.x, state.force);
+  }
+  return sum;
+}
+
+// Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
+// much motion as energy was gained: something was lifted. If no shorter substep is to be tried, all stops.
+bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, StepReport& report) {
+  double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
+  bool free = count_ == 1 && !touched, driven = false;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    const double kinetic = state.linkage->kinetic(island.v);
+    moving += kinetic;
+    weight += state.linkage->mass() * norm(state.linkage->gravity()) * state.linkage->size();
+    now += kinetic + state.linkage->potential(state.x, state.force);
+    free = free && !state.linkage->has_air();
+    driven = driven || state.linkage->has_drives();
+    for (std::size_t k = state.linkage->movable(); k < state.v.size(); ++k)
+      driven = driven || state.v[k] != Vec3{};
+  }
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!free || driven) islands_[i].state->energy.reset();
+  if (driven || moving == 0) return true;
+  LinkageState& first = *islands_[0].state;
+  if (free && !first.energy) first.energy = before;
+  const double wanted = free ? *first.energy : before;
+  double excess = now - wanted;
+  if (!free && excess <= 0) return true;
+  if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
+
+  // Of the motion that is not a rigid whole's, then, if that is not enough, of all.
+  double loose = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const Linkage& linkage = *island.state->linkage;
+    island.rigid.assign(linkage.movable(), Vec3{});
+    if (linkage.is_grounded())
+      loose += linkage.kinetic(island.v);
+    else if (linkage.movable() > 1)
+      loose += linkage.split(island.state->x, island.v, island.rigid);
+    else
+      island.rigid[0] = island.v[0];
+  }
+  const auto scale = [&](double square, bool all) {
+    const double by = std::sqrt(square);
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (!island.awake) continue;
+      for (std::uint32_t k = 0; k < island.state->linkage->movable(); ++k) {
+        const Vec3 rigid = all ? Vec3{} : island.rigid[k];
+        island.v[k] = rigid + by * (island.v[k] - rigid);
+      }
+    }
+  };
+  const double square = 1 - excess / loose;
+  if (square >= 0.25 && square <= 1.5) {
+    scale(square, false);
+  } else if (excess > (free ? let_be * moving : 0)) {
+    if (can_shorten && excess > moving + unnoticed * weight) return false;
+    scale(std::max(0.0, 1 - excess / moving), true);
+  } else {
+    return true;
+  }
+  if (excess > 0) ++report.guarded_energy;
+  return true;
+}
+
+void ClusterStepper::keep_contacts(double h) {
+  for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->kept.clear();
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    if (row.kind == Kind::sliding || row.p == 0) continue;
+    Island& island = islands_[row.island[0]];
+    const auto pushed = [&](double Row::*of) {
+      if (row.kind != Kind::normal) return Vec3{row.*of, 0, 0};
+      Vec3 sum{};
+      for (std::size_t k = r; k < r + 3; ++k) sum += (rows_[k].*of) * island.sides[rows_[k].side[0]].along_a;
+      return sum;
+    };
+    island.state->kept.push_back({row.key, (1 / (h * h)) * pushed(&Row::p), (2 / h) * pushed(&Row::q)});
+  }
+}
+
+}  // namespace plumb::detail

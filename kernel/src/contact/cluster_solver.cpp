@@ -1,0 +1,316 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "contact/cluster_limits.hpp"
+#include "contact/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+namespace {
+
+std::uint32_t padded(std::size_t batches) {
+  return static_cast<std::uint32_t>(batches * simd::kkt_lanes);
+}
+
+}  // namespace
+
+void ClusterStepper::find_responses() {
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!islands_[i].sides.empty()) couple(islands_[i]);
+  for (std::size_t r = rows_.size(); r-- > 0;) {
+    Row& row = rows_[r];
+    double own = row.softness, heaviest = 0;
+    row.across[0] = row.across[1] = 0;
+    for (std::uint32_t i = 0; i < row.ends; ++i) {
+      Island& island = islands_[row.island[i]];
+      const std::uint32_t side = row.side[i];
+      row.end[i] = {island.speed.front().of, island.push.front().of, island.row(side), side,
+                    padded(island.batches())};
+      own += row.end[i].coupling[side];
+      heaviest = std::max(heaviest, island.state->linkage->mass());
+      if (row.kind != Kind::normal) continue;
+      for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] += row.end[i].coupling[side + 1 + axis];
+    }
+    row.own = own;
+    row.over = own * heaviest > held_response ? 1 / own : 0;
+    if (row.kind != Kind::normal) continue;
+    for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] *= rows_[r + 1 + axis].over;
+  }
+}
+
+/// Solves for what a push of one on each side does, eight at a time, and what every side sees of that.
+void ClusterStepper::couple(Island& island) {
+  constexpr std::size_t lanes = simd::kkt_lanes;
+  const Linkage& linkage = *island.state->linkage;
+  const std::uint32_t unknowns = linkage.plan().unknowns();
+  const std::size_t batches = island.batches(), count = island.sides.size();
+  island.response.assign(batches * unknowns, Lanes{});
+  island.coupling.resize(count * batches);
+  island.speed.resize(batches);
+  island.push.assign(batches, Lanes{});
+
+  // Of a side, its unknowns and how it weighs them.
+  constexpr std::size_t most = 2 * 3 * std::tuple_size_v<decltype(Combination::terms)>;
+  std::uint32_t slots[most];
+  double factors[most];
+  const auto gather = [&](const Side& side) {
+    std::uint32_t used = 0;
+    const auto add = [&](Sum sum, Vec3 along) {
+      for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+        const auto [particle, weight] = island.terms[k];
+        if (particle >= linkage.movable()) continue;
+        const std::uint32_t slot = linkage.slot(particle);
+        const double by[3] = {weight * along.x, weight * along.y, weight * along.z};
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+          slots[used] = slot + axis;
+          factors[used++] = by[axis];
+        }
+      }
+    };
+    add(side.a, side.along_a);
+    add(side.b, side.along_b);
+    return used;
+  };
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::uint32_t used = gather(island.sides[s]);
+    for (std::uint32_t k = 0; k < used; ++k)
+      island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
+  }
+  kernels_->solve_lanes(linkage.plan().pattern(), island.state->factors.data(), batches,
+                        island.response.front().of);
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::uint32_t used = gather(island.sides[s]);
+    kernels_->combine(island.response.front().of, unknowns, batches, slots, factors, used,
+                      island.coupling[s * batches].of);
+  }
+}
+
+void ClusterStepper::see(Island& island, std::span<const Vec3> motion) {
+  double* const speed = island.speed.front().of;
+  Vec3 a{}, b{};
+  for (std::size_t s = 0; s < island.sides.size(); ++s) {
+    const Side& side = island.sides[s];
+    // The rows of a contact are along three axes of one sum.
+    if (s == 0 || side.a.first != island.sides[s - 1].a.first) {
+      a = island.of(side.a, motion);
+      b = island.of(side.b, motion);
+    }
+    speed[s] = dot(side.along_a, a) + dot(side.along_b, b);
+  }
+}
+
+double ClusterStepper::see(const Row& row) {
+  double out = row.end[0].speed[row.end[0].side];
+  if (row.ends == 2) out += row.end[1].speed[row.end[1].side];
+  return out;
+}
+
+void ClusterStepper::push(const Row& row, double by) {
+  if (by == 0) return;
+  for (std::uint32_t i = 0; i < row.ends; ++i) {
+    const End& end = row.end[i];
+    kernels_->add_three(end.speed, by, end.coupling, 0, end.coupling, 0, end.coupling, end.padded);
+    end.push[end.side] += by;
+  }
+}
+
+void ClusterStepper::push(const Row& first, double by0, double by1, double by2) {
+  for (std::uint32_t i = 0; i < first.ends; ++i) {
+    const End& end = first.end[i];
+    kernels_->add_three(end.speed, by0, end.coupling, by1, end.coupling + end.padded, by2,
+                        end.coupling + 2 * end.padded, end.padded);
+    end.push[end.side] += by0;
+    end.push[end.side + 1] += by1;
+    end.push[end.side + 2] += by2;
+  }
+}
+
+/// Pushes what rows start with, a contact's three at once; contacts that were not there start with nothing.
+void ClusterStepper::push_held() {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    if (row.kind != Kind::normal) {
+      push(row, row.p);
+      continue;
+    }
+    if (row.held) push(row, row.p, rows_[r + 1].p, rows_[r + 2].p);
+    r += 2;
+  }
+}
+
+/// What has been pushed since, onto a motion.
+void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
+  const Linkage& linkage = *island.state->linkage;
+  const std::uint32_t unknowns = linkage.plan().unknowns();
+  island.sum.assign(unknowns, Lanes{});
+  for (std::size_t batch = 0; batch < island.batches(); ++batch) {
+    kernels_->accumulate(island.sum.front().of, island.push[batch].of, island.response[batch * unknowns].of,
+                         unknowns);
+    island.push[batch] = {};
+  }
+  const auto total = [&](std::uint32_t slot) {
+    double out = 0;
+    for (const double each : island.sum[slot].of) out += each;
+    return out;
+  };
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+    const std::uint32_t slot = linkage.slot(k);
+    motion[k] += {total(slot), total(slot + 1), total(slot + 2)};
+  }
+}
+
+namespace {
+
+/// Shortens (a, b) to `most`.
+void into_disk(double& a, double& b, double most) {
+  const double square = a * a + b * b;
+  if (square <= most * most) return;
+  const double by = most / std::sqrt(square);
+  a *= by;
+  b *= by;
+}
+
+}  // namespace
+
+template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
+double ClusterStepper::set(Row& row, double value) {
+  const double by = value - row.*of;
+  if constexpr (sweep == Sweep::pushes) {
+    row.*of = value;
+    push(row, by);
+  }
+  return std::abs(by) * row.own;
+}
+
+/// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
+template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
+double ClusterStepper::contact(std::size_t r, double normal, double most) {
+  Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
+  const double by0 = normal - n.*of;
+  // The normal push moves the others, too. What does not wait for it comes first.
+  const double first_alone = s.*of - s.over * see(s), second_alone = t.*of - t.over * see(t);
+  double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
+  into_disk(first, second, most);
+  const double by1 = first - s.*of, by2 = second - t.*of;
+  if constexpr (sweep == Sweep::pushes) {
+    n.*of = normal;
+    s.*of = first;
+    t.*of = second;
+    push(n, by0, by1, by2);
+  }
+  return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
+}
+
+// The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
+// the largest change that they made, or would have made: in m or rad, or per second.
+template <ClusterStepper::Sweep sweep>
+double ClusterStepper::sweep_positions() {
+  double worst = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    const double u = see(row);
+    double p = 0;
+    switch (row.kind) {
+      case Kind::normal: {
+        const double normal = std::max(0.0, row.p - row.over * row.gap - row.over * u);
+        if (normal > 0 || row.p > 0)
+          worst = std::max(worst, contact<&Row::p, sweep>(r, normal, row.bound * normal));
+        r += 2;
+        continue;
+      }
+      case Kind::sliding:
+        continue;
+      case Kind::limit:
+        p = std::max(0.0, row.p - row.over * (u + row.gap));
+        break;
+      case Kind::drive:
+        p = row.p - row.over * (u + row.softness * row.p + row.gap);
+        break;
+      case Kind::brake:
+        p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
+        break;
+    }
+    worst = std::max(worst, set<&Row::p, sweep>(row, p));
+  }
+  return worst;
+}
+
+template <ClusterStepper::Sweep sweep>
+double ClusterStepper::sweep_velocities() {
+  double worst = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Row& row = rows_[r];
+    const bool brakes = row.kind == Kind::brake;
+    if (!brakes && (row.p <= 0 || (row.kind != Kind::normal && row.kind != Kind::limit))) continue;
+    const double q = brakes ? std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce)
+                            : std::max(0.0, row.q - row.over * (see(row) - row.bounce));
+    if (row.kind == Kind::normal) {
+      worst = std::max(worst, contact<&Row::q, sweep>(r, q, row.bound * q));
+      r += 2;
+      continue;
+    }
+    worst = std::max(worst, set<&Row::q, sweep>(row, q));
+  }
+  return worst;
+}
+
+template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::looks>();
+template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::pushes>();
+
+bool ClusterStepper::solve_positions(StepReport& report) {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.sides.empty()) see(island, island.d);
+  }
+  push_held();
+  double last = INFINITY;
+  int sweeps = 0;
+  for (int correction = 0; correction < most_corrections; ++correction) {
+    // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
+    double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
+    const bool sweeps_on = left > still_;
+    if (sweeps_on) {
+      const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
+      left = sweep_positions<Sweep::pushes>();
+      const double till = std::max(still_, rough * left);
+      int taken = 1;
+      for (; taken < most && left > till; ++taken) left = sweep_positions<Sweep::pushes>();
+      sweeps += taken;
+    }
+    double worst = 0;
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (!island.awake) continue;
+      LinkageState& state = *island.state;
+      const Linkage& linkage = *state.linkage;
+      if (sweeps_on && !island.sides.empty()) apply(island, island.d);
+      for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
+      if (linkage.constraints() == 0) continue;
+      const std::span<double> right = island.right();
+      std::fill(right.begin(), right.end(), 0.0);
+      const double violation = linkage.violations(island.there, right);
+      worst = std::max(worst, violation);
+      if (violation <= exact) continue;
+      if (!std::isfinite(violation)) return false;
+      ++report.newton;
+      linkage.plan().solve(state.factors, island.unknowns);
+      for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+        island.d[k] += linkage.taken(right, k);
+        island.there[k] = state.x[k] + island.d[k];
+      }
+      if (!island.sides.empty()) see(island, island.d);
+    }
+    if (worst <= exact &&
+        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
+      report.block_sweeps += static_cast<std::uint64_t>(sweeps);
+      return true;
+    }
+    if (worst > 0.5 || (correction > 3 && worst > exact && worst > 0.9 * last)) return false;
+    last = worst;
+  }
+  return false;
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,218 @@
+#include "contact/cluster_stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "contact/cluster_limits.hpp"
+#include "contact/linkage_bounds.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+namespace {
+
+double least_radius(const Linkage& linkage) {
+  double least = linkage.size();
+  for (const Linkage::Shape& shape : linkage.shapes()) least = std::min(least, shape.radius);
+  return std::max(least, 0.01 * linkage.size());
+}
+bool is_finite(const LinkageState& state) {
+  const auto all = [](std::span<const Vec3> of) {
+    return std::all_of(of.begin(), of.end(), [](Vec3 v) { return plumb::is_finite(v); });
+  };
+  return all(state.x) && all(state.v);
+}
+
+}  // namespace
+
+double top_speed(const LinkageState& state) {
+  double square = 0;
+  const auto see = [&](Vec3 v) { square = std::max(square, dot(v, v)); };
+  for (const Vec3 v : state.v) see(v);
+  for (const Linkage::Ball& ball : state.linkage->balls())
+    if (ball.center.count > 1) see(ball.center.of(state.v));
+  return std::sqrt(square);
+}
+
+Bounds reach(const LinkageState& state, double dt) {
+  double pull = 0;
+  for (const Vec3 force : state.force) pull += norm(force);
+  double fall = 0.5 * pull / state.linkage->mass() * dt * dt;
+  // A force that throws it that far would only bring others into a group that cannot be solved.
+  if (fall > farthest_throw * state.linkage->size()) fall = 0;
+  fall += 0.5 * norm(state.linkage->gravity()) * dt * dt;
+  return bounds_of(*state.linkage, state.x, 1.1 * top_speed(state) * dt + fall + margin);
+}
+
+void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                          double dt, std::uint32_t substeps, StepReport& report) {
+  count_ = static_cast<std::uint32_t>(cluster.size());
+  if (islands_.size() < count_) islands_.resize(count_);
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    islands_[i].state = cluster[i];
+    islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
+  }
+  double left = dt;
+  const double least = dt / most_cuts;
+  shortest_ = dt / most_guards;
+  recovery_rate_ = taken_back * substeps / dt;
+  tight_ = false;
+  while (left > 1e-12 * dt) {
+    const double longest = std::max(std::min(dt / substeps, longest_substep(dt)), least);
+    double h = left / std::ceil(left / longest - 1e-9);
+    while (!substep(surroundings, h, report)) {
+      if (std::exchange(try_tighter_, false)) continue;
+      h /= 2;
+      ++report.halvings;
+      if (h >= least / 16) continue;
+      // Nothing more can be done: what cannot be solved stays where it is.
+      ++report.unsolved;
+      for (std::uint32_t i = 0; i < count_; ++i)
+        if (islands_[i].awake)
+          std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), Vec3{});
+      return;
+    }
+    ++report.direct_substeps;
+    left -= h;
+  }
+}
+
+double ClusterStepper::longest_substep(double most) const {
+  double out = most;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& a = islands_[i];
+    if (a.awake) {
+      const double turning = a.state->linkage->turning(a.state->v);
+      if (turning * out > most_turn) out = most_turn / turning;
+    }
+    if (count_ == 1) break;
+    const Bounds own = bounds_of(*a.state->linkage, a.state->x, 0);
+    for (std::uint32_t j = i + 1; j < count_; ++j) {
+      const Island& b = islands_[j];
+      if (!a.awake && !b.awake) continue;
+      const double speed = (a.awake ? top_speed(*a.state) : 0) + (b.awake ? top_speed(*b.state) : 0);
+      const double near = most_approach * (least_radius(*a.state->linkage) + least_radius(*b.state->linkage));
+      const double far = distance(own, bounds_of(*b.state->linkage, b.state->x, 0));
+      out = std::min(out, std::max(near, far) / (speed + 1e-30));
+    }
+  }
+  return out;
+}
+
+// Back to where it was before the substep, for good.
+void ClusterStepper::freeze(Island& island, StepReport& report) {
+  LinkageState& state = *island.state;
+  std::swap(state.x, island.there);
+  std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
+  state.kept.clear();
+  state.energy.reset();
+  state.frozen = true;
+  island.awake = false;
+  ++report.frozen_islands;
+}
+
+void ClusterStepper::start(Island& island, double h) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const std::uint32_t movable = linkage.movable();
+  if (!state.factored) state.factor();
+  island.d.resize(state.x.size());
+  island.there.resize(state.x.size());
+  island.v.resize(state.x.size());
+  island.momentum.resize(movable);
+  island.force.resize(movable);
+  // The last island's numbers may not be finite, nor zero where no unknown is.
+  island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
+  const std::span<double> right = island.right();
+  const double kept = linkage.kept(0.5 * h);
+  // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.
+  const double farthest = farthest_pull * linkage.size() / (h * h);
+  const bool again = std::all_of(state.acceleration.begin(), state.acceleration.end(),
+                                 [&](Vec3 a) { return dot(a, a) <= farthest * farthest; });
+  for (std::size_t i = 0; i < state.x.size(); ++i) {
+    island.v[i] = i < movable ? kept * state.v[i] : state.v[i];
+    island.d[i] = h * island.v[i];
+    if (again && i < movable) island.d[i] += (h * h) * state.acceleration[i];
+    island.there[i] = state.x[i] + island.d[i];
+  }
+  linkage.forces(state.x, island.v, state.force, h, island.force);
+  linkage.momenta(island.v, island.momentum);
+  linkage.targets(state.x, island.d, island.there, right);
+  for (std::uint32_t i = 0; i < movable; ++i) {
+    const Vec3 push = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
+    const std::uint32_t slot = linkage.slot(i);
+    right[slot] = push.x;
+    right[slot + 1] = push.y;
+    right[slot + 2] = push.z;
+  }
+  linkage.plan().solve(state.factors, island.unknowns);
+  for (std::uint32_t i = 0; i < movable; ++i) island.d[i] = linkage.taken(right, i);
+}
+
+bool ClusterStepper::substep(const Surroundings& surroundings, double h, StepReport& report) {
+  all_near_ = false;
+  still_ = least_still;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    still_ = std::max(
+        still_, (tight_ ? tighter : 1) * still * 0.5 * h * h * norm(islands_[i].state->linkage->gravity()));
+  if (!find_positions(surroundings, h, report)) return false;
+  if (is_contact_missed()) {
+    all_near_ = true;
+    if (!find_positions(surroundings, h, report)) return false;
+  }
+  const double before = energy();
+  const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; });
+  finish(h, touched);
+  if (touched) bounce(h);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) brake(islands_[i], h);
+  if (!guard_energy(before, touched, h > shortest_, report)) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (!island.awake) continue;
+      std::swap(island.state->x, island.there);
+      island.state->factored = false;
+    }
+    // What lifted it may be what the sweeps left.
+    try_tighter_ = touched && !tight_;
+    tight_ = true;
+    return false;
+  }
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
+    if (!island.awake) continue;
+    LinkageState& state = *island.state;
+    const double kept = state.linkage->kept(0.5 * h);
+    for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
+      state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
+      state.v[k] = island.v[k];
+    }
+  }
+  keep_contacts(h);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
+  report.contacts = std::max<std::uint64_t>(
+      report.contacts, std::count_if(rows_.begin(), rows_.end(),
+                                     [](const Row& row) { return row.kind == Kind::normal && row.p > 0; }));
+  return true;
+}
+
+bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, StepReport& report) {
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) start(islands_[i], h);
+  do {
+    woken_ = false;
+    find_contacts(surroundings, h);
+    for (std::uint32_t i = 0; woken_ && i < count_; ++i)
+      if (!islands_[i].state->asleep && !islands_[i].awake && !islands_[i].state->frozen) {
+        islands_[i].awake = true;
+        islands_[i].state->calm = 0;
+        start(islands_[i], h);
+      }
+  } while (woken_);
+  if (!rows_.empty()) find_responses();
+  return solve_positions(report);
+}
+
+}  // namespace plumb::detail

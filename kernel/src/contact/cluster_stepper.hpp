@@ -1,0 +1,160 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/linkage_state.hpp"
+#include "contact/surroundings.hpp"
+#include "contact/touch.hpp"
+#include "plumb/world.hpp"
+
+namespace plumb::detail {
+
+/// Moves islands that touch, or may within a step, through that step together.
+///
+/// A substep is RATTLE's with contacts. Constraints keep to the gradients of its start (gradient old), by one
+/// factorisation: positions go where momentum, forces and contacts take them,
+///   M (d - h v - h²/2 M⁻¹f) = Jᵀ λ + Jcᵀ p,   C(x + d) = 0,   0 <= gap + Jc d  _|_  p >= 0,
+/// with friction in Coulomb's cone; then velocities d/h + h/2 M⁻¹f are projected onto the constraints at the
+/// end and, where there was contact, bounced or brought to rest. Contacts act through what the linkage makes
+/// of a push, G = Jc P Jcᵀ, one solve a row, and are found by projected Gauss-Seidel on G (Moreau 1988; Jean
+/// 1999). Energy never rises: what a substep would gain is taken from the motion that is not that of a rigid
+/// whole, which keeps momentum and angular momentum; in free flight what it would lose is given back.
+class ClusterStepper {
+ public:
+  explicit ClusterStepper(Isa isa) : kernels_(&simd::kkt_kernels(isa)) {}
+
+  /// Islands that sleep may be in the cluster: they are woken if something pushes them.
+  void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt,
+            std::uint32_t substeps, StepReport& report);
+
+ private:
+  /// A sum of particles, among an island's terms.
+  struct Sum {
+    std::uint32_t first = 0, end = 0;
+  };
+  /// A push on an island: along_a on a sum of its particles, along_b on another.
+  struct Side {
+    Sum a, b;
+    Vec3 along_a{}, along_b{};
+  };
+  enum class Kind : std::uint8_t { normal, sliding, limit, drive, brake };
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  /// Where a row finds what its side of an island sees, and what its pushes do there.
+  struct End {
+    double* speed = nullptr;  ///< of the island's sides
+    double* push = nullptr;
+    const double* coupling = nullptr;  ///< the side's row; of a contact's other rows, the next ones
+    std::uint32_t side = 0, padded = 0;
+  };
+  struct Row {
+    Kind kind = Kind::normal;
+    bool held = false;  ///< in the last substep: p and q are what did
+    std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
+    std::uint32_t ends = 0;  ///< islands that it acts on
+    End end[2]{};
+    double gap = 0;             ///< m or rad, what may be lost; drives: how far away
+    double softness = 0;        ///< of drives
+    double bound = 0;           ///< of brakes; of normals the coefficient of friction
+    double bounce = 0;          ///< m/s, what it leaves with; of brakes the bound of q
+    double own = 0;             ///< its response to itself + softness
+    double over = 0;            ///< 1 / own, or 0
+    double p = 0, q = 0;        ///< what pushes positions, and velocities
+    double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
+    std::uint64_t key = 0;
+  };
+  using Lanes = simd::Lanes;
+  struct Island {
+    LinkageState* state = nullptr;
+    bool awake = false;
+    Bounds bounds{};
+    double moves = 0;  ///< m, the ends of its shapes in the substep, at most
+    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
+    std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
+    std::vector<Combination::Term> terms;
+    std::vector<Side> sides;
+    // Padded to whole lanes, or by lanes:
+    std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown
+    std::vector<Lanes> coupling;  ///< G, a row for every side
+    std::vector<Lanes> speed;     ///< what each side sees of d or v
+    std::vector<Lanes> push;      ///< on each side, not yet applied
+    std::vector<Lanes> sum;       ///< of responses
+
+    std::span<double> right() { return numbers(unknowns); }
+    std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
+    Vec3 of(Sum which, std::span<const Vec3> values) const {
+      Vec3 out{};
+      for (std::uint32_t k = which.first; k < which.end; ++k)
+        out += terms[k].weight * values[terms[k].particle];
+      return out;
+    }
+    const double* row(std::uint32_t side) const { return coupling[side * batches()].of; }
+  };
+
+  /// A contact that does not seem to come about in this substep.
+  struct LeftOut {
+    std::uint32_t island, other;
+    Sum at, at_other;
+    double gap;
+    Vec3 normal;
+  };
+
+  bool substep(const Surroundings& surroundings, double h, StepReport& report);
+  double longest_substep(double most) const;
+  void start(Island& island, double h);
+  void freeze(Island& island, StepReport& report);
+  bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
+  bool is_contact_missed() const;
+  void find_contacts(const Surroundings& surroundings, double h);
+  void add_contact(std::uint32_t i, const Combination& at, std::uint32_t j, const Combination& at_other,
+                   const Touch& touch, const Surface& a, const Surface& b, std::uint64_t key, double h);
+  void add_angles(std::uint32_t i, double h);
+  /// Of a gap what a substep leaves open; of a negative one, but for `slop`, what it takes back.
+  double recovered(double gap, double slop, double h) const {
+    return gap >= 0 ? gap : std::min(0.0, h * recovery_rate_ * (gap + slop));
+  }
+  static Sum add_sum(Island& island, const Combination& sum);
+  static std::uint32_t add_side(Island& island, const Side& side);
+  void find_responses();
+  void couple(Island& island);
+  void see(Island& island, std::span<const Vec3> motion);
+  static double see(const Row& row);
+  void push(const Row& row, double by);
+  void push(const Row& first, double by0, double by1, double by2);
+  void push_held();
+  /// Whether a sweep pushes or only says how far it would.
+  enum class Sweep : std::uint8_t { pushes, looks };
+  template <double Row::*of, Sweep sweep>
+  double set(Row& row, double value);
+  template <double Row::*of, Sweep sweep>
+  double contact(std::size_t r, double normal, double most);
+  void apply(Island& island, std::span<Vec3> motion);
+  template <Sweep sweep>
+  double sweep_positions();
+  template <Sweep sweep>
+  double sweep_velocities();
+  bool solve_positions(StepReport& report);
+  void finish(double h, bool touched);
+  void find_velocities(Island& island);
+  void bounce(double h);
+  void brake(Island& island, double h);
+  bool guard_energy(double before, bool touched, bool can_shorten, StepReport& report);
+  double energy() const;
+  void keep_contacts(double h);
+
+  const simd::KktKernels* kernels_;
+  std::vector<Island> islands_;
+  std::uint32_t count_ = 0;
+  std::vector<Row> rows_;
+  std::vector<LeftOut> left_out_;
+  bool woken_ = false, all_near_ = false;
+  bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
+  double shortest_ = 0;                       ///< s
+  double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits
+  double still_ = 0;          ///< m, a change of a position that no longer matters
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,134 @@
+#include "contact/clusters.hpp"
+
+#include <algorithm>
+
+#include "contact/linkage_bounds.hpp"
+
+namespace plumb::detail {
+
+void Clusters::start(std::span<LinkageState> islands) {
+  islands_ = islands;
+  double sum = 0;
+  for (const LinkageState& state : islands_) sum += state.linkage->size();
+  cell_ = islands_.empty() ? 1 : 4 * sum / static_cast<double>(islands_.size());
+  sleepers_.start(cell_, 8 * islands_.size());
+  marks_.assign(islands_.size(), 0);
+  root_.resize(islands_.size());
+  bounds_.resize(islands_.size());
+  for (const LinkageState& state : islands_) {
+    if (!state.asleep) awake_.push_back(state.number);
+    if (state.linkage->shapes().empty()) continue;
+    any_shapes_ = true;
+    if (!state.asleep) continue;
+    bounds_[state.number] = reach(state, 0);
+    sleepers_.insert(state.number, bounds_[state.number]);
+  }
+}
+
+void Clusters::wake(std::uint32_t i) {
+  LinkageState& state = islands_[i];
+  if (!state.asleep) return;
+  state.asleep = false;
+  state.calm = 0;
+  awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), i), i);
+  if (state.linkage->shapes().empty()) return;
+  sleepers_.remove(i, bounds_[i]);
+  wake_neighbors(i);
+}
+
+void Clusters::wake_neighbors(std::uint32_t i) {
+  std::vector<std::uint32_t> near;
+  sleepers_.find(bounds_[i], [&](std::uint32_t j) {
+    if (bounds_[i].overlaps(bounds_[j])) near.push_back(j);
+  });
+  for (const std::uint32_t j : near) wake(j);
+}
+
+std::uint32_t Clusters::root(std::uint32_t i) {
+  while (root_[i] != i) i = root_[i] = root_[root_[i]];
+  return i;
+}
+
+void Clusters::join(std::uint32_t a, std::uint32_t b) {
+  a = root(a), b = root(b);
+  if (a != b) root_[std::max(a, b)] = std::min(a, b);
+}
+
+void Clusters::form(double dt, Team& team) {
+  members_ = awake_;
+  for (const std::uint32_t i : awake_) root_[i] = i;
+  if (any_shapes_) join_near(dt, team);
+  // By cluster, and within a cluster by number.
+  order_.clear();
+  for (const std::uint32_t i : members_) order_.push_back(std::uint64_t{root(i)} << 32 | i);
+  if (!std::is_sorted(order_.begin(), order_.end())) std::sort(order_.begin(), order_.end());
+  members_of_.clear();
+  starts_.clear();
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    if (k == 0 || order_[k] >> 32 != order_[k - 1] >> 32) starts_.push_back(static_cast<std::uint32_t>(k));
+    members_of_.push_back(&islands_[order_[k] & 0xffffffff]);
+  }
+  starts_.push_back(static_cast<std::uint32_t>(members_of_.size()));
+}
+
+void Clusters::join_near(double dt, Team& team) {
+  walkers_.start(cell_, 8 * awake_.size());
+  ++mark_;
+  team.for_each(static_cast<std::uint32_t>(awake_.size()), [&](std::uint32_t k, unsigned) {
+    const LinkageState& state = islands_[awake_[k]];
+    bounds_[state.number] = state.linkage->shapes().empty() ? nowhere : reach(state, dt);
+  });
+  if (islands_.size() == 1) return;
+  for (const std::uint32_t i : awake_) {
+    if (bounds_[i].is_empty()) continue;
+    walkers_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
+      if (bounds_[i].overlaps(bounds_[j])) join(i, j);
+    });
+    if (sleepers_.is_empty()) continue;
+    sleepers_.find(bounds_[i], [&](std::uint32_t j) {
+      if (!bounds_[i].overlaps(bounds_[j])) return;
+      if (marks_[j] != mark_) {
+        marks_[j] = mark_;
+        root_[j] = j;
+        members_.push_back(j);
+      }
+      join(i, j);
+    });
+  }
+}
+
+void Clusters::put_to_sleep(LinkageState& state) {
+  state.asleep = true;
+  state.calm = 0;
+  if (state.linkage->shapes().empty()) return;
+  bounds_[state.number] = reach(state, 0);
+  sleepers_.insert(state.number, bounds_[state.number]);
+}
+
+std::uint32_t Clusters::settle(std::span<const std::uint8_t> rests) {
+  // Islands that sleepers' neighbours woke within the step are still listed as sleepers; in members_ they
+  // follow the others. In a long step they may sleep again at once.
+  for (std::size_t k = awake_.size(); k < members_.size(); ++k)
+    if (const std::uint32_t i = members_[k]; !islands_[i].asleep) {
+      sleepers_.remove(i, bounds_[i]);
+      woken_.push_back(i);
+    }
+  awake_.insert(awake_.end(), woken_.begin(), woken_.end());
+  if (!woken_.empty()) std::sort(awake_.begin(), awake_.end());
+  std::uint32_t fell_asleep = 0;
+  for (std::uint32_t g = 0; g < rests.size(); ++g) {
+    if (rests[g] == 0) continue;
+    for (LinkageState* const state : (*this)[g]) {
+      if (state->asleep) continue;
+      put_to_sleep(*state);
+      ++fell_asleep;
+    }
+  }
+  if (fell_asleep > 0) std::erase_if(awake_, [&](std::uint32_t i) { return islands_[i].asleep; });
+  for (const std::uint32_t i : woken_)
+    if (!islands_[i].asleep) wake_neighbors(i);
+  woken_.clear();
+  return fell_asleep;
+}
+
+}  // namespace plumb::detail

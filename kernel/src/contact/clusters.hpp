@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/linkage_state.hpp"
+#include "contact/spatial_hash.hpp"
+#include "threads/team.hpp"
+
+namespace plumb::detail {
+
+/// The broad phase: which islands are awake, and which of them, and of the sleepers, may touch within a step.
+/// A cluster is a set of islands that may, one after the other by their numbers.
+class Clusters {
+ public:
+  /// Finds who sleeps. The states must outlive this object and stay where they are.
+  void start(std::span<LinkageState> islands);
+
+  std::span<const std::uint32_t> awake() const { return awake_; }  ///< island numbers, ascending
+  /// Whether any island of the scene has a shape.
+  bool any_shapes() const { return any_shapes_; }
+
+  /// Forms the clusters of a step of dt (s), by how islands move now; sleepers nearby are in them.
+  void form(double dt, Team& team);
+  std::uint32_t count() const { return static_cast<std::uint32_t>(starts_.size() - 1); }
+  std::span<LinkageState* const> operator[](std::uint32_t cluster) const {
+    return {members_of_.data() + starts_[cluster], starts_[cluster + 1] - starts_[cluster]};
+  }
+  /// Where an island can come within the step.
+  const Bounds& reach_of(std::uint32_t island) const { return bounds_[island]; }
+  void clear() { starts_.assign(1, 0); }
+
+  /// Wakes an island, and sleepers that may lie on it, or it on them.
+  void wake(std::uint32_t island);
+  /// After a step: takes in those that were woken within it, and lets clusters sleep that `rests` names.
+  /// Returns how many islands fell asleep.
+  std::uint32_t settle(std::span<const std::uint8_t> rests);
+
+ private:
+  void wake_neighbors(std::uint32_t island);
+  std::uint32_t root(std::uint32_t island);
+  void join(std::uint32_t a, std::uint32_t b);
+  void join_near(double dt, Team& team);
+  void put_to_sleep(LinkageState& state);
+
+  std::span<LinkageState> islands_;
+  std::vector<std::uint32_t> awake_;  ///< ascending
+  SpatialHash sleepers_, walkers_;
+  bool any_shapes_ = false;
+  double cell_ = 1;             ///< m
+  std::vector<Bounds> bounds_;  ///< by island: of sleepers as they are listed, of others this step's reach
+  std::vector<std::uint32_t> marks_, root_, members_, woken_;
+  std::uint32_t mark_ = 0;
+  std::vector<std::uint64_t> order_;
+  std::vector<LinkageState*> members_of_;  ///< of all clusters
+  std::vector<std::uint32_t> starts_{0};   ///< of each cluster, and the end
+};
+
+}  // namespace plumb::detail

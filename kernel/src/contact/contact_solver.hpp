@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "contact/cluster_stepper.hpp"
+#include "contact/clusters.hpp"
+#include "solver/made_solver.hpp"
+#include "solver/solver.hpp"
+
+namespace plumb::detail {
+
+/// Islands with bodies, joints, air or shapes. Those that may touch within a step are a cluster, and a
+/// cluster is a piece: clusters are formed anew at the beginning of every step.
+class ContactSolver final : public Solver {
+ public:
+  ContactSolver(const Scene& scene, const Settings& settings, unsigned threads);
+
+  /// Takes from the initial velocities what constraints forbid. Returns the largest change, m/s.
+  double project_velocities();
+  /// The slots of the scene's particles.
+  std::vector<MadeSolver::Place> places() const;
+  std::uint32_t island_count() const { return static_cast<std::uint32_t>(states_.size()); }
+  bool any_awake() const { return !clusters_.awake().empty(); }
+  /// Islands below which one thread is faster than the start of another.
+  bool is_worth_threads() const { return clusters_.awake().size() >= worth_threads; }
+
+  std::uint32_t pieces() const override { return clusters_.count(); }
+  std::uint32_t islands(std::uint32_t piece) const override;
+  void begin_step(double dt, Team& team) override;
+  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
+                 StepReport& report) override;
+  void end_piece(std::uint32_t piece, double dt) override;
+  void end_step(StepReport& report) override;
+
+  double& best_substep(std::uint32_t piece) override;
+  void save(std::uint32_t piece, Saved which) override;
+  void restore(std::uint32_t piece, Saved which) override;
+  void mark(std::uint32_t piece) override;
+  double distance_from_mark(std::uint32_t piece) const override;
+
+  bool has_changing_pieces() const override { return true; }
+  bool is_slower(std::uint32_t, double) const override { return false; }
+  void rest(std::uint32_t) override {}
+  double size(std::uint32_t) const override { return 1; }
+
+  Vec3 position(Slot slot) const override { return state_of(slot).x[local(slot)]; }
+  Vec3 velocity(Slot slot) const override;
+  void add_to_hash(Slot slot, StateHash& hash) const override;
+  void set_force(Slot slot, Vec3 newton) override;
+  void move_anchor(Slot slot, const AnchorMove& move) override;
+  void place_anchor(Slot slot, Vec3 target) override;
+  void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
+  void set_away(Slot, bool) override {}
+  bool is_away(std::uint32_t) const override { return false; }
+  void describe(WorldInfo& info) const override;
+
+ private:
+  static constexpr std::size_t worth_threads = 16;
+
+  /// With an accuracy: what steps take back.
+  struct History {
+    LinkageMotion saved[2];
+    std::vector<Vec3> mark;
+    double best_substep = 0;
+  };
+
+  LinkageState& state_of(Slot slot) { return states_[island_of_[slot]]; }
+  const LinkageState& state_of(Slot slot) const { return states_[island_of_[slot]]; }
+  std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
+  bool is_fixed(Slot slot) const { return local(slot) >= state_of(slot).linkage->movable(); }
+  bool rests(std::span<LinkageState* const> cluster, double dt) const;
+
+  Isa isa_;
+  bool sleep_;
+  Surroundings surroundings_;
+  std::vector<std::unique_ptr<Linkage>> linkages_;
+  std::vector<LinkageState> states_;
+  std::vector<History> histories_;
+  std::vector<Slot> first_slot_;          ///< by island
+  std::vector<std::uint32_t> island_of_;  ///< by slot
+  Clusters clusters_;
+  std::vector<std::uint8_t> rests_;       ///< by cluster, after its step
+  std::vector<ClusterStepper> steppers_;  ///< by part of the team
+};
+
+/// Makes the solver of islands with bodies, joints, air or shapes.
+MadeSolver make_contact_solver(const Scene& scene, const Settings& settings, StartReport& report);
+
+}  // namespace plumb::detail

@@ -1,0 +1,211 @@
+#include "contact/scene_parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+
+#include "plumb/joints.hpp"
+#include "scene/refuse.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// A scene's particles and whatever holds them together, as edges.
+struct Ties {
+  explicit Ties(const Scene& scene) {
+    for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
+    for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
+    for (const Body& body : scene.bodies) tie(Point{body.particles, {1, 1, 1, 1}});
+    for (const Pin& pin : scene.pins) tie(pin.a, pin.b);
+    for (const Alignment& each : scene.alignments) tie(each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const AngleControl& each : scene.angles) tie(each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const Capsule& capsule : scene.capsules) tie(capsule.a, capsule.b);
+  }
+
+  layouts::Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
+
+  std::vector<layouts::Edge> edges;
+  std::vector<std::uint8_t> movable;
+
+ private:
+  void name(const std::array<std::uint32_t, 4>& particles, const std::array<double, 4>& weights) {
+    for (std::size_t i = 0; i < 4; ++i)
+      if (weights[i] != 0) named.push_back(particles[i]);
+  }
+  /// All to the first that is movable; fixed ones may be its neighbours only.
+  void tie_named() {
+    const auto hub =
+        std::find_if(named.begin(), named.end(), [&](std::uint32_t i) { return movable[i] != 0; });
+    if (hub != named.end())
+      for (const std::uint32_t i : named)
+        if (i != *hub) edges.push_back({*hub, i});
+    named.clear();
+  }
+  template <class... Points>
+  void tie(const Points&... points) {
+    (name(points.particles, points.weights), ...);
+    tie_named();
+  }
+
+  std::vector<std::uint32_t> named;
+};
+
+/// Numbers, in order.
+class Likeness {
+ public:
+  explicit Likeness(const Scene& part) {
+    add(part.gravity);
+    add(part.drag, part.joint_drag);
+    for (const Particle& each : part.particles) add(each.mass, each.fixed);
+    add(part.rods.size());
+    for (std::size_t i = 0; i < part.rods.size(); ++i) {
+      const Rod& rod = part.rods[i];
+      add(rod.a, rod.b, rod_length(part, i), rod.mass, rod.center, rod.inertia.value_or(-1), rod.linear_drag,
+          rod.orthogonal_drag);
+    }
+    add(part.bodies.size());
+    for (std::size_t i = 0; i < part.bodies.size(); ++i) {
+      for (const std::uint32_t particle : part.bodies[i].particles) add(particle);
+      for (const auto& line : body_mass(part, i))
+        for (const double mass : line) add(mass);
+    }
+    add(part.pins.size());
+    for (const Pin& each : part.pins) add(each.a, each.b);
+    add(part.alignments.size());
+    for (const Alignment& each : part.alignments) {
+      add(each.u.from, each.u.to, each.v.from, each.v.to);
+      add(dot(span(part, each.u), span(part, each.v)));
+    }
+    add(part.angles.size());
+    for (const AngleControl& each : part.angles)
+      add(each.u.from, each.u.to, each.v.from, each.v.to, norm(span(part, each.u)), norm(span(part, each.v)),
+          each.lower, each.upper, each.friction, each.target, each.stiffness, each.damping);
+    add(part.capsules.size());
+    for (const Capsule& each : part.capsules)
+      add(each.a, each.b, each.radius, each.surface.friction, each.surface.restitution);
+  }
+
+  const std::vector<double>& numbers() const { return numbers_; }
+
+ private:
+  static Vec3 span(const Scene& part, const Direction& direction) {
+    return position_of(part, direction.to) - position_of(part, direction.from);
+  }
+
+  void add(const Vec3& v) { add(v.x, v.y, v.z); }
+  void add(const Point& point) {
+    for (std::size_t i = 0; i < 4; ++i)
+      add(point.weights[i] == 0 ? 0u : point.particles[i], point.weights[i]);
+  }
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void add(Number number) { numbers_.push_back(static_cast<double>(number)); }
+  template <class First, class Second, class... Rest>
+  void add(const First& first, const Second& second, const Rest&... rest) {
+    add(first);
+    add(second);
+    (add(rest), ...);
+  }
+
+  std::vector<double> numbers_;
+};
+
+}  // namespace
+
+std::vector<double> likeness(const Scene& part) {
+  return Likeness(part).numbers();
+}
+
+SceneParts::SceneParts(const Scene& scene) : scene_(scene) {
+  const Ties ties(scene);
+  const layouts::Islands islands = layouts::find_islands(ties.view());
+  const std::uint32_t count = islands.count();
+  island_of_.assign(scene.particles.size(), none);
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (const std::uint32_t particle : islands.vertices(i))
+      if (!scene.particles[particle].fixed) island_of_[particle] = i;
+  parts_.resize(count);
+  particles_.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto vertices = islands.vertices(i);
+    std::vector<std::uint32_t>& order = particles_[i];
+    for (const bool fixed : {false, true})
+      for (const std::uint32_t particle : vertices)
+        if (scene.particles[particle].fixed == fixed) order.push_back(particle);
+    parts_[i].gravity = scene.gravity;
+    parts_[i].drag = scene.drag;
+    parts_[i].joint_drag = scene.joint_drag;
+    for (const std::uint32_t particle : order) parts_[i].particles.push_back(scene.particles[particle]);
+  }
+  hand_out();
+}
+
+void SceneParts::hand_out() {
+  local_.assign(scene_.particles.size(), 0);
+  for (std::uint32_t i = 0; i < count(); ++i)
+    for (std::uint32_t p = 0; p < particles_[i].size(); ++p)
+      if (!scene_.particles[particles_[i][p]].fixed) local_[particles_[i][p]] = p;
+  for (std::size_t i = 0; i < scene_.rods.size(); ++i) {
+    Rod rod = scene_.rods[i];
+    const std::uint32_t island = movable_of({{rod.a, rod.b, 0, 0}, {1, 1, 0, 0}});
+    rod.length = rod_length(scene_, i);
+    rod.a = local(island, rod.a);
+    rod.b = local(island, rod.b);
+    parts_[island].rods.push_back(rod);
+  }
+  for (Body body : scene_.bodies) {
+    const std::uint32_t island = movable_of({body.particles, {1, 1, 1, 1}});
+    if (island == none) continue;  // part of the ground
+    for (std::uint32_t& particle : body.particles) particle = local(island, particle);
+    parts_[island].bodies.push_back(body);
+  }
+  for (const Pin& each : scene_.pins) {
+    const std::uint32_t island = island_of(each.a, each.b);
+    parts_[island].pins.push_back({local(island, each.a), local(island, each.b)});
+  }
+  for (const Alignment& each : scene_.alignments) {
+    const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
+    parts_[island].alignments.push_back({local(island, each.u), local(island, each.v)});
+  }
+  for (AngleControl each : scene_.angles) {
+    const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
+    each.u = local(island, each.u);
+    each.v = local(island, each.v);
+    parts_[island].angles.push_back(each);
+  }
+  for (Capsule each : scene_.capsules) {
+    const std::uint32_t island = island_of(each.a, each.b);
+    each.a = local(island, each.a);
+    each.b = local(island, each.b);
+    parts_[island].capsules.push_back(each);
+  }
+}
+
+std::uint32_t SceneParts::movable_of(const Point& point) const {
+  for (std::size_t i = 0; i < 4; ++i)
+    if (point.weights[i] != 0 && !scene_.particles[point.particles[i]].fixed)
+      return island_of_[point.particles[i]];
+  return none;
+}
+template <class... Points>
+std::uint32_t SceneParts::island_of(const Points&... points) const {
+  std::uint32_t out = none;
+  ((out = out == none ? movable_of(points) : out), ...);
+  if (out == none) refuse("a joint or shape on fixed particles alone moves nothing; use planes and boxes");
+  return out;
+}
+std::uint32_t SceneParts::local(std::uint32_t island, std::uint32_t particle) const {
+  if (!scene_.particles[particle].fixed) return local_[particle];
+  const auto& order = particles_[island];
+  return static_cast<std::uint32_t>(std::find(order.begin(), order.end(), particle) - order.begin());
+}
+Point SceneParts::local(std::uint32_t island, Point point) const {
+  for (std::size_t i = 0; i < 4; ++i)
+    point.particles[i] = point.weights[i] == 0 ? 0 : local(island, point.particles[i]);
+  return point;
+}
+Direction SceneParts::local(std::uint32_t island, const Direction& direction) const {
+  return {local(island, direction.from), local(island, direction.to)};
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,169 @@
+#include "direct/direct_solvers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "direct/loops/loop_solver.hpp"
+#include "direct/trees/tree_solver.hpp"
+#include "plumb/layouts/trees.hpp"
+#include "solver/island_shape.hpp"
+
+namespace plumb::detail {
+namespace {
+
+using layouts::lane_width;
+
+/// Rods that start off their length by less than this share do so by the rounding of their coordinates.
+constexpr double least_gap = 1e-9;
+
+/// Whether fixed points may hold a node other than the root for good, by three pins or, in a plane, by two.
+/// Elimination from the tips would divide by zero at its rod to the parent; the solver for loops does not.
+bool is_held_below_root(const layouts::Tree& tree) {
+  for (std::uint32_t i = 1; i < tree.nodes(); ++i)
+    if (tree.pin_begin[i + 1] - tree.pin_begin[i] > 1) return true;
+  return false;
+}
+
+class Maker {
+ public:
+  Maker(const Scene& scene, const IslandGroups& groups, const Settings& settings, const DirectRules& rules,
+        StartReport& report)
+      : scene_(scene), groups_(groups), settings_(settings), rules_(rules), report_(report) {}
+
+  std::vector<MadeSolver> make() {
+    for (const std::vector<std::uint32_t>& equal : groups_.groups) {
+      const layouts::LocalGraph local = layouts::local_graph(groups_.graph, groups_.islands, equal.front());
+      const auto tree = layouts::find_tree(local.view());
+      if (!tree || is_held_below_root(*tree))
+        add_loops(equal, local.view());
+      else if (settings_.precision == Precision::single)
+        add_trees<float>(equal, *tree);
+      else
+        add_trees<double>(equal, *tree);
+    }
+    return std::move(made_);
+  }
+
+ private:
+  MassModel model() const { return mass_model_of(settings_); }
+  Isa isa() const { return settings_.isa.value_or(best_isa()); }
+
+  bool is_off_length(std::uint32_t island) const {
+    const auto rods = groups_.islands.edges(island);
+    return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
+      const Rod& rod = scene_.rods[i];
+      const double length = rod_length(scene_, i);
+      const double now = norm(scene_.particles[rod.b].position - scene_.particles[rod.a].position);
+      return std::abs(now - length) > least_gap * length;
+    });
+  }
+
+  template <class T>
+  void add_trees(const std::vector<std::uint32_t>& equal, const layouts::Tree& tree) {
+    const auto count = static_cast<std::uint32_t>(equal.size());
+    // With fewer trees than this a whole vector would cost more than one tree after the other.
+    const std::uint32_t lanes = count * 4 >= lane_width<T> ? lane_width<T> : 1;
+    const auto kind = std::make_shared<TreeKind<T>>(
+        tree, lanes,
+        typename TreeKind<T>::Rules{rules_.gradient, rules_.time_order, settings_.accuracy.has_value(),
+                                    rules_.changes_gradient, scene_.drag, isa(), settings_.threads});
+    for (std::uint32_t first = 0; first < count; first += lanes)
+      add_lane_group<T>(kind, tree, std::span(equal).subspan(first, std::min(lanes, count - first)));
+  }
+
+  template <class T>
+  void add_lane_group(const std::shared_ptr<TreeKind<T>>& kind, const layouts::Tree& tree,
+                      std::span<const std::uint32_t> group) {
+    const auto trees = static_cast<std::uint32_t>(group.size());
+    auto solver = std::make_unique<TreeSolver<T>>(kind, trees);
+    const auto members_of = [&](std::uint32_t lane) {
+      const std::uint32_t island = group[std::min(lane, trees - 1)];
+      return TreeMembers{groups_.islands.vertices(island), groups_.islands.edges(island)};
+    };
+    for (std::uint32_t lane = 0; lane < kind->lanes; ++lane)
+      solver->fill_lane(lane, scene_, model(), tree, members_of(lane));
+    solver->finish_layout();
+    MadeSolver made;
+    for (std::uint32_t lane = 0; lane < trees; ++lane) {
+      const auto vertices = members_of(lane).vertices;
+      for (std::uint32_t i = 0; i < tree.nodes(); ++i)
+        made.places.push_back({vertices[tree.vertex[i]], solver->node_slot(i, lane)});
+      for (std::uint32_t k = 0; k < tree.pins.size(); ++k)
+        made.places.push_back({vertices[tree.pins[k].vertex], solver->pin_slot(k, lane)});
+    }
+    start(*solver, group, made);
+    made.solver = std::move(solver);
+    made_.push_back(std::move(made));
+  }
+
+  void add_loops(const std::vector<std::uint32_t>& equal, const layouts::Graph& local) {
+    if (!loop_rules_) {
+      loop_rules_ = std::make_shared<LoopRules>(rules_.gradient, rules_.time_order, scene_.drag,
+                                                settings_.accuracy, isa());
+      loop_rules_->set_stop_rule(settings_.stop);
+    }
+    const bool couples = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+      return carries_mass(scene_, groups_.islands.edges(island), model());
+    });
+    const auto topology = std::make_shared<LoopTopology>(local);
+    if (couples || is_thin(local)) {
+      topology->system = std::make_unique<LoopSystem>(topology->rods, topology->nodes,
+                                                      LoopStepper::couples(rules_.gradient, model()));
+    } else {
+      std::vector<Vec3> positions;
+      for (const std::uint32_t vertex : groups_.islands.vertices(equal.front()))
+        positions.push_back(scene_.particles[vertex].position);
+      topology->use_lines(positions);
+    }
+    for (const std::uint32_t island : equal) {
+      MadeSolver made;
+      std::vector<std::uint32_t> vertices;
+      for (const std::uint32_t i : topology->order) {
+        made.places.push_back(
+            {groups_.islands.vertices(island)[i], static_cast<Slot>(vertices.size())});
+        vertices.push_back(groups_.islands.vertices(island)[i]);
+      }
+      auto solver = std::make_unique<LoopSolver>(
+          loop_rules_, LoopState(topology, scene_, model(), vertices, groups_.islands.edges(island)));
+      start(*solver, std::span(&island, 1), made);
+      made.solver = std::move(solver);
+      made_.push_back(std::move(made));
+    }
+  }
+
+  /// Positions come first, before there are velocities.
+  template <class AnySolver>
+  void start(AnySolver& solver, std::span<const std::uint32_t> islands, const MadeSolver& made) {
+    if (std::any_of(islands.begin(), islands.end(), [&](std::uint32_t i) { return is_off_length(i); })) {
+      report_.unprojected_islands += solver.project_positions();
+      for (const auto& [particle, slot] : made.places)
+        report_.projected_position = std::max(
+            report_.projected_position, norm(solver.position(slot) - scene_.particles[particle].position));
+    }
+    for (const auto& [particle, slot] : made.places)
+      if (!scene_.particles[particle].fixed) solver.set_velocity(slot, scene_.particles[particle].velocity);
+    solver.project_velocities();
+    for (const auto& [particle, slot] : made.places)
+      if (!scene_.particles[particle].fixed)
+        report_.projected_velocity = std::max(
+            report_.projected_velocity, norm(solver.velocity(slot) - scene_.particles[particle].velocity));
+  }
+
+  const Scene& scene_;
+  const IslandGroups& groups_;
+  const Settings& settings_;
+  const DirectRules& rules_;
+  StartReport& report_;
+  std::shared_ptr<LoopRules> loop_rules_;
+  std::vector<MadeSolver> made_;
+};
+
+}  // namespace
+
+std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandGroups& groups,
+                                            const Settings& settings, const DirectRules& rules,
+                                            StartReport& report) {
+  return Maker(scene, groups, settings, rules, report).make();
+}
+
+}  // namespace plumb::detail

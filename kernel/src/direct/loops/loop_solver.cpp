@@ -1,0 +1,203 @@
+#include "direct/loops/loop_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "time/accuracy.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// s, of the step that brings rods to their lengths: too short for loads to act.
+constexpr double projection_step = 1e-9;
+
+/// Strain that nets solved by their lines may keep where an accuracy is set: this share of it, and at most
+/// what float leaves. The next substep takes it back: even 1e-5 changes a net of 128 x 128 after 0.5 s by no
+/// more than 2e-9 of its diagonal. A substep of another length makes a velocity of it, which counts as error
+/// the more, the shorter substeps are.
+constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
+
+}  // namespace
+
+void LoopRules::set_stop_rule(const StopRule& rule) {
+  stepper.set_line_tolerance(
+      accuracy ? std::min({strain_of_accuracy * *accuracy, most_strain, rule.tolerance.value_or(most_strain)})
+               : rule.tolerance.value_or(0));
+}
+
+LoopSolver::LoopSolver(std::shared_ptr<LoopRules> rules, LoopState state)
+    : rules_(std::move(rules)),
+      state_(std::move(state)),
+      work_(state_, rules_->gradient, rules_->isa),
+      velocity_(3 * std::size_t{state_.topology->nodes}) {
+  if (rules_->estimates) state_.acceleration = state_.acceleration_before = state_.u;
+}
+
+std::uint32_t LoopSolver::project_positions() {
+  LoopState projected = state_;
+  StepReport not_of_a_step;
+  LoopStepper(Gradient::new_, 0).advance(projected, projection_step, work_, not_of_a_step);
+  if (not_of_a_step.unsolved == 0) state_.x = projected.x;
+  if (work_.lines) work_.lines->forget();
+  return static_cast<std::uint32_t>(not_of_a_step.unsolved);
+}
+
+void LoopSolver::set_velocity(Slot slot, Vec3 velocity) {
+  double* const u = state_.u.data() + 3 * std::size_t{slot};
+  u[0] = velocity.x;
+  u[1] = velocity.y;
+  u[2] = velocity.z;
+}
+
+void LoopSolver::project_velocities() {
+  velocity_known_ = false;
+  const bool rests = std::all_of(state_.u.begin(), state_.u.end(), [](double u) { return u == 0; });
+  if (!rests) rules_->stepper.project_velocities(state_, work_);
+}
+
+// --- Steps
+
+void LoopSolver::begin_piece(std::uint32_t, unsigned) {
+  velocity_known_ = false;
+  if (anchors_changed_ && rules_->gradient == Gradient::mid)
+    rules_->stepper.project_velocities(state_, work_);
+}
+
+double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) {
+  double error = 0;
+  for (std::uint32_t i = 0; i < count; ++i)
+    error = std::max(error, rules_->stepper.advance(state_, h, work_, report));
+  return error;
+}
+
+// --- Accuracy
+
+ErrorModel LoopSolver::error_model() const {
+  return {.order = rules_->gradient == Gradient::new_ ? 1 : rules_->time_order,
+          .by_comparison = !rules_->estimates};
+}
+
+void LoopSolver::save(std::uint32_t, Saved which) {
+  saved_[static_cast<int>(which)] = state_.motion();
+  if (which == Saved::window && work_.lines) work_.lines->keep_history();
+}
+
+void LoopSolver::restore(std::uint32_t, Saved which) {
+  state_.motion() = saved_[static_cast<int>(which)];
+  if (!work_.lines) return;
+  if (which == Saved::window)
+    work_.lines->take_history_back();
+  else
+    work_.lines->forget();
+}
+
+double LoopSolver::distance_from_mark(std::uint32_t) const {
+  return largest_distance(state_.x, mark_, state_.topology->nodes, 1);
+}
+
+void LoopSolver::end_controlled_step(std::uint32_t, double, double, double, double, unsigned) {
+  if (anchors_changed_) state_.known = 0;
+}
+
+// --- Sleep
+
+bool LoopSolver::is_slower(std::uint32_t, double speed) const {
+  const double most = speed * (state_.u_step != 0 ? state_.u_step : 1);
+  return std::all_of(state_.u.rbegin(), state_.u.rend(), [most](double u) { return std::abs(u) <= most; });
+}
+
+void LoopSolver::rest(std::uint32_t) {
+  std::fill(state_.u.begin(), state_.u.end(), 0.0);
+  state_.u_step = 0;
+  velocity_known_ = false;
+}
+
+double LoopSolver::size(std::uint32_t) const {
+  return std::sqrt(state_.scale2);
+}
+
+// --- Particles
+
+Vec3 LoopSolver::velocity(Slot slot) const {
+  if (slot >= state_.topology->nodes) return {};
+  find_velocities();
+  const double* v = velocity_.data() + 3 * std::size_t{slot};
+  return {v[0], v[1], v[2]};
+}
+
+void LoopSolver::find_velocities() const {
+  if (velocity_known_) return;
+  rules_->stepper.find_velocities(state_, work_);
+  std::copy_n(work_.delta.begin(), velocity_.size(), velocity_.begin());
+  velocity_known_ = true;
+}
+
+void LoopSolver::add_to_hash(Slot slot, StateHash& hash) const {
+  hash.add<double>(position(slot));
+  if (slot >= state_.topology->nodes) return;
+  for (std::size_t c = 0; c < 3; ++c) hash.add(state_.u[3 * std::size_t{slot} + c]);
+}
+
+/// A displacement stands for the velocity of now under the force that made it: it gives way to the velocity
+/// before that force changes.
+void LoopSolver::set_force(Slot slot, Vec3 newton) {
+  if (rules_->gradient == Gradient::old && state_.u_step != 0) {
+    find_velocities();
+    state_.u = velocity_;
+    state_.u_step = 0;
+  }
+  state_.set_force(slot, newton);
+}
+
+void LoopSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
+  const double x[3] = {position.x, position.y, position.z}, v[3] = {velocity.x, velocity.y, velocity.z};
+  for (std::size_t c = 0; c < 3; ++c) {
+    state_.x[3 * std::size_t{slot} + c] = x[c];
+    state_.u[3 * std::size_t{slot} + c] = v[c];
+  }
+  state_.u_step = 0;
+  state_.mu_kick = 0;
+  state_.known = 0;
+  velocity_known_ = false;
+  if (work_.lines) work_.lines->forget();
+}
+
+// --- Anchors
+
+void LoopSolver::move_anchor(Slot slot, const AnchorMove& move) {
+  state_.fixed_velocity[slot - state_.topology->nodes] = move.velocity();
+  state_.anchors_move = true;
+}
+
+void LoopSolver::begin_anchors() {
+  anchors_changed_ = state_.fixed_velocity != state_.fixed_last_velocity;
+}
+
+void LoopSolver::end_anchors() {
+  anchors_changed_ = false;
+  if (!state_.anchors_move) return;
+  state_.anchors_move = std::any_of(state_.fixed_velocity.begin(), state_.fixed_velocity.end(),
+                                    [](Vec3 v) { return v != Vec3{}; });
+  state_.fixed_last_velocity = state_.fixed_velocity;
+  std::fill(state_.fixed_velocity.begin(), state_.fixed_velocity.end(), Vec3{});
+}
+
+void LoopSolver::place_anchor(Slot slot, Vec3 target) {
+  double* x = state_.x.data() + 3 * std::size_t{slot};
+  x[0] = target.x;
+  x[1] = target.y;
+  x[2] = target.z;
+}
+
+// --- Settings and reports
+
+bool LoopSolver::set_stop_rule(const StopRule& rule) {
+  rules_->set_stop_rule(rule);
+  return work_.lines != nullptr;
+}
+
+void LoopSolver::describe(WorldInfo& info) const {
+  info.direct_rods += static_cast<std::uint32_t>(state_.topology->rods.size());
+}
+
+}  // namespace plumb::detail

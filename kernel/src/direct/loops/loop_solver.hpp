@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "direct/loops/loop_stepper.hpp"
+#include "solver/solver.hpp"
+
+namespace plumb::detail {
+
+/// What all islands with loops share.
+struct LoopRules {
+  /// `drag` is in 1/s. Without an accuracy nothing is estimated.
+  LoopRules(Gradient of, std::uint32_t order, double drag, std::optional<double> share, Isa instructions)
+      : gradient(of),
+        time_order(order),
+        accuracy(share),
+        estimates(share && order == 2 && of != Gradient::new_),
+        isa(instructions),
+        stepper(of, drag, order) {}
+
+  /// Sets the strain that islands solved by their lines may keep.
+  void set_stop_rule(const StopRule& rule);
+
+  Gradient gradient;
+  std::uint32_t time_order;
+  std::optional<double> accuracy;
+  bool estimates;  ///< errors, from accelerations, which islands then keep
+  Isa isa;
+  LoopStepper stepper;
+};
+
+/// One island with loops. Slots are its vertices, of which the movable ones come first.
+class LoopSolver final : public Solver {
+ public:
+  LoopSolver(std::shared_ptr<LoopRules> rules, LoopState state);
+
+  /// Brings rods to their lengths by one step too short for loads to act. Returns 1 if that cannot be solved;
+  /// the island stays as it is then.
+  std::uint32_t project_positions();
+  /// The velocity (m/s) that a particle starts with; project_velocities() takes from all what pulls on rods.
+  void set_velocity(Slot slot, Vec3 velocity);
+  void project_velocities();
+
+  std::uint32_t islands(std::uint32_t) const override { return 1; }
+  void begin_piece(std::uint32_t, unsigned) override;
+  double advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) override;
+
+  ErrorModel error_model() const override;
+  double& best_substep(std::uint32_t) override { return best_substep_; }
+  std::uint32_t cuts(std::uint32_t, double h) const override { return rules_->stepper.cuts(state_, h); }
+  bool anchors_changed(std::uint32_t) const override { return anchors_changed_; }
+  bool starts_anew(std::uint32_t) const override { return anchors_changed_ || state_.u_step == 0; }
+  void save(std::uint32_t, Saved which) override;
+  void restore(std::uint32_t, Saved which) override;
+  void mark(std::uint32_t) override { mark_ = state_.x; }
+  double distance_from_mark(std::uint32_t) const override;
+  void end_controlled_step(std::uint32_t, double, double, double, double, unsigned) override;
+
+  bool is_slower(std::uint32_t, double speed) const override;
+  void rest(std::uint32_t) override;
+  double size(std::uint32_t) const override;
+
+  Vec3 position(Slot slot) const override { return state_.position(slot); }
+  Vec3 velocity(Slot slot) const override;
+  void add_to_hash(Slot slot, StateHash& hash) const override;
+  void set_force(Slot slot, Vec3 newton) override;
+  void move_anchor(Slot slot, const AnchorMove& move) override;
+  void begin_anchors() override;
+  void end_anchors() override;
+  void place_anchor(Slot slot, Vec3 target) override;
+  void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
+  void set_away(Slot, bool away) override { away_ = away; }
+  bool is_away(std::uint32_t) const override { return away_; }
+
+  bool set_stop_rule(const StopRule& rule) override;
+  void describe(WorldInfo& info) const override;
+
+ private:
+  void find_velocities() const;
+
+  std::shared_ptr<LoopRules> rules_;
+  mutable LoopState state_;
+  mutable LoopWorkspace work_;
+  mutable std::vector<double> velocity_;  ///< m/s, 3 per node; at the end of the last step if known
+  mutable bool velocity_known_ = false;
+  bool anchors_changed_ = false, away_ = false;
+  // With an accuracy:
+  LoopMotion saved_[2]{};
+  std::vector<double> mark_{};
+  double best_substep_ = 0;
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "direct/trees/line_segments.hpp"
+#include "direct/trees/tree_stepper.hpp"
+#include "solver/solver.hpp"
+
+namespace plumb::detail {
+
+/// What lane groups of one topology share: the rules of their steps, and working memory for every thread.
+template <class T>
+struct TreeKind {
+  struct Crew {
+    TreeWorkspace<T> work;
+    TreeState<T> alone;  ///< one tree, for substeps that are halved
+    TreeWorkspace<T> alone_work;
+  };
+
+  /// How trees are moved, from the settings.
+  struct Rules {
+    Gradient gradient;
+    std::uint32_t time_order;
+    bool controlled;        ///< an accuracy is set
+    bool changes_gradient;  ///< trees may take gradient mid while they move calmly
+    double drag;            ///< 1/s
+    Isa isa;
+    unsigned threads;
+  };
+
+  TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules);
+
+  /// Substeps estimate errors of second order by themselves; others show when substeps are compared.
+  bool estimates() const {
+    return rules.controlled && rules.time_order == 2 && rules.gradient != Gradient::new_;
+  }
+
+  Rules rules;
+  std::shared_ptr<const TreeTopology> topology;
+  std::uint32_t lanes;
+  TreeStepper<T> stepper;
+  std::optional<TreeStepper<T>> calm_stepper;  ///< gradient mid, if the gradient may change
+  std::vector<Crew> crews;                     ///< per thread
+};
+
+/// A lane group: equal trees side by side, or one tree alone; a long line alone is cut into segments.
+///
+/// Slots of movable particles number state.x by triples, and pins follow.
+template <class T>
+class TreeSolver final : public Solver {
+ public:
+  TreeSolver(std::shared_ptr<TreeKind<T>> kind, std::uint32_t trees);
+
+  /// Puts a tree of the scene into a lane, at rest. Lanes without a tree of their own repeat the last one.
+  void fill_lane(std::uint32_t lane, const Scene& scene, MassModel model, const layouts::Tree& tree,
+                 const TreeMembers& members);
+  /// Once all lanes are filled: cuts a long line, and allocates what an accuracy needs.
+  void finish_layout();
+  Slot node_slot(std::uint32_t node, std::uint32_t lane) const;
+  Slot pin_slot(std::uint32_t pin, std::uint32_t lane) const;
+
+  /// Brings rods to their lengths by one step too short for loads to act. Returns the number of trees for
+  /// which that cannot be solved; they stay as they are.
+  std::uint32_t project_positions();
+  /// The velocity (m/s) that a particle starts with; project_velocities() takes from all what pulls on rods.
+  void set_velocity(Slot slot, Vec3 velocity);
+  void project_velocities();
+
+  std::uint32_t islands(std::uint32_t) const override { return line_ ? 1 : state_.trees; }
+  void begin_piece(std::uint32_t, unsigned part) override;
+  double advance(std::uint32_t, double h, std::uint32_t count, unsigned part, StepReport& report) override;
+  void end_step(StepReport&) override { velocities_known_ = false; }
+
+  ErrorModel error_model() const override;
+  double& best_substep(std::uint32_t) override { return best_substep_; }
+  std::uint32_t cuts(std::uint32_t, double h) const override { return kind_->stepper.cuts(state_, h); }
+  bool anchors_changed(std::uint32_t) const override { return anchors_changed_; }
+  bool starts_anew(std::uint32_t) const override;
+  void save(std::uint32_t, Saved which) override;
+  void restore(std::uint32_t, Saved which) override;
+  void mark(std::uint32_t) override;
+  double distance_from_mark(std::uint32_t) const override;
+  bool try_calm_step(std::uint32_t, double h, std::uint32_t count, double allowed, unsigned part,
+                     StepReport& report) override;
+  void end_controlled_step(std::uint32_t, double error, double h, double longest, double allowed,
+                           unsigned part) override;
+
+  bool is_slower(std::uint32_t, double speed) const override;
+  void rest(std::uint32_t) override;
+  double size(std::uint32_t) const override;
+
+  Vec3 position(Slot slot) const override;
+  Vec3 velocity(Slot slot) const override;
+  void add_to_hash(Slot slot, StateHash& hash) const override;
+  void set_force(Slot slot, Vec3 newton) override;
+  void move_anchor(Slot slot, const AnchorMove& move) override;
+  void begin_anchors() override;
+  void end_anchors() override;
+  void place_anchor(Slot slot, Vec3 target) override;
+  void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
+  void set_away(Slot slot, bool away) override;
+  bool is_away(std::uint32_t) const override { return away_ || state_.trees == 0; }
+  void describe(WorldInfo& info) const override;
+
+ private:
+  /// One line in segments: how it is cut, and itself for what happens rarely.
+  struct Line {
+    LineSegments segments;
+    TreeState<T> whole;
+    TreeWorkspace<T> work;
+  };
+  struct Place {
+    std::uint32_t node, lane;
+  };
+
+  Place place_of(Slot slot) const;
+  bool is_pin(Slot slot) const { return slot >= pins_begin_; }
+  double advance_one(double h, unsigned part, StepReport& report);
+  void find_velocities() const;
+  void keep_velocities(std::uint32_t lane);
+
+  std::shared_ptr<TreeKind<T>> kind_;
+  mutable TreeState<T> state_;
+  mutable std::unique_ptr<Line> line_;
+  std::uint32_t pins_begin_ = 0;  ///< the first slot of a pin
+  mutable layouts::AlignedBuffer<T> velocity_;  ///< m/s, 3 per node; at the end of the last step if known
+  mutable bool velocities_known_ = false;
+  bool anchors_changed_ = false;
+  bool away_ = false;  ///< a line that is moved elsewhere
+  bool is_calm_ = false;  ///< gradient mid moves it
+  int calm_steps_ = 0;    ///< steps in turn in which mid would have done
+  // With an accuracy:
+  std::unique_ptr<TreeState<T>> saved_[2];
+  layouts::AlignedBuffer<double> mark_{};
+  double best_substep_ = 0;
+};
+
+extern template class TreeSolver<float>;
+extern template class TreeSolver<double>;
+
+}  // namespace plumb::detail

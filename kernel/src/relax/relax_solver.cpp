@@ -1,0 +1,433 @@
+#include "relax/relax_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "plumb/measures.hpp"
+#include "relax/describe.hpp"
+#include "relax/plan.hpp"
+#include "scene/project_velocities.hpp"
+#include "scene/refuse.hpp"
+#include "threads/sharing.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Rods that start off their length by less than this share do so by the rounding of their coordinates.
+constexpr double least_gap = 1e-9;
+
+/// Shortest rod (m) whose length is kept to rounding: what is left of a violation is some epsilon of L^2,
+/// which must not be flushed to zero. 3.2e-16 m in float (at 1e-17 m rods are off by 1e-4, at 1e-19 m they
+/// break), 1.0e-146 m in double.
+template <class T>
+double shortest_rod() {
+  return std::sqrt(static_cast<double>(std::numeric_limits<T>::min()) / std::numeric_limits<T>::epsilon());
+}
+
+/// Refuses numbers that T is too coarse for.
+template <class T>
+void require_representable(const Scene& scene, Precision precision) {
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    if (!std::isfinite(static_cast<T>(norm(scene.particles[i].position))))
+      refuse("particle ", i, ": position is too large for ", to_string(precision));
+  for (std::size_t i = 0; i < scene.rods.size(); ++i)
+    if (const double length = rod_length(scene, i); length < shortest_rod<T>())
+      refuse("rod ", i, ": length ", length, " m is too short for ", to_string(precision), ", which needs ",
+             shortest_rod<T>(), " m");
+}
+
+}  // namespace
+
+// --- Layout
+
+template <class T>
+RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scene, layouts::Packing packing)
+    : rules_(std::move(rules)),
+      kernels_(simd::kernels<T>(rules_->settings.isa.value_or(best_isa()))),
+      block_(std::move(packing), rules_->settings.order == SweepOrder::jacobi) {
+  const Settings& settings = rules_->settings;
+  block_.set_weights(rules_->constants, settings.weights, settings.order, settings.omega);
+  const layouts::Packing& packed = block_.packing();
+  for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot)
+    block_.write(block_.x(), slot, scene.particles[particle_of(slot)].position);
+  if (packed.coupling == layouts::Coupling::independent && !is_controlled()) pieces_ = packed.positions;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> homes;  // (piece, island)
+  for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot)
+    homes.push_back({piece_of(slot), packed.slot_island[slot]});
+  std::sort(homes.begin(), homes.end());
+  homes.erase(std::unique(homes.begin(), homes.end()), homes.end());
+  islands_.assign(pieces_, 0);
+  for (const auto& [piece, island] : homes) ++islands_[piece];
+  slots_of_.assign(pieces_, {static_cast<Slot>(packed.slot_vertex.size()), 0});
+  for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot) {
+    auto& [first, end] = slots_of_[piece_of(slot)];
+    first = std::min(first, slot);
+    end = slot + 1;
+  }
+  away_.assign(pieces_, 0);
+  rests_.assign(pieces_, 0);
+  double sum = 0;
+  std::size_t rods = 0;
+  for (const std::uint32_t rod : packed.lane_edge) {
+    if (rod == layouts::none) continue;
+    const Rod& each = scene.rods[rod];
+    const double length2 = rules_->constants.length2[rod], length = std::sqrt(length2);
+    const double now = norm(scene.particles[each.b].position - scene.particles[each.a].position);
+    starts_off_length_ = starts_off_length_ || std::abs(now - length) > least_gap * length;
+    sum += length2;
+    ++rods;
+  }
+  if (rods > 0) size_ = std::sqrt(sum / static_cast<double>(rods));
+}
+
+// --- Steps
+
+template <class T>
+void RelaxSolver<T>::begin_step(double dt, Team& team) {
+  parts_ = team.parts();
+  if (!is_controlled()) take_substeps_of(dt / rules_->settings.substeps);
+  block_.release_anchors();
+  if (!has_moved_ && starts_off_length_) block_.settle();
+  for (const auto& [slot, move] : anchors_)
+    block_.move_anchor(slot, (1.0 / rules_->settings.substeps) * (move.to - position(slot)));
+  block_.sort_moving_anchors();
+}
+
+/// Makes displacements and kicks fit substeps of `h` seconds.
+template <class T>
+void RelaxSolver<T>::take_substeps_of(double h) {
+  if (!has_moved_) {
+    start_displacements(h);
+  } else if (h != h_) {
+    change_step(h);
+  }
+  if (!has_moved_ || h != h_) kicks_stale_ = true;
+  h_ = h;
+  if (kicks_stale_) write_kicks();
+}
+
+template <class T>
+void RelaxSolver<T>::start_displacements(double h) {
+  for_slots([&](Slot slot, std::uint32_t particle) {
+    if (!is_movable(particle)) return;
+    const auto start =
+        rules_->verlet.start(rules_->initial_velocities[particle], acceleration(slot), h);
+    block_.write(block_.displacement(0), slot, start.last);
+    block_.write(block_.displacement(1), slot, start.before);
+  });
+}
+
+template <class T>
+void RelaxSolver<T>::change_step(double h) {
+  for_slots([&](Slot slot, std::uint32_t particle) {
+    if (!is_movable(particle)) return;
+    T* const last = block_.displacement(0);
+    block_.write(last, slot,
+                 rules_->verlet.change_step(block_.read(last, slot), acceleration(slot), h_, h));
+  });
+}
+
+template <class T>
+void RelaxSolver<T>::write_kicks() {
+  for_slots([&](Slot slot, std::uint32_t) {
+    block_.write(block_.kick(), slot, rules_->verlet.kick(acceleration(slot), h_));
+  });
+  kicks_stale_ = false;
+}
+
+template <class T>
+RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) const {
+  const Settings& settings = rules_->settings;
+  const double budget = settings.stop.budget_us.value_or(0) / settings.substeps;
+  return {&kernels_,
+          rules_->verlet.gradient,
+          settings.order,
+          settings.stop,
+          settings.substeps,
+          static_cast<T>(rules_->verlet.decay(h_)),
+          budget * share * rods / std::max(1.0, double{1} * rules_->relaxed_rods)};
+}
+
+template <class T>
+double RelaxSolver<T>::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned,
+                               StepReport& report) {
+  const std::uint32_t positions = block_.packing().positions;
+  const std::uint32_t begin = pieces_ > 1 ? piece : 0, end = pieces_ > 1 ? piece + 1 : positions;
+  if (is_controlled()) {
+    take_substeps_of(h);
+    for (const auto& [slot, move] : anchors_) block_.write(block_.kick(), slot, h * move.velocity());
+  }
+  RelaxSettings<T> settings = settings_for(block_.rods(begin, end), parts_);
+  settings.substeps = count;
+  relax_alone(block_, begin, end, settings, report);
+  if (is_controlled()) {
+    block_.count_substeps(count);
+    has_moved_ = true;
+  }
+  return 0;
+}
+
+template <class T>
+bool RelaxSolver<T>::wants_team() const {
+  return !is_controlled() && block_.packing().coupling != layouts::Coupling::independent &&
+         block_.rods() >= rules_->shared_rods;
+}
+
+template <class T>
+void RelaxSolver<T>::advance_with_team(double, std::uint32_t count, Team& team, StepReport& report) {
+  const RelaxSettings<T> settings = settings_for(block_.rods(), 1);
+  for (std::uint32_t i = 0; i < count; ++i) relax_block(block_, settings, report, team);
+}
+
+template <class T>
+void RelaxSolver<T>::end_step(StepReport&) {
+  if (!is_controlled() && !wants_team()) block_.count_substeps(rules_->settings.substeps);
+  has_moved_ = true;
+}
+
+template <class T>
+Vec3 RelaxSolver<T>::acceleration(Slot slot) const {
+  const std::uint32_t particle = particle_of(slot);
+  if (!is_movable(particle)) return {};
+  if (forces_.empty()) return rules_->gravity;
+  return rules_->gravity + rules_->constants.inverse_mass[particle] * forces_[slot];
+}
+
+template <class T>
+template <class F>
+void RelaxSolver<T>::for_slots(F&& f) {
+  const auto& vertices = block_.packing().slot_vertex;
+  for (Slot slot = 0; slot < vertices.size(); ++slot)
+    if (!block_.is_frozen(slot) && rests_[piece_of(slot)] == 0) f(slot, vertices[slot]);
+}
+
+// --- Accuracy
+
+template <class T>
+ErrorModel RelaxSolver<T>::error_model() const {
+  // Sweeps, not substeps, are what a finer step would need beyond these.
+  return {.order = rules_->verlet.gradient == Gradient::new_ ? 1u : 2u,
+          .by_comparison = true,
+          .most_substeps = sizeof(T) == 4 ? 1u << 8 : 1u << 12};
+}
+
+template <class T>
+void RelaxSolver<T>::save(std::uint32_t, Saved which) {
+  Motion& to = saved_[static_cast<int>(which)];
+  const std::size_t n = block_.packing().elements;
+  if (to.x.size() == 0) to = {layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n),
+                              layouts::AlignedBuffer<T>(n)};
+  std::copy_n(block_.x(), n, to.x.data());
+  std::copy_n(block_.displacement(0), n, to.last.data());
+  std::copy_n(block_.displacement(1), n, to.before.data());
+  to.h = h_;
+  to.has_moved = has_moved_;
+}
+
+template <class T>
+void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
+  const Motion& from = saved_[static_cast<int>(which)];
+  const std::size_t n = block_.packing().elements;
+  std::copy_n(from.x.data(), n, block_.x());
+  std::copy_n(from.last.data(), n, block_.displacement(0));
+  std::copy_n(from.before.data(), n, block_.displacement(1));
+  kicks_stale_ = kicks_stale_ || h_ != from.h;
+  h_ = from.h;
+  has_moved_ = from.has_moved;
+}
+
+template <class T>
+void RelaxSolver<T>::mark(std::uint32_t) {
+  const std::size_t n = block_.packing().elements;
+  if (mark_.size() == 0) mark_ = layouts::AlignedBuffer<T>(n);
+  std::copy_n(block_.x(), n, mark_.data());
+}
+
+template <class T>
+double RelaxSolver<T>::distance_from_mark(std::uint32_t) const {
+  // Every slot once, by the islands that they belong to, which lie one after the other in packings.
+  double worst = 0, sum = 0;
+  std::uint32_t island = layouts::none, particles = 0;
+  const auto finish = [&] {
+    if (particles > 0) worst = std::max(worst, sum / particles);
+    sum = particles = 0;
+  };
+  const layouts::Packing& packing = block_.packing();
+  for (Slot slot = 0; slot < packing.slot_vertex.size(); ++slot) {
+    if (packing.slot_island[slot] != island) finish();
+    island = packing.slot_island[slot];
+    if (!is_movable(packing.slot_vertex[slot])) continue;
+    const Vec3 apart = position(slot) - block_.read(mark_.data(), slot);
+    sum += dot(apart, apart);
+    ++particles;
+  }
+  finish();
+  return std::sqrt(worst);
+}
+
+// --- Sleep
+
+template <class T>
+bool RelaxSolver<T>::is_slower(std::uint32_t piece, double speed) const {
+  const double most = speed * h_;
+  const auto [first, end] = slots_of_[piece];
+  for (Slot slot = end; slot-- > first;) {  // mostly from the tip, which moves most
+    if (piece_of(slot) != piece) continue;
+    const Vec3 last = block_.read(block_.displacement(0), slot);
+    if (!(std::abs(last.x) <= most && std::abs(last.y) <= most && std::abs(last.z) <= most)) return false;
+  }
+  return true;
+}
+
+template <class T>
+void RelaxSolver<T>::rest(std::uint32_t piece) {
+  rests_[piece] = 1;
+  for (Slot slot = slots_of_[piece].first; slot < slots_of_[piece].second; ++slot) {
+    if (piece_of(slot) != piece) continue;
+    block_.write(block_.displacement(0), slot, {});
+    block_.write(block_.displacement(1), slot, {});
+  }
+}
+
+template <class T>
+void RelaxSolver<T>::wake(std::uint32_t piece) {
+  rests_[piece] = 0;
+  kicks_stale_ = true;  // they were not written while it rested
+}
+
+// --- Particles
+
+template <class T>
+Vec3 RelaxSolver<T>::velocity(Slot slot) const {
+  if (!has_moved_) return rules_->initial_velocities[particle_of(slot)];
+  return rules_->verlet.velocity(
+      {block_.read(block_.displacement(0), slot), block_.read(block_.displacement(1), slot)}, h_);
+}
+
+template <class T>
+void RelaxSolver<T>::add_to_hash(Slot slot, StateHash& hash) const {
+  for (const T* field : {block_.x(), block_.displacement(0)}) hash.add<T>(block_.read(field, slot));
+}
+
+template <class T>
+void RelaxSolver<T>::set_force(Slot slot, Vec3 newton) {
+  if (forces_.empty()) forces_.resize(block_.packing().slot_vertex.size());
+  const double inverse_mass = rules_->constants.inverse_mass[particle_of(slot)];
+  const Vec3 change = (h_ * h_ * inverse_mass) * (newton - forces_[slot]);
+  forces_[slot] = newton;
+  kicks_stale_ = true;
+  if (!has_moved_ || rules_->verlet.gradient == Gradient::mid || block_.is_frozen(slot)) return;
+  T* const last = block_.displacement(0);
+  T* const before = block_.displacement(1);
+  const auto changed =
+      rules_->verlet.change_acceleration({block_.read(last, slot), block_.read(before, slot)}, change);
+  block_.write(last, slot, changed.last);
+  block_.write(before, slot, changed.before);
+}
+
+template <class T>
+void RelaxSolver<T>::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
+  block_.write(block_.x(), slot, position);
+  rules_->initial_velocities[particle_of(slot)] = velocity;
+  if (!has_moved_) return;
+  const auto start = rules_->verlet.start(velocity, acceleration(slot), h_);
+  block_.write(block_.displacement(0), slot, start.last);
+  block_.write(block_.displacement(1), slot, start.before);
+}
+
+template <class T>
+void RelaxSolver<T>::set_away(Slot slot, bool away) {
+  if (away)
+    ++away_[piece_of(slot)];
+  else
+    --away_[piece_of(slot)];
+}
+
+// --- Settings and reports
+
+template <class T>
+bool RelaxSolver<T>::set_stop_rule(const StopRule& rule) {
+  rules_->settings.stop = rule;
+  return true;
+}
+
+template <class T>
+bool RelaxSolver<T>::set_weights(Weights weights) {
+  rules_->settings.weights = weights;
+  block_.set_weights(rules_->constants, weights, rules_->settings.order, rules_->settings.omega);
+  return true;
+}
+
+template <class T>
+void RelaxSolver<T>::describe(WorldInfo& info) const {
+  info.relaxed_rods += block_.rods();
+  info.skipped_per_rod_weights += block_.uniform_rods();
+  add_to_list(info.blocks, plumb::detail::describe(block_));
+}
+
+template class RelaxSolver<float>;
+template class RelaxSolver<double>;
+
+// --- Making them
+
+namespace {
+
+/// A scene's particles and those of its rods that relaxation moves.
+Scene relaxed_part(const Scene& scene, const IslandGroups& groups) {
+  Scene out;
+  out.particles = scene.particles;
+  std::vector<std::uint32_t> rods;
+  for (const auto& group : groups.groups)
+    for (const std::uint32_t island : group)
+      rods.insert(rods.end(), groups.islands.edges(island).begin(), groups.islands.edges(island).end());
+  std::sort(rods.begin(), rods.end());
+  for (const std::uint32_t rod : rods) {
+    out.rods.push_back(scene.rods[rod]);
+    out.rods.back().length = rod_length(scene, rod);
+  }
+  return out;
+}
+
+template <class T>
+std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandGroups& groups,
+                                    const std::shared_ptr<RelaxRules>& rules) {
+  require_representable<T>(scene, rules->settings.precision);
+  std::vector<MadeSolver> out;
+  for (layouts::Packing& packing :
+       plan_blocks(groups, rules->settings.layout, common_rods(scene, rules->constants),
+                   layouts::lane_width<T>, sizeof(T))) {
+    MadeSolver& made = out.emplace_back();
+    for (Slot slot = 0; slot < packing.slot_vertex.size(); ++slot)
+      made.places.push_back({packing.slot_vertex[slot], slot});
+    made.solver = std::make_unique<RelaxSolver<T>>(rules, scene, std::move(packing));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandGroups& groups,
+                                           const Settings& settings, StartReport& report) {
+  const auto rules = std::make_shared<RelaxRules>();
+  rules->settings = settings;
+  rules->verlet = {settings.gradient.value_or(Gradient::new_), scene.drag};
+  rules->gravity = scene.gravity;
+  rules->constants = make_constants(scene);
+  rules->shared_rods = sharing_thresholds.rods;
+  rules->initial_velocities.resize(scene.particles.size());
+  const Scene part = relaxed_part(scene, groups);
+  rules->relaxed_rods = static_cast<std::uint32_t>(part.rods.size());
+  for (const auto& group : groups.groups)
+    for (const std::uint32_t island : group)
+      for (const std::uint32_t particle : groups.islands.vertices(island))
+        if (!scene.particles[particle].fixed)
+          rules->initial_velocities[particle] = scene.particles[particle].velocity;
+  report.projected_velocity =
+      std::max(report.projected_velocity,
+               project_velocities(part, rules->constants.inverse_mass, rules->initial_velocities));
+  if (settings.precision == Precision::single) return make_blocks<float>(scene, groups, rules);
+  return make_blocks<double>(scene, groups, rules);
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "relax/block.hpp"
+#include "relax/relax.hpp"
+#include "solver/island_groups.hpp"
+#include "solver/made_solver.hpp"
+#include "solver/solver.hpp"
+#include "time/verlet.hpp"
+
+namespace plumb::detail {
+
+/// What all blocks of a scene share.
+struct RelaxRules {
+  Settings settings;  ///< order, weights and the stop rule may change between steps
+  Verlet verlet;
+  Vec3 gravity;  ///< m/s²
+  Constants constants;
+  std::vector<Vec3> initial_velocities;  ///< m/s, per particle
+  std::uint32_t relaxed_rods = 0;        ///< of all blocks: a budget is shared by rods
+  std::uint32_t shared_rods = 0;         ///< a block with at least so many is shared by the whole team
+};
+
+/// A block: islands that relaxation moves by sweeps over its rods. Slots are those of its packing.
+///
+/// A piece is a position of lanes, which shares nothing with the others, or else the whole block. Under the
+/// control of an accuracy it is always the whole block.
+template <class T>
+class RelaxSolver final : public Solver {
+ public:
+  RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scene, layouts::Packing packing);
+
+  std::uint32_t pieces() const override { return pieces_; }
+  std::uint32_t islands(std::uint32_t piece) const override { return islands_[piece]; }
+  std::uint32_t piece_of(Slot slot) const override { return pieces_ > 1 ? block_.position_of(slot) : 0; }
+
+  void begin_step(double dt, Team& team) override;
+  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
+                 StepReport& report) override;
+  bool wants_team() const override;
+  void advance_with_team(double h, std::uint32_t count, Team& team, StepReport& report) override;
+  void end_step(StepReport&) override;
+
+  ErrorModel error_model() const override;
+  double& best_substep(std::uint32_t) override { return best_substep_; }
+  void save(std::uint32_t, Saved which) override;
+  void restore(std::uint32_t, Saved which) override;
+  void mark(std::uint32_t) override;
+  double distance_from_mark(std::uint32_t) const override;
+
+  bool is_slower(std::uint32_t piece, double speed) const override;
+  void rest(std::uint32_t piece) override;
+  void wake(std::uint32_t piece) override;
+  double size(std::uint32_t) const override { return size_; }
+
+  Vec3 position(Slot slot) const override { return block_.read(block_.x(), slot); }
+  Vec3 velocity(Slot slot) const override;
+  void add_to_hash(Slot slot, StateHash& hash) const override;
+  void set_force(Slot slot, Vec3 newton) override;
+  void move_anchor(Slot slot, const AnchorMove& move) override { anchors_.push_back({slot, move}); }
+  void end_anchors() override { anchors_.clear(); }
+  void place_anchor(Slot slot, Vec3 target) override { block_.write(block_.x(), slot, target); }
+  void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
+  void set_away(Slot slot, bool away) override;
+  bool is_away(std::uint32_t piece) const override { return away_[piece] == islands_[piece]; }
+
+  bool sweeps() const override { return true; }
+  bool set_stop_rule(const StopRule& rule) override;
+  bool set_weights(Weights weights) override;
+  void describe(WorldInfo& info) const override;
+
+ private:
+  struct MovingAnchor {
+    Slot slot;
+    AnchorMove move;
+  };
+  /// What an accuracy takes back.
+  struct Motion {
+    layouts::AlignedBuffer<T> x, last, before;
+    double h = 0;
+    bool has_moved = false;
+  };
+
+  bool is_controlled() const { return rules_->settings.accuracy.has_value(); }
+  bool is_movable(std::uint32_t particle) const { return rules_->constants.inverse_mass[particle] > 0; }
+  std::uint32_t particle_of(Slot slot) const { return block_.packing().slot_vertex[slot]; }
+  Vec3 acceleration(Slot slot) const;
+  RelaxSettings<T> settings_for(double rods, double share) const;
+  void take_substeps_of(double h);
+  void start_displacements(double h);
+  void change_step(double h);
+  void write_kicks();
+  void set_anchor_speeds(double seconds);
+  /// f(slot, particle) for every slot but those of frozen islands and of pieces that rest.
+  template <class F>
+  void for_slots(F&& f);
+
+  std::shared_ptr<RelaxRules> rules_;
+  const simd::Kernels<T>& kernels_;
+  Block<T> block_;
+  std::uint32_t pieces_ = 1;
+  std::vector<std::uint32_t> islands_, away_;  ///< islands per piece, and those of them moved elsewhere
+  std::vector<std::pair<Slot, Slot>> slots_of_;  ///< per piece, a range that holds its slots
+  std::vector<std::uint8_t> rests_;            ///< per piece: it rests, without displacements
+  double size_ = 1;                            ///< m, RMS length of a rod
+  double h_ = 0;                               ///< s, of the last substep
+  unsigned parts_ = 1;                         ///< of the team in this step
+  bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
+  std::vector<Vec3> forces_;  ///< N, per slot; empty until one is set
+  std::vector<MovingAnchor> anchors_;
+  // With an accuracy:
+  Motion saved_[2];
+  layouts::AlignedBuffer<T> mark_{};
+  double best_substep_ = 0;
+};
+
+extern template class RelaxSolver<float>;
+extern template class RelaxSolver<double>;
+
+/// Makes the blocks of islands that relaxation moves. Velocities are projected so that none pulls on a rod.
+/// Throws InputError on numbers that the precision is too coarse for.
+std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandGroups& groups,
+                                           const Settings& settings, StartReport& report);
+
+}  // namespace plumb::detail

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "plumb/layouts/islands.hpp"
+#include "plumb/settings.hpp"
+
+namespace plumb::detail {
+
+/// Islands of a scene that one method moves, those with equal graphs together.
+struct IslandGroups {
+  layouts::Graph graph;              ///< of the whole scene
+  const layouts::Islands& islands;   ///< of the whole scene
+  std::vector<std::vector<std::uint32_t>> groups;  ///< island numbers
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "solver/solver.hpp"
+
+namespace plumb::detail {
+
+/// A solver, and the slots of the particles that it has.
+struct MadeSolver {
+  struct Place {
+    std::uint32_t particle;  ///< the scene's number
+    Slot slot;
+  };
+  std::unique_ptr<Solver> solver;
+  std::vector<Place> places;
+};
+
+/// What a start cost in exactness; see WorldInfo.
+struct StartReport {
+  double projected_velocity = 0;          ///< m/s, the largest change
+  double projected_position = 0;          ///< m, the largest change
+  std::uint32_t unprojected_islands = 0;  ///< islands whose rods could not be brought to their lengths
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "contact/contact_solver.hpp"
+#include "plumb/settings.hpp"
+#include "plumb/world.hpp"
+#include "step/places.hpp"
+
+namespace plumb::detail {
+
+/// A scene ready for stepping: its islands' solvers, and where every particle is.
+struct Compiled {
+  std::vector<std::unique_ptr<Solver>> solvers;
+  Places places;
+  ContactSolver* contact = nullptr;  ///< one of the solvers, if anything may touch or has joints
+  WorldInfo info;
+};
+
+/// Cuts a valid scene into islands, chooses what moves each, and makes the solvers. Settings::threads is the
+/// number of threads that steps will have.
+Compiled compile(const Scene& scene, const Settings& settings);
+
+}  // namespace plumb::detail

@@ -1,0 +1,99 @@
+#include "step/methods.hpp"
+
+#include <algorithm>
+
+#include "relax/relax_solver.hpp"
+#include "scene/refuse.hpp"
+
+namespace plumb::detail {
+namespace {
+
+constexpr SettingRow settings_table[] = {
+    {Reads::precision, "precision", [](const Settings& s) { return s.precision != Precision::double_; }},
+    {Reads::gradient, "gradient", [](const Settings& s) { return s.gradient.has_value(); }},
+    {Reads::mass, "mass", [](const Settings& s) { return s.mass.has_value(); }},
+    {Reads::weights, "weights", [](const Settings& s) { return s.weights != Weights::mass; }},
+    {Reads::order, "order", [](const Settings& s) { return s.order != SweepOrder::gauss_seidel; }},
+    {Reads::omega, "omega", [](const Settings& s) { return s.omega != 1; }},
+    {Reads::time_order, "time order", [](const Settings& s) { return s.time_order != 2; }},
+    {Reads::accuracy, "accuracy", [](const Settings& s) { return s.accuracy.has_value(); }},
+    {Reads::sweeps, "sweeps", [](const Settings& s) { return s.stop.sweeps != StopRule{}.sweeps; }},
+    {Reads::tolerance, "tolerance", [](const Settings& s) { return s.stop.tolerance.has_value(); }},
+    {Reads::budget_us, "budget", [](const Settings& s) { return s.stop.budget_us.has_value(); }},
+    {Reads::integrator, "integrator", [](const Settings& s) { return s.integrator.has_value(); }},
+    {Reads::springs, "springs", [](const Settings& s) { return s.springs != SpringSettings{}; }},
+    {Reads::multipliers, "multipliers",
+     [](const Settings& s) { return s.multipliers != MultiplierSettings{}; }},
+    {Reads::sleep, "sleep", [](const Settings& s) { return !s.sleep; }},
+    {Reads::layout, "layout", [](const Settings& s) { return s.layout != LayoutChoice::automatic; }},
+};
+
+constexpr Reads stop_rule = Reads::sweeps | Reads::tolerance | Reads::budget_us;
+constexpr Reads relax_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::weights |
+                              Reads::order | Reads::omega | Reads::accuracy | stop_rule | Reads::sleep |
+                              Reads::layout;
+constexpr Reads direct_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::time_order |
+                               Reads::accuracy | Reads::tolerance | Reads::sleep;
+
+void validate_relax(const Settings& settings) {
+  if (settings.mass == MassModel::consistent)
+    refuse("mass consistent needs method direct or auto: relaxation moves particles one by one");
+}
+
+void validate_direct(const Settings& settings) {
+  if (settings.time_order != 2 && gradient_of(settings) != Gradient::old)
+    refuse("time order ", settings.time_order, " needs method direct with gradient old");
+}
+
+std::vector<MethodRow>& table() {
+  static std::vector<MethodRow> rows{
+      {.method = Method::automatic,
+       .name = "auto",
+       .moves = "everything: picks relax or direct for every island",
+       .reads = relax_reads | direct_reads,
+       .moves_joints = true},
+      {.method = Method::relax,
+       .name = "relax",
+       .moves = "particles and rods, one rod after the other (thesis 3.2)",
+       .reads = relax_reads,
+       .validate = validate_relax,
+       .make = make_relax_solvers},
+      {.method = Method::direct,
+       .name = "direct",
+       .moves = "everything: all rods and joints of an island at once",
+       .reads = direct_reads,
+       .moves_joints = true,
+       .validate = validate_direct},
+  };
+  return rows;
+}
+
+}  // namespace
+
+std::span<const SettingRow> setting_rows() {
+  return settings_table;
+}
+
+std::span<const MethodRow> method_rows() {
+  return table();
+}
+
+const MethodRow& method_row(Method method) {
+  const auto& rows = table();
+  const auto row =
+      std::find_if(rows.begin(), rows.end(), [&](const MethodRow& each) { return each.method == method; });
+  if (row == rows.end())
+    refuse("method ", to_string(method),
+           " is not part of this program: link plumb::reference and call register_reference_methods()");
+  return *row;
+}
+
+void register_method(const MethodRow& row) {
+  auto& rows = table();
+  std::erase_if(rows, [&](const MethodRow& each) { return each.method == row.method; });
+  rows.push_back(row);
+  std::sort(rows.begin(), rows.end(),
+            [](const MethodRow& a, const MethodRow& b) { return a.method < b.method; });
+}
+
+}  // namespace plumb::detail

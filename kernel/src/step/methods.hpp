@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "plumb/export.hpp"
+#include "plumb/settings.hpp"
+#include "solver/island_groups.hpp"
+#include "solver/made_solver.hpp"
+
+namespace plumb::detail {
+
+/// A setting that not every method reads.
+enum class Reads : std::uint32_t {
+  precision = 1u << 0,
+  gradient = 1u << 1,
+  mass = 1u << 2,
+  weights = 1u << 3,
+  order = 1u << 4,
+  omega = 1u << 5,
+  time_order = 1u << 6,
+  accuracy = 1u << 7,
+  sweeps = 1u << 8,
+  tolerance = 1u << 9,
+  budget_us = 1u << 10,
+  integrator = 1u << 11,
+  springs = 1u << 12,
+  multipliers = 1u << 13,
+  sleep = 1u << 14,
+  layout = 1u << 15,
+};
+constexpr Reads operator|(Reads a, Reads b) {
+  return static_cast<Reads>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
+}
+constexpr bool contains(Reads all, Reads one) {
+  return (static_cast<std::uint32_t>(all) & static_cast<std::uint32_t>(one)) != 0;
+}
+
+/// A setting of that table: its name, and whether settings give it a value of its own.
+struct SettingRow {
+  Reads id;
+  std::string_view name;
+  bool (*is_set)(const Settings& settings);
+};
+std::span<const SettingRow> setting_rows();
+
+/// One method: what it is called, what it moves, which settings it reads, what it refuses and why. Help texts,
+/// validation, `plumb info` and the documentation read the table; a new method is one file and one row.
+struct MethodRow {
+  Method method;
+  std::string_view name;   ///< on the command line
+  std::string_view moves;  ///< in words, for the documentation
+  Reads reads;
+  bool moves_joints = false;  ///< bodies, joints, air, shapes that touch
+  /// Refuses settings that make no sense together; may be null.
+  void (*validate)(const Settings& settings) = nullptr;
+  /// Makes the solvers of a scene's islands of particles and rods; null for automatic, which chooses.
+  std::vector<MadeSolver> (*make)(const Scene& scene, const IslandGroups& groups, const Settings& settings,
+                                  StartReport& report) = nullptr;
+};
+
+/// All methods, in the order of Method; those of plumb::reference once they are registered.
+std::span<const MethodRow> method_rows();
+/// Throws InputError on a method that is not registered.
+const MethodRow& method_row(Method method);
+/// Adds a row, or replaces that of the same method. It is all that a shared plumb shows of its inside, for
+/// plumb::reference.
+PLUMB_API void register_method(const MethodRow& row);
+
+}  // namespace plumb::detail

@@ -1,0 +1,56 @@
+#include "step/sleep.hpp"
+
+#include <algorithm>
+
+namespace plumb::detail {
+namespace {
+
+/// s; a pendulum that turns round stands for less.
+constexpr double sleep_time = 0.5;
+
+}  // namespace
+
+void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, bool enabled, Precision precision) {
+  enabled_ = enabled;
+  relative_speed_ = precision == Precision::single ? 1e-5 : 1e-10;
+  for (std::uint32_t s = 0; s < solvers.size(); ++s) {
+    first_task_.push_back(static_cast<std::uint32_t>(tasks_.size()));
+    if (solvers[s]->has_changing_pieces()) continue;
+    for (std::uint32_t piece = 0; piece < solvers[s]->pieces(); ++piece) tasks_.push_back({s, piece});
+  }
+  awake_ = static_cast<std::uint32_t>(tasks_.size());
+}
+
+void Sleep::wake(std::span<const std::unique_ptr<Solver>> solvers, Task& task) {
+  task.calm = 0;
+  if (!task.asleep) return;
+  task.asleep = false;
+  ++awake_;
+  solvers[task.solver]->wake(task.piece);
+}
+
+void Sleep::wake(std::span<const std::unique_ptr<Solver>> solvers, Place place) {
+  const Solver& solver = *solvers[place.solver];
+  if (solver.has_changing_pieces()) return;
+  wake(solvers, tasks_[first_task_[place.solver] + solver.piece_of(place.slot)]);
+}
+
+void Sleep::wake_all(std::span<const std::unique_ptr<Solver>> solvers) {
+  for (Task& task : tasks_) wake(solvers, task);
+}
+
+std::uint32_t Sleep::settle(std::span<const std::unique_ptr<Solver>> solvers, double dt) {
+  std::uint32_t fell_asleep = 0;
+  for (Task& task : tasks_) {
+    if (task.asleep) continue;
+    task.calm = task.is_still ? task.calm + dt : 0;
+    if (task.calm < sleep_time) continue;
+    task.asleep = true;
+    --awake_;
+    solvers[task.solver]->rest(task.piece);
+    fell_asleep += solvers[task.solver]->islands(task.piece);
+  }
+  return fell_asleep;
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solver/solver.hpp"
+#include "step/places.hpp"
+
+namespace plumb::detail {
+
+/// A piece of a solver, which one thread takes through a step.
+struct Task {
+  std::uint32_t solver, piece;
+  double calm = 0;       ///< s, for how long it has not moved but by rounding
+  bool is_still = false; ///< after this step
+  bool asleep = false;
+};
+
+/// Which pieces stand still. A piece whose particles have only moved by rounding for half a second stands: its
+/// velocities are zero, and a step would lead back to where it is. Sleeping is not to compute that step. A
+/// force, an anchor that moves, or new settings wake it.
+///
+/// Islands that may touch sleep by speed, as their solver decides (contact/clusters.hpp).
+class Sleep {
+ public:
+  /// `enabled`: pieces that stand are not visited; else their step is computed and taken back.
+  void start(std::span<const std::unique_ptr<Solver>> solvers, bool enabled, Precision precision);
+
+  std::span<Task> tasks() { return tasks_; }
+  bool enabled() const { return enabled_; }
+  bool all_asleep() const { return awake_ == 0; }
+  std::uint32_t awake_tasks() const { return awake_; }
+
+  /// m/s, below which a piece's motion is rounding.
+  double rounding_speed(const Solver& solver, std::uint32_t piece) const {
+    return relative_speed_ * solver.size(piece);
+  }
+  /// Whether a task needs no step.
+  bool skips(const Task& task) const { return task.asleep && enabled_; }
+
+  void wake(std::span<const std::unique_ptr<Solver>> solvers, Place place);
+  void wake_all(std::span<const std::unique_ptr<Solver>> solvers);
+  /// After a step of dt: puts to rest what stood still for long enough. Returns how many islands that were.
+  std::uint32_t settle(std::span<const std::unique_ptr<Solver>> solvers, double dt);
+
+ private:
+  void wake(std::span<const std::unique_ptr<Solver>> solvers, Task& task);
+
+  std::vector<Task> tasks_;
+  std::vector<std::uint32_t> first_task_;  ///< by solver
+  std::uint32_t awake_ = 0;
+  bool enabled_ = true;
+  double relative_speed_ = 0;  ///< 1/s
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,202 @@
+#include "step/step.hpp"
+
+#include <algorithm>
+
+#include "scene/refuse.hpp"
+#include "step/methods.hpp"
+
+namespace plumb::detail {
+
+// One step of the world. What happens to particles within a substep (predict, project or solve, correct
+// velocities) is the solvers' own, since each does it on its own numbers; it is part of `solve` here.
+//
+//   wake      anchors that will move wake what hangs from them and get their velocities
+//   collide   islands that may touch within the step become clusters; the rest stay with their solvers
+//   solve     every piece that is awake goes through the step: by equal substeps, or by as many as its
+//             estimated error allows; pieces share nothing and go to whichever thread is free
+//   sleep     pieces that have only moved by rounding for long enough stand still from now on
+//   measure   what was done and what was skipped is added up; anchors stand where they were sent
+const Step::Stage Step::all_stages[] = {
+    {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact}, {&Step::solve, &Step::always},
+    {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
+};
+
+namespace {
+
+Settings with_threads(Settings settings, unsigned threads) {
+  settings.threads = threads;
+  return settings;
+}
+
+}  // namespace
+
+Step::Step(const Scene& scene, const Settings& settings)
+    : settings_(settings),
+      workers_(settings),
+      compiled_(compile(scene, with_threads(settings, workers_.size()))),
+      anchors_(scene),
+      reports_(workers_.size()) {
+  rules_.substeps = settings.substeps;
+  // One particle alone has no length for an error to be relative to.
+  const double diagonal = bounding_diagonal(scene);
+  if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
+  sleep_.start(compiled_.solvers, settings.sleep, settings.precision);
+  for (const Stage& stage : all_stages)
+    if ((this->*stage.is_needed)()) stages_.push_back(stage);
+  compiled_.info.parallel = uses_threads();
+}
+
+StepReport Step::run(double dt) {
+  StepReport report;
+  report.substeps = settings_.substeps;
+  dt_ = dt;
+  for (const Stage& stage : stages_) (this->*stage.run)(report);
+  return report;
+}
+
+// --- Stages
+
+void Step::wake(StepReport&) {
+  if (!anchors_.any_paths()) return;
+  anchors_.for_moving_places(compiled_.places,
+                             [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
+  anchors_.begin_step(dt_, compiled_.places, compiled_.solvers);
+}
+
+void Step::collide(StepReport&) {}
+
+void Step::solve(StepReport& report) {
+  active_.clear();
+  visited_.clear();
+  if (!sleep_.all_asleep() || !sleep_.enabled()) {
+    const std::span<Task> tasks = sleep_.tasks();
+    for (std::uint32_t t = 0; t < tasks.size(); ++t) {
+      if (sleep_.skips(tasks[t])) continue;
+      if (visited_.empty() || visited_.back() != tasks[t].solver) visited_.push_back(tasks[t].solver);
+      if (!compiled_.solvers[tasks[t].solver]->wants_team()) active_.push_back(t);
+    }
+  }
+  ContactSolver* const contact = compiled_.contact;
+  if (visited_.empty() && !(contact && contact->any_awake())) return;
+  for (StepReport& of_part : reports_) of_part = {};
+  workers_.lead(uses_threads(), [&] {
+    Team& team = workers_.team();
+    for (const std::uint32_t s : visited_) compiled_.solvers[s]->begin_step(dt_, team);
+    for (const std::uint32_t s : visited_)
+      if (Solver& solver = *compiled_.solvers[s]; solver.wants_team())
+        solver.advance_with_team(dt_ / rules_.substeps, rules_.substeps, team, reports_[0]);
+    if (contact) contact->begin_step(dt_, team);
+    const auto clusters = contact ? contact->pieces() : 0;
+    const auto tasks = static_cast<std::uint32_t>(active_.size());
+    team.for_each(tasks + clusters, [&](std::uint32_t i, unsigned part) {
+      if (i < tasks)
+        advance(sleep_.tasks()[active_[i]], part);
+      else
+        advance(*contact, i - tasks, part);
+    });
+  });
+  for (const StepReport& of_part : reports_) report += of_part;
+  for (const std::uint32_t s : visited_) compiled_.solvers[s]->end_step(report);
+  if (contact) contact->end_step(report);
+}
+
+void Step::advance(Solver& solver, std::uint32_t piece, unsigned part) {
+  advance_piece(solver, piece, dt_, rules_, part, reports_[part]);
+  solver.end_piece(piece, dt_);
+}
+
+void Step::advance(Task& task, unsigned part) {
+  Solver& solver = *compiled_.solvers[task.solver];
+  if (solver.is_away(task.piece)) return;
+  advance(solver, task.piece, part);
+}
+
+void Step::sleep(StepReport& report) {
+  if (sleep_.all_asleep()) return;
+  for (Task& task : sleep_.tasks()) {
+    if (task.asleep) continue;
+    const Solver& solver = *compiled_.solvers[task.solver];
+    task.is_still =
+        solver.can_rest() && solver.is_slower(task.piece, sleep_.rounding_speed(solver, task.piece));
+  }
+  report.fell_asleep += sleep_.settle(compiled_.solvers, dt_);
+}
+
+void Step::measure(StepReport& report) {
+  for (const Task& task : sleep_.tasks())
+    if (!task.asleep) report.awake_islands += compiled_.solvers[task.solver]->islands(task.piece);
+  if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
+}
+
+bool Step::uses_threads() const {
+  if (workers_.size() == 1) return false;
+  std::uint32_t solved = 0;  // pieces that do not sweep
+  for (const auto& solver : compiled_.solvers)
+    if (solver->takes_accuracy() && !solver->has_changing_pieces() && !solver->sweeps()) ++solved;
+  const double projections =
+      double{1} * compiled_.info.relaxed_rods * settings_.stop.sweeps * settings_.substeps;
+  return projections >= thresholds_.projections || solved > 1 ||
+         (compiled_.contact && compiled_.contact->is_worth_threads());
+}
+
+// --- Changes
+
+void Step::set_stop_rule(const StopRule& rule) {
+  bool is_read = false;
+  for (const auto& solver : compiled_.solvers) is_read = solver->set_stop_rule(rule) || is_read;
+  if (!is_read) refuse("no island of this world reads a stop rule: none is relaxed, nor solved by lines");
+  settings_.stop = rule;
+  sleep_.wake_all(compiled_.solvers);
+  compiled_.info.parallel = uses_threads();
+}
+
+void Step::set_weights(Weights weights) {
+  bool is_read = false;
+  for (const auto& solver : compiled_.solvers) is_read = solver->set_weights(weights) || is_read;
+  if (!is_read) refuse("no island of this world reads weights: none is relaxed");
+  sleep_.wake_all(compiled_.solvers);
+  WorldInfo& info = compiled_.info;
+  info.relaxed_rods = info.direct_rods = 0;
+  info.skipped_per_rod_weights = 0;
+  info.blocks.clear();
+  for (const auto& solver : compiled_.solvers) solver->describe(info);
+}
+
+void Step::set_force(std::uint32_t particle, Vec3 force) {
+  for (const Place place : compiled_.places.of(particle)) {
+    solver(place).set_force(place.slot, force);
+    sleep_.wake(compiled_.solvers, place);
+  }
+}
+
+void Step::move_anchor(std::uint32_t particle, Vec3 target) {
+  anchors_.set_target(particle, target);
+}
+
+// --- Reading
+
+Vec3 Step::position(std::uint32_t particle) const {
+  const auto places = compiled_.places.of(particle);
+  if (places.empty()) return anchors_.position(particle);  // fixed, and nothing hangs from it
+  return solver(places.front()).position(places.front().slot);
+}
+
+Vec3 Step::velocity(std::uint32_t particle) const {
+  if (anchors_.is_fixed(particle)) return {};
+  const Place place = compiled_.places.of(particle).front();
+  return solver(place).velocity(place.slot);
+}
+
+std::uint64_t Step::state_hash() const {
+  StateHash hash;
+  for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
+    const auto places = compiled_.places.of(particle);
+    if (places.empty())
+      hash.add<double>(anchors_.position(particle));
+    else
+      solver(places.front()).add_to_hash(places.front().slot, hash);
+  }
+  return hash.value();
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "step/anchors.hpp"
+#include "step/compiled.hpp"
+#include "step/sleep.hpp"
+#include "threads/sharing.hpp"
+#include "threads/workers.hpp"
+#include "time/advance.hpp"
+
+namespace plumb::detail {
+
+/// A compiled scene and its step.
+class Step {
+ public:
+  /// Throws InputError if the settings' method cannot move the scene. Both are validated before.
+  Step(const Scene& scene, const Settings& settings);
+
+  /// Advances by dt seconds; see step.cpp for its stages.
+  StepReport run(double dt);
+
+  void set_stop_rule(const StopRule& rule);
+  void set_weights(Weights weights);
+  void set_force(std::uint32_t particle, Vec3 force);
+  void move_anchor(std::uint32_t particle, Vec3 target);
+
+  Vec3 position(std::uint32_t particle) const;
+  Vec3 velocity(std::uint32_t particle) const;
+  std::uint64_t state_hash() const;
+  const WorldInfo& info() const { return compiled_.info; }
+
+ private:
+  /// A line of the step: what it does, and whether this scene needs it.
+  struct Stage {
+    void (Step::*run)(StepReport& report);
+    bool (Step::*is_needed)() const;
+  };
+  static const Stage all_stages[];
+
+  bool always() const { return true; }
+  bool has_anchors() const { return true; }
+  bool has_contact() const { return compiled_.contact != nullptr; }
+
+  void wake(StepReport& report);
+  void collide(StepReport& report);
+  void solve(StepReport& report);
+  void sleep(StepReport& report);
+  void measure(StepReport& report);
+
+  void advance(Solver& solver, std::uint32_t piece, unsigned part);
+  void advance(Task& task, unsigned part);
+  bool uses_threads() const;
+  Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
+
+  Settings settings_;
+  SharingThresholds thresholds_ = sharing_thresholds;
+  Workers workers_;
+  Compiled compiled_;
+  Anchors anchors_;
+  Sleep sleep_;
+  TimeRules rules_;
+  std::vector<Stage> stages_;  ///< those that this scene needs
+  double dt_ = 0;              ///< s, of this step
+  std::vector<StepReport> reports_;          ///< by part of the team
+  std::vector<std::uint32_t> visited_;       ///< solvers with a piece that is awake, in this step
+  std::vector<std::uint32_t> active_;        ///< tasks that are shared by parts, in this step
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "math/elementary.hpp"
+#include "plumb/world.hpp"
+
+namespace plumb::detail {
+
+/// The windows of a step: runs of `length` substeps (even), some of which are also taken by half as many.
+struct Windows {
+  std::uint32_t count, length;
+  /// The first window is compared: loads or anchors have changed, nothing has moved yet, or a fallback has
+  /// left a velocity.
+  bool starts_anew;
+
+  /// The last window is compared, and every other before it, so that no event between two is missed by much.
+  bool is_compared(std::uint32_t k) const {
+    return (starts_anew && k == 0) || (count - 1 - k) % compared_one_of == 0;
+  }
+  std::uint32_t compared() const {
+    const std::uint32_t regular = (count - 1) / compared_one_of + 1;
+    return starts_anew && (count - 1) % compared_one_of != 0 ? regular + 1 : regular;
+  }
+
+  static constexpr std::uint32_t compared_one_of = 2;
+};
+
+/// The distance (m) between two sets of positions, three numbers a node in every lane: RMS over the nodes of
+/// the worst lane.
+inline double largest_distance(std::span<const double> one, std::span<const double> other,
+                               std::uint32_t nodes, std::size_t lanes) {
+  double worst = 0;
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    double sum = 0;
+    for (std::size_t i = lane; i < one.size(); i += lanes) {
+      const double apart = one[i] - other[i];
+      sum += apart * apart;
+    }
+    worst = std::max(worst, sum);
+  }
+  return std::sqrt(worst / nodes);
+}
+
+/// Steps in as many substeps as keep the estimated error's growth within `allowed`. Times are in seconds.
+struct AccuracyControl {
+  double allowed;             ///< m/s, growth of the position error
+  std::uint32_t least, most;  ///< substeps of a step
+  std::uint32_t order;        ///< in time
+  bool by_comparison;         ///< compare() estimates errors; otherwise the solver does
+
+  struct Attempt {
+    double error = 0;       ///< m, estimated, of one substep
+    bool is_blind = false;  ///< substeps were cut, so that both ways are more alike than they should be
+    bool is_final = false;  ///< more substeps would not solve it either
+  };
+
+  /// Prepares a step that stability would cut into `cuts` pieces. A change of an anchor's velocity is a blow,
+  /// whose first acceleration grows as substeps shrink, so that errors are compared instead. Two ways that
+  /// are cut into the same pieces are alike, not accurate: the least number of substeps avoids that.
+  void begin_step(bool anchors_changed, std::uint32_t cuts) {
+    by_comparison = by_comparison || anchors_changed;
+    if (by_comparison) least = std::max(least, 2 * cuts);
+  }
+
+  /// Takes a step of `dt`. `substep` holds the length that the last step found best, or 0. Calls
+  /// `advance(h, substeps, counters)`, which returns an Attempt, and `restore()`, which takes it back; of
+  /// attempts taken back only the work counts.
+  template <class Advance, class Restore>
+  void step(double dt, double& substep, StepReport& counters, Advance&& advance, Restore&& restore) const {
+    if (substep == 0) substep = dt / first_substeps;
+    double last_rate = std::numeric_limits<double>::infinity(), first = 0;
+    for (int attempt = 1;; ++attempt) {
+      const double wanted = std::ceil(dt / substep);
+      auto substeps = static_cast<std::uint32_t>(
+          std::clamp(wanted, double{1} * least, double{1} * std::max(most, least)));
+      if (by_comparison) substeps += substeps % 2;
+      const double h = dt / substeps;
+      if (attempt == 1) first = h;
+      StepReport of_attempt;
+      const Attempt result = advance(h, substeps, of_attempt);
+      const double rate = std::max(result.error / (h * allowed), result.is_blind ? blind_rate : 0);
+      // The error of a step of order p grows by h^p a second.
+      const double change = root(safety / rate, order);
+      substep = std::isnan(change) ? h : h * std::clamp(change, slowest_change, fastest_change);
+      const bool accurate = rate <= 1 && !result.is_final;
+      // Shorter steps make an estimate worse where it is rounding, and hardly better after a blow, which no
+      // substep resolves. An attempt that had to be cut does not say how errors fall.
+      const bool stalls = attempt > 2 && !std::isinf(last_rate) && !(rate < last_rate * least_gain);
+      const bool hopeless = result.is_final || stalls;
+      if (accurate || hopeless || attempt == most_attempts || substeps >= most) {
+        counters += of_attempt;
+        if (accurate) return;
+        substep = hopeless ? first : h;
+        ++counters.inaccurate_steps;
+        return;
+      }
+      last_rate = rate;
+      restore();
+      counters.newton += of_attempt.newton;
+      ++counters.repeated_steps;
+    }
+  }
+
+  /// Takes substeps of h, and some windows of them also by half as many of 2 h. The distance between both
+  /// ends tells the error of the better one (Richardson); the estimate is the mean over compared windows.
+  /// `advance(h, substeps, counters)` moves and `keep()` marks the start of a window. `take_back()` returns
+  /// there and remembers where it came to; `distance()` is the distance from that place, in m.
+  template <class Advance, class Keep, class TakeBack, class Distance>
+  Attempt compare(double h, std::uint32_t substeps, bool starts_anew, StepReport& counters, Advance&& advance,
+                  Keep&& keep, TakeBack&& take_back, Distance&& distance) const {
+    Attempt out{.error = 0};
+    double apart = 0;
+    const Windows windows = windows_of(substeps, starts_anew);
+    for (std::uint32_t k = 0; k < windows.count; ++k) {
+      const bool is_compared = !out.is_final && windows.is_compared(k);
+      if (is_compared) {
+        keep();
+        StepReport coarse;
+        advance(2 * h, windows.length / 2, coarse);
+        if (coarse.unsolved > 0) {  // shorter substeps would hardly do better, and cost as much again
+          counters += coarse;
+          out.is_final = true;
+          continue;
+        }
+        counters.newton += coarse.newton;  // only the work of the thrown-away way counts
+        out.is_blind = out.is_blind || coarse.halvings + coarse.fallbacks > 0;
+        take_back();
+      }
+      advance(h, windows.length, counters);
+      if (is_compared) apart += distance();
+      out.is_final = out.is_final || counters.unsolved > 0;
+    }
+    out.error = apart / (((1u << order) - 1.0) * windows.length * windows.compared());
+    out.is_blind = out.is_blind || counters.fallbacks > 0;
+    return out;
+  }
+
+ private:
+  /// Errors of first order sit in velocities, and positions show them later: the whole step is one window.
+  Windows windows_of(std::uint32_t substeps, bool starts_anew) const {
+    return order == 1 ? Windows{1, substeps, starts_anew} : Windows{substeps / 2, 2, starts_anew};
+  }
+
+  /// The control aims at this share of the error allowed, and changes the substep by these factors at most.
+  /// It may double it at once, or two substeps a step would never become one.
+  static constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;
+  static constexpr int most_attempts = 8;
+  /// A third and later attempt must leave at most this share of the error of the one before.
+  static constexpr double least_gain = 0.6;
+  /// An error that could not be seen counts as so many times the one allowed: the next substep is about half
+  /// as long.
+  static constexpr double blind_rate = 4;
+  /// Substeps of the first step, when nothing is known yet. The estimate shows if they are too few.
+  static constexpr std::uint32_t first_substeps = 4;
+};
+
+}  // namespace plumb::detail

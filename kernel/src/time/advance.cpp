@@ -1,0 +1,81 @@
+#include "time/advance.hpp"
+
+#include "time/accuracy.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// One piece under the control of an accuracy.
+class ControlledPiece {
+ public:
+  ControlledPiece(Solver& solver, std::uint32_t piece, unsigned part)
+      : solver_(solver), piece_(piece), part_(part), model_(solver.error_model()) {}
+
+  void step(double dt, const TimeRules& rules, StepReport& report) {
+    AccuracyControl control{*rules.error_growth, rules.substeps, model_.most_substeps, model_.order,
+                            model_.by_comparison};
+    control.begin_step(solver_.anchors_changed(piece_), solver_.cuts(piece_, dt));
+    solver_.save(piece_, Saved::step);
+    if (solver_.try_calm_step(piece_, dt / control.least, control.least, control.allowed, part_, report))
+      return;
+    double error = 0, h = dt;
+    control.step(
+        dt, solver_.best_substep(piece_), report,
+        [&](double length, std::uint32_t substeps, StepReport& of_attempt) {
+          h = length;
+          const AccuracyControl::Attempt result = attempt(control, length, substeps, of_attempt);
+          error = result.error;
+          return result;
+        },
+        [&] { solver_.restore(piece_, Saved::step); });
+    solver_.end_controlled_step(piece_, error, h, dt / control.least, control.allowed, part_);
+  }
+
+ private:
+  AccuracyControl::Attempt attempt(const AccuracyControl& control, double h, std::uint32_t substeps,
+                                   StepReport& report) {
+    AccuracyControl::Attempt result;
+    if (control.by_comparison)
+      result = compare(control, h, substeps, report);
+    else
+      result.error = solver_.advance(piece_, h, substeps, part_, report);
+    result.is_blind = result.is_blind || report.fallbacks > 0 ||
+                      (control.by_comparison && model_.fallback_is_final && report.halvings > 0);
+    result.is_final =
+        result.is_final || report.unsolved > 0 || (model_.fallback_is_final && report.fallbacks > 0);
+    return result;
+  }
+
+  AccuracyControl::Attempt compare(const AccuracyControl& control, double h, std::uint32_t substeps,
+                                   StepReport& report) {
+    return control.compare(
+        h, substeps, solver_.starts_anew(piece_), report,
+        [&](double length, std::uint32_t count, StepReport& counted) {
+          solver_.advance(piece_, length, count, part_, counted);
+        },
+        [&] { solver_.save(piece_, Saved::window); },
+        [&] {
+          solver_.mark(piece_);
+          solver_.restore(piece_, Saved::window);
+        },
+        [&] { return solver_.distance_from_mark(piece_); });
+  }
+
+  Solver& solver_;
+  std::uint32_t piece_;
+  unsigned part_;
+  ErrorModel model_;
+};
+
+}  // namespace
+
+void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRules& rules, unsigned part,
+                   StepReport& report) {
+  solver.begin_piece(piece, part);
+  if (rules.error_growth && solver.takes_accuracy())
+    ControlledPiece(solver, piece, part).step(dt, rules, report);
+  else
+    solver.advance(piece, dt / rules.substeps, rules.substeps, part, report);
+}
+
+}  // namespace plumb::detail

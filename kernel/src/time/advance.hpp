@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "solver/solver.hpp"
+
+namespace plumb::detail {
+
+/// What substeps a step of the world takes, for every solver.
+struct TimeRules {
+  std::uint32_t substeps = 1;             ///< of a step; the fewest if an accuracy is set
+  std::optional<double> error_growth{};   ///< m/s that the estimated error of positions may grow by
+};
+
+/// Takes a piece of a solver through a step of `dt` seconds: by equal substeps, or by as many as its error
+/// estimate asks for. Adds what it took to `report`.
+void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRules& rules, unsigned part,
+                   StepReport& report);
+
+}  // namespace plumb::detail
