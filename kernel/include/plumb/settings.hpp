@@ -138,7 +138,7 @@ struct Settings {
   LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.
   std::optional<Isa> isa{};                       ///< None: best_isa().
   unsigned threads = 0;                           ///< 0: as many as the executor offers. At most 64 are used.
-  Executor* executor = nullptr;  ///< None: the built-in one on oneTBB. It must outlive the World.
+  Executor* executor = nullptr;  ///< None: make_default_executor(). It must outlive the World.
 };
 
 /// The gradient that settings stand for, which depends on the method if none is set.
