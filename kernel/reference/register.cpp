@@ -1,5 +1,4 @@
 #include "plumb/reference/methods.hpp"
-
 #include "reference/reference_solver.hpp"
 #include "scene/refuse.hpp"
 #include "step/methods.hpp"
@@ -26,12 +25,13 @@ void validate_explicit(const Settings& settings) {
 
 void register_reference_methods() {
   using detail::Reads;
-  detail::register_method({.method = Method::springs,
-                           .name = "springs",
-                           .moves = "particles and rods, as rigid bodies or particles on stiff springs (thesis 3.3)",
-                           .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
-                           .validate = validate_springs,
-                           .make = detail::make_reference_solvers});
+  detail::register_method(
+      {.method = Method::springs,
+       .name = "springs",
+       .moves = "particles and rods, as rigid bodies or particles on stiff springs (thesis 3.3)",
+       .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
+       .validate = validate_springs,
+       .make = detail::make_reference_solvers});
   detail::register_method({.method = Method::multipliers,
                            .name = "multipliers",
                            .moves = "particles and rods, by Lagrange multipliers (thesis 3.4)",

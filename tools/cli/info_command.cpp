@@ -85,10 +85,7 @@ int info(const InfoOptions& options) {
   std::optional<scenes::OutputFile> file;
   if (!options.report.empty()) report.emplace(options.report);
   if (!options.write.empty()) file.emplace(options.write);
-  Settings automatic = options.settings;
-  automatic.method = Method::automatic;
-  // Relaxation, which the layouts are for, knows nothing of limbs that touch.
-  const World world(scene, is_articulated(scene) ? automatic : options.settings);
+  const World world(scene, options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {
     scenes::Json json{{"scene", options.scene}};
@@ -106,7 +103,7 @@ int info(const InfoOptions& options) {
     file->commit();
   }
   print_info(options, scene, facts, world.info());
-  const WorldInfo picked = World(scene, automatic).info();
+  const WorldInfo picked = World(scene, options.settings).info();
   std::printf("\nmethod auto solves %u rods directly and relaxes %u\n", picked.direct_rods,
               picked.relaxed_rods);
   return fine;

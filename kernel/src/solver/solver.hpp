@@ -65,8 +65,8 @@ class Solver {
 
   // --- A step, in the order of calls
 
-  /// Once before the pieces of a step of `dt` seconds, after the anchors' paths are known. The team is the one
-  /// that will share the step.
+  /// Once before the pieces of a step of `dt` seconds, after the anchors' paths are known. The team is the
+  /// one that will share the step.
   virtual void begin_step(double /*dt*/, Team&) {}
   /// Once before a piece is advanced, by the thread that does it.
   virtual void begin_piece(std::uint32_t /*piece*/, unsigned /*part*/) {}
