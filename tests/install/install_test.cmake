@@ -1,28 +1,50 @@
-# Installs the build into a fresh prefix, then configures, builds and runs a program of another project against it.
-#   cmake -DBUILD=... -DSCRATCH=... -DUSER=kernel_user -DSOURCES=... -DCOMPILER=... -DFLAGS=... -P install_test.cmake
+# Installs a build into a fresh prefix, then builds and runs a program of another project against it.
+#   cmake -DBUILD=... -DTREE=... -DSCRATCH=... -DUSER=kernel_user -DFIND=cmake|pkg-config -DSOURCES=... -DCOMPILER=...
+#         -DFLAGS=... -P install_test.cmake
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
     list(JOIN ARGN " " command)
-    message(FATAL_ERROR "${command}\n${output}")
+    message(FATAL_ERROR "${command}\n${result}\n${output}")
   endif()
+  set(output "${output}" PARENT_SCOPE)
 endfunction()
 
 file(REMOVE_RECURSE ${SCRATCH})
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${SCRATCH}/prefix)
-run(${CMAKE_COMMAND} -S ${SOURCES}/${USER} -B ${SCRATCH}/build -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix
-    -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
-run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
-run(${SCRATCH}/build/${USER})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${SCRATCH}/built_for)
+# Prefixes move; nothing installed may know where it was.
+file(RENAME ${SCRATCH}/built_for ${SCRATCH}/prefix)
+file(GLOB pc ${SCRATCH}/prefix/lib*/pkgconfig/plumb.pc ${SCRATCH}/prefix/lib*/*/pkgconfig/plumb.pc)
+get_filename_component(pc_folder "${pc}" DIRECTORY)
+
+if(FIND STREQUAL "pkg-config")
+  set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+  run(pkg-config --cflags --libs plumb)
+  separate_arguments(plumb UNIX_COMMAND "${output}")
+  separate_arguments(flags UNIX_COMMAND "${FLAGS}")
+  file(MAKE_DIRECTORY ${SCRATCH}/build)
+  run(${COMPILER} ${flags} ${SOURCES}/${USER}/main.cpp -o ${SCRATCH}/build/${USER} ${plumb})
+  get_filename_component(libraries ${pc_folder} DIRECTORY)
+  run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${libraries} ${SCRATCH}/build/${USER})
+else()
+  run(${CMAKE_COMMAND} -S ${SOURCES}/${USER} -B ${SCRATCH}/build -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix
+      -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
+  run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
+  run(${SCRATCH}/build/${USER})
+endif()
+message("${output}")
+if(EXISTS ${SCRATCH}/prefix/bin/plumb)
+  run(${SCRATCH}/prefix/bin/plumb --help)
+endif()
 
 # Nothing that was installed may lean on the tree it was built from.
-file(GLOB_RECURSE installed ${SCRATCH}/prefix/*.cmake ${SCRATCH}/prefix/*.hpp)
+file(GLOB_RECURSE installed ${SCRATCH}/prefix/*.cmake ${SCRATCH}/prefix/*.hpp ${SCRATCH}/prefix/*.pc)
 if(installed STREQUAL "")
   message(FATAL_ERROR "nothing was installed")
 endif()
 foreach(file IN LISTS installed)
   file(READ ${file} text)
-  foreach(place IN ITEMS ${BUILD} ${TREE})
+  foreach(place IN ITEMS ${BUILD} ${TREE} ${SCRATCH})
     # Not lib/cmake/plumb/, where the tree is /plumb.
     string(REGEX REPLACE "([][+.*()^$?|\\\\])" "\\\\\\1" literal "${place}")
     if(text MATCHES "(^|[^A-Za-z0-9_.}])${literal}/")
@@ -30,3 +52,7 @@ foreach(file IN LISTS installed)
     endif()
   endforeach()
 endforeach()
+file(GLOB_RECURSE license ${SCRATCH}/prefix/LICENSE)
+if(license STREQUAL "")
+  message(FATAL_ERROR "the licence was not installed")
+endif()

@@ -34,7 +34,7 @@ std::vector<Named> executors(unsigned threads) {
   list.push_back({"staggered", std::make_unique<ThreadExecutor>(threads, ThreadExecutor::Start::staggered)});
   list.push_back({"pool", std::make_unique<test::PoolExecutor>(threads)});
   // oneTBB is not instrumented: the thread sanitizer takes its hand-overs for races.
-  if (!test::thread_sanitizer && threads <= 2) list.push_back({"tbb", make_tbb_executor(threads)});
+  if (!test::thread_sanitizer && threads <= 2) list.push_back({"default", make_default_executor(threads)});
   return list;
 }
 
@@ -108,10 +108,10 @@ TEST(Team, CutsItemsIntoStretchesThatMeet) {
     }
 }
 
-TEST(TbbExecutor, KeepsTheContract) {
+TEST(DefaultExecutor, KeepsTheContract) {
   if (test::thread_sanitizer) GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
   for (const unsigned threads : {1u, 2u}) {
-    const std::unique_ptr<Executor> executor = make_tbb_executor(threads);
+    const std::unique_ptr<Executor> executor = make_default_executor(threads);
     EXPECT_EQ(executor->concurrency(), threads);
     for (const unsigned n : {0u, 1u, 2u, 100u}) {
       std::vector<std::atomic<int>> times(n);
@@ -121,7 +121,7 @@ TEST(TbbExecutor, KeepsTheContract) {
       for (unsigned i = 0; i < n; ++i) EXPECT_EQ(times[i], 1);
     }
   }
-  EXPECT_GE(make_tbb_executor()->concurrency(), 1u);
+  EXPECT_GE(make_default_executor()->concurrency(), 1u);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "plumb/export.hpp"
+
 namespace plumb {
 
 /// Runs a task on several threads. An engine passes its own job system by deriving from this class.
@@ -13,7 +15,7 @@ namespace plumb {
 ///
 /// A world calls its executor from the thread that steps it. Worlds that step at the same time may share one
 /// executor only if its `run` may be called from several threads at once; the built-in one may.
-class Executor {
+class PLUMB_API Executor {
  public:
   /// What is run: a function of a context and of an index.
   using Task = void (*)(void* context, unsigned index);
@@ -25,8 +27,9 @@ class Executor {
   virtual void run(unsigned n, Task task, void* context) = 0;
 };
 
-/// Makes the built-in executor on oneTBB. It has `threads` workers, the caller included; 0 takes all hardware
-/// threads.
-std::unique_ptr<Executor> make_tbb_executor(unsigned threads = 0);
+/// Makes the built-in executor. It has `threads` workers, the caller included; 0 takes all hardware threads.
+/// It runs on oneTBB. A plumb that was built without (CMake's PLUMB_TBB=OFF) keeps threads of its own, which
+/// sleep between runs, and takes the runs of several callers one after the other.
+PLUMB_API std::unique_ptr<Executor> make_default_executor(unsigned threads = 0);
 
 }  // namespace plumb

@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "plumb/export.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb {
@@ -37,23 +38,23 @@ struct PointMass {
 ///
 /// A set without mass has its centre at the origin. Throws InputError with the number of a point whose mass
 /// is negative or that is not finite.
-MassProperties mass_properties(std::span<const PointMass> points);
+PLUMB_API MassProperties mass_properties(std::span<const PointMass> points);
 
 /// Weighs a cylinder of even density, centred on the origin with its axis along x (thesis eq. 4.2 to 4.4).
 ///
 /// Lengths are in m, mass is in kg. All four solids throw InputError on a size that is not positive and
 /// finite, and on a mass that is negative or not finite.
-MassProperties solid_cylinder(double mass, double radius, double length);
+PLUMB_API MassProperties solid_cylinder(double mass, double radius, double length);
 /// Weighs a box with sides `size` (m) along the axes.
-MassProperties solid_box(double mass, Vec3 size);
+PLUMB_API MassProperties solid_box(double mass, Vec3 size);
 /// Weighs a ball of `radius` (m).
-MassProperties solid_sphere(double mass, double radius);
+PLUMB_API MassProperties solid_sphere(double mass, double radius);
 /// Weighs a cylinder of `length` (m) along x with half a sphere on either end.
-MassProperties solid_capsule(double mass, double radius, double length);
+PLUMB_API MassProperties solid_capsule(double mass, double radius, double length);
 
 /// The inertia about another point, `offset` (m) away from the centre of mass, by the theorem of parallel
 /// axes.
-Inertia inertia_about(const MassProperties& body, Vec3 offset);
+PLUMB_API Inertia inertia_about(const MassProperties& body, Vec3 offset);
 
 /// Four points of equal mass with exactly the mass, the centre of mass and the inertia given.
 ///
@@ -61,6 +62,6 @@ Inertia inertia_about(const MassProperties& body, Vec3 offset);
 /// thin one on a line. Throws InputError on a mass that is not positive and finite, and on anything else that
 /// is not finite. It also refuses an inertia that no body has: one principal moment exceeds the sum of the
 /// others.
-std::array<PointMass, 4> four_points(const MassProperties& body);
+PLUMB_API std::array<PointMass, 4> four_points(const MassProperties& body);
 
 }  // namespace plumb

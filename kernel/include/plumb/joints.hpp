@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 
 /// @file
@@ -15,15 +16,15 @@
 namespace plumb {
 
 /// The place of a particle.
-Point point_at(std::uint32_t particle);
+PLUMB_API Point point_at(std::uint32_t particle);
 /// A place on the axis of a rod, `fraction` of the way from a to b, also beyond its ends.
-Point point_on_rod(const Scene& scene, std::uint32_t rod, double fraction);
+PLUMB_API Point point_on_rod(const Scene& scene, std::uint32_t rod, double fraction);
 /// A place anywhere on a body, by where it is now (m). Throws InputError if the body's particles lie in one
 /// plane.
-Point point_on_body(const Scene& scene, std::uint32_t body, Vec3 position);
+PLUMB_API Point point_on_body(const Scene& scene, std::uint32_t body, Vec3 position);
 
 /// Where a place is, as the scene stands, in m. The scene must hold its particles.
-Vec3 position_of(const Scene& scene, const Point& point);
+PLUMB_API Vec3 position_of(const Scene& scene, const Point& point);
 
 /// Adds a body at rest with exactly the mass, the centre of mass and the inertia given, and returns its
 /// number.
@@ -31,23 +32,25 @@ Vec3 position_of(const Scene& scene, const Point& point);
 /// It adds four particles without mass and the six rods between them. The particles are those of
 /// four_points(), so that the mass matrix is a quarter of the mass on each. Throws InputError if the inertia
 /// is that of a plate or a line, or if the body is thinner than validate() allows.
-std::uint32_t add_body(Scene& scene, const MassProperties& properties);
+PLUMB_API std::uint32_t add_body(Scene& scene, const MassProperties& properties);
 /// The same on four particles of the scene. It adds the rods between them that are missing, except between
 /// two anchors. It goes through all rods of the scene.
-std::uint32_t add_body(Scene& scene, const std::array<std::uint32_t, 4>& particles,
-                       const MassProperties& properties);
+PLUMB_API std::uint32_t add_body(Scene& scene, const std::array<std::uint32_t, 4>& particles,
+                                 const MassProperties& properties);
 
 /// Adds a ball joint, which leaves three freedoms. Rods can also share a particle, which is cheaper.
-void add_spherical(Scene& scene, const Point& a, const Point& b);
+PLUMB_API void add_spherical(Scene& scene, const Point& a, const Point& b);
 /// Adds a hinge, which leaves one freedom: bodies a and b share the line through `position` along `axis`. It
 /// is a ball joint and two alignments. Two ball joints would forbid the distance between them twice.
-void add_revolute(Scene& scene, std::uint32_t body_a, std::uint32_t body_b, Vec3 position, Vec3 axis);
+PLUMB_API void add_revolute(Scene& scene, std::uint32_t body_a, std::uint32_t body_b, Vec3 position,
+                            Vec3 axis);
 /// Adds a universal joint, which leaves two freedoms, about `axis_a` of body a and `axis_b` of body b. The
 /// axes are at right angles, with a cosine of at most 1e-6. It is a ball joint and one alignment.
-void add_universal(Scene& scene, std::uint32_t body_a, std::uint32_t body_b, Vec3 position, Vec3 axis_a,
-                   Vec3 axis_b);
+PLUMB_API void add_universal(Scene& scene, std::uint32_t body_a, std::uint32_t body_b, Vec3 position,
+                             Vec3 axis_a, Vec3 axis_b);
 /// Adds a slider, which leaves one freedom, along `axis` through `position`. It is five alignments: two keep
 /// the place of b on the axis of a, three keep b from turning.
-void add_prismatic(Scene& scene, std::uint32_t body_a, std::uint32_t body_b, Vec3 position, Vec3 axis);
+PLUMB_API void add_prismatic(Scene& scene, std::uint32_t body_a, std::uint32_t body_b, Vec3 position,
+                             Vec3 axis);
 
 }  // namespace plumb

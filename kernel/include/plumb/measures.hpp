@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/vec3.hpp"
 
@@ -18,7 +19,7 @@ struct Stretch {
 };
 /// Measures the strain of a scene's rods at `positions` (m), one per particle. Throws InputError on another
 /// number of positions.
-Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions);
+PLUMB_API Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions);
 
 /// Energies, in J. A consistent mass matrix and lumped masses keep different energies: measure with the model
 /// that moved the scene.
@@ -30,11 +31,11 @@ struct Energy {
 };
 /// Measures energies at `positions` (m) and `velocities` (m/s), one each per particle. Throws InputError on
 /// another number of them.
-Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::span<const Vec3> velocities,
-                      MassModel model = MassModel::lumped);
+PLUMB_API Energy measure_energy(const Scene& scene, std::span<const Vec3> positions,
+                                std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
 /// Total mass × |g| × diagonal of the first bounding box, in J. Energy drift is relative to it.
-double energy_range(const Scene& scene);
+PLUMB_API double energy_range(const Scene& scene);
 
 /// Momentum of the movable particles.
 struct Momentum {
@@ -44,8 +45,8 @@ struct Momentum {
 };
 /// Measures momentum at `positions` (m) and `velocities` (m/s), one each per particle. Throws InputError on
 /// another number of them.
-Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
-                          std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
+PLUMB_API Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
+                                    std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
 /// One saved instant of a trajectory or of a truth, with arrays in the scene's particle order.
 struct Frame {
@@ -56,6 +57,6 @@ struct Frame {
 
 /// Root mean square distance over all particles between positions and truth, in m. Throws InputError if the
 /// two differ in number.
-double rms_distance(std::span<const Vec3> positions, std::span<const Vec3> truth);
+PLUMB_API double rms_distance(std::span<const Vec3> positions, std::span<const Vec3> truth);
 
 }  // namespace plumb

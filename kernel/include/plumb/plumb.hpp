@@ -32,4 +32,5 @@
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/vec3.hpp"
+#include "plumb/version.hpp"
 #include "plumb/world.hpp"

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/vec3.hpp"
 
@@ -153,7 +154,7 @@ struct Scene {
 
 /// Whether a scene has more than particles and rods: shapes, bodies, joints, air on rods or sleepers. Methods
 /// direct and automatic alone move such a scene.
-bool is_articulated(const Scene& scene);
+PLUMB_API bool is_articulated(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, body,
 /// joint or shape, and the reason.
@@ -171,10 +172,10 @@ bool is_articulated(const Scene& scene);
 /// - an angle without directions, or with limits outside [0, pi];
 /// - negative radius, size or friction, and restitution outside [0, 1];
 /// - a normal or a quaternion that is not of length one, to within 1e-9.
-void validate(const Scene& scene);
+PLUMB_API void validate(const Scene& scene);
 
 /// The length of rod `i` in m, with the default (distance between its particles) filled in.
-double rod_length(const Scene& scene, std::size_t i);
+PLUMB_API double rod_length(const Scene& scene, std::size_t i);
 
 /// The mass matrix of a rod on its ends, in kg. Its kinetic energy is aa/2 va·va + ab va·vb + bb/2 vb·vb.
 struct RodMass {
@@ -186,7 +187,7 @@ struct RodMass {
 ///
 /// Consistent: with s the fraction of the way from a to b, the entries are the integrals of (1-s)², s(1-s)
 /// and s² over its mass. An evenly spread mass gives mass/6 [[2, 1], [1, 2]]. Lumped: ab is 0.
-RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
+PLUMB_API RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
 
 /// The 4 x 4 mass matrix of body `i` on its four particles, in kg.
 ///
@@ -194,13 +195,13 @@ RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
 /// of the solid. A place x that moves with the body has barycentric weights w_j(x) = a_j + b_j·(x - center).
 /// M_jk integrates w_j w_k over the mass: mass a_j a_k + b_jᵀ S b_k. S = tr(inertia)/2 1 - inertia holds the
 /// second moments about the centre, in kg m². validate() says which particles a body may have.
-std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i);
+PLUMB_API std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i);
 
 /// Mass of every particle in kg, with its share of the lumped mass of its rods and a quarter of its bodies'.
 /// Anchors get infinity.
-std::vector<double> lumped_masses(const Scene& scene);
+PLUMB_API std::vector<double> lumped_masses(const Scene& scene);
 
 /// Diagonal of the axis-aligned box around all particles, in m. Errors are relative to it.
-double bounding_diagonal(const Scene& scene);
+PLUMB_API double bounding_diagonal(const Scene& scene);
 
 }  // namespace plumb

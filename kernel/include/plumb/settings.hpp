@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb {
@@ -88,11 +89,11 @@ enum class LayoutChoice : std::uint8_t { automatic, aos, soa, aosoa };
 enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512 };
 
 /// All instruction sets, slowest first, whether this processor runs them or not.
-std::span<const Isa> all_isas();
+PLUMB_API std::span<const Isa> all_isas();
 /// Whether this processor runs `isa` and this build holds it; `scalar` is always supported.
-bool is_supported(Isa isa);
+PLUMB_API bool is_supported(Isa isa);
 /// The best instruction set that is supported.
-Isa best_isa();
+PLUMB_API Isa best_isa();
 
 /// When to stop sweeping in a substep. A tolerance or a budget can stop earlier than `sweeps` does;
 /// StepReport::stopped_by says what did.
@@ -113,7 +114,7 @@ struct StopRule {
 /// How a scene is simulated. Settings that are not set stand for what gradient_of(), integrator_of() and
 /// mass_model_of() say.
 struct Settings {
-  Method method = Method::relax;             ///< What keeps rods at their length.
+  Method method = Method::automatic;             ///< What keeps rods at their length.
   Precision precision = Precision::double_;  ///< Loops that are solved directly take double anyway.
   std::optional<Gradient> gradient{};  ///< None: new_, the thesis's, for relax; mid for direct; auto chooses.
   std::optional<MassModel> mass{};     ///< None: lumped for relax, which has no other; else consistent.
@@ -137,36 +138,36 @@ struct Settings {
   LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.
   std::optional<Isa> isa{};                       ///< None: best_isa().
   unsigned threads = 0;                           ///< 0: as many as the executor offers. At most 64 are used.
-  Executor* executor = nullptr;  ///< None: the built-in one on oneTBB. It must outlive the World.
+  Executor* executor = nullptr;  ///< None: make_default_executor(). It must outlive the World.
 };
 
 /// The gradient that settings stand for, which depends on the method if none is set.
-Gradient gradient_of(const Settings& settings);
+PLUMB_API Gradient gradient_of(const Settings& settings);
 /// The integrator that settings stand for, which depends on the method if none is set.
-Integrator integrator_of(const Settings& settings);
+PLUMB_API Integrator integrator_of(const Settings& settings);
 /// The mass model that settings stand for, which depends on the method if none is set.
-MassModel mass_model_of(const Settings& settings);
+PLUMB_API MassModel mass_model_of(const Settings& settings);
 
 /// Refuses settings that make no sense: omega outside (0, 2), no substeps, no sweeps and the like. Throws
 /// InputError with the setting and the reason, also for an instruction set that is not supported.
-void validate(const Settings& settings);
+PLUMB_API void validate(const Settings& settings);
 /// Refuses a rule without sweeps. Throws InputError also if a tolerance or a budget is not positive and
 /// finite.
-void validate(const StopRule& rule);
+PLUMB_API void validate(const StopRule& rule);
 
 /// @{
 /// The name of a choice, as the command and its reports spell it.
-std::string_view to_string(Method);
-std::string_view to_string(Precision);
-std::string_view to_string(Gradient);
-std::string_view to_string(MassModel);
-std::string_view to_string(Weights);
-std::string_view to_string(SweepOrder);
-std::string_view to_string(Integrator);
-std::string_view to_string(SpringModel);
-std::string_view to_string(Stabilization);
-std::string_view to_string(LayoutChoice);
-std::string_view to_string(Isa);
+PLUMB_API std::string_view to_string(Method);
+PLUMB_API std::string_view to_string(Precision);
+PLUMB_API std::string_view to_string(Gradient);
+PLUMB_API std::string_view to_string(MassModel);
+PLUMB_API std::string_view to_string(Weights);
+PLUMB_API std::string_view to_string(SweepOrder);
+PLUMB_API std::string_view to_string(Integrator);
+PLUMB_API std::string_view to_string(SpringModel);
+PLUMB_API std::string_view to_string(Stabilization);
+PLUMB_API std::string_view to_string(LayoutChoice);
+PLUMB_API std::string_view to_string(Isa);
 /// @}
 
 }  // namespace plumb

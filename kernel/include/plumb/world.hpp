@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
@@ -17,7 +18,7 @@ namespace plumb {
 /// What ended the sweeps. Where blocks or substeps differ, the latest in this list is reported.
 enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
 /// The name of what ended the sweeps, as reports spell it.
-std::string_view to_string(StoppedBy);
+PLUMB_API std::string_view to_string(StoppedBy);
 
 /// What one step did and what it skipped. Counts add up over substeps and blocks.
 struct StepReport {
@@ -57,7 +58,7 @@ struct StepReport {
   std::uint32_t fell_asleep = 0;     ///< Islands that fell asleep in this step.
 
   /// Adds the counts of another step and keeps the worst of what is not a count.
-  StepReport& operator+=(const StepReport& other);
+  PLUMB_API StepReport& operator+=(const StepReport& other);
 };
 
 /// How one block of a scene is laid out, for `plumb info` and reports.
@@ -125,7 +126,7 @@ class StateView {
 /// A world is not thread-safe: one thread at a time may use it, reading included, since velocities are
 /// computed when they are first read. Different worlds may be used at the same time. A world keeps no
 /// reference to its scene.
-class World {
+class PLUMB_API World {
  public:
   /// Compiles a scene. Throws InputError if validate() refuses the scene or the settings, if numbers do not
   /// fit the precision or 32-bit places, or if the method cannot move the scene. It then leaves nothing

@@ -1,13 +1,13 @@
-#include <Eigen/SparseCholesky>
 #include <cmath>
 
+#include "linear/sparse_cholesky.hpp"
 #include "reference/multipliers/rod_equations.hpp"
 #include "reference/multipliers/small_matrices.hpp"
 
 namespace plumb::detail {
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
+using Matrix = SparseCholesky::Matrix;
 
 /// [[M, Jᵀ], [J, -S]] in x and -lambda: quasi-definite, so that an LDLᵀ factorisation without pivots exists
 /// in any order (Vanderbei 1995). Scaled so that the diagonal of M and that of J diag(M)^-1 Jᵀ are one.
@@ -52,7 +52,7 @@ class SparseFactor final : public RodFactor {
         if (row.b != RodEquations::none) places.b[k] = place(n + r, 3 * row.b + k);
       }
     }
-    factor_.analyzePattern(matrix_);
+    factor_.analyze(matrix_);
   }
 
   void factorize(const std::vector<Vec3>& directions) override {
@@ -93,7 +93,7 @@ class SparseFactor final : public RodFactor {
   std::vector<double> node_scale_;
   std::vector<Places> places_;
   Matrix matrix_;
-  Eigen::SimplicialLDLT<Matrix> factor_;
+  SparseCholesky factor_;
   Eigen::VectorXd scale_, right_, solution_;
 };
 

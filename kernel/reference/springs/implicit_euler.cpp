@@ -23,7 +23,7 @@ void BlockMatrix::set_pattern(Index blocks, Index size,
   for (const auto& [row, column] : pairs) add_block(row, column);
   matrix_.resize(size * blocks, size * blocks);
   matrix_.setFromTriplets(entries.begin(), entries.end());
-  factor_.analyzePattern(matrix_);
+  factor_.analyze(matrix_);
 }
 
 // All columns of a block have the same rows, so that one place and a stride say where its entries are.
@@ -52,8 +52,7 @@ void BlockMatrix::add(Block block, Index row, Index column, const Matrix3d& part
 }
 
 bool BlockMatrix::solve(const VectorXd& right, VectorXd& out) {
-  factor_.factorize(matrix_);
-  if (factor_.info() != Eigen::Success) return false;
+  if (!factor_.factorize(matrix_)) return false;
   out = factor_.solve(right);
   return true;
 }

@@ -2,13 +2,14 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "linear/sparse_cholesky.hpp"
 #include "reference/mechanical_system.hpp"
 
 namespace plumb::detail {
@@ -55,7 +56,7 @@ class BlockMatrix {
  private:
   Eigen::Index size_ = 0;
   Eigen::SparseMatrix<double> matrix_;  ///< Lower triangle, with the whole of the tiles on the diagonal.
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  SparseCholesky factor_;
 };
 
 /// Backward Euler, linearised (thesis eq. 3.16 to 3.22), for second-order systems: with K and D the

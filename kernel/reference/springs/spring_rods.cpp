@@ -22,8 +22,8 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using Eigen::Vector4d;
 using Eigen::VectorXd;
 
 /// Below this share of mass · length² a rod counts as having its mass in one point: rounding's size.
@@ -69,6 +69,17 @@ Body body_of(const Scene& scene, std::size_t r, MassModel model, const std::vect
   body.reach[1] = length * body.end_mass[0] / body.mass;
   body.inertia = length * length * ((mass.aa * mass.bb - mass.ab * mass.ab) / body.mass);
   return body;
+}
+
+/// The quaternion (w, x, y, z) of the shortest turn that takes the x axis to `along`, of length one; half a
+/// turn about z if the two are opposite.
+Vector4d turn_from_x(const Vector3d& along) {
+  const double x = along.x(), y = along.y(), z = along.z();
+  // 1 + x, which where x is near -1 would be all rounding.
+  const double one_plus_x = x < 0 ? (y * y + z * z) / (1 - x) : 1 + x;
+  if (one_plus_x == 0) return {0, 0, 0, 1};
+  const double twice_w = std::sqrt(2 * one_plus_x);
+  return {twice_w / 2, 0, -z / twice_w, y / twice_w};
 }
 
 class SpringRods final : public SpringSystem {
@@ -117,9 +128,8 @@ class SpringRods final : public SpringSystem {
       const Vector3d va = to_eigen(velocities[rod.a]), vb = to_eigen(velocities[rod.b]);
       const double length = rod_length(scene(), r), toward_b = bodies_[r].end_mass[1] / bodies_[r].mass;
       const Vector3d along = (b - a).squaredNorm() > 0 ? Vector3d((b - a).normalized()) : Vector3d::UnitX();
-      const Quaterniond turn = Quaterniond::FromTwoVectors(Vector3d::UnitX(), along);
       state.q.segment<3>(7 * row) = (1 - toward_b) * a + toward_b * b;
-      state.q.segment<4>(7 * row + 3) << turn.w(), turn.vec();
+      state.q.segment<4>(7 * row + 3) = turn_from_x(along);
       state.v.segment<3>(6 * row) = (1 - toward_b) * va + toward_b * vb;
       state.v.segment<3>(6 * row + 3) = along.cross(vb - va) / length;
     }

@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
+#include "linear/sparse_cholesky.hpp"
 #include "plumb/reference/springs.hpp"
 #include "reference/springs/springs.hpp"
 
@@ -79,11 +80,11 @@ Sparse identity(Index n) {
 /// y the only way out of the unit circle is μ = -1. The fastest frequency is 2/h without damping.
 double alternating_limit(const Sparse& stiffness, const Sparse& damping) {
   const Sparse one = identity(stiffness.rows());
-  Eigen::SimplicialLLT<Sparse> factor;
-  factor.analyzePattern(one + stiffness + damping);
+  detail::SparseCholesky factor;
+  factor.analyze(one + stiffness + damping);
   const auto holds = [&](double h) {
     factor.factorize(4 * one - 2 * h * damping - h * h * stiffness);
-    return factor.info() == Eigen::Success;
+    return factor.is_positive();
   };
   // Between what the largest row sums and the largest entries of the diagonal allow.
   double low = INFINITY, high = INFINITY;
@@ -107,9 +108,8 @@ std::vector<Complex> all_rates(const Vibrations& v) {
   const Index n = v.stiffness.rows();
   std::vector<Complex> out;
   if (v.damping.nonZeros() == 0 || v.damping.norm() == 0) {  // rounding would leave growth or decay
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(Eigen::MatrixXd(v.stiffness),
-                                                                 Eigen::EigenvaluesOnly);
-    for (Index i = 0; i < n; ++i) out.emplace_back(0, std::sqrt(std::max(0.0, squares.eigenvalues()[i])));
+    const Eigen::VectorXcd squares = Eigen::MatrixXd(v.stiffness).eigenvalues();
+    for (Index i = 0; i < n; ++i) out.emplace_back(0, std::sqrt(std::max(0.0, squares[i].real())));
     return out;
   }
   Eigen::MatrixXd first_order = Eigen::MatrixXd::Zero(2 * n, 2 * n);
@@ -125,7 +125,10 @@ std::vector<Complex> all_rates(const Vibrations& v) {
 std::vector<Complex> fastest_rates(const Vibrations& v, double frequency) {
   const Index n = v.stiffness.rows();
   const double square = frequency * frequency;
-  const Eigen::SimplicialLDLT<Sparse> factor((1 + 1e-6) * square * identity(n) - v.stiffness);
+  const Sparse shifted = (1 + 1e-6) * square * identity(n) - v.stiffness;
+  detail::SparseCholesky factor;
+  factor.analyze(shifted);
+  factor.factorize(shifted);
   VectorXd shape(n);
   for (Index i = 0; i < n; ++i) shape[i] = 1 + 0.5 * std::sin(1.0 + static_cast<double>(i) * i);
   for (int i = 0; i < 30; ++i) shape = factor.solve(shape).normalized();

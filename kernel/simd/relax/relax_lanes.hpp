@@ -313,7 +313,8 @@ PLUMB_INLINE void sweep_range(const BlockView<T>& block, Range range, Batch<T> l
   std::size_t v = range.begin;
   for (; v + vectors <= range.end; v += vectors)
     project<Access, gradient, uniform, vectors * parts<T>>(block, v, length2, share);
-  for (; v < range.end; ++v) project<Access, gradient, uniform, parts<T>>(block, v, length2, share);
+  if constexpr (vectors > 1)
+    for (; v < range.end; ++v) project<Access, gradient, uniform, parts<T>>(block, v, length2, share);
 }
 
 template <class Access, Gradient gradient, class T>

@@ -1,7 +1,9 @@
 #include "scene/project_velocities.hpp"
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <algorithm>
+
+#include "linear/sparse_cholesky.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -55,8 +57,10 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
   double left = pull.norm();
   const double enough = 1e-14 * left;
   for (const double ridge : {0.0, 1e-15, 1e-13, 1e-11}) {
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix + ridge * identity);
-    if (factor.info() != Eigen::Success) continue;
+    SparseCholesky factor;
+    const Eigen::SparseMatrix<double> ridged = matrix + ridge * identity;
+    factor.analyze(ridged);
+    if (!factor.factorize(ridged)) continue;
     for (int refinement = 0; refinement < 10 && left > enough; ++refinement) {
       const Eigen::VectorXd lambda = scale.cwiseProduct(factor.solve(scale.cwiseProduct(rates * changed)));
       const Eigen::VectorXd next = changed - inverse_mass.cwiseProduct(rates.transpose() * lambda);

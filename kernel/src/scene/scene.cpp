@@ -4,7 +4,6 @@
 #include <cmath>
 #include <compare>
 #include <limits>
-#include <ostream>
 
 #include "plumb/error.hpp"
 #include "scene/barycentric.hpp"
@@ -15,18 +14,10 @@
 namespace plumb {
 namespace {
 
-struct Printed {
-  Vec3 v;
-
-  friend std::ostream& operator<<(std::ostream& out, const Printed& p) {
-    return out << '(' << p.v.x << ", " << p.v.y << ", " << p.v.z << ')';
-  }
-};
-
 using detail::refuse;
 
 void validate_surroundings(const Scene& scene) {
-  if (!is_finite(scene.gravity)) refuse("gravity is not finite: ", Printed{scene.gravity});
+  if (!is_finite(scene.gravity)) refuse("gravity is not finite: ", scene.gravity);
   if (!std::isfinite(scene.drag)) refuse("drag is not finite: ", scene.drag);
   if (scene.drag < 0) refuse("drag is negative (", scene.drag, " per second)");
   if (!std::isfinite(scene.joint_drag)) refuse("joint_drag is not finite: ", scene.joint_drag);
@@ -35,10 +26,10 @@ void validate_surroundings(const Scene& scene) {
 
 void validate_particle(const Particle& particle, std::size_t i) {
   if (!is_finite(particle.position)) {
-    refuse("particle ", i, ": position is not finite: ", Printed{particle.position});
+    refuse("particle ", i, ": position is not finite: ", particle.position);
   }
   if (!is_finite(particle.velocity)) {
-    refuse("particle ", i, ": velocity is not finite: ", Printed{particle.velocity});
+    refuse("particle ", i, ": velocity is not finite: ", particle.velocity);
   }
   if (particle.fixed) return;  // its mass is ignored, and infinity is a fair way to write it
   if (!std::isfinite(particle.mass)) refuse("particle ", i, ": mass is not finite: ", particle.mass);

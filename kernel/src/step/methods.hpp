@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/settings.hpp"
 #include "solver/island_groups.hpp"
 #include "solver/made_solver.hpp"
@@ -64,7 +65,8 @@ struct MethodRow {
 std::span<const MethodRow> method_rows();
 /// Throws InputError on a method that is not registered.
 const MethodRow& method_row(Method method);
-/// Adds a row, or replaces that of the same method.
-void register_method(const MethodRow& row);
+/// Adds a row, or replaces that of the same method. It is all that a shared plumb shows of its inside, for
+/// plumb::reference.
+PLUMB_API void register_method(const MethodRow& row);
 
 }  // namespace plumb::detail

@@ -32,7 +32,7 @@ class TbbExecutor final : public Executor {
 
 }  // namespace
 
-std::unique_ptr<Executor> make_tbb_executor(unsigned threads) {
+std::unique_ptr<Executor> make_default_executor(unsigned threads) {
   return std::make_unique<TbbExecutor>(threads);
 }
 

@@ -14,7 +14,7 @@ namespace plumb::detail {
 class Workers {
  public:
   explicit Workers(const Settings& settings)
-      : own_(settings.executor || settings.threads == 1 ? nullptr : make_tbb_executor(settings.threads)),
+      : own_(settings.executor || settings.threads == 1 ? nullptr : make_default_executor(settings.threads)),
         executor_(settings.executor ? settings.executor : own_.get()),
         team_(executor_ == nullptr ? 1
               : settings.threads   ? settings.threads

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "plumb/export.hpp"
 #include "plumb/vec3.hpp"
 
 /// @file
@@ -45,29 +46,29 @@ struct ConvexMesh {
 };
 
 /// The sphere about the mean of the points, as large as the farthest of them asks.
-BoundingSphere bounding_sphere_of(std::span<const Vec3> points);
+PLUMB_API BoundingSphere bounding_sphere_of(std::span<const Vec3> points);
 /// The upright cylinder about the mean of the points.
-BoundingCylinder bounding_cylinder_of(std::span<const Vec3> points);
+PLUMB_API BoundingCylinder bounding_cylinder_of(std::span<const Vec3> points);
 /// The least box along the axes of space.
-Aabb aabb_of(std::span<const Vec3> points);
+PLUMB_API Aabb aabb_of(std::span<const Vec3> points);
 /// The box along the principal axes of the points.
-Obb obb_of(std::span<const Vec3> points);
+PLUMB_API Obb obb_of(std::span<const Vec3> points);
 /// The convex hull, by quickhull (Barber, Dobkin, Huhdanpaa 1996). Throws InputError also if the points lie
 /// in one plane, to 1e-9 of their size.
-ConvexMesh convex_mesh_of(std::span<const Vec3> points);
+PLUMB_API ConvexMesh convex_mesh_of(std::span<const Vec3> points);
 
 /// Whether two spheres overlap.
-bool overlap(const BoundingSphere& a, const BoundingSphere& b);
+PLUMB_API bool overlap(const BoundingSphere& a, const BoundingSphere& b);
 /// Whether two upright cylinders overlap.
-bool overlap(const BoundingCylinder& a, const BoundingCylinder& b);
+PLUMB_API bool overlap(const BoundingCylinder& a, const BoundingCylinder& b);
 /// Whether two boxes along the axes of space overlap.
-bool overlap(const Aabb& a, const Aabb& b);
+PLUMB_API bool overlap(const Aabb& a, const Aabb& b);
 /// Whether two boxes overlap, by the 15 axes that can separate them (Gottschalk, Lin, Manocha 1996). The
 /// edges through faces of thesis 2.4.2 would miss a box inside another.
-bool overlap(const Obb& a, const Obb& b);
+PLUMB_API bool overlap(const Obb& a, const Obb& b);
 /// Whether two hulls overlap, by their distance (Gilbert, Johnson, Keerthi 1988). Two that all but touch are
 /// decided by their separating axes, which costs a test for every pair of edges.
-bool overlap(const ConvexMesh& a, const ConvexMesh& b);
+PLUMB_API bool overlap(const ConvexMesh& a, const ConvexMesh& b);
 
 /// A sphere to ask first and a box to ask then (thesis 2.4).
 struct TwoLevels {
@@ -75,8 +76,8 @@ struct TwoLevels {
   Obb box{};                ///< The box that is asked then.
 };
 /// Both volumes of a set of points.
-TwoLevels two_levels_of(std::span<const Vec3> points);
+PLUMB_API TwoLevels two_levels_of(std::span<const Vec3> points);
 /// Whether the boxes overlap. They are asked only if the spheres overlap.
-bool overlap_in_two_levels(const TwoLevels& a, const TwoLevels& b);
+PLUMB_API bool overlap_in_two_levels(const TwoLevels& a, const TwoLevels& b);
 
 }  // namespace plumb

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "plumb/export.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/vec3.hpp"
 
@@ -23,24 +24,25 @@ struct RigidMotion {
 };
 
 /// The velocity of what is at `place` (m) of a body, in m/s: v + omega x r.
-Vec3 velocity_at(const RigidMotion& body, Vec3 place);
+PLUMB_API Vec3 velocity_at(const RigidMotion& body, Vec3 place);
 
 /// The impulse along the normal, in kg m/s, of bodies that do not turn (thesis eq. 2.33). It is 0 if they
 /// part.
 ///
 /// Restitution (eq. 2.32) acts on the velocity at which they near each other, v_a·n - v_b·n. The thesis
 /// prints -v_1·n - v_2·n, by which two bodies side by side at one speed would collide.
-double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 normal, double restitution);
+PLUMB_API double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 normal, double restitution);
 /// The same for bodies that turn and touch at `contact` (m), with the velocities they have there (eq. 2.35).
 /// Throws InputError also on an inertia that is not positive definite.
-double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 contact, Vec3 normal, double restitution);
+PLUMB_API double impulse(const RigidMotion& a, const RigidMotion& b, Vec3 contact, Vec3 normal,
+                         double restitution);
 
 /// Sets the velocities after the impulse (thesis eq. 2.34). Linear momentum is kept; energy is not gained.
-void collide(RigidMotion& a, RigidMotion& b, Vec3 normal, double restitution);
+PLUMB_API void collide(RigidMotion& a, RigidMotion& b, Vec3 normal, double restitution);
 /// The same with spin (thesis eq. 2.36 and 2.37). Angular momentum is kept too.
 ///
 /// Body b gets the opposite of what a gets, as the text before these equations says. Their second line does
 /// not.
-void collide(RigidMotion& a, RigidMotion& b, Vec3 contact, Vec3 normal, double restitution);
+PLUMB_API void collide(RigidMotion& a, RigidMotion& b, Vec3 contact, Vec3 normal, double restitution);
 
 }  // namespace plumb

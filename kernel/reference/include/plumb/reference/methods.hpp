@@ -1,5 +1,7 @@
 #pragma once
 
+#include "plumb/export.hpp"
+
 /// @file
 /// The methods that the thesis compares with: stiff springs (3.3), Lagrange multipliers (3.4) and
 /// Featherstone's articulated bodies (3.5). They are a library of their own, `plumb::reference`, so that
@@ -8,6 +10,6 @@ namespace plumb {
 
 /// Makes Method::springs, multipliers and featherstone known to World. Call it once, before the first World,
 /// while no other thread uses plumb. A second call changes nothing.
-void register_reference_methods();
+PLUMB_API void register_reference_methods();
 
 }  // namespace plumb

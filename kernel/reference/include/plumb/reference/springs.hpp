@@ -1,5 +1,6 @@
 #pragma once
 
+#include "plumb/export.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 
@@ -29,6 +30,6 @@ struct SpringStability {
 /// of the other explicit integrators are exact up to 50 particles or 25 rods. Above that they come from the
 /// fastest vibration alone. Swings and turns grow slowly under explicit Euler at any step; that is not a
 /// matter of the springs and is left out. Throws what World throws.
-SpringStability spring_stability(const Scene& scene, const Settings& settings);
+PLUMB_API SpringStability spring_stability(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+
+namespace plumb::detail {
+
+/// L D Lᵀ of a sparse symmetric matrix, of which the lower triangle is read, without pivots. It is Eigen's,
+/// compiled once instead of in every file that factorises.
+class SparseCholesky {
+ public:
+  using Matrix = Eigen::SparseMatrix<double>;
+
+  SparseCholesky();
+  ~SparseCholesky();
+  SparseCholesky(SparseCholesky&&) noexcept;
+  SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+  /// Finds an order for all matrices with this pattern.
+  void analyze(const Matrix& matrix);
+  /// Of a matrix with the pattern that was analysed. False if a pivot is zero.
+  bool factorize(const Matrix& matrix);
+  /// Whether all pivots of the last factorisation were above zero.
+  bool is_positive() const;
+  Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+
+ private:
+  struct Factor;
+  std::unique_ptr<Factor> factor_;
+};
+
+}  // namespace plumb::detail

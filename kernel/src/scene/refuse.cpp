@@ -1,0 +1,38 @@
+#include "scene/refuse.hpp"
+
+#include <charconv>
+
+#include "plumb/error.hpp"
+
+namespace plumb::detail {
+namespace {
+
+template <class... Format>
+std::string written(auto number, Format... format) {
+  char characters[32];
+  const auto [end, error] = std::to_chars(std::begin(characters), std::end(characters), number, format...);
+  return std::string(characters, end);
+}
+
+/// Six digits, as streams write by default.
+std::string written_briefly(double number) {
+  return written(number, std::chars_format::general, 6);
+}
+
+}  // namespace
+
+MessagePart::MessagePart(double number) : text_(written_briefly(number)) {}
+
+MessagePart::MessagePart(std::uint64_t number) : text_(written(number)) {}
+
+MessagePart::MessagePart(Vec3 place)
+    : text_('(' + written_briefly(place.x) + ", " + written_briefly(place.y) + ", " +
+            written_briefly(place.z) + ')') {}
+
+void throw_input_error(std::initializer_list<MessagePart> parts) {
+  std::string message;
+  for (const MessagePart& part : parts) message += part.text();
+  throw InputError(message);
+}
+
+}  // namespace plumb::detail
