@@ -23,7 +23,7 @@ using scenes::short_number;
 
 struct InfoOptions {
   std::string scene;
-  Settings settings;
+  Settings settings{.method = Method::relax};
   std::string report;
   std::string write;
 };
@@ -85,7 +85,11 @@ int info(const InfoOptions& options) {
   std::optional<scenes::OutputFile> file;
   if (!options.report.empty()) report.emplace(options.report);
   if (!options.write.empty()) file.emplace(options.write);
-  const World world(scene, options.settings);
+  Settings automatic = options.settings;
+  automatic.method = Method::automatic;
+  automatic.layout = LayoutChoice::automatic;
+  // Layouts are those of relaxation, which knows no bodies, joints or shapes.
+  const World world(scene, is_articulated(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {
     scenes::Json json{{"scene", options.scene}};
@@ -103,7 +107,7 @@ int info(const InfoOptions& options) {
     file->commit();
   }
   print_info(options, scene, facts, world.info());
-  const WorldInfo picked = World(scene, options.settings).info();
+  const WorldInfo picked = World(scene, automatic).info();
   std::printf("\nmethod auto solves %u rods directly and relaxes %u\n", picked.direct_rods,
               picked.relaxed_rods);
   return fine;
