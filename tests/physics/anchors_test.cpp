@@ -28,7 +28,8 @@ void PrintTo(const Variant& v, std::ostream* out) {
 class Anchors : public testing::TestWithParam<Variant> {
  protected:
   Settings settings() const {
-    return {.precision = GetParam().precision,
+    return {.method = Method::relax,
+            .precision = GetParam().precision,
             .gradient = GetParam().gradient,
             .substeps = GetParam().substeps,
             .stop = {.sweeps = 40},
