@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "case.hpp"
+#include "contest/case.hpp"
 #include "direct/goal.hpp"
 #include "direct/newton_cost.hpp"
 #include "direct/sections.hpp"
-#include "scenes/numbers.hpp"
-#include "sheet.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "support/sheet.hpp"
 
 namespace plumb::bench {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include "scenes/numbers.hpp"
-#include "sheet.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "support/sheet.hpp"
 
 namespace plumb::bench {
 

@@ -7,13 +7,13 @@
 #include <limits>
 #include <memory>
 
-#include "check.hpp"
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/tree_stepper.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "scene/scene_graph.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
+#include "support/check.hpp"
 #include "threads/flush_denormals.hpp"
 
 namespace plumb::bench {

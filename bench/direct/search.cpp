@@ -22,19 +22,26 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// Below this error float is not tried.
 constexpr double float_error = 1e-4;
 
+/// Where a sequence of settings leads and how far.
+struct Route {
+  const Problem& problem;
+  const std::vector<Target>& targets;
+  double most_s = 0;       ///< of wall-clock time for a run
+  double most_ms = never;  ///< per simulated second
+};
+
 /// Follows a sequence of ever finer settings, as long as the hardest target is not met and runs stay short,
 /// and two further: substeps that are too long are cut, and shorter ones can be cheaper.
 template <class Next>
-void follow(const Problem& problem, const std::vector<Target>& targets, double most_s, Setting setting,
-            std::vector<Trial>& trials, Next&& refine, double most_ms = never) {
+void follow(const Route& route, Setting setting, std::vector<Trial>& trials, Next&& refine) {
   constexpr int most_that_meet = 3;
   for (int that_meet = 0;;) {
-    const Trial trial = run_trial(problem, setting, never);
+    const Trial trial = run_trial(route.problem, setting, never);
     trials.push_back(trial);
-    that_meet +=
-        std::all_of(targets.begin(), targets.end(), [&](const Target& t) { return t.is_met(trial); });
-    if (that_meet == most_that_meet || trial.ms > most_ms || 2e-3 * trial.ms * problem.duration > most_s ||
-        !refine(setting.settings))
+    that_meet += std::all_of(route.targets.begin(), route.targets.end(),
+                             [&](const Target& t) { return t.is_met(trial); });
+    if (that_meet == most_that_meet || trial.ms > route.most_ms ||
+        2e-3 * trial.ms * route.problem.duration > route.most_s || !refine(setting.settings))
       return;
   }
 }
@@ -121,10 +128,16 @@ const Trial* Answer::best() const {
   return fixed ? &*fixed : relaxed ? &*relaxed : nullptr;
 }
 
-std::vector<Answer> search(const Problem& problem, const std::vector<Target>& targets,
-                           const SearchLimits& limits) {
+namespace {
+
+/// All runs that are not of relaxation.
+struct Runs {
   std::vector<Trial> direct, with_accuracy, with_substeps;
-  for (const Precision precision : precisions_for(targets)) {
+};
+
+Runs run_all(const Route& route) {
+  Runs runs;
+  for (const Precision precision : precisions_for(route.targets)) {
     for (const std::uint32_t frames : frame_rates) {
       for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
         Setting setting{.settings = {.method = Method::direct,
@@ -132,55 +145,66 @@ std::vector<Answer> search(const Problem& problem, const std::vector<Target>& ta
                                      .gradient = gradient,
                                      .threads = 1},
                         .frames = frames};
-        follow(problem, targets, limits.trial_s, setting, direct, double_substeps);
+        follow(route, setting, runs.direct, double_substeps);
         setting.settings.accuracy = 0.5;
-        follow(problem, targets, limits.trial_s, setting, direct, halve_accuracy);
+        follow(route, setting, runs.direct, halve_accuracy);
       }
       Setting setting{.settings = {.method = Method::automatic, .precision = precision, .threads = 1},
                       .frames = frames};
-      follow(problem, targets, limits.trial_s, setting, with_substeps, double_substeps);
+      follow(route, setting, runs.with_substeps, double_substeps);
       setting.settings.accuracy = 0.5;
-      follow(problem, targets, limits.trial_s, setting, with_accuracy, halve_accuracy);
+      follow(route, setting, runs.with_accuracy, halve_accuracy);
     }
   }
+  return runs;
+}
+
+/// The cheapest runs of each kind that meet the target, timed again beside each other.
+Answer answer_of(const Problem& problem, const Target& target, const Runs& runs, const SearchLimits& limits) {
+  Answer answer{.target = target};
+  std::vector<Trial> candidates;
+  take_cheapest(runs.direct, target, 4, candidates);
+  if (limits.relax && !candidates.empty()) {
+    const auto found = search_relaxed(problem, target, relax_cap * candidates.front().ms, runs.direct);
+    if (found) candidates.push_back(*found);
+  }
+  std::vector<Trial> mid;
+  std::copy_if(runs.direct.begin(), runs.direct.end(), std::back_inserter(mid),
+               [](const Trial& trial) { return gradient_of(trial.setting.settings) == Gradient::mid; });
+  const std::size_t fixed_end = candidates.size();
+  take_cheapest(mid, target, 3, candidates);
+  const std::size_t mid_end = candidates.size();
+  take_cheapest(runs.with_accuracy, target, 3, candidates);
+  const std::size_t accuracy_end = candidates.size();
+  take_cheapest(runs.with_substeps, target, 3, candidates);
+  time_again(problem, candidates, limits.retime_s);
+  const auto improve = [](std::optional<Trial>& best, const Trial& trial) {
+    if (!best || trial.ms < best->ms) best = trial;
+  };
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Trial& trial = candidates[i];
+    if (i >= accuracy_end) {
+      improve(answer.automatic_substeps, trial);
+    } else if (i >= mid_end) {
+      improve(answer.automatic, trial);
+    } else if (trial.setting.settings.method == Method::relax) {
+      improve(answer.relaxed, trial);
+    } else {
+      improve(answer.fixed, trial);
+      answer.others.push_back(trial);
+      if (i >= fixed_end) improve(answer.mid, trial);
+    }
+  }
+  return answer;
+}
+
+}  // namespace
+
+std::vector<Answer> search(const Problem& problem, const std::vector<Target>& targets,
+                           const SearchLimits& limits) {
+  const Runs runs = run_all({.problem = problem, .targets = targets, .most_s = limits.trial_s});
   std::vector<Answer> answers;
-  for (const Target& target : targets) {
-    Answer answer{.target = target};
-    std::vector<Trial> candidates;
-    take_cheapest(direct, target, 4, candidates);
-    if (limits.relax && !candidates.empty()) {
-      const auto found = search_relaxed(problem, target, relax_cap * candidates.front().ms, direct);
-      if (found) candidates.push_back(*found);
-    }
-    std::vector<Trial> mid;
-    std::copy_if(direct.begin(), direct.end(), std::back_inserter(mid),
-                 [](const Trial& trial) { return gradient_of(trial.setting.settings) == Gradient::mid; });
-    const std::size_t fixed_end = candidates.size();
-    take_cheapest(mid, target, 3, candidates);
-    const std::size_t mid_end = candidates.size();
-    take_cheapest(with_accuracy, target, 3, candidates);
-    const std::size_t accuracy_end = candidates.size();
-    take_cheapest(with_substeps, target, 3, candidates);
-    time_again(problem, candidates, limits.retime_s);
-    const auto improve = [](std::optional<Trial>& best, const Trial& trial) {
-      if (!best || trial.ms < best->ms) best = trial;
-    };
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const Trial& trial = candidates[i];
-      if (i >= accuracy_end) {
-        improve(answer.automatic_substeps, trial);
-      } else if (i >= mid_end) {
-        improve(answer.automatic, trial);
-      } else if (trial.setting.settings.method == Method::relax) {
-        improve(answer.relaxed, trial);
-      } else {
-        improve(answer.fixed, trial);
-        answer.others.push_back(trial);
-        if (i >= fixed_end) improve(answer.mid, trial);
-      }
-    }
-    answers.push_back(answer);
-  }
+  for (const Target& target : targets) answers.push_back(answer_of(problem, target, runs, limits));
   return answers;
 }
 
@@ -263,7 +287,7 @@ std::optional<Trial> direct_effort(const Problem& problem, double error, double 
       const Setting setting{
           .settings = {.method = Method::direct, .gradient = gradient, .stop = stop, .threads = 1},
           .frames = frames};
-      follow(problem, {target}, most_s, setting, trials, double_substeps, least_ms);
+      follow({problem, {target}, most_s, least_ms}, setting, trials, double_substeps);
       for (const Trial& trial : trials)
         if (target.is_met(trial)) least_ms = std::min(least_ms, trial.ms);
     }

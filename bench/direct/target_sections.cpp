@@ -4,14 +4,15 @@
 #include <filesystem>
 #include <limits>
 
+#include "direct/comparison.hpp"
 #include "direct/goal.hpp"
 #include "direct/peers.hpp"
 #include "direct/search.hpp"
 #include "direct/sections.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/numbers.hpp"
-#include "scenes/trajectory.hpp"
-#include "sheet.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
+#include "support/sheet.hpp"
 
 namespace plumb::bench {
 namespace {
@@ -24,13 +25,6 @@ constexpr std::uint32_t ensemble_chains = 64;
 const std::vector<Target> usual_targets{
     {"5 %, 5 %", 0.05, 0.05}, {"1 %, 1 %", 0.01, 0.01}, {"1 %, 0.1 %", 0.01, 0.001}};
 const Target finest_target{"1 %, 1e-6", 0.01, 1e-6};
-
-std::string number(double value) {
-  return value == 0 || !std::isfinite(value) ? "" : plain_number(value);
-}
-std::string ratio(double above, double below) {
-  return number(below > 0 ? above / below : 0);
-}
 
 /// An answer with what is compared with it.
 struct Row {
@@ -149,16 +143,10 @@ void add_goals(const std::vector<Row>& rows, Goals& goals) {
                 1.3);
 }
 
-void append_csv(std::string& csv, const char* section, const std::string& scene, const std::string& target,
-                const char* what, double ms, const std::string& setting) {
-  csv += std::string(section) + ",\"" + scene + "\",\"" + target + "\"," + what + "," + short_number(ms) +
-         ",ms per simulated second," + setting + "\n";
-}
-
-void append_csv(std::string& csv, const std::vector<Row>& rows) {
+void append_rows(std::string& csv, const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     const auto add = [&](const char* what, double ms, const std::string& setting) {
-      append_csv(csv, "targets", row.scene, row.answer.target.name, what, ms, setting);
+      append_csv(csv, {"targets", row.scene, row.answer.target.name}, what, ms, setting);
     };
     const auto add_trial = [&](const char* what, const std::optional<Trial>& trial) {
       if (trial) add(what, trial->ms, trial->setting.name());
@@ -169,66 +157,6 @@ void append_csv(std::string& csv, const std::vector<Row>& rows) {
     add_trial("automatic_substeps", row.answer.automatic_substeps);
     if (row.ensemble_ms > 0) add("per_chain_of_many", row.ensemble_ms, row.ensemble_setting);
     if (row.peer.ms > 0) add("peer_elsewhere", row.peer.ms, std::string(row.peer.name));
-  }
-}
-
-/// Direct against plain and over-relaxed relaxation at one error.
-struct Comparison {
-  std::string scene;
-  double error = 0;
-  double truth_error = 0;
-  std::optional<Trial> direct{};
-  Effort plain{}, over{};
-  double plain_scalar_ms = 0, over_scalar_ms = 0;  ///< rod after rod, one number at a time; 0: not asked for
-};
-
-Comparison compare(const Problem& problem, double error, const Plan& plan, double direct_s, bool by_lines) {
-  Comparison c{.scene = problem.name, .error = error, .truth_error = problem.truth_error};
-  c.direct = direct_effort(problem, error, direct_s, by_lines);
-  const double first_s = plan.full ? 0.3 : 0.03, most_s = plan.full ? 10 : 0.5;
-  c.plain = relax_effort(problem, error, false, first_s, most_s);
-  c.over = relax_effort(problem, error, true, first_s, most_s);
-  return c;
-}
-
-/// What an effort takes without vectors, from its last run with them and without.
-double scalar_ms(const Problem& problem, const Effort& effort) {
-  Setting scalar = effort.last.setting;
-  scalar.settings.isa = Isa::scalar;
-  const double anything = std::numeric_limits<double>::infinity();
-  return effort.ms * run_trial(problem, scalar, anything).ms / effort.last.ms;
-}
-
-std::string effort_text(const Effort& effort) {
-  if (!std::isfinite(effort.ms)) return "out of reach";
-  return (effort.extrapolated ? "~ " : "") + plain_number(effort.ms);
-}
-std::string effort_setting(const Effort& effort) {
-  std::string out = effort.last.setting.name() + ": " + short_number(effort.last.error, 2);
-  if (effort.extrapolated) out += ", slope " + short_number(effort.slope, 2);
-  return out;
-}
-
-Sheet comparison_sheet(const std::vector<Comparison>& comparisons) {
-  Sheet sheet({"scene", "error", "direct, ms", "setting", "relaxed, plain", "last run", "over-relaxed",
-               "last run ", "plain / direct", "over-relaxed / direct", "truth known to"});
-  for (const Comparison& c : comparisons) {
-    const double ms = c.direct ? c.direct->ms : 0;
-    sheet.add_row({c.scene, short_number(c.error), number(ms),
-                   c.direct ? c.direct->setting.name() : "not met", effort_text(c.plain),
-                   effort_setting(c.plain), effort_text(c.over), effort_setting(c.over),
-                   ratio(c.plain.ms, ms), ratio(c.over.ms, ms), short_number(c.truth_error, 2)});
-  }
-  return sheet;
-}
-
-void append_csv(std::string& csv, const char* section, const Comparison& c) {
-  const std::string target = short_number(c.error);
-  if (c.direct) append_csv(csv, section, c.scene, target, "direct", c.direct->ms, c.direct->setting.name());
-  for (const Effort* effort : {&c.plain, &c.over}) {
-    const std::string name = effort == &c.plain ? "relax" : "over_relaxed";
-    append_csv(csv, section, c.scene, target, (name + (effort->extrapolated ? "_extrapolated" : "")).c_str(),
-               effort->ms, effort->last.setting.name());
   }
 }
 
@@ -251,102 +179,115 @@ std::string frame_text(const FrameEffort& frame) {
   return sheet.to_markdown();
 }
 
-constexpr const char* comparison_text =
-    "Relaxation in double by paths along which substeps or sweeps double; `~` where the dearest run did not "
-    "come that far, and the time is extrapolated at the slope of its last two doublings (error as work to "
-    "the power -slope, at most 2).\n\n";
+/// What the section on times to an error shows.
+struct Targets {
+  std::vector<Row> rows;
+  std::string notes;  ///< how far truths are from those of Taylor series
+  Comparison longest;
+  FrameEffort frame;
+};
 
-double over(double above, const std::optional<Trial>& below) {
-  return below ? above / below->ms : 0;
+/// The longest and heaviest chain, to a finer target.
+void measure_finest(const Problem& problem, const Plan& plan, Targets& out) {
+  for (const Answer& answer : search(problem, {finest_target}, {.trial_s = 1, .relax = false}))
+    out.rows.push_back({.scene = problem.name, .answer = answer, .truth_error = problem.truth_error});
+  out.longest = compare(problem, finest_target.error, plan, 1, false);
+  out.longest.plain_scalar_ms = scalar_ms(problem, out.longest.plain);
+  out.longest.over_scalar_ms = scalar_ms(problem, out.longest.over);
+  out.frame = frame_effort(problem, finest_target.error, plan.full ? 20 : 2);
+}
+
+void measure_chain(std::uint32_t links, double end_mass, const Plan& plan, Targets& out) {
+  Problem problem = chain_problem(links, end_mass);
+  std::fprintf(stderr, "%s\n", problem.name.c_str());
+  const bool finest = links == 1000 && end_mass == 1000;
+  find_truth(problem, finest ? 1e-8 : 1e-6, plan.full ? 30 : finest ? 4 : 0.5);
+  compare_with_file(problem, links, end_mass, out.notes);
+  const std::size_t first = out.rows.size();
+  const PeerRow* peers = find_peer(links, end_mass);
+  for (const Answer& answer : search(problem, usual_targets, {.retime_s = 0.15})) {
+    const Peer peer = peers ? peers->targets[out.rows.size() - first] : Peer{"", 0};
+    out.rows.push_back(
+        {.scene = problem.name, .answer = answer, .peer = peer, .truth_error = problem.truth_error});
+  }
+  const Scene many = scenes::make_ensemble({.chains = ensemble_chains, .links = links, .end_mass = end_mass});
+  time_ensembles(many, ensemble_chains, out.rows, first, 0.15);
+  if (finest) measure_finest(problem, plan, out);
+}
+
+void measure_ensemble(Targets& out) {
+  std::fprintf(stderr, "1000 chains of 32 links\n");
+  Problem problem = chain_problem(32, 10);
+  problem.name = "N32 r10, 1000 of them";
+  find_truth(problem, 1e-6, 0.5);
+  const std::size_t first = out.rows.size();
+  for (const Answer& answer : search(problem, usual_targets, {.retime_s = 0.1}))
+    out.rows.push_back({.scene = problem.name,
+                        .answer = answer,
+                        .peer = peer_ensemble,
+                        .truth_error = problem.truth_error,
+                        .is_ensemble = true});
+  time_ensembles(scenes::make_ensemble({.chains = 1000, .links = 32, .end_mass = 10}), 1000, out.rows, first,
+                 0.5);
+}
+
+void add_goals(const Comparison& longest, const FrameEffort& frame, Goals& goals) {
+  const std::string scene = "N1000 r1000, 1e-6 at 1 s: ", frames = "N1000 r1000, a frame's rods to 1e-6: ";
+  goals.at_least(scene + "relaxed, rod after rod / direct", over(longest.plain_scalar_ms, longest.direct),
+                 1000);
+  goals.at_least(scene + "over-relaxed, rod after rod / direct", over(longest.over_scalar_ms, longest.direct),
+                 400);
+  goals.at_least(scene + "relaxed / direct", over(longest.plain.ms, longest.direct), 0);
+  goals.at_least(scene + "over-relaxed / direct", over(longest.over.ms, longest.direct), 0);
+  goals.at_least(frames + "relaxed / direct", frame.plain.ms / frame.direct_ms, 0);
+  goals.at_least(frames + "over-relaxed / direct", frame.over.ms / frame.direct_ms, 0);
+}
+
+std::string text_of(const Targets& targets, const Goals& goals) {
+  double truth_error = 0;
+  for (const Row& row : targets.rows) truth_error = std::max(truth_error, row.truth_error);
+  return "\n## Time to an error\n\nChains of N links, last particle r times as heavy, straight to the side "
+         "at "
+         "first; one simulated second. Targets are the largest stretch at any frame's end and the RMS "
+         "distance "
+         "to the truth after that second, relative to the chain's length. ms per simulated second, stepping "
+         "alone, least of several runs; the cheapest setting found among method direct (gradients old and "
+         "mid, "
+         "float and double, frames per second x substeps or accuracy) and relaxation, which is tried up to " +
+         short_number(relax_cap) +
+         " times what direct takes. Peers' times were measured elsewhere, on another machine (Zen 5, 3.75 "
+         "GHz): "
+         "their ratios are not of one run. `many`: " +
+         std::to_string(ensemble_chains) +
+         " equal chains in one world (1000 in the last rows, where the peer's time is that of the same scene "
+         "per chain, at 1.1 % RMS stretch and with no error known).\n\nTruths are extrapolated from direct "
+         "runs with doubling substeps and known to " +
+         short_number(truth_error, 2) +
+         " at worst; they differ from those of Taylor series by: " + targets.notes + "\n\n" +
+         answer_sheet(targets.rows).to_markdown() + "\n" + goals.to_markdown() +
+         "\n### Relaxation to 1e-6\n\n" + comparison_text +
+         comparison_sheet({targets.longest}).to_markdown() + "\n" + frame_text(targets.frame) +
+         "\n## Automatic\n\nMethod automatic is given frames, precision and either an accuracy or substeps; "
+         "gradient and method are its own choice. The fixed ones are the cheapest of runs with either, and "
+         "of "
+         "relaxation.\n\n" +
+         automatic_sheet(targets.rows).to_markdown();
 }
 
 }  // namespace
 
 Section targets_section(const Plan& plan) {
-  Section out;
-  std::vector<Row> rows;
-  std::string notes;
-  std::optional<Comparison> longest;
-  FrameEffort frame;
-  for (const std::uint32_t links : {5u, 20u, 100u, 1000u}) {
-    for (const double end_mass : {1.0, 10.0, 1000.0}) {
-      Problem problem = chain_problem(links, end_mass);
-      std::fprintf(stderr, "%s\n", problem.name.c_str());
-      const bool finest = links == 1000 && end_mass == 1000;
-      find_truth(problem, finest ? 1e-8 : 1e-6, plan.full ? 30 : finest ? 4 : 0.5);
-      compare_with_file(problem, links, end_mass, notes);
-      const std::size_t first = rows.size();
-      const PeerRow* peers = find_peer(links, end_mass);
-      for (const Answer& answer : search(problem, usual_targets, {.retime_s = 0.15})) {
-        const Peer peer = peers ? peers->targets[rows.size() - first] : Peer{"", 0};
-        rows.push_back(
-            {.scene = problem.name, .answer = answer, .peer = peer, .truth_error = problem.truth_error});
-      }
-      const Scene many =
-          scenes::make_ensemble({.chains = ensemble_chains, .links = links, .end_mass = end_mass});
-      time_ensembles(many, ensemble_chains, rows, first, 0.15);
-      if (!finest) continue;
-      for (const Answer& answer : search(problem, {finest_target}, {.trial_s = 1, .relax = false}))
-        rows.push_back({.scene = problem.name, .answer = answer, .truth_error = problem.truth_error});
-      longest = compare(problem, finest_target.error, plan, 1, false);
-      longest->plain_scalar_ms = scalar_ms(problem, longest->plain);
-      longest->over_scalar_ms = scalar_ms(problem, longest->over);
-      frame = frame_effort(problem, finest_target.error, plan.full ? 20 : 2);
-    }
-  }
-  {
-    std::fprintf(stderr, "1000 chains of 32 links\n");
-    Problem problem = chain_problem(32, 10);
-    problem.name = "N32 r10, 1000 of them";
-    find_truth(problem, 1e-6, 0.5);
-    const std::size_t first = rows.size();
-    for (const Answer& answer : search(problem, usual_targets, {.retime_s = 0.1}))
-      rows.push_back({.scene = problem.name,
-                      .answer = answer,
-                      .peer = peer_ensemble,
-                      .truth_error = problem.truth_error,
-                      .is_ensemble = true});
-    time_ensembles(scenes::make_ensemble({.chains = 1000, .links = 32, .end_mass = 10}), 1000, rows, first,
-                   0.5);
-  }
+  Targets targets;
+  for (const std::uint32_t links : {5u, 20u, 100u, 1000u})
+    for (const double end_mass : {1.0, 10.0, 1000.0}) measure_chain(links, end_mass, plan, targets);
+  measure_ensemble(targets);
   Goals goals;
-  add_goals(rows, goals);
-  if (longest) {
-    const std::string scene = "N1000 r1000, 1e-6 at 1 s: ", frames = "N1000 r1000, a frame's rods to 1e-6: ";
-    goals.at_least(scene + "relaxed, rod after rod / direct", over(longest->plain_scalar_ms, longest->direct),
-                   1000);
-    goals.at_least(scene + "over-relaxed, rod after rod / direct",
-                   over(longest->over_scalar_ms, longest->direct), 400);
-    goals.at_least(scene + "relaxed / direct", over(longest->plain.ms, longest->direct), 0);
-    goals.at_least(scene + "over-relaxed / direct", over(longest->over.ms, longest->direct), 0);
-    goals.at_least(frames + "relaxed / direct", frame.plain.ms / frame.direct_ms, 0);
-    goals.at_least(frames + "over-relaxed / direct", frame.over.ms / frame.direct_ms, 0);
-  }
-  double truth_error = 0;
-  for (const Row& row : rows) truth_error = std::max(truth_error, row.truth_error);
-  append_csv(out.csv, rows);
-  append_csv(out.csv, "targets", *longest);
-  out.text =
-      "\n## Time to an error\n\nChains of N links, last particle r times as heavy, straight to the side at "
-      "first; one simulated second. Targets are the largest stretch at any frame's end and the RMS distance "
-      "to the truth after that second, relative to the chain's length. ms per simulated second, stepping "
-      "alone, least of several runs; the cheapest setting found among method direct (gradients old and mid, "
-      "float and double, frames per second x substeps or accuracy) and relaxation, which is tried up to " +
-      short_number(relax_cap) +
-      " times what direct takes. Peers' times were measured elsewhere, on another machine (Zen 5, 3.75 GHz): "
-      "their ratios are not of one run. `many`: " +
-      std::to_string(ensemble_chains) +
-      " equal chains in one world (1000 in the last rows, where the peer's time is that of the same scene "
-      "per chain, at 1.1 % RMS stretch and with no error known).\n\nTruths are extrapolated from direct "
-      "runs with doubling substeps and known to " +
-      short_number(truth_error, 2) + " at worst; they differ from those of Taylor series by: " + notes +
-      "\n\n" + answer_sheet(rows).to_markdown() + "\n" + goals.to_markdown() +
-      "\n### Relaxation to 1e-6\n\n" + comparison_text + comparison_sheet({*longest}).to_markdown() + "\n" +
-      frame_text(frame) +
-      "\n## Automatic\n\nMethod automatic is given frames, precision and either an accuracy or substeps; "
-      "gradient and method are its own choice. The fixed ones are the cheapest of runs with either, and of "
-      "relaxation.\n\n" +
-      automatic_sheet(rows).to_markdown();
+  add_goals(targets.rows, goals);
+  add_goals(targets.longest, targets.frame, goals);
+  Section out;
+  append_rows(out.csv, targets.rows);
+  append_csv(out.csv, "targets", targets.longest);
+  out.text = text_of(targets, goals);
   return out;
 }
 

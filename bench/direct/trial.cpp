@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "plumb/world.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::bench {
 namespace {

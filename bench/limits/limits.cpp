@@ -8,7 +8,7 @@
 
 #include "limit_kernels.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
-#include "statistics.hpp"
+#include "support/statistics.hpp"
 #include "together.hpp"
 
 namespace plumb::bench {

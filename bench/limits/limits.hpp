@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "case.hpp"
+#include "contest/case.hpp"
 
 namespace plumb::bench {
 

@@ -6,17 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "flags.hpp"
 #include "frontier/peers.hpp"
 #include "frontier/problem.hpp"
 #include "measure.hpp"
-#include "output.hpp"
-#include "run_main.hpp"
-#include "scenes/lists.hpp"
-#include "scenes/machine.hpp"
-#include "scenes/numbers.hpp"
+#include "plot/table.hpp"
+#include "scenes/basics/lists.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/runs/machine.hpp"
 #include "scenes/spec.hpp"
-#include "table.hpp"
+#include "support/flags.hpp"
+#include "support/output.hpp"
+#include "support/run_main.hpp"
 
 namespace plumb::bench {
 namespace {

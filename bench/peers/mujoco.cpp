@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "peer.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::bench {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "peer.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 #include "simbody_system.hpp"
 
 namespace plumb::bench {

@@ -23,10 +23,10 @@ struct MechanicalState {
 /// What acts on an island from outside, by the island's particles. Anchors are its fixed particles; within a
 /// substep they move in straight lines.
 struct Drive {
-  std::vector<Vec3> forces;             ///< N, on movable particles
-  std::vector<Vec3> anchors;            ///< m, of fixed particles at the start of the substep
-  std::vector<Vec3> anchor_velocities;  ///< m/s
-  double scene_diagonal = 0;            ///< m, of all islands together: what an accuracy is relative to
+  std::vector<Vec3> forces;             ///< Forces on movable particles, in N.
+  std::vector<Vec3> anchors;            ///< Positions of anchors at the start of the substep, in m.
+  std::vector<Vec3> anchor_velocities;  ///< Their velocities, in m/s.
+  double scene_diagonal = 0;            ///< Diagonal of the scene, in m: an accuracy is relative to it.
 
   Vec3 anchor(std::uint32_t particle, double t) const {
     return anchors[particle] + t * anchor_velocities[particle];
@@ -43,26 +43,26 @@ class MechanicalSystem {
  public:
   virtual ~MechanicalSystem() = default;
 
-  /// That of the scene.
+  /// Gives the state that the scene starts with.
   virtual MechanicalState initial_state(const Drive& drive) const = 0;
-  /// The rates of the velocities, `t` seconds into the substep.
+  /// Gives the rates of the velocities, `t` seconds into the substep.
   virtual void accelerations(const MechanicalState& state, const Drive& drive, double t,
                              Eigen::VectorXd& out) = 0;
-  /// The rates of the coordinates; the velocities unless said otherwise.
+  /// Gives the rates of the coordinates, which are the velocities unless a system says otherwise.
   virtual void rates(const MechanicalState& state, Eigen::VectorXd& out) const { out = state.v; }
   /// Puts back what rounding or the method itself lets drift, at the end of a substep, `t` seconds after its
   /// start.
   virtual void settle(MechanicalState&, const Drive&, double /*t*/) {}
-  /// One substep of h seconds; by integrate() unless the system has a way of its own.
+  /// Takes one substep of h seconds, by integrate() unless the system has a way of its own.
   virtual void advance(MechanicalState& state, const Drive& drive, double h);
 
   /// Adds what has happened since the last report, and what the state is like: gaps of joints.
   virtual void report(const MechanicalState&, const Drive&, StepReport&) {}
 
-  /// Called before particles are asked for, with the state after a step and the drive as it is then; not for
-  /// a state that is not finite.
+  /// Prepares the answers about particles, from the state after a step and the drive as it is then. It is not
+  /// called for a state that is not finite.
   virtual void place(const MechanicalState&, const Drive&) {}
-  /// Of a movable particle.
+  /// Gives position (m) and velocity (m/s) of a movable particle.
   virtual Vec3 position(const MechanicalState& state, std::uint32_t particle) const = 0;
   virtual Vec3 velocity(const MechanicalState& state, std::uint32_t particle) const = 0;
 
@@ -75,7 +75,7 @@ class MechanicalSystem {
                         const Drive& drive, double h);
 
   Integrator integrator_;
-  MechanicalSlope slopes_[4];  ///< of integrate(), kept so that a substep allocates nothing
+  MechanicalSlope slopes_[4];  ///< Slopes of integrate(), kept so that a substep allocates nothing.
   MechanicalState stage_;
 };
 

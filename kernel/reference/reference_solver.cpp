@@ -91,9 +91,9 @@ std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandG
   std::vector<MadeSolver> out;
   for (std::uint32_t island = 0; island < groups.islands.count(); ++island) {
     const auto particles = groups.islands.vertices(island);
-    auto solver = std::make_unique<ReferenceSolver>(island_scene(scene, groups, island), settings,
-                                                    IslandNames{particles, groups.islands.edges(island)},
-                                                    diagonal);
+    auto solver =
+        std::make_unique<ReferenceSolver>(island_scene(scene, groups, island), settings,
+                                          IslandNames{particles, groups.islands.edges(island)}, diagonal);
     MadeSolver& made = out.emplace_back();
     for (Slot slot = 0; slot < particles.size(); ++slot) {
       made.places.push_back({particles[slot], slot});

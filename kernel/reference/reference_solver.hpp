@@ -33,6 +33,7 @@ class ReferenceSolver final : public Solver {
   Vec3 position(Slot slot) const override;
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
+  double read(std::span<const Slot>, std::span<Vec3>) const override { return 0; }
   void set_force(Slot slot, Vec3 newton) override { drive_.forces[slot] = newton; }
   void move_anchor(Slot slot, const AnchorMove& move) override;
   void end_anchors() override;

@@ -1,5 +1,4 @@
 #include "plumb/reference/methods.hpp"
-
 #include "reference/reference_solver.hpp"
 #include "step/methods.hpp"
 
@@ -7,11 +6,12 @@ namespace plumb {
 
 void register_reference_methods() {
   using detail::Reads;
-  detail::register_method({.method = Method::springs,
-                           .name = "springs",
-                           .moves = "particles and rods, as rigid bodies or particles on stiff springs (thesis 3.3)",
-                           .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
-                           .make = detail::make_reference_solvers});
+  detail::register_method(
+      {.method = Method::springs,
+       .name = "springs",
+       .moves = "particles and rods, as rigid bodies or particles on stiff springs (thesis 3.3)",
+       .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
+       .make = detail::make_reference_solvers});
   detail::register_method({.method = Method::multipliers,
                            .name = "multipliers",
                            .moves = "particles and rods, by Lagrange multipliers (thesis 3.4)",

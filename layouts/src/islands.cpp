@@ -53,7 +53,8 @@ Rows sort_into_rows(std::span<const std::uint32_t> row_of, std::uint32_t count) 
   return rows;
 }
 
-/// local_graph() into an existing object, so that a pass over many islands does not allocate for each.
+/// Does what local_graph() does into an existing object, so that a pass over many islands does not allocate
+/// for each.
 void fill_local_graph(const Graph& graph, const Islands& islands, std::uint32_t island, LocalGraph& local) {
   const auto vertices = islands.vertices(island);
   const auto first_fixed = std::partition_point(vertices.begin(), vertices.end(),

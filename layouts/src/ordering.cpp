@@ -30,7 +30,7 @@ class Neighbors {
   std::span<const std::uint32_t> of(std::uint32_t v) const {
     return std::span(list_).subspan(begin_[v], degree(v));
   }
-  /// By degree, then by id.
+  /// Whether a comes before b: by degree, then by id.
   bool comes_before(std::uint32_t a, std::uint32_t b) const {
     return std::pair(degree(a), a) < std::pair(degree(b), b);
   }
@@ -65,8 +65,8 @@ class Visitor {
   std::size_t levels() const { return level_begin_.size() - 1; }
   std::span<const std::uint32_t> visited() const { return visited_; }
 
-  /// Of the vertices that a visit can start from, the last level's with the fewest edges (ties by id). Goes
-  /// back a level where only anchors lie furthest out.
+  /// Picks a vertex to start the next visit from: one of the last level with the fewest edges, the smallest
+  /// id of several. It goes back a level where only anchors lie furthest out.
   std::uint32_t far_vertex() const {
     for (std::size_t level = levels(); level-- > 0;) {
       const std::uint32_t* best = nullptr;
@@ -131,7 +131,7 @@ std::uint32_t distance(Edge edge, std::span<const std::uint32_t> position) {
   return high - low;
 }
 
-/// What an order is judged by, the more important first.
+/// What an order is judged by; the more important measures come first.
 struct Cost {
   std::uint32_t movable_bandwidth = 0;  // without edges to anchors, which may be long in any order
   std::uint32_t bandwidth = 0;

@@ -140,7 +140,7 @@ struct Trend {
     total_difference += id < next_id ? next_id - id : id - next_id;
     rising += id < next_id ? 1 : -1;
   }
-  /// Infinite without edges: a direction that says nothing does not become the rows.
+  /// Gives infinity without edges, since a direction that says nothing must not become the rows.
   double mean_difference() const {
     return edges == 0 ? std::numeric_limits<double>::infinity()
                       : static_cast<double>(total_difference) / static_cast<double>(edges);

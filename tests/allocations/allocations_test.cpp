@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
 #include "support/executors.hpp"
 #include "support/sanitizers.hpp"

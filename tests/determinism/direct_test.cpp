@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "determinism/scenes.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/executors.hpp"
 #include "support/sanitizers.hpp"
 #include "support/truths.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 
 namespace plumb::test {
 

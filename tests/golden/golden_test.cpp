@@ -15,7 +15,7 @@
 #include "golden/run.hpp"
 #include "golden/settings_text.hpp"
 #include "golden/table.hpp"
-#include "scenes/files.hpp"
+#include "scenes/basics/files.hpp"
 #include "support/executors.hpp"
 #include "support/sanitizers.hpp"
 #include "threads/sharing.hpp"

@@ -7,7 +7,7 @@
 #include "golden/scenes.hpp"
 #include "golden/settings_text.hpp"
 #include "plumb/error.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::golden {
 namespace {

@@ -7,9 +7,9 @@
 #include "golden/contact_scenes.hpp"
 #include "golden/table.hpp"
 #include "plumb/error.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/humanoid.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/humanoid/humanoid.hpp"
 #include "scenes/spec.hpp"
 #include "support/random_trees.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "golden/table.hpp"
 #include "plumb/error.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::golden {
 namespace {

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "plumb/error.hpp"
-#include "scenes/files.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::golden {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
 #include "support/worlds.hpp"
 

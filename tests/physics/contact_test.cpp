@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "scenes/contacts.hpp"
+#include "scenes/generators/contacts.hpp"
 #include "scenes/spec.hpp"
 #include "support/limbs.hpp"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/planar_chain.hpp"
 #include "support/worlds.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 
 namespace plumb {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 #include "support/random_trees.hpp"
 #include "support/sanitizers.hpp"

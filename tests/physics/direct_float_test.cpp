@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 
 namespace plumb {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/generators.hpp"
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 #include "support/truths.hpp"
 #include "truth/truth.hpp"

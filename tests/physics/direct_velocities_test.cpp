@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/dense_constraints.hpp"
 #include "support/direct.hpp"
 #include "support/random_trees.hpp"

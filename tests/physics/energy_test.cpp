@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "scenes/generators.hpp"
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 #include "support/random_trees.hpp"
 #include "support/truths.hpp"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

@@ -1,6 +1,6 @@
 // The thesis's figures (section 4.5) under blows that nothing prepared them for, falling, and at rest.
 
-#include "scenes/humanoid.hpp"
+#include "scenes/humanoid/humanoid.hpp"
 
 #include <gtest/gtest.h>
 

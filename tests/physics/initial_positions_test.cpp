@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 #include "support/random_trees.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 

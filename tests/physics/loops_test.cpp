@@ -11,7 +11,7 @@
 #include "direct/loops/loop_solver.hpp"
 #include "plumb/plumb.hpp"
 #include "scene/scene_graph.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 

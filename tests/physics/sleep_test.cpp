@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "scenes/humanoid.hpp"
+#include "scenes/humanoid/humanoid.hpp"
 #include "scenes/spec.hpp"
 #include "support/limbs.hpp"
 

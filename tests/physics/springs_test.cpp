@@ -11,8 +11,8 @@
 
 #include "plumb/plumb.hpp"
 #include "plumb/reference/springs.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/sanitizers.hpp"
 #include "support/truths.hpp"
 #include "support/worlds.hpp"

@@ -1,5 +1,5 @@
 // The thesis's examples of stiff equations (3.3.2, 3.3.3) and of velocities (figure 3.12).
-#include "stiff_equations.hpp"
+#include "thesis/stiff_equations.hpp"
 
 #include <gtest/gtest.h>
 

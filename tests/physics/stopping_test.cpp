@@ -6,7 +6,7 @@
 #include <string>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <string>
 
-#include "scenes/generators.hpp"
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/planar_chain.hpp"
 #include "support/truths.hpp"
-#include "truth/integrator.hpp"
+#include "truth/time/integrator.hpp"
 
 namespace plumb::truth {
 namespace {

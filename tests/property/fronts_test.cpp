@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plumb/layouts/aligned_buffer.hpp"
-#include "scenes/seeded.hpp"
+#include "scenes/basics/seeded.hpp"
 #include "simd/front/front_kernels.hpp"
 
 namespace plumb::simd {

@@ -14,7 +14,7 @@
 
 #include "linear/sparse_kkt.hpp"
 #include "plumb/settings.hpp"
-#include "scenes/seeded.hpp"
+#include "scenes/basics/seeded.hpp"
 
 namespace plumb::detail {
 namespace {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
 #include "support/graphs.hpp"
 #include "support/sanitizers.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/executors.hpp"
 #include "support/worlds.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "plumb/joints.hpp"
 #include "plumb/plumb.hpp"
-#include "scenes/limbs.hpp"
+#include "scenes/humanoid/limbs.hpp"
 #include "support/direct.hpp"
 
 /// What tests of limbs, joints and contact share.

@@ -6,10 +6,10 @@
 
 #include "plumb/error.hpp"
 #include "plumb/measures.hpp"
-#include "scenes/contacts.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/humanoid.hpp"
-#include "scenes/limbs.hpp"
+#include "scenes/generators/contacts.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/humanoid/humanoid.hpp"
+#include "scenes/humanoid/limbs.hpp"
 #include "scenes/spec.hpp"
 
 namespace plumb::scenes {

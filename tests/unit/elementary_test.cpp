@@ -12,7 +12,7 @@
 #include <limits>
 #include <random>
 
-#include "scenes/seeded.hpp"
+#include "scenes/basics/seeded.hpp"
 #include "support/sanitizers.hpp"
 
 namespace plumb::detail {

@@ -10,8 +10,8 @@
 #include "export/gltf.hpp"
 #include "export/vtk.hpp"
 #include "plumb/error.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/limbs.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/humanoid/limbs.hpp"
 
 namespace plumb::tools {
 namespace {

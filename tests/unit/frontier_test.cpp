@@ -5,7 +5,7 @@
 #include "frontier/contest.hpp"
 #include "frontier/peers.hpp"
 #include "plumb/error.hpp"
-#include "scenes/files.hpp"
+#include "scenes/basics/files.hpp"
 
 namespace plumb::frontier {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 
 #include "plumb/error.hpp"
 #include "plumb/scene.hpp"
-#include "scenes/files.hpp"
-#include "scenes/scene_file.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/files/scene_file.hpp"
 #include "scenes/spec.hpp"
 
 namespace plumb::scenes {

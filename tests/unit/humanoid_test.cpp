@@ -5,8 +5,8 @@
 #include <pugixml.hpp>
 #include <set>
 
-#include "humanoid_experiment.hpp"
-#include "humanoid_pictures.hpp"
+#include "humanoid/experiment.hpp"
+#include "humanoid/pictures.hpp"
 #include "plumb/error.hpp"
 
 namespace plumb::tools {

@@ -1,4 +1,4 @@
-#include "scenes/report.hpp"
+#include "scenes/runs/report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,15 +10,20 @@
 #include <vector>
 
 #include "plumb/error.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/run.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/runs/run.hpp"
 
 namespace plumb::scenes {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Read = nlohmann::ordered_json;
 
-std::set<std::string> keys(const Json& object) {
+/// As another program reads it.
+Read parsed(const Json& json) {
+  return Read::parse(format_json(json));
+}
+
+std::set<std::string> keys(const Read& object) {
   std::set<std::string> out;
   for (const auto& item : object.items()) out.insert(item.key());
   return out;
@@ -45,7 +50,8 @@ RunPlan short_plan() {
 TEST(Report, HasEveryField) {
   const RunPlan plan = short_plan();
   const RunResult result = run_scene(make_chain(5, 0.1, 10), plan);
-  const Json report = report_json("chain:links=5,end_mass=10", plan, result, describe_machine(result.info));
+  const Read report =
+      parsed(report_json("chain:links=5,end_mass=10", plan, result, describe_machine(result.info)));
   EXPECT_EQ(keys(report), (std::set<std::string>{"scene",
                                                  "method",
                                                  "settings",
@@ -123,7 +129,7 @@ TEST(Report, EnergyIsRelativeToItsRange) {
   const Scene scene = make_chain(5, 0.1, 10);
   const RunPlan plan = short_plan();
   const RunResult result = run_scene(scene, plan);
-  const Json report = report_json("", plan, result, describe_machine());
+  const Read report = parsed(report_json("", plan, result, describe_machine()));
   EXPECT_EQ(report["energy"]["initial"], 0);
   EXPECT_NEAR(report["energy"]["final"].get<double>(), result.energy.final / energy_range(scene), 1e-15);
   EXPECT_LE(std::abs(report["energy"]["final"].get<double>()), report["energy"]["drift_max"].get<double>());
@@ -137,11 +143,10 @@ TEST(Report, ValuesWithoutMeaningAreNull) {
   RunResult result = run_scene(scene, plan);
   result.stretch.max = std::numeric_limits<double>::infinity();
   result.info.rods = 0;
-  const Json report = report_json("", plan, result, describe_machine());
+  const Read report = parsed(report_json("", plan, result, describe_machine()));
   EXPECT_TRUE(report["energy"]["drift_max"].is_null());
   EXPECT_TRUE(report["stretch"]["max"].is_null());
   EXPECT_TRUE(report["ns_per_rod_frame"].is_null());
-  EXPECT_TRUE(Json::accept(format_json(report)));
 }
 
 TEST(Report, HashIsHexadecimal) {

@@ -1,4 +1,4 @@
-#include "scenes/scene_file.hpp"
+#include "scenes/files/scene_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "plumb/error.hpp"
 #include "plumb/joints.hpp"
-#include "scenes/files.hpp"
+#include "scenes/basics/files.hpp"
 #include "scenes/spec.hpp"
 
 namespace plumb::scenes {

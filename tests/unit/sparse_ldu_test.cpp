@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "scenes/seeded.hpp"
+#include "scenes/basics/seeded.hpp"
 
 namespace plumb::detail {
 namespace {

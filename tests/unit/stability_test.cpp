@@ -1,5 +1,3 @@
-#include "scenes/stability.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <tuple>
 
 #include "plumb/error.hpp"
+#include "stability/grid.hpp"
 
 namespace plumb::scenes {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenes/trajectory.hpp"
+#include "scenes/files/trajectory.hpp"
 
 #include <gtest/gtest.h>
 

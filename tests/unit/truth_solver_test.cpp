@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/dense_constraints.hpp"
 #include "support/truths.hpp"
 #include "truth/constraint_solver.hpp"

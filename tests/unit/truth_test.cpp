@@ -7,7 +7,7 @@
 #include <string>
 
 #include "plumb/error.hpp"
-#include "scenes/generators.hpp"
+#include "scenes/generators/generators.hpp"
 #include "support/truths.hpp"
 
 namespace plumb::truth {

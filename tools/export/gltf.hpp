@@ -6,7 +6,7 @@
 
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
-#include "scenes/limbs.hpp"
+#include "scenes/humanoid/limbs.hpp"
 
 namespace plumb::tools {
 

@@ -11,9 +11,9 @@
 
 #include "export/base64.hpp"
 #include "plumb/error.hpp"
-#include "scenes/files.hpp"
-#include "scenes/limbs.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/humanoid/limbs.hpp"
 
 namespace plumb::tools {
 namespace {

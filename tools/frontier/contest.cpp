@@ -1,18 +1,19 @@
 #include "frontier/contest.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "plumb/error.hpp"
 #include "plumb/world.hpp"
+#include "scenes/basics/clock.hpp"
 
 namespace plumb::frontier {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using scenes::Clock;
+using scenes::seconds_since;
 
 /// Beyond, rods are torn.
 constexpr double most_stretch = 1;
@@ -22,10 +23,6 @@ constexpr std::uint32_t most_repetitions = 40;
 /// A family that has no point yet when a path took so many times as long as it may is given up: a step cannot
 /// be cut short, and its other paths solve the same.
 constexpr double hopeless = 10;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void follow(const Problem& problem, Path path, double most_s, std::vector<Point>& points) {
   const auto start = Clock::now();

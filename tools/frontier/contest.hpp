@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "frontier/problem.hpp"
-#include "scenes/run.hpp"
+#include "scenes/runs/run.hpp"
 
 namespace plumb::frontier {
 
 /// Ever finer settings of one method.
 struct Path {
-  std::string family;  ///< of methods that are drawn as one
+  std::string family;  ///< Family: methods that are drawn as one.
   Settings settings{};
-  std::uint32_t frames = 60;  ///< a second
-  /// Makes the settings finer; false if they cannot be.
+  std::uint32_t frames = 60;  ///< Frames per simulated second.
+  /// Makes the settings finer. Returns false if they cannot be.
   std::function<bool(Settings&)> refine{};
 };
 
@@ -25,14 +25,14 @@ struct Point {
   std::string family{}, setting{};
   std::uint32_t frames = 60;
   Settings settings{};
-  double ms = 0;         ///< of stepping, per simulated second: the least of the repetitions
-  double median_ms = 0;  ///< of the repetitions
+  double ms = 0;         ///< Stepping per simulated second, the least of the repetitions.
+  double median_ms = 0;  ///< The median of the repetitions.
   std::uint32_t repetitions = 1;
-  double position_error = 0;  ///< at the end, RMS over particles, relative to the scene's diagonal
-  double stretch = 0;         ///< largest, over all rods and ends of frames
-  double energy_drift = 0;    ///< largest, relative to the scene's energy range
-  bool on_front = false;      ///< nothing measured is both faster and nearer to the truth
-  std::string picked{};       ///< by method auto
+  double position_error = 0;  ///< RMS over particles at the end, relative to the scene's diagonal.
+  double stretch = 0;         ///< Largest strain over all rods and ends of frames.
+  double energy_drift = 0;    ///< Largest, relative to the scene's energy range.
+  bool on_front = false;      ///< Nothing measured is both faster and nearer to the truth.
+  std::string picked{};       ///< What method auto picked.
 };
 
 /// The families' names, in the order in which they are drawn.
@@ -54,9 +54,9 @@ struct TooLong {};
 std::optional<Point> run(const Problem& problem, const Path& path, double most_s);
 
 struct Limits {
-  /// Of wall-clock time for a path, times Problem::patience; its last run may take as much again.
+  /// Wall-clock time for a path in s, multiplied by Problem::patience. Its last run may take as much again.
   double path_s = 0.1;
-  double contest_s = 6;  ///< for the repetitions
+  double contest_s = 6;  ///< Wall-clock time for the repetitions, in s.
 };
 
 /// Runs every path, from coarse to fine, then times again, in turns, all that is on the front or nearly, and

@@ -6,7 +6,7 @@
 #include "frontier/contest.hpp"
 #include "plumb/reference/springs.hpp"
 #include "plumb/world.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::frontier {
 namespace {
@@ -42,7 +42,8 @@ void add(std::vector<Path>& out, const std::string& family, const Settings& sett
   }
 }
 
-std::vector<Path> relaxed(const std::string& family, bool over_relaxed) {
+std::vector<Path> relaxed(const std::string& family, bool over_relaxed,
+                          SweepOrder order = SweepOrder::gauss_seidel) {
   std::vector<Path> out;
   for (const Precision precision : {Precision::double_, Precision::single})
     for (const Gradient gradient : {Gradient::new_, Gradient::old, Gradient::mid})
@@ -53,6 +54,7 @@ std::vector<Path> relaxed(const std::string& family, bool over_relaxed) {
                        .settings = {.method = Method::relax,
                                     .precision = precision,
                                     .gradient = gradient,
+                                    .order = order,
                                     .omega = over_relaxed ? (sweeps > 16 ? 1.9 : 1.7) : 1.0,
                                     .stop = {.sweeps = sweeps},
                                     .threads = 1},
@@ -150,8 +152,9 @@ std::vector<Path> reduced(const std::string& family) {
 }  // namespace
 
 const std::vector<std::string>& all_families() {
-  static const std::vector<std::string> list{"auto",    "direct",           "relax",       "over-relaxed",
-                                             "springs", "implicit-springs", "multipliers", "featherstone"};
+  static const std::vector<std::string> list{
+      "auto",    "direct",           "relax",       "over-relaxed", "jacobi",
+      "springs", "implicit-springs", "multipliers", "featherstone"};
   return list;
 }
 
@@ -160,6 +163,7 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "direct") return direct(family, problem, Method::direct);
   if (family == "relax") return relaxed(family, false);
   if (family == "over-relaxed") return relaxed(family, true);
+  if (family == "jacobi") return relaxed(family, false, SweepOrder::jacobi);
   if (family == "springs") return sprung(family, problem, {Integrator::semi_implicit_euler, Integrator::rk4});
   if (family == "implicit-springs") return sprung(family, problem, {Integrator::implicit_euler});
   if (family == "multipliers") return multiplied(family);
@@ -176,6 +180,7 @@ std::string name_of(const Settings& s, std::uint32_t frames) {
     case Method::relax:
     case Method::direct:
       word(to_string(gradient_of(s)));
+      if (s.method == Method::relax && s.order == SweepOrder::jacobi) word(to_string(s.order));
       if (s.method == Method::relax && s.omega != 1) word("w" + short_number(s.omega));
       if (s.time_order != 2) word("order " + std::to_string(s.time_order));
       break;

@@ -1,8 +1,8 @@
 #include "frontier/peers.hpp"
 
 #include "plumb/error.hpp"
-#include "scenes/files.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::frontier {
 namespace {

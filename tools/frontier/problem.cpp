@@ -1,11 +1,11 @@
 #include "frontier/problem.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "plumb/error.hpp"
 #include "plumb/world.hpp"
+#include "scenes/basics/clock.hpp"
 #include "scenes/spec.hpp"
 #include "truth/truth.hpp"
 
@@ -44,14 +44,13 @@ std::vector<Vec3> relaxed_end(const Problem& problem, std::uint32_t substeps) {
 /// Gradient old is of second order however far its sweeps go, as what is left of one substep is passed on to
 /// the next.
 void extrapolate(Problem& problem, double most_s) {
-  using Clock = std::chrono::steady_clock;
   const double diagonal = bounding_diagonal(problem.scene);
   std::vector<Vec3> coarse, last;
   problem.truth_error = std::numeric_limits<double>::infinity();
   for (std::uint32_t substeps = 16;; substeps *= 2) {
-    const auto start = Clock::now();
+    const auto start = scenes::Clock::now();
     const std::vector<Vec3> fine = relaxed_end(problem, substeps);
-    const double s = std::chrono::duration<double>(Clock::now() - start).count();
+    const double s = scenes::seconds_since(start);
     if (!coarse.empty()) {
       std::vector<Vec3> better(fine.size());
       for (std::size_t i = 0; i < fine.size(); ++i) better[i] = fine[i] + (1.0 / 3) * (fine[i] - coarse[i]);

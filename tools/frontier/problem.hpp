@@ -11,17 +11,17 @@ namespace plumb::frontier {
 
 /// A scene, how long it runs, and where everything should then be.
 struct Problem {
-  std::string name{};   ///< for tables and files
-  std::string spec{};   ///< as scenes::load_scene reads it
-  double duration = 1;  ///< s, a whole number of frames of 1/20 s and of 1/60 s
+  std::string name{};   ///< Name for tables and files.
+  std::string spec{};   ///< Scene, as scenes::load_scene reads it.
+  double duration = 1;  ///< Simulated time in s: a whole number of frames of 1/20 s and of 1/60 s.
   bool is_tree = true;
-  bool is_net = false;  ///< wide, so that method direct solves it by its lines
-  double patience = 1;  ///< times Limits::path_s that a path is followed: large scenes take long for a point
+  bool is_net = false;  ///< Whether it is wide, so that method direct solves it by its lines.
+  double patience = 1;  ///< Factor on Limits::path_s: large scenes take long for a point.
 
   Scene scene{};
-  std::vector<Frame> truth{};  ///< one frame, at the end
+  std::vector<Frame> truth{};  ///< One frame, at the end.
   std::string truth_source{};
-  double truth_error = 0;  ///< relative to the diagonal: what the truth is known to
+  double truth_error = 0;  ///< What the truth is known to, relative to the diagonal.
 };
 
 /// The default grid.

@@ -6,12 +6,12 @@
 #include <variant>
 
 #include "plumb/error.hpp"
-#include "scenes/contacts.hpp"
-#include "scenes/generators.hpp"
-#include "scenes/humanoid.hpp"
-#include "scenes/lists.hpp"
-#include "scenes/numbers.hpp"
-#include "scenes/scene_file.hpp"
+#include "scenes/basics/lists.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/files/scene_file.hpp"
+#include "scenes/generators/contacts.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/humanoid/humanoid.hpp"
 
 namespace plumb::scenes {
 namespace {
@@ -99,19 +99,13 @@ Generator describe(const char* name, const char* summary, Scene (*make)(const Sh
           }};
 }
 
-/// A new generator is one more entry here.
-const std::vector<Generator>& generators() {
+std::vector<Generator> chains_and_nets() {
   using C = ChainShape;
   using N = NetShape;
   using E = EnsembleShape;
   using R = RingShape;
   using T = TrussShape;
-  using G = GraphShape;
-  using H = HumanoidShape;
-  using W = CrowdShape;
-  using S = StickBoxShape;
-  using D = DropShape;
-  static const std::vector<Generator> list = {
+  return {
       describe<C>(
           "chain", "massless rods straight along +x from a fixed particle; the last particle may be heavy",
           make_chain,
@@ -148,6 +142,16 @@ const std::vector<Generator>& generators() {
       describe<C>("rods5", "five uniform rods with mass in a row, the last twice as heavy",
                   [](const C&) { return make_rods5(); }, {}),
       describe<C>("tree", "six rods with mass that branch twice", [](const C&) { return make_tree(); }, {}),
+  };
+}
+
+std::vector<Generator> figures_and_solids() {
+  using G = GraphShape;
+  using H = HumanoidShape;
+  using W = CrowdShape;
+  using S = StickBoxShape;
+  using D = DropShape;
+  return {
       describe<H>("humanoid",
                   "the thesis's nine limbs as rods with mass, level from the top of the head; "
                   "body=thin|medium|wide: standing on the ground, asleep; arms=1: with them, and knees that "
@@ -185,6 +189,15 @@ const std::vector<Generator>& generators() {
                    {"restitution", &D::restitution},
                    {"friction", &D::friction}}),
   };
+}
+
+/// A new generator is one more entry above; help lists them in this order.
+const std::vector<Generator>& generators() {
+  static const std::vector<Generator> list = [] {
+    std::vector<Generator> out = chains_and_nets();
+    for (Generator& generator : figures_and_solids()) out.push_back(std::move(generator));
+    return out;
+  }();
   return list;
 }
 

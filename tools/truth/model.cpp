@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "plumb/error.hpp"
-#include "scenes/numbers.hpp"
+#include "scenes/basics/numbers.hpp"
 
 namespace plumb::truth {
 namespace {

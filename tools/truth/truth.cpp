@@ -5,8 +5,8 @@
 #include <string>
 
 #include "plumb/error.hpp"
-#include "scenes/numbers.hpp"
-#include "truth/integrator.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "truth/time/integrator.hpp"
 
 namespace plumb::truth {
 namespace {

@@ -13,16 +13,16 @@
 namespace plumb::truth {
 
 struct Plan {
-  std::vector<double> save_at;  ///< s, rising, none negative
+  std::vector<double> save_at;  ///< Times in s, rising, none negative.
   MassModel mass = MassModel::consistent;
-  double tolerance = 1e-9;                 ///< see Accuracy
-  std::function<void(double)> progress{};  /// called with the share done, 0 to 1; may be empty
+  double tolerance = 1e-9;                 ///< Largest difference allowed, as Accuracy has it.
+  std::function<void(double)> progress{};  ///< Called with the share done, 0 to 1; may be empty.
 };
 
 /// How far two solutions of different order and step lie apart: the largest distance of a particle's
 /// positions divided by the scene's diagonal, and of its velocities divided by `Truth::speed`.
 struct Accuracy {
-  double t = 0;  ///< s
+  double t = 0;  ///< Time, in s.
   double position = 0;
   double velocity = 0;
 
@@ -30,16 +30,16 @@ struct Accuracy {
 };
 
 struct Truth {
-  std::vector<Frame> frames{};       ///< at the times to save
-  std::vector<Accuracy> accuracy{};  ///< at the same times
-  Accuracy reached{};                ///< the worst of each over all of them, and where that was
-  double diagonal = 0;               ///< m
-  double speed = 0;                  ///< m/s: the greater of sqrt(g diagonal) and the fastest start
-  double velocity_change = 0;   ///< m/s, by which the start's velocities were changed to not pull on rods
-  double energy_drift = 0;      ///< largest change between times saved, relative to energy_range(); no drag
-  std::uint64_t steps = 0;      ///< of the more accurate solution
-  std::uint64_t rows = 0;       ///< equations of rods that close loops
-  std::uint64_t redundant = 0;  ///< of those, at the end, how many the others imply
+  std::vector<Frame> frames{};       ///< States at the times to save.
+  std::vector<Accuracy> accuracy{};  ///< Accuracies at the same times.
+  Accuracy reached{};                ///< The worst of each over all of them, and when that was.
+  double diagonal = 0;               ///< Diagonal of the scene, in m.
+  double speed = 0;                  ///< The greater of sqrt(g diagonal) and the fastest start, in m/s.
+  double velocity_change = 0;  ///< Change of the start's velocities so that none pulls on a rod, in m/s.
+  double energy_drift = 0;  ///< Largest change between times saved, relative to energy_range(); without drag.
+  std::uint64_t steps = 0;  ///< Steps of the more accurate solution.
+  std::uint64_t rows = 0;   ///< Equations of rods that close loops.
+  std::uint64_t redundant = 0;  ///< How many of those the others imply, at the end.
 };
 
 /// Throws InputError for a scene or plan that makes no sense or rods that start off their length, and

@@ -7,9 +7,11 @@
 
 namespace plumb {
 
-/// Bad input: the message names the particle, rod or setting and the reason. Thrown before anything changes.
+/// Bad input. The message names the particle, rod or setting and the reason. It is thrown before anything
+/// changes.
 class PLUMB_VISIBLE InputError : public std::invalid_argument {
  public:
+  /// Keeps the message, one sentence or more.
   explicit InputError(const std::string& what) : std::invalid_argument(what) {}
 };
 

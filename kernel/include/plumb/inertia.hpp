@@ -8,48 +8,60 @@
 
 namespace plumb {
 
-/// A symmetric 3x3 tensor of inertia, kg m².
+/// A symmetric 3x3 tensor of inertia, in kg m².
 struct Inertia {
-  double xx = 0, yy = 0, zz = 0;
-  double xy = 0, xz = 0, yz = 0;
+  double xx = 0;  ///< Diagonal entry, in kg m².
+  double yy = 0;  ///< Diagonal entry, in kg m².
+  double zz = 0;  ///< Diagonal entry, in kg m².
+  double xy = 0;  ///< Entry of the tensor, in kg m²: minus the integral of x y over the mass.
+  double xz = 0;  ///< Entry of the tensor, in kg m².
+  double yz = 0;  ///< Entry of the tensor, in kg m².
 
+  /// Whether all entries are equal.
   friend constexpr bool operator==(const Inertia&, const Inertia&) = default;
 };
 
-/// What a rigid body weighs: mass in kg, centre of mass in m, inertia about that centre in the axes given.
+/// What a rigid body weighs.
 struct MassProperties {
-  double mass = 0;
-  Vec3 center{};
-  Inertia inertia{};
+  double mass = 0;    ///< Mass, in kg.
+  Vec3 center{};      ///< Centre of mass, in m.
+  Inertia inertia{};  ///< About that centre, in kg m², in the axes given.
 };
 
 /// A particle for its mass alone.
 struct PointMass {
-  Vec3 position{};  ///< m
-  double mass = 0;  ///< kg
+  Vec3 position{};  ///< Position, in m.
+  double mass = 0;  ///< Mass, in kg.
 };
 
-/// Of a set of points: centre by thesis eq. 2.2, inertia by eq. 2.13 and 4.1, about the centre. A set without
-/// mass has its centre at the origin. Throws InputError on a mass that is negative or anything not finite,
-/// with the number of the point.
+/// Weighs a set of points: centre by thesis eq. 2.2, inertia about it by eq. 2.13 and 4.1.
+///
+/// A set without mass has its centre at the origin. Throws InputError with the number of a point whose mass
+/// is negative or that is not finite.
 PLUMB_API MassProperties mass_properties(std::span<const PointMass> points);
 
-/// Of solids of even density, centred on the origin, by the integrals of thesis eq. 4.2 to 4.4. Lengths in m,
-/// mass in kg; the axis of cylinders and capsules is x. Throw InputError on a size that is not positive and
-/// finite, or a mass that is negative or not finite.
+/// Weighs a cylinder of even density, centred on the origin with its axis along x (thesis eq. 4.2 to 4.4).
+///
+/// Lengths are in m, mass is in kg. All four solids throw InputError on a size that is not positive and
+/// finite, and on a mass that is negative or not finite.
 PLUMB_API MassProperties solid_cylinder(double mass, double radius, double length);
+/// Weighs a box with sides `size` (m) along the axes.
 PLUMB_API MassProperties solid_box(double mass, Vec3 size);
+/// Weighs a ball of `radius` (m).
 PLUMB_API MassProperties solid_sphere(double mass, double radius);
-/// A cylinder of `length` with half a sphere on either end.
+/// Weighs a cylinder of `length` (m) along x with half a sphere on either end.
 PLUMB_API MassProperties solid_capsule(double mass, double radius, double length);
 
-/// The inertia about another point, `offset` (m) away from the centre of mass (parallel axes).
+/// The inertia about another point, `offset` (m) away from the centre of mass, by the theorem of parallel
+/// axes.
 PLUMB_API Inertia inertia_about(const MassProperties& body, Vec3 offset);
 
-/// Four points of equal mass with exactly the mass, the centre of mass and the inertia given: a tetrahedron
-/// whose sides are those of a cube, stretched along the principal axes. A flat body has them in a plane, a
-/// thin one on a line. Throws InputError on a mass that is not positive and finite, anything else not finite,
-/// or an inertia that no body has: of whose principal moments one is larger than the other two together.
+/// Four points of equal mass with exactly the mass, the centre of mass and the inertia given.
+///
+/// They are a regular tetrahedron, stretched along the principal axes. A flat body has them in a plane, a
+/// thin one on a line. Throws InputError on a mass that is not positive and finite, and on anything else that
+/// is not finite. It also refuses an inertia that no body has: one principal moment exceeds the sum of the
+/// others.
 PLUMB_API std::array<PointMass, 4> four_points(const MassProperties& body);
 
 }  // namespace plumb

@@ -10,45 +10,53 @@
 
 namespace plumb {
 
-/// Relative stretch, (current length − rest length) / rest length, over all rods of a scene.
+/// Strain, (current length − rest length) / rest length, over all rods of a scene. Files and reports call it
+/// stretch.
 struct Stretch {
-  double rms = 0;
-  double max = 0;             ///< largest absolute value
-  std::uint32_t max_rod = 0;  ///< the rod that has it, in the scene's order
+  double rms = 0;             ///< Root mean square, without a unit.
+  double max = 0;             ///< Largest absolute value, without a unit.
+  std::uint32_t max_rod = 0;  ///< The rod that has it, in the scene's order.
 };
+/// Measures the strain of a scene's rods at `positions` (m), one per particle. Throws InputError on another
+/// number of positions.
 PLUMB_API Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions);
 
-/// Energies in J; the potential is −Σ m g·x. What is exact for a consistent mass matrix differs from what
-/// lumped masses keep.
+/// Energies, in J. A consistent mass matrix and lumped masses keep different energies: measure with the model
+/// that moved the scene.
 struct Energy {
-  double kinetic = 0;
-  double potential = 0;
+  double kinetic = 0;    ///< Kinetic energy, in J.
+  double potential = 0;  ///< Potential energy −Σ m g·x, in J.
+  /// Their sum, in J.
   double total() const { return kinetic + potential; }
 };
+/// Measures energies at `positions` (m) and `velocities` (m/s), one each per particle. Throws InputError on
+/// another number of them.
 PLUMB_API Energy measure_energy(const Scene& scene, std::span<const Vec3> positions,
                                 std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
-/// Total mass × |g| × diagonal of the first bounding box, in J: what energy drift is relative to.
+/// Total mass × |g| × diagonal of the first bounding box, in J. Energy drift is relative to it.
 PLUMB_API double energy_range(const Scene& scene);
 
-/// Of the movable particles: linear momentum in kg·m/s, angular momentum about the origin in kg·m²/s,
-/// centre of mass in m.
+/// Momentum of the movable particles.
 struct Momentum {
-  Vec3 linear;
-  Vec3 angular;
-  Vec3 center_of_mass;
+  Vec3 linear;          ///< Linear momentum, in kg·m/s.
+  Vec3 angular;         ///< Angular momentum about the origin, in kg·m²/s.
+  Vec3 center_of_mass;  ///< Centre of mass, in m.
 };
+/// Measures momentum at `positions` (m) and `velocities` (m/s), one each per particle. Throws InputError on
+/// another number of them.
 PLUMB_API Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
                                     std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
-/// One saved instant of a trajectory or of a truth; arrays in the scene's particle order.
+/// One saved instant of a trajectory or of a truth, with arrays in the scene's particle order.
 struct Frame {
-  double t = 0;  ///< s
-  std::vector<Vec3> positions;
-  std::vector<Vec3> velocities;
+  double t = 0;                  ///< Time, in s.
+  std::vector<Vec3> positions;   ///< Positions, in m.
+  std::vector<Vec3> velocities;  ///< Velocities, in m/s.
 };
 
-/// RMS distance over all particles between positions and truth, in metres.
+/// Root mean square distance over all particles between positions and truth, in m. Throws InputError if the
+/// two differ in number.
 PLUMB_API double rms_distance(std::span<const Vec3> positions, std::span<const Vec3> truth);
 
 }  // namespace plumb

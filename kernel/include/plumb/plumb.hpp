@@ -1,18 +1,28 @@
-/// plumb: articulated things made of particles and rods.
+/// @file
+/// plumb: articulated things made of particles and rods. This header includes all headers of the kernel.
 ///
-///   plumb::Scene scene;                                   // describe: metres, kilograms, seconds
-///   scene.particles = {{.position = {0, 0, 0}, .fixed = true}, {.position = {1, 0, 0}, .mass = 1}};
-///   scene.rods = {{.a = 0, .b = 1}};
-///   plumb::World world(scene, {.substeps = 8});           // compile: islands, colours, layouts
-///   world.step(1.0 / 60);                                 // advance
-///   plumb::Vec3 tip = world.position(1);                  // read, in the scene's own order
+///     plumb::Scene scene;                                   // describe: metres, kilograms, seconds
+///     scene.particles = {{.position = {0, 0, 0}, .fixed = true}, {.position = {1, 0, 0}, .mass = 1}};
+///     scene.rods = {{.a = 0, .b = 1}};
+///     plumb::World world(scene, {.substeps = 8});           // compile: islands, colours, layouts
+///     world.step(1.0 / 60);                                 // advance
+///     plumb::Vec3 tip = world.position(1);                  // read, in the scene's own order
 ///
-/// scene.hpp     what is simulated           world.hpp     the compiled scene and its step
-/// settings.hpp  how it is simulated         measures.hpp  how wrong it is: stretch, energy, momentum, truth
-/// executor.hpp  whose threads do it         error.hpp     what is refused
-/// springs.hpp   which steps springs bear    inertia.hpp   what sets of points and solids weigh
-/// joints.hpp    bodies and joints of a scene  bounding.hpp  volumes around points, and whether they meet
-/// impact.hpp    two bodies that collide       version.hpp   which plumb this is
+/// - scene.hpp: what is simulated.
+/// - settings.hpp: how it is simulated.
+/// - world.hpp: the compiled scene and its step.
+/// - measures.hpp: how wrong it is, by strain, energy, momentum and truth.
+/// - executor.hpp: whose threads do it.
+/// - error.hpp: what is refused.
+/// - joints.hpp: bodies of a scene and the joints between them.
+/// - inertia.hpp: what sets of points and solids weigh.
+/// - version.hpp: which plumb this is.
+///
+/// The library plumb::reference adds the thesis's other methods and its geometry, in plumb/reference:
+/// - methods.hpp: makes springs, multipliers and Featherstone's method known.
+/// - springs.hpp: which steps springs bear.
+/// - bounding.hpp: volumes around points, and whether they overlap.
+/// - impact.hpp: two bodies that collide.
 #pragma once
 
 #include "plumb/error.hpp"

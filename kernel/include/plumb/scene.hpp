@@ -14,169 +14,194 @@
 
 namespace plumb {
 
-/// A point with mass. A fixed particle never moves by itself (inverse mass 0) and its mass is ignored.
+/// A point with mass. A fixed particle, an anchor, never moves by itself: its inverse mass is 0 and its mass
+/// is ignored.
 struct Particle {
-  Vec3 position{};  ///< m
-  Vec3 velocity{};  ///< m/s
-  double mass = 0;  ///< kg; a movable particle needs mass of its own or from its rods
-  bool fixed = false;
-  bool asleep = false;  ///< an island whose movable particles all are stands still until something touches it
+  Vec3 position{};     ///< Position, in m.
+  Vec3 velocity{};     ///< Velocity, in m/s.
+  double mass = 0;     ///< Mass in kg. A movable particle needs mass of its own or from its rods.
+  bool fixed = false;  ///< Whether it is an anchor.
+  bool asleep =
+      false;  ///< An island whose movable particles all sleep stands still until something touches it.
 };
 
-/// Keeps particles `a` and `b` at `length`. Its own mass lies along it: evenly, unless `center` and `inertia`
+/// Keeps particles `a` and `b` at `length`. Its own mass lies evenly along it, unless `center` and `inertia`
 /// say otherwise.
 struct Rod {
-  std::uint32_t a = 0;  ///< index into Scene::particles
-  std::uint32_t b = 0;  ///< index into Scene::particles
-  double length = 0;    ///< m; 0 means the distance between the two particles
-  double mass = 0;      ///< kg; 0 is a massless link
-  double center = 0.5;  ///< of its mass, as a fraction of the way from a to b
+  std::uint32_t a = 0;  ///< Index into Scene::particles.
+  std::uint32_t b = 0;  ///< Index into Scene::particles.
+  double length = 0;    ///< Length in m; 0 means the distance between the two particles.
+  double mass = 0;      ///< Mass in kg; 0 is a massless link.
+  double center = 0.5;  ///< Centre of its mass, as a fraction of the way from a to b.
   std::optional<double>
-      inertia{};  ///< kg m^2, about its centre of mass; none: evenly spread, mass length^2/12
-  /// Of the air, in 1/s: a rod's velocity along its axis and across it decays at these rates (thesis 2.1.5,
-  /// 2.1.6).
+      inertia{};  ///< About its centre of mass, in kg m². None: evenly spread, mass · length²/12.
+  /// Rate at which air slows the rod along its axis, in 1/s (thesis 2.1.5).
   double linear_drag = 0;
+  /// Rate at which air slows the rod across its axis, in 1/s (thesis 2.1.6).
   double orthogonal_drag = 0;
 };
 
-/// A place that moves with a limb: a weighted mean of up to four particles. Weights add up to 1 (to 1e-9); a
-/// place outside has negative ones. Slots with weight 0 are not read.
+/// A place that moves with a body or a rod: a weighted mean of up to four particles.
+///
+/// Weights add up to 1, to within 1e-9. A place outside has negative weights. Slots with weight 0 are not
+/// read.
 struct Point {
-  std::array<std::uint32_t, 4> particles{};
-  std::array<double, 4> weights{};
+  std::array<std::uint32_t, 4> particles{};  ///< Indices into Scene::particles.
+  std::array<double, 4> weights{};           ///< Weights, in the order of `particles`.
 };
 
-/// A rigid limb with a full tensor of inertia on four particles that do not lie in one plane; they are kept
-/// apart by rods, which the scene lists like all others (add_body()): six, less those between two fixed
-/// particles. Its mass acts on them by the exact kinetic energy, as that of a rod does on its two
-/// (body_mass()), and adds to masses of their own.
+/// A rigid solid with a full tensor of inertia, carried by four particles that do not lie in one plane.
+///
+/// Rods keep the four apart, and the scene lists these like all others (add_body()): six, less those between
+/// two fixed particles. The body's mass acts on the four by the exact kinetic energy (body_mass()). It adds
+/// to masses of their own.
 struct Body {
-  std::array<std::uint32_t, 4> particles{};
-  double mass = 0;    ///< kg
-  Vec3 center{};      ///< m, of mass, as the scene stands
-  Inertia inertia{};  ///< kg m², about that centre, in the axes of space as the scene stands
+  std::array<std::uint32_t, 4> particles{};  ///< Indices into Scene::particles.
+  double mass = 0;                           ///< Mass, in kg.
+  Vec3 center{};                             ///< Centre of mass, in m, as the scene stands.
+  Inertia inertia{};  ///< About that centre, in kg m², in the axes of space, as the scene stands.
 };
 
-/// Two places that coincide: a spherical joint that is not at a shared particle.
+/// A ball joint: two places that coincide and need not be at a shared particle.
 struct Pin {
-  Point a{}, b{};
+  Point a{};  ///< A place on one side.
+  Point b{};  ///< The place on the other side.
 };
 
-/// From one place to another: of the same limb, if its angle with another is meant; of two limbs, if it is
-/// their distance along another.
+/// From one place to another. Both belong to one body if its angle with another is meant, and to two bodies
+/// if their distance along another direction is meant.
 struct Direction {
-  Point from{}, to{};
+  Point from{};  ///< Where it starts.
+  Point to{};    ///< Where it ends.
 };
 
 /// Keeps the dot product of two directions (m²) as it is in the scene: a right angle, or a place in a plane.
-/// One of the two may be of length zero, as that from a place in the plane to another.
+/// One of the two may have length zero, as that from a place in the plane to another.
 struct Alignment {
-  Direction u{}, v{};
+  Direction u{};  ///< One direction.
+  Direction v{};  ///< The other.
 };
 
-/// What acts on the angle between two directions, which is in (0, pi): limits, dry friction, and a drive
-/// towards a pose. Right angles are told best; near 0 and pi, where an angle has no derivative, not well.
+/// What acts on the angle between two directions: limits, dry friction, and a drive towards a pose.
+///
+/// The angle is in (0, pi). Right angles are measured best; near 0 and pi an angle has no derivative and is
+/// measured badly.
 struct AngleControl {
-  Direction u{}, v{};
-  double lower = 0, upper = std::numbers::pi;  ///< rad
-  double friction = 0;                         ///< N m; the most that friction holds against
-  double target = std::numbers::pi / 2;        ///< rad, of the drive
-  double stiffness = 0;                        ///< N m/rad; 0: no drive
-  double damping = 0;                          ///< N m s/rad
+  Direction u{};                         ///< One direction.
+  Direction v{};                         ///< The other.
+  double lower = 0;                      ///< Least angle, in rad.
+  double upper = std::numbers::pi;       ///< Largest angle, in rad.
+  double friction = 0;                   ///< Largest torque that dry friction holds against, in N m.
+  double target = std::numbers::pi / 2;  ///< Angle that the drive seeks, in rad.
+  double stiffness = 0;                  ///< Stiffness of the drive, in N m/rad; 0 means no drive.
+  double damping = 0;                    ///< Damping of the drive, in N m s/rad.
 };
 
 /// How something feels when touched. Of two surfaces the larger restitution counts, and the geometric mean of
 /// their friction.
 struct Surface {
-  double friction = 0.5;   ///< Coulomb's coefficient
-  double restitution = 0;  ///< 0 to 1; thesis eq. 2.32
+  double friction = 0.5;   ///< Coulomb's coefficient.
+  double restitution = 0;  ///< Share of the normal velocity that is kept, 0 to 1 (thesis eq. 2.32).
 };
 
-/// The shape of a limb: all that is within `radius` of the line between two places; a sphere if they are the
-/// same.
+/// A shape: all that is within `radius` of the line between two places. It is a sphere if they are the same.
 struct Capsule {
-  Point a{}, b{};
-  double radius = 0;  ///< m
-  Surface surface{};
+  Point a{};          ///< One end of the line.
+  Point b{};          ///< The other end.
+  double radius = 0;  ///< Radius, in m.
+  Surface surface{};  ///< How it feels.
 };
 
-/// Solid ground: everything below it, normal·x < offset.
+/// Solid ground: everything with normal·x < offset.
 struct Plane {
-  Vec3 normal{0, 1, 0};  ///< of length one
-  double offset = 0;     ///< m
-  Surface surface{};
+  Vec3 normal{0, 1, 0};  ///< Unit vector out of the ground.
+  double offset = 0;     ///< Distance of the surface from the origin along the normal, in m.
+  Surface surface{};     ///< How it feels.
 };
 
 /// A solid box that does not move.
 struct Box {
-  Vec3 center{};                                  ///< m
-  Vec3 half_size{};                               ///< m
-  std::array<double, 4> orientation{1, 0, 0, 0};  ///< unit quaternion w, x, y, z
-  Surface surface{};
+  Vec3 center{};                                  ///< Centre, in m.
+  Vec3 half_size{};                               ///< Half of its sides, in m.
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< Unit quaternion w, x, y, z.
+  Surface surface{};                              ///< How it feels.
 };
 
-/// How a rod's mass acts on its two ends: as point masses there, with the right centre of mass but the
-/// inertia of a dumbbell (the thesis), or by its exact kinetic energy, that of a straight thin rod.
+/// How a rod's mass acts on its two ends.
+///
+/// `lumped` puts point masses there, with the right centre of mass but the inertia of a dumbbell (the
+/// thesis). `consistent` takes the exact kinetic energy of a straight thin rod.
 enum class MassModel : std::uint8_t { lumped, consistent };
 
 /// What a user describes, in double precision and in the user's own order.
 struct Scene {
-  std::vector<Particle> particles;
-  std::vector<Rod> rods;
-  Vec3 gravity{0, -9.81, 0};  ///< m/s²
-  double drag = 0;            ///< 1/s; velocities decay as exp(-drag·t)
-  /// 1/s; what an island does but for moving as a rigid whole decays at this rate: friction in all joints
-  /// alike, which keeps momentum and angular momentum.
+  std::vector<Particle> particles;  ///< Particles; rods and points name them by index.
+  std::vector<Rod> rods;            ///< Rods between them.
+  Vec3 gravity{0, -9.81, 0};        ///< Acceleration, in m/s².
+  double drag = 0;                  ///< Rate in 1/s; velocities decay as exp(-drag · t).
+  /// Rate in 1/s at which an island loses all motion but that of a rigid whole. It acts as friction in all
+  /// joints alike, and keeps momentum and angular momentum.
   double joint_drag = 0;
 
-  std::vector<Body> bodies{};
-  std::vector<Pin> pins{};
-  std::vector<Alignment> alignments{};
-  std::vector<AngleControl> angles{};
-  std::vector<Capsule> capsules{};
-  std::vector<Plane> planes{};
-  std::vector<Box> boxes{};
+  std::vector<Body> bodies{};           ///< Rigid solids.
+  std::vector<Pin> pins{};              ///< Ball joints.
+  std::vector<Alignment> alignments{};  ///< Dot products that are kept.
+  std::vector<AngleControl> angles{};   ///< Limits, friction and drives of angles.
+  std::vector<Capsule> capsules{};      ///< Shapes that move with the islands.
+  std::vector<Plane> planes{};          ///< Ground.
+  std::vector<Box> boxes{};             ///< Solid boxes that do not move.
 };
 
-/// Whether it has more than particles and rods: limbs that touch, bodies, joints, air on rods or sleepers.
-/// Methods direct and automatic alone move such a scene.
+/// Whether a scene has more than particles and rods: shapes, bodies, joints, air on rods or sleepers. Methods
+/// direct and automatic alone move such a scene.
 PLUMB_API bool is_articulated(const Scene& scene);
 
-/// Refuses a scene that cannot be simulated; throws InputError naming the particle, rod, body, joint or shape
-/// by its number, and the reason:
-/// non-finite numbers, negative mass or drag, a movable particle without mass, an unknown particle,
-/// a rod from a particle to itself, zero or negative length, a duplicate rod, a rod with both ends fixed;
-/// a body whose particles are in one plane (their volume 1e-9 of their size cubed) or lack a rod, or whose
-/// inertia is not that of a solid; weights of a point that do not add up to 1; a pin or an alignment of
-/// nothing that moves; an angle without directions or with limits outside [0, pi]; a negative radius, size or
-/// friction; a normal or a quaternion that is not of length one (to 1e-9); restitution outside [0, 1].
+/// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, body,
+/// joint or shape, and the reason.
+///
+/// Of particles and rods it refuses:
+/// - numbers that are not finite, negative mass or drag, a movable particle without mass;
+/// - an unknown particle, a rod from a particle to itself, a duplicate rod, a rod with both ends fixed;
+/// - zero or negative length.
+///
+/// Of bodies, joints and shapes it refuses:
+/// - a body whose particles lie in one plane (their volume is below 1e-9 of their size cubed) or lack a rod;
+/// - inertia that no solid has;
+/// - weights of a point that do not add up to 1;
+/// - a ball joint or an alignment of nothing that moves;
+/// - an angle without directions, or with limits outside [0, pi];
+/// - negative radius, size or friction, and restitution outside [0, 1];
+/// - a normal or a quaternion that is not of length one, to within 1e-9.
 PLUMB_API void validate(const Scene& scene);
 
-/// The length of rod `i` in metres, with the default (distance between its particles) filled in.
+/// The length of rod `i` in m, with the default (distance between its particles) filled in.
 PLUMB_API double rod_length(const Scene& scene, std::size_t i);
 
-/// The mass matrix of a rod on its ends, in kg: its kinetic energy is aa/2 va·va + ab va·vb + bb/2 vb·vb.
-/// Consistent: with s the fraction of the way from a to b, aa, ab and bb are the integrals of (1-s)^2, s(1-s)
-/// and s^2 over its mass; evenly spread, mass/6 [[2, 1], [1, 2]]. Lumped: ab is 0.
+/// The mass matrix of a rod on its ends, in kg. Its kinetic energy is aa/2 va·va + ab va·vb + bb/2 vb·vb.
 struct RodMass {
-  double aa = 0;
-  double ab = 0;
-  double bb = 0;
+  double aa = 0;  ///< Of the first end.
+  double ab = 0;  ///< Between the ends.
+  double bb = 0;  ///< Of the second end.
 };
+/// The mass matrix of rod `i` on its ends.
+///
+/// Consistent: with s the fraction of the way from a to b, the entries are the integrals of (1-s)², s(1-s)
+/// and s² over its mass. An evenly spread mass gives mass/6 [[2, 1], [1, 2]]. Lumped: ab is 0.
 PLUMB_API RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
 
-/// The mass matrix of body `i` on its four particles, in kg: with M_jk its entries, the kinetic energy is
-/// half the sum of M_jk v_j·v_k over all j and k, exactly that of the solid. A place x that moves with the
-/// body has barycentric weights w_j(x) = a_j + b_j·(x - center), so M_jk, the integral of w_j w_k over the
-/// mass, is mass a_j a_k + b_jᵀ S b_k, with S = tr(inertia)/2 1 - inertia its second moments about the
-/// centre, kg m². The particles must not lie in one plane, as validate() has it.
+/// The 4 x 4 mass matrix of body `i` on its four particles, in kg.
+///
+/// With M_jk its entries, the kinetic energy is half the sum of M_jk v_j·v_k over all j and k, exactly that
+/// of the solid. A place x that moves with the body has barycentric weights w_j(x) = a_j + b_j·(x - center).
+/// M_jk integrates w_j w_k over the mass: mass a_j a_k + b_jᵀ S b_k. S = tr(inertia)/2 1 - inertia holds the
+/// second moments about the centre, in kg m². validate() says which particles a body may have.
 PLUMB_API std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i);
 
-/// Mass of every particle in kg with its share of the lumped mass of its rods and a quarter of its bodies'.
-/// Fixed particles get infinity.
+/// Mass of every particle in kg, with its share of the lumped mass of its rods and a quarter of its bodies'.
+/// Anchors get infinity.
 PLUMB_API std::vector<double> lumped_masses(const Scene& scene);
 
-/// Diagonal of the axis-aligned box around all particles, in metres: the length errors are relative to.
+/// Diagonal of the axis-aligned box around all particles, in m. Errors are relative to it.
 PLUMB_API double bounding_diagonal(const Scene& scene);
 
 }  // namespace plumb

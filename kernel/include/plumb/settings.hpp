@@ -12,21 +12,27 @@ namespace plumb {
 
 class Executor;
 
-/// How rods are kept at their length. `relax`: one after the other (thesis §3.2). `direct`: all rods of an
-/// island at once, to rounding. `automatic` picks between the two for every island. The others are those that
-/// the thesis compares with, in double and on one thread: stiff springs (§3.3), Lagrange multipliers (§3.4)
-/// and Featherstone's articulated bodies (§3.5).
+/// How rods are kept at their length.
+///
+/// `relax` corrects one rod after the other (thesis §3.2). `direct` solves all rods of an island at once, to
+/// rounding. `automatic` picks between these two for every island. The others are what the thesis compares
+/// with: stiff springs (§3.3), Lagrange multipliers (§3.4) and Featherstone's articulated bodies (§3.5). They
+/// run in double on one thread, and need plumb::reference and register_reference_methods().
 enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
 
-/// Where on the way from the old to the new configuration a correction's direction is taken:
-/// the new position (the thesis's projection: first order, damps), the old one (SHAKE: second order,
-/// breaks when h > 2/omega_max), or the middle (second order, as in energy-momentum
-/// schemes; relaxed, it keeps energy to second order).
+/// Where on the way from the old to the new configuration a correction's direction is taken.
+///
+/// `new_` takes the new position: the thesis's projection, of first order, which damps. `old` takes the old
+/// one: SHAKE, of second order, which breaks when a substep h exceeds 2/omega_max of the fastest wave. `mid`
+/// takes the middle: the energy–momentum scheme, of second order. Solved directly, it keeps energy to
+/// rounding; relaxed, it keeps energy to second order.
 enum class Gradient : std::uint8_t { new_, old, mid };
 
-/// How springs, multipliers and featherstone go through time: forward Euler (thesis eq. 3.13), Euler with the
-/// new velocities, the midpoint rule, classical Runge–Kutta; for springs also backward Euler, linearised
-/// (eq. 3.16–3.22), in equal steps or in steps that keep Settings::accuracy.
+/// How springs, multipliers and featherstone go through time.
+///
+/// In this order: forward Euler (thesis eq. 3.13), Euler with the new velocities, the midpoint rule,
+/// classical Runge–Kutta. Springs also have linearised backward Euler (eq. 3.16–3.22), in equal steps or in
+/// steps that keep Settings::accuracy.
 enum class Integrator : std::uint8_t {
   explicit_euler,
   semi_implicit_euler,
@@ -36,105 +42,121 @@ enum class Integrator : std::uint8_t {
   adaptive_implicit_euler
 };
 
-/// What the springs of method springs hold together: rods, rigid bodies with an orientation each, at their
-/// joints (thesis §4.4.1), or particles at the rods' lengths (figure 3.13).
+/// What the springs of method springs hold together. `rigid_rods` are rods with an orientation each, which
+/// springs hold at their joints (thesis §4.4.1). `particles` are held at the rods' lengths (figure 3.13).
 enum class SpringModel : std::uint8_t { rigid_rods, particles };
 
+/// What every spring of method springs is like.
 struct SpringSettings {
-  SpringModel model = SpringModel::rigid_rods;
-  double stiffness = 1e4;  ///< N/m, of every spring
-  /// Of every spring, relative to the critical damping of the two masses it joins: 2 sqrt(stiffness · reduced
-  /// mass).
+  SpringModel model = SpringModel::rigid_rods;  ///< What springs hold together.
+  double stiffness = 1e4;                       ///< Stiffness of every spring, in N/m.
+  /// Damping of every spring, as a share of the critical damping of the two masses it joins. Critical is
+  /// 2 sqrt(stiffness · reduced mass).
   double damping_ratio = 0.1;
 
+  /// Whether all members are equal.
   friend constexpr bool operator==(const SpringSettings&, const SpringSettings&) = default;
 };
 
-/// What method multipliers does against drift, since accelerations alone are kept: nothing, Baumgarte's
-/// feedback, or a projection of positions and velocities after every substep.
+/// What method multipliers does against drift, since it keeps accelerations alone. It does nothing, it feeds
+/// violations back (Baumgarte), or it projects positions and velocities after every substep.
 enum class Stabilization : std::uint8_t { none, baumgarte, projection };
 
+/// How method multipliers keeps rods at their length.
 struct MultiplierSettings {
-  Stabilization stabilization = Stabilization::projection;
-  double baumgarte_rate = 10;  ///< 1/s, at which a violation decays, critically damped
+  Stabilization stabilization = Stabilization::projection;  ///< What is done against drift.
+  double baumgarte_rate = 10;  ///< Rate at which a violation decays, critically damped, in 1/s.
 
+  /// Whether all members are equal.
   friend constexpr bool operator==(const MultiplierSettings&, const MultiplierSettings&) = default;
 };
 
-/// Which share of a correction each end takes: by inverse mass (thesis eq. 4.7) or half each (eq. 4.6).
+/// Which share of a correction each end takes. `mass` shares by inverse mass (thesis eq. 4.7); `equal` gives
+/// half to each (eq. 4.6), which is another motion where masses differ.
 enum class Weights : std::uint8_t { mass, equal };
 
-/// Gauss–Seidel visits colour after colour; Jacobi corrects all rods from the same positions, each particle's
-/// mass split over its rods so that it converges and keeps momentum.
+/// In which order a sweep visits rods. Gauss–Seidel visits colour after colour. Jacobi corrects all rods from
+/// the same positions; it splits each particle's mass over its rods, so that it converges and keeps momentum.
 enum class SweepOrder : std::uint8_t { gauss_seidel, jacobi };
 
+/// In which numbers a world computes. A scene is always described in double.
 enum class Precision : std::uint8_t { single, double_ };
 
-/// How particles lie in memory; `automatic` picks by shape.
+/// How particles lie in memory (layouts/README.md); `automatic` picks by an island's shape.
 enum class LayoutChoice : std::uint8_t { automatic, aos, soa, aosoa };
 
-/// Instruction sets with a compiled body. Every one gives the same bits.
+/// Instruction sets with a compiled body. Every one of them gives the same bits.
 enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512 };
 
-/// All of them, slowest first, whether this processor runs them or not.
+/// All instruction sets, slowest first, whether this processor runs them or not.
 PLUMB_API std::span<const Isa> all_isas();
-/// Whether this processor runs it and this build holds it; `scalar` always is.
+/// Whether this processor runs `isa` and this build holds it; `scalar` is always supported.
 PLUMB_API bool is_supported(Isa isa);
-/// The best that is supported.
+/// The best instruction set that is supported.
 PLUMB_API Isa best_isa();
 
-/// When to stop sweeping in a substep. Sweeps are never more than `sweeps`; a tolerance or a budget can stop
-/// earlier. What stopped sweeps is reported per step (StepReport::stopped_by).
+/// When to stop sweeping in a substep. A tolerance or a budget can stop earlier than `sweeps` does;
+/// StepReport::stopped_by says what did.
 struct StopRule {
-  std::uint32_t sweeps = 10;
-  /// Largest |stretch| allowed, relative to the rod's length. Method direct takes it for nets that it solves
-  /// by their lines, with gradient old or new and relative to their mean rod, between 1e-11 and 1e-2: if none
-  /// is set they are solved to 1e-11, and where an accuracy is set to a hundredth of that, at most 1e-6, or
-  /// to this if it is less. All else it solves to rounding whatever this is.
+  std::uint32_t sweeps = 10;  ///< Most sweeps a substep makes; at least 1.
+  /// Largest absolute strain allowed, relative to the rod's length. Relaxation stops when all rods of a block
+  /// are within it.
+  ///
+  /// Method direct uses it for nets that it solves by their lines, with gradient old or new, between 1e-11
+  /// and 1e-2 of their mean rod. Without a tolerance it solves them to 1e-11. Where an accuracy is set, the
+  /// bound is the least of the tolerance, a hundredth of the accuracy and 1e-6. All else is solved to
+  /// rounding.
   std::optional<double> tolerance{};
   std::optional<double>
-      budget_us{};  ///< microseconds of sweeping per step(); makes results depend on the clock
+      budget_us{};  ///< Most time of sweeping per step(), in microseconds. Results then depend on the clock.
 };
 
+/// How a scene is simulated. Settings that are not set stand for what gradient_of(), integrator_of() and
+/// mass_model_of() say.
 struct Settings {
-  Method method = Method::relax;
-  Precision precision = Precision::double_;  ///< islands with loops solved directly: double anyway
-  std::optional<Gradient> gradient{};  ///< none: new_, the thesis's, for relax; mid for direct; auto chooses
-  std::optional<MassModel> mass{};     ///< none: lumped for relax, which has no other; else consistent
-  Weights weights = Weights::mass;
-  SweepOrder order = SweepOrder::gauss_seidel;
-  double omega = 1;            ///< over-relaxation factor, in (0, 2)
-  std::uint32_t substeps = 1;  ///< h = dt / substeps; the fewest if accuracy is set
-  /// 2, 4 or 6, for direct with gradient old: every substep is put together from 1, 5 or 9 shorter ones, some
-  /// of them backwards (Suzuki 1990; Kahan and Li 1997), so that its error falls with that power of its
-  /// length.
+  Method method = Method::relax;             ///< What keeps rods at their length.
+  Precision precision = Precision::double_;  ///< Loops that are solved directly take double anyway.
+  std::optional<Gradient> gradient{};  ///< None: new_, the thesis's, for relax; mid for direct; auto chooses.
+  std::optional<MassModel> mass{};     ///< None: lumped for relax, which has no other; else consistent.
+  Weights weights = Weights::mass;     ///< How relaxation shares a correction.
+  SweepOrder order = SweepOrder::gauss_seidel;  ///< In which order relaxation visits rods.
+  double omega = 1;                             ///< Over-relaxation factor of a sweep, in (0, 2).
+  std::uint32_t substeps = 1;                   ///< h = dt / substeps; the fewest if an accuracy is set.
+  /// Order of direct's substeps with gradient old: 2, 4 or 6. The error falls with that power of their
+  /// length. A substep is composed of 1, 5 or 9 shorter ones, some backwards (Suzuki 1990; Kahan and Li
+  /// 1997).
   std::uint32_t time_order = 2;
-  /// For direct, and for springs with adaptive_implicit_euler: picks substeps so that the estimated error
-  /// grows by no more than this share of the scene's diagonal per second.
+  /// Largest growth of the estimated error per second, as a share of the scene's diagonal. It picks substeps,
+  /// for direct and for springs with adaptive_implicit_euler.
   std::optional<double> accuracy{};
-  StopRule stop{};
-  std::optional<Integrator> integrator{};  ///< none: semi_implicit_euler for springs, else rk4
-  SpringSettings springs{};
-  MultiplierSettings multipliers{};
-  /// Of scenes with limbs that touch: whether islands that rest sleep, and cost nothing until they are woken.
+  StopRule stop{};                         ///< When relaxation stops sweeping.
+  std::optional<Integrator> integrator{};  ///< None: semi_implicit_euler for springs, else rk4.
+  SpringSettings springs{};                ///< What method springs uses.
+  MultiplierSettings multipliers{};        ///< What method multipliers uses.
+  /// Whether islands that rest sleep, in scenes with shapes that touch. They cost nothing until they wake.
   bool sleep = true;
-  LayoutChoice layout = LayoutChoice::automatic;
-  std::optional<Isa> isa{};      ///< none: best_isa()
-  unsigned threads = 0;          ///< 0: as many as the executor offers; at most 64 are used
-  Executor* executor = nullptr;  ///< none: make_default_executor(). Must outlive the World.
+  LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.
+  std::optional<Isa> isa{};                       ///< None: best_isa().
+  unsigned threads = 0;                           ///< 0: as many as the executor offers. At most 64 are used.
+  Executor* executor = nullptr;  ///< None: that of make_default_executor(). It must outlive the World.
 };
 
-/// What settings that are not set stand for, which depends on the method.
+/// The gradient that settings stand for, which depends on the method if none is set.
 PLUMB_API Gradient gradient_of(const Settings& settings);
+/// The integrator that settings stand for, which depends on the method if none is set.
 PLUMB_API Integrator integrator_of(const Settings& settings);
+/// The mass model that settings stand for, which depends on the method if none is set.
 PLUMB_API MassModel mass_model_of(const Settings& settings);
 
-/// Throws InputError on settings that make no sense (omega outside (0, 2), no substeps, no sweeps, ...) or an
-/// instruction set that is not supported.
+/// Refuses settings that make no sense: omega outside (0, 2), no substeps, no sweeps and the like. Throws
+/// InputError with the setting and the reason, also for an instruction set that is not supported.
 PLUMB_API void validate(const Settings& settings);
-/// Throws InputError unless sweeps are at least 1, and tolerance and budget, if given, positive and finite.
+/// Refuses a rule without sweeps. Throws InputError also if a tolerance or a budget is not positive and
+/// finite.
 PLUMB_API void validate(const StopRule& rule);
 
+/// @{
+/// The name of a choice, as the command and its reports spell it.
 PLUMB_API std::string_view to_string(Method);
 PLUMB_API std::string_view to_string(Precision);
 PLUMB_API std::string_view to_string(Gradient);
@@ -146,5 +168,6 @@ PLUMB_API std::string_view to_string(SpringModel);
 PLUMB_API std::string_view to_string(Stabilization);
 PLUMB_API std::string_view to_string(LayoutChoice);
 PLUMB_API std::string_view to_string(Isa);
+/// @}
 
 }  // namespace plumb

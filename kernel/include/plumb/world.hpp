@@ -15,94 +15,99 @@
 
 namespace plumb {
 
-/// What ended the sweeps. When blocks or substeps differ, the latest in this list is reported.
+/// What ended the sweeps. Where blocks or substeps differ, the latest in this list is reported.
 enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
+/// The name of what ended the sweeps, as reports spell it.
 PLUMB_API std::string_view to_string(StoppedBy);
 
-/// What one step did and what it skipped. Counts add up over substeps and blocks (sets of rods solved
-/// together).
+/// What one step did and what it skipped. Counts add up over substeps and blocks.
 struct StepReport {
-  std::uint64_t substeps = 0;
-  std::uint64_t block_sweeps = 0;     ///< sweeps over a block, summed over blocks and substeps
-  std::uint64_t rod_projections = 0;  ///< rods projected, without padding
-  StoppedBy stopped_by = StoppedBy::nothing;
-  /// Blocks that were within tolerance after prediction and were not swept (times substeps).
+  std::uint64_t substeps = 0;                 ///< Substeps of the step, once for the world.
+  std::uint64_t block_sweeps = 0;             ///< Sweeps over a block, summed over blocks and substeps.
+  std::uint64_t rod_projections = 0;          ///< Rods projected, without padding.
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< What ended the sweeps.
+  /// Blocks, times substeps, that were within tolerance after prediction and were not swept.
   std::uint64_t skipped_within_tolerance = 0;
-  /// Substeps of a block in which gradient mid did not converge and velocity was taken from the step itself.
+  /// Substeps of a block in which gradient mid did not converge. Their velocity is that of the step itself.
   std::uint64_t mid_guarded = 0;
   /// Islands that went non-finite in this step. Each was put back to its last finite state and stands still.
   std::uint32_t frozen_islands = 0;
 
-  // Of islands solved directly; of what was done again for accuracy only `newton` counts, and that it was:
-  std::uint64_t direct_substeps = 0;  ///< substeps that islands took, those after halvings included
-  std::uint64_t newton = 0;           ///< Newton steps, summed over islands
-  std::uint64_t halvings = 0;         ///< times an island's substep did not converge and was cut in two
-  std::uint64_t fallbacks = 0;        ///< substeps taken with gradient new because nothing else converged
-  std::uint64_t repeated_steps = 0;   ///< steps of islands done again, finer, to be accurate enough
-  /// Substeps that not even that solved: the tree stayed where it was, an island with loops took its rods as
-  /// slightly elastic. Of multipliers: projections that did not converge.
+  // Of islands that are solved directly. Of what is repeated for accuracy, `newton` alone counts all
+  // attempts.
+  std::uint64_t direct_substeps = 0;  ///< Substeps that islands took, those after halvings included.
+  std::uint64_t newton = 0;           ///< Newton steps, summed over islands.
+  std::uint64_t halvings = 0;         ///< Substeps of an island that did not converge and were cut in two.
+  std::uint64_t fallbacks = 0;        ///< Substeps taken with gradient new because nothing else converged.
+  std::uint64_t repeated_steps = 0;   ///< Steps of islands that were repeated, finer, to be accurate enough.
+  /// Substeps that gradient new did not solve either. A tree then stays where it was; an island with loops
+  /// takes its rods as slightly elastic. Method multipliers counts projections that did not converge.
   std::uint64_t unsolved = 0;
-  /// Steps taken, of islands or by adaptive_implicit_euler, although shorter ones would not, or could not, be
-  /// accurate enough.
+  /// Steps taken although they were not accurate enough, because shorter ones could not be better. Islands
+  /// and adaptive_implicit_euler count here.
   std::uint64_t inaccurate_steps = 0;
 
-  // Of method springs, at the end of a step; of several steps or islands the worst:
-  double largest_gap = 0;  ///< m between ends of rigid rods that should meet (thesis figure 4.5)
-  double rms_gap = 0;      ///< m, over the joints of an island
+  // Of method springs, at the end of a step. Of several steps or islands the worst counts.
+  double largest_gap = 0;  ///< Largest gap between ends of rigid rods that should meet, in m (figure 4.5).
+  double rms_gap = 0;      ///< Root mean square of these gaps over the joints of an island, in m.
 
-  // Of scenes with limbs that touch:
-  std::uint64_t contacts = 0;        ///< points at which something pushed, at most in one group's substep
-  std::uint64_t guarded_energy = 0;  ///< substeps that would have gained energy, and were not let
-  std::uint32_t awake_islands = 0;   ///< at the end of the step
-  std::uint32_t fell_asleep = 0;     ///< islands, in this step
+  // Of scenes with shapes that touch.
+  std::uint64_t contacts = 0;        ///< Most points at which something pushed in one cluster's substep.
+  std::uint64_t guarded_energy = 0;  ///< Substeps that would have gained energy and were held back.
+  std::uint32_t awake_islands = 0;   ///< Islands awake at the end of the step.
+  std::uint32_t fell_asleep = 0;     ///< Islands that fell asleep in this step.
 
+  /// Adds the counts of another step and keeps the worst of what is not a count.
   PLUMB_API StepReport& operator+=(const StepReport& other);
 };
 
-/// How a scene was laid out, for `plumb info` and reports.
+/// How one block of a scene is laid out, for `plumb info` and reports.
 struct BlockInfo {
-  std::string shape;   ///< chain, grid, lanes (equal islands side by side), graph or linkage
-  std::string layout;  ///< aos, soa or aosoa
-  std::uint32_t islands = 0;
-  std::uint32_t particles = 0;
-  std::uint32_t rods = 0;
-  std::uint32_t colors = 0;
-  std::size_t bytes = 0;            ///< state and rods, with padding
-  double bytes_per_projection = 0;  ///< read and written by one rod's projection, before caching
-  double uniform_fraction = 0;      ///< share of rods that need no per-rod length and weights
+  std::string shape;                ///< chain, grid, lanes (equal islands side by side), graph or linkage.
+  std::string layout;               ///< aos, soa or aosoa.
+  std::uint32_t islands = 0;        ///< Islands in the block.
+  std::uint32_t particles = 0;      ///< Particles of these islands.
+  std::uint32_t rods = 0;           ///< Rods of these islands.
+  std::uint32_t colors = 0;         ///< Colours that a sweep visits.
+  std::size_t bytes = 0;            ///< Size of state and rods with padding, in bytes.
+  double bytes_per_projection = 0;  ///< Bytes that one rod's projection reads and writes, before any cache.
+  double uniform_fraction = 0;      ///< Share of rods that need no length and weights of their own.
 };
+/// How a scene was compiled, for `plumb info` and reports.
 struct WorldInfo {
-  std::uint32_t particles = 0;
-  std::uint32_t rods = 0;
-  std::uint32_t islands = 0;
-  Isa isa = Isa::scalar;
-  unsigned threads = 1;
-  bool parallel = false;           ///< false: one thread, or the scene is below the size where threads win
-  std::uint32_t relaxed_rods = 0;  ///< rods moved by method relax
-  std::uint32_t direct_rods = 0;   ///< rods moved by method direct
-  Gradient direct_gradient = Gradient::mid;  ///< the one that method direct takes
-  bool changes_gradient = false;             ///< some trees take mid while they move calmly
-  std::uint32_t direct_time_order = 2;  ///< and its time order; method automatic: of the first islands alike
-  std::uint32_t linkages = 0;           ///< kinds of islands in a scene with limbs, joints or contact; else 0
-  std::uint64_t skipped_per_rod_weights = 0;  ///< rods in uniform ranges: no weights or lengths are read
-  bool skipped_drag = true;                   ///< no drag: no factor on displacements
+  std::uint32_t particles = 0;     ///< Particles of the scene.
+  std::uint32_t rods = 0;          ///< Rods of the scene.
+  std::uint32_t islands = 0;       ///< Islands of the scene.
+  Isa isa = Isa::scalar;           ///< Instruction set in use.
+  unsigned threads = 1;            ///< Threads that may be used.
+  bool parallel = false;           ///< Whether they are: the scene is large enough for threads to win.
+  std::uint32_t relaxed_rods = 0;  ///< Rods moved by method relax.
+  std::uint32_t direct_rods = 0;   ///< Rods moved by method direct.
+  Gradient direct_gradient = Gradient::mid;  ///< Gradient that method direct takes.
+  bool changes_gradient = false;             ///< Whether some trees take mid while they move calmly.
+  std::uint32_t direct_time_order = 2;  ///< Time order of direct; under automatic that of the first islands.
+  std::uint32_t linkages = 0;  ///< Kinds of islands in a scene with bodies, joints or contact; else 0.
+  std::uint64_t skipped_per_rod_weights = 0;  ///< Rods in uniform ranges, whose weights are not read.
+  bool skipped_drag = true;                   ///< Whether no displacement is multiplied by drag.
   double projected_velocity =
-      0;  ///< m/s; largest change made to initial velocities so that none pulls on a rod
-  /// m; largest change made to positions so that rods start at their lengths, of islands that method direct
-  /// moves and that have no limbs.
+      0;  ///< Largest change of an initial velocity, in m/s, made so that none pulls on a rod.
+  /// Largest change of an initial position, in m, made so that rods start at their lengths. Method direct
+  /// makes it on islands without bodies or shapes.
   double projected_position = 0;
-  std::uint32_t unprojected_islands = 0;  ///< of those, where that could not be solved: they stay as they are
-  std::vector<BlockInfo> blocks;          ///< equal blocks are listed once, with their sums
+  std::uint32_t unprojected_islands = 0;  ///< Islands where that could not be solved, which stay as they are.
+  std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
 };
 
 class World;
 
-/// Positions (m) or velocities (m/s) of a World in the scene's particle order, read in place: nothing is
-/// copied, and what is read is always the present state. Valid while the world lives and is not moved.
+/// Positions (m) or velocities (m/s) of a World in the scene's particle order, read in place.
+///
+/// Nothing is copied, and what is read is always the present state. A view is valid while the world lives and
+/// is not moved.
 class StateView {
  public:
-  std::size_t size() const;
-  Vec3 operator[](std::uint32_t particle) const;  ///< throws InputError on an unknown particle
+  std::size_t size() const;                       ///< Number of particles.
+  Vec3 operator[](std::uint32_t particle) const;  ///< Throws InputError on an unknown particle.
 
  private:
   friend class World;
@@ -115,57 +120,66 @@ class StateView {
 
 /// A scene compiled for stepping.
 ///
-/// Methods relax and direct: state per particle is the position and the displacement of the last substep,
-/// never two positions: a float position minus a float position loses g·h² below one unit in the last place.
+/// Under methods relax and direct the state of a particle is its position and the displacement of the last
+/// substep. Two stored positions would lose g·h² below one unit in the last place of a float.
 ///
-/// Not thread-safe: one thread at a time. The world keeps no reference to the scene.
+/// A world is not thread-safe: one thread at a time may use it, reading included, since velocities are
+/// computed when they are first read. Different worlds may be used at the same time. A world keeps no
+/// reference to its scene.
 class PLUMB_API World {
  public:
-  /// Throws InputError (see validate(); also if numbers do not fit the precision or 32-bit places, or if the
-  /// method cannot move the scene), and leaves nothing behind.
+  /// Compiles a scene. Throws InputError if validate() refuses the scene or the settings, if numbers do not
+  /// fit the precision or 32-bit places, or if the method cannot move the scene. It then leaves nothing
+  /// behind.
   explicit World(const Scene& scene, const Settings& settings = {});
   ~World();
-  World(World&&) noexcept;
-  World& operator=(World&&) noexcept;
+  World(World&&) noexcept;             ///< Moves the world; views of it become invalid.
+  World& operator=(World&&) noexcept;  ///< Moves the world; views of both become invalid.
 
-  /// Advances by dt seconds in Settings::substeps equal substeps; with an accuracy in as many as it takes.
-  /// Throws InputError if dt is not positive and finite. Methods relax, direct and auto allocate nothing
-  /// after the first call, but to freeze an island, when an island with loops solved directly has to fall
-  /// back for the first time (a net with any gradient; others with gradient old and lumped masses), and for
-  /// the first anchor that moves; where limbs may touch, until no more of them touch at once than before.
+  /// Advances by `dt` seconds, in Settings::substeps equal substeps; with an accuracy, in as many as it
+  /// takes. Throws InputError if `dt` is not positive and finite.
+  ///
+  /// Methods relax, direct and auto allocate nothing after the first call, but for four firsts. An island
+  /// freezes; an island with loops falls back; an anchor moves; more shapes touch at once than ever before.
   StepReport step(double dt);
 
-  /// Changes that take effect at the next step. Layout, precision, instruction set and threads stay. Throws
-  /// InputError on a rule that makes no sense.
+  /// Changes the rule from the next step on. Layout, precision, instruction set and threads stay. Throws
+  /// InputError on a rule that makes no sense, or that no island reads.
   void set_stop_rule(const StopRule& rule);
+  /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
 
-  /// A constant force in N on a movable particle, kept until changed. Throws InputError on an unknown or
-  /// fixed particle or a force that is not finite.
+  /// Sets a constant force, in N, on a movable particle, which stays until it is changed. Throws InputError
+  /// on an unknown or fixed particle or a force that is not finite.
   void set_force(std::uint32_t particle, Vec3 force);
-  /// Moves a fixed particle to `target` (m) during the next step, along a straight line, a substep at a time.
-  /// Throws InputError on an unknown or movable particle or a target that is not finite.
+  /// Moves an anchor to `target` (m) during the next step, along a straight line, a substep at a time. Throws
+  /// InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
 
-  std::uint32_t particle_count() const;
-  std::uint32_t rod_count() const;
-  double time() const;  ///< s
+  std::uint32_t particle_count() const;  ///< Particles of the scene.
+  std::uint32_t rod_count() const;       ///< Rods of the scene.
+  double time() const;                   ///< Simulated time, in s.
 
-  /// State in the scene's particle order, one by one, as views, or copied into `out`, which must have
-  /// particle_count() elements. Throws InputError on an unknown particle or an `out` of another size.
-  /// Velocities are those at the end of the step, as accurate as the positions,
-  /// second order for relax.
+  /// Positions in m, in the scene's order, as a view.
   StateView positions() const { return {*this, StateView::Field::position}; }
+  /// Velocities in m/s at the end of the step, in the scene's order, as a view. They are as accurate as the
+  /// positions, of second order for relax.
   StateView velocities() const { return {*this, StateView::Field::velocity}; }
+  /// Copies positions (m) into `out`. Throws InputError unless it has particle_count() elements.
   void copy_positions(std::span<Vec3> out) const;
+  /// Copies velocities (m/s) into `out`. Throws InputError unless it has particle_count() elements.
   void copy_velocities(std::span<Vec3> out) const;
+  /// Position of a particle, in m. Throws InputError on an unknown one.
   Vec3 position(std::uint32_t particle) const;
+  /// Velocity of a particle, in m/s. Throws InputError on an unknown one.
   Vec3 velocity(std::uint32_t particle) const;
 
-  /// Positions and displacements (velocities, for springs, multipliers and featherstone) of all particles, in
-  /// the scene's order, as a 64-bit FNV-1a hash: equal for every instruction set and number of threads.
+  /// A 64-bit FNV-1a hash of all positions and displacements, in the scene's order. Springs, multipliers and
+  /// featherstone hash velocities instead of displacements. It is equal for every instruction set and number
+  /// of threads.
   std::uint64_t state_hash() const;
 
+  /// How the scene was compiled.
   const WorldInfo& info() const;
 
  private:

@@ -25,31 +25,30 @@ enum class Joint : std::uint8_t { revolute, prismatic, spherical, translation };
 struct Link {
   static constexpr std::uint32_t base = 0xffffffff;
 
-  std::uint32_t parent = base;  ///< a link with a smaller number
+  std::uint32_t parent = base;  ///< A link with a smaller number, or the base.
   Joint joint = Joint::spherical;
-  Vec3 place{};        ///< m, of the joint in the parent's frame
-  Vec3 axis{1, 0, 0};  ///< of a revolute or prismatic joint, in the parent's frame; of length one
-  double mass = 0;     ///< kg
-  Vec3 center{};       ///< m, of mass, in the link's frame
-  Inertia inertia{};   ///< kg m², about the centre of mass, in the link's frame
-  Vec3 grip{};         ///< m, in the link's frame: where a force on the link acts
+  Vec3 place{};        ///< Place of the joint in the parent's frame, in m.
+  Vec3 axis{1, 0, 0};  ///< Unit axis of a revolute or prismatic joint, in the parent's frame.
+  double mass = 0;     ///< Mass, in kg.
+  Vec3 center{};       ///< Centre of mass in the link's frame, in m.
+  Inertia inertia{};   ///< About the centre of mass, in the link's frame, in kg m².
+  Vec3 grip{};         ///< Where a force on the link acts, in the link's frame, in m.
 };
 
 /// What acts on an articulated body.
 struct BodyLoad {
-  Vec3 gravity{};                  ///< m/s²
-  Vec3 base_acceleration{};        ///< m/s²
-  std::span<const Vec3> forces{};  ///< N, in space, at every link's grip; none: no forces
-  std::span<const double>
-      torques{};  ///< by speed: N m about joints (spherical: in space, not from the parent), N
+  Vec3 gravity{};                     ///< Gravity, in m/s².
+  Vec3 base_acceleration{};           ///< Acceleration of the base, in m/s².
+  std::span<const Vec3> forces{};     ///< Force at every link's grip, in space, in N; empty for none.
+  std::span<const double> torques{};  ///< By speed: N m about joints (a spherical one in space), or N.
 };
 
 /// How a link moves, in space.
 struct LinkMotion {
-  Vec3 position;          ///< m, of its joint
-  Vec3 velocity;          ///< m/s, of its joint
-  Vec3 angular_velocity;  ///< 1/s
-  Mat3 rotation;          ///< from its frame
+  Vec3 position;          ///< Position of its joint, in m.
+  Vec3 velocity;          ///< Velocity of its joint, in m/s.
+  Vec3 angular_velocity;  ///< Angular velocity, in 1/s.
+  Mat3 rotation;          ///< Takes vectors from its frame to space.
 };
 
 /// A tree of rigid links in reduced coordinates (thesis §3.5): accelerations in linear time by the
@@ -69,18 +68,18 @@ class ArticulatedBody {
   std::uint32_t links() const { return static_cast<std::uint32_t>(links_.size()); }
   Eigen::Index coordinates() const { return coordinates_; }
   Eigen::Index speeds() const { return speeds_; }
-  Eigen::Index coordinate(std::uint32_t link) const { return nodes_[link].q; }  ///< its first
-  Eigen::Index speed(std::uint32_t link) const { return nodes_[link].v; }       ///< its first
+  Eigen::Index coordinate(std::uint32_t link) const { return nodes_[link].q; }  ///< The first of a link.
+  Eigen::Index speed(std::uint32_t link) const { return nodes_[link].v; }       ///< The first of a link.
 
-  /// The rates of the speeds. Allocates nothing once `out` has its size.
+  /// Computes the rates of the speeds. It allocates nothing once `out` has its size.
   void accelerations(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const BodyLoad& load,
                      Eigen::VectorXd& out);
-  /// The rates of the coordinates.
+  /// Computes the rates of the coordinates.
   void rates(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out) const;
   /// Takes rounding and truncation out of what is not free: the lengths of quaternions, the spin of links
   /// with two freedoms.
   void settle(Eigen::VectorXd& q, Eigen::VectorXd& v) const;
-  /// Of every link, by its number; `out` has links() elements.
+  /// Says how every link moves, by its number; `out` has links() elements.
   void motions(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Vec3 base_position, Vec3 base_velocity,
                std::span<LinkMotion> out) const;
 

@@ -15,8 +15,8 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 struct Face {
   Triangle corner{};
-  Vec3 normal{};      ///< of length one, outwards
-  double offset = 0;  ///< m
+  Vec3 normal{};      ///< Unit vector outwards.
+  double offset = 0;  ///< Distance of its plane from the origin along it, in m.
   std::vector<std::uint32_t> outside{};
 
   double height(Vec3 p) const { return dot(normal, p) - offset; }
@@ -69,7 +69,7 @@ class Hull {
     return {.corner = corner, .normal = unit, .offset = dot(unit, p)};
   }
 
-  /// Of points that are far apart.
+  /// Starts with a tetrahedron of points that are far apart.
   void add_tetrahedron() {
     const auto a = furthest(points_, [](Vec3 p) { return -p.x; }).first;
     const Vec3 origin = points_[a];
@@ -127,7 +127,7 @@ class Hull {
   }
 
   std::span<const Vec3> points_;
-  double fat_ = 0;  ///< m, the thickness of faces
+  double fat_ = 0;  ///< Thickness of faces, in m: points outside by less count as inside.
   std::vector<Face> faces_;
 };
 

@@ -38,14 +38,14 @@ void improve(Simplex& best, Vec3 nearest, std::initializer_list<Vec3> points) {
   std::copy(points.begin(), points.end(), best.point.begin());
 }
 
-/// Inside the line between two points.
+/// Looks for the nearest place inside the line between two points.
 void try_line(Simplex& best, Vec3 a, Vec3 b) {
   const Vec3 u = b - a;
   const double t = -dot(a, u) / dot(u, u);
   if (t > 0 && t < 1) improve(best, a + t * u, {a, b});
 }
 
-/// Inside a triangle.
+/// Looks for the nearest place inside a triangle.
 void try_triangle(Simplex& best, Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 u = b - a, v = c - a;
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ua = dot(u, a), va = dot(v, a);
@@ -54,8 +54,8 @@ void try_triangle(Simplex& best, Vec3 a, Vec3 b, Vec3 c) {
   if (s > 0 && t > 0 && s + t < 1) improve(best, a + s * u + t * v, {a, b, c});
 }
 
-/// Of all corners, edges and triangles, and of the whole, what is nearest to the origin. One of them is right
-/// however flat the simplex is, and none yields a place outside it.
+/// Looks at all corners, edges and triangles, and at the whole, for what is nearest to the origin. One of
+/// them is right however flat the simplex is, and none yields a place outside it.
 Simplex nearest_part(const Simplex& all) {
   const auto& p = all.point;
   Simplex best;
@@ -82,8 +82,8 @@ bool separates(Vec3 axis, const ConvexMesh& a, const ConvexMesh& b, double gap) 
   return clear(axis) || clear(-1 * axis);
 }
 
-/// Along every normal of a face and every product of two edges: slow, and right to rounding however near the
-/// two are.
+/// Tries every normal of a face and every product of two edges. That is slow, and right to rounding however
+/// near the two are.
 bool separated_by_axes(const ConvexMesh& a, const ConvexMesh& b, double gap) {
   const auto edges = [](const ConvexMesh& mesh) {
     std::vector<Vec3> out;

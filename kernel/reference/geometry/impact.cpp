@@ -26,7 +26,7 @@ void require_impact(const RigidMotion& a, const RigidMotion& b, Vec3 normal, dou
   if (!(restitution >= 0 && restitution <= 1)) refuse("restitution must be from 0 to 1, got ", restitution);
 }
 
-/// Zero for a body of infinite mass, which nothing turns.
+/// The inverse inertia, zero for a body of infinite mass, which nothing turns.
 detail::Sym3 inverse_inertia(const RigidMotion& body, const char* name) {
   if (std::isinf(body.mass)) return {};
   const Inertia& i = body.inertia;
@@ -38,11 +38,11 @@ detail::Sym3 inverse_inertia(const RigidMotion& body, const char* name) {
   return inverse(detail::Sym3{i.xx, i.xy, i.xz, i.yy, i.yz, i.zz});
 }
 
-/// What an impulse of 1 kg m/s along the normal changes: m/s and rad/s.
+/// What an impulse of 1 kg m/s along the normal changes, in m/s and rad/s.
 struct Response {
   double speed;
   Vec3 spin;
-  double at_contact;  ///< m/s, along the normal, of what is there
+  double at_contact;  ///< Velocity along the normal of what is there, in m/s.
 };
 Response response(const RigidMotion& body, Vec3 contact, Vec3 normal, const char* name) {
   const Vec3 arm = contact - body.center;

@@ -18,20 +18,22 @@ struct RodEquations {
   static constexpr std::uint32_t none = 0xffffffff;
 
   struct Row {
-    std::uint32_t a;      ///< node
-    std::uint32_t b;      ///< node, or `none`: the other end is fixed
-    std::uint32_t fixed;  ///< the island's number of the fixed end, where there is one
-    std::uint32_t rod;    ///< the island's number
-    double coupling;      ///< kg, entry of the mass matrix between the two ends
-    double length2;       ///< m²
-    double compliance;    ///< 1/kg, what the row is softened by per m² of its length; 0: rigid
+    std::uint32_t a;      ///< Node at one end.
+    std::uint32_t b;      ///< Node at the other end, or `none` if it is an anchor.
+    std::uint32_t fixed;  ///< The island's number of that anchor, where there is one.
+    std::uint32_t rod;    ///< The island's number of the rod.
+    double coupling;      ///< Entry of the mass matrix between the two ends, in kg.
+    double length2;       ///< Squared rest length, in m².
+    double compliance;    ///< Softening of the row per m² of its length, in 1/kg; 0 is rigid.
   };
 
-  std::vector<std::uint32_t> particle;  ///< the island's number, by node
-  std::vector<double> mass;             ///< kg, diagonal of M, by node
-  std::vector<Row> rows;  ///< on a tree: the rod of node i to its parent is row i - 1; then pins
+  std::vector<std::uint32_t> particle;  ///< The island's number of every node.
+  std::vector<double> mass;             ///< Diagonal of M by node, in kg.
+  std::vector<Row>
+      rows;  ///< Rows. On a tree row i - 1 is the rod of node i to its parent; rods to anchors follow.
   std::optional<layouts::Tree> tree;
-  bool softened = false;  ///< rows may be redundant: they have a compliance, which refinement takes out again
+  bool softened =
+      false;  ///< Whether rows may be redundant: they then have a compliance, which refinement takes out.
 
   Eigen::Index unknowns() const { return 3 * static_cast<Eigen::Index>(mass.size()); }
 };
@@ -41,7 +43,7 @@ RodEquations make_rod_equations(const Scene& island, MassModel model);
 class RodFactor {
  public:
   virtual ~RodFactor() = default;
-  /// `directions`: d of every row.
+  /// Factorises the matrix; `directions` holds d of every row.
   virtual void factorize(const std::vector<Vec3>& directions) = 0;
   virtual void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& c, Eigen::VectorXd& x,
                      Eigen::VectorXd& lambda) = 0;
@@ -50,7 +52,7 @@ class RodFactor {
 /// On a tree: from the tips to the root every node is eliminated together with the rod above it, in time
 /// linear in their number (Baraff 1996, Linear-time dynamics using Lagrange multipliers).
 std::unique_ptr<RodFactor> make_tree_factor(const RodEquations& equations);
-/// On any graph, by a sparse LDLᵀ factorisation, the order of which is found once.
+/// Solves any graph by a sparse LDLᵀ factorisation, whose order is found once.
 std::unique_ptr<RodFactor> make_sparse_factor(const RodEquations& equations);
 
 /// The equations of an island and the numbers of one solution.
@@ -61,8 +63,8 @@ class RodSolver {
 
   const RodEquations& equations() const { return equations_; }
 
-  std::vector<Vec3> directions;  ///< set by the caller: m, by row
-  Eigen::VectorXd f, c;          ///< set by the caller
+  std::vector<Vec3> directions;  ///< Directions of the rows, in m, which the caller sets.
+  Eigen::VectorXd f, c;          ///< Right-hand sides, which the caller sets.
 
   /// M x - Jᵀ lambda = f, J x = c to rounding. Where rows are redundant, their compliances make the matrix
   /// definite, and refinement takes their error out of everything that a rod can pull on (the proximal point

@@ -22,12 +22,13 @@ inline constexpr std::uint32_t no_body = std::numeric_limits<std::uint32_t>::max
 /// A spring near where it is now. With d the change of its point on body a minus that on body b, the force
 /// on a changes by -(stiffness d + damping d'), on b by the opposite.
 struct LinearSpring {
-  std::uint32_t a = no_body, b = no_body;          ///< a is a body, b may be none
-  Eigen::Vector3d arm_a{0, 0, 0}, arm_b{0, 0, 0};  ///< m, from the centre of mass; unused for points
-  Eigen::Matrix3d stiffness, damping;              ///< N/m and N s/m, symmetric, not negative
+  std::uint32_t a = no_body, b = no_body;  ///< Bodies at its ends; a is one, b may be none.
+  Eigen::Vector3d arm_a{0, 0, 0},
+      arm_b{0, 0, 0};                  ///< From the centre of mass to the end, in m; not used for points.
+  Eigen::Matrix3d stiffness, damping;  ///< In N/m and N s/m; symmetric and not negative.
 };
-/// All springs, and N m per rad by which forces at its ends turn every body back as it turns itself (a rod
-/// under tension); not negative.
+/// All springs. For every body also the torque per angle (N m/rad, not negative) by which forces at its ends
+/// turn it back as it turns: that of a rod under tension.
 struct Linearization {
   std::vector<LinearSpring> springs;
   Eigen::VectorXd turning;
@@ -36,25 +37,25 @@ struct Linearization {
 /// A symmetric matrix of square blocks whose pattern is known beforehand, and its solutions.
 class BlockMatrix {
  public:
-  /// Where a block lies.
+  /// The place of a tile in the values of the matrix.
   struct Block {
     Eigen::Index first = 0, stride = 0;
   };
 
-  /// `pairs` are the blocks off the diagonal, row above column; duplicates are fine.
+  /// Lays out the pattern. `pairs` are the tiles off the diagonal, row above column; duplicates are fine.
   void set_pattern(Eigen::Index blocks, Eigen::Index size,
                    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs);
   Block find(std::uint32_t row, std::uint32_t column) const;
-  /// The diagonal matrix.
+  /// Sets the matrix to a diagonal one.
   void set_diagonal(const Eigen::VectorXd& diagonal);
-  /// Adds to the part of a block that starts at (row, column) in it.
+  /// Adds to the part of a tile that starts at (row, column) in it.
   void add(Block block, Eigen::Index row, Eigen::Index column, const Eigen::Matrix3d& part);
-  /// False if the matrix is not positive definite.
+  /// Solves for `out`. Returns false if the matrix is not positive definite.
   bool solve(const Eigen::VectorXd& right, Eigen::VectorXd& out);
 
  private:
   Eigen::Index size_ = 0;
-  Eigen::SparseMatrix<double> matrix_;  ///< lower triangle, blocks on the diagonal whole
+  Eigen::SparseMatrix<double> matrix_;  ///< Lower triangle, with the whole of the tiles on the diagonal.
   SparseCholesky factor_;
 };
 
@@ -83,7 +84,7 @@ class ImplicitEuler {
   Eigen::VectorXd right_, change_, rate_, diagonal_entries_;
 };
 
-/// The matrix that takes x to v × x.
+/// Gives the matrix that takes x to v × x.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d out;
   out << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

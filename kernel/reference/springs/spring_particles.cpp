@@ -101,15 +101,15 @@ class SpringParticles final : public SpringSystem {
 
  private:
   struct Spring {
-    std::uint32_t a = 0, b = 0;  ///< particles; a is movable
-    double length = 0;           ///< m
-    double damping = 0;          ///< N s/m
+    std::uint32_t a = 0, b = 0;  ///< Numbers of its particles; a is movable.
+    double length = 0;           ///< Rest length, in m.
+    double damping = 0;          ///< Damping along itself, in N s/m.
   };
-  /// From a to b.
+  /// How a spring stands and moves, from a to b.
   struct Reach {
     double length = 0;
-    Vector3d along{0, 0, 0};     ///< unit; zero if the ends coincide
-    Vector3d velocity{0, 0, 0};  ///< m/s, of b relative to a
+    Vector3d along{0, 0, 0};     ///< Unit vector; zero if the ends coincide.
+    Vector3d velocity{0, 0, 0};  ///< Velocity of b relative to a, in m/s.
   };
   Reach reach_of(const Spring& spring, const MechanicalState& state, const Drive& drive, double t) const {
     Vector3d end, velocity;
@@ -128,8 +128,8 @@ class SpringParticles final : public SpringSystem {
     return reach;
   }
 
-  std::vector<std::uint32_t> body_;       ///< of every particle
-  std::vector<std::uint32_t> particles_;  ///< of every body
+  std::vector<std::uint32_t> body_;       ///< Body of every particle.
+  std::vector<std::uint32_t> particles_;  ///< Particle of every body.
   std::vector<Spring> springs_;
 };
 

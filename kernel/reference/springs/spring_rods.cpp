@@ -30,10 +30,10 @@ using Eigen::VectorXd;
 constexpr double least_inertia = 1e-14;
 
 struct Body {
-  double mass = 0;              ///< kg
-  double inertia = 0;           ///< kg m², about the centre of mass, across the rod
-  double reach[2] = {0, 0};     ///< m along the rod, from the centre of mass to ends a and b
-  double end_mass[2] = {0, 0};  ///< kg, the mass as points at the ends with the same centre
+  double mass = 0;              ///< Mass, in kg.
+  double inertia = 0;           ///< About the centre of mass, across the rod, in kg m².
+  double reach[2] = {0, 0};     ///< From the centre of mass to ends a and b along the rod, in m.
+  double end_mass[2] = {0, 0};  ///< The mass as points at the ends with the same centre, in kg.
 };
 
 /// How many rods meet at every particle.
@@ -150,7 +150,7 @@ class SpringRods final : public SpringSystem {
     }
   }
 
-  /// Unit quaternions, and no spin about an axis: both drift by the integrator's error.
+  /// Restores unit quaternions and takes spin about an axis away: both drift by the integrator's error.
   void settle(MechanicalState& state, const Drive&, double) override {
     for (Index i = 0; i < size(); ++i) {
       state.q.segment<4>(7 * i + 3).normalize();
@@ -242,7 +242,7 @@ class SpringRods final : public SpringSystem {
  private:
   struct End {
     std::uint32_t body = 0;
-    std::uint32_t side = 0;  ///< 0 is end a of a rod, 1 is b
+    std::uint32_t side = 0;  ///< 0 is end a of a rod, 1 is end b.
   };
   struct Joint {
     std::uint32_t particle = 0;
@@ -253,7 +253,8 @@ class SpringRods final : public SpringSystem {
 
   Index size() const { return static_cast<Index>(bodies_.size()); }
 
-  /// A particle without rods. Nothing ever turns it; its inertia only has to be a number.
+  /// Makes the body of a particle without rods. Nothing ever turns it, so its inertia only has to be a
+  /// number.
   void add_point(std::uint32_t particle) {
     const double mass = scene().particles[particle].mass;
     ends_[particle].push_back({static_cast<std::uint32_t>(bodies_.size()), 0});
@@ -271,12 +272,12 @@ class SpringRods final : public SpringSystem {
     }
   }
 
-  /// Of a particle's position, force and mass, the share that an end has.
+  /// Gives the share of a particle's position, force and mass that an end has.
   double weight(std::uint32_t particle, End end) const {
     return bodies_[end.body].end_mass[end.side] / end_mass_[particle];
   }
 
-  /// Where the body's x axis points; of length one also between settlings.
+  /// Gives the direction of the body's x axis, of length one even between settlings.
   Vector3d axis(const MechanicalState& state, Index body) const {
     const auto q = state.q.segment<4>(7 * body + 3);
     const double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -291,13 +292,13 @@ class SpringRods final : public SpringSystem {
            state.v.segment<3>(6 * Index{end.body} + 3).cross(arm(state, end));
   }
 
-  /// From the outer end to where it should be.
+  /// Gives the gap: from the outer end to where it should be, in m.
   Vector3d gap(const Joint& joint, const MechanicalState& state, const Drive& drive, double t) const {
     const Vector3d outer = state.q.segment<3>(7 * Index{joint.outer.body}) + arm(state, joint.outer);
     if (joint.to_anchor) return to_eigen(drive.anchor(joint.particle, t)) - outer;
     return state.q.segment<3>(7 * Index{joint.inner.body}) + arm(state, joint.inner) - outer;
   }
-  /// N, on the outer end (thesis eq. 3.11 with d = 0, and damping).
+  /// Gives the force on the outer end, in N (thesis eq. 3.11 with d = 0, and damping).
   Vector3d pull(const Joint& joint, const MechanicalState& state, const Drive& drive, double t) const {
     const Vector3d inner_velocity = joint.to_anchor ? to_eigen(drive.anchor_velocities[joint.particle])
                                                     : end_velocity(state, joint.inner);
@@ -305,9 +306,9 @@ class SpringRods final : public SpringSystem {
            joint.damping * (inner_velocity - end_velocity(state, joint.outer));
   }
 
-  std::vector<Body> bodies_;            ///< of the rods, then of particles without any
-  std::vector<std::vector<End>> ends_;  ///< at every particle, in the order of the rods
-  std::vector<double> end_mass_;        ///< kg, sum at every particle
+  std::vector<Body> bodies_;            ///< Bodies of the rods, then of particles without any.
+  std::vector<std::vector<End>> ends_;  ///< Ends that meet at every particle, in the order of the rods.
+  std::vector<double> end_mass_;        ///< Sum of the ends' masses at every particle, in kg.
   std::vector<Joint> joints_;
 };
 

@@ -20,17 +20,18 @@ class SpringSystem : public MechanicalSystem {
   void advance(MechanicalState& state, const Drive& drive, double h) final;
   void report(const MechanicalState& state, const Drive& drive, StepReport& out) override;
 
-  /// kg or kg m², of every velocity.
+  /// Gives the mass (kg) or moment of inertia (kg m²) that belongs to every velocity.
   const Eigen::VectorXd& masses() const { return masses_; }
   double drag() const { return scene_.drag; }
-  /// Velocities of one body.
+  /// Gives the number of velocities of one body, 3 or 6.
   virtual Eigen::Index body_size() const = 0;
-  /// N and N m on every velocity: springs, gravity, drag and what acts from outside.
+  /// Gives the force (N) or torque (N m) on every velocity: springs, gravity, drag and what acts from
+  /// outside.
   virtual void find_forces(const MechanicalState& state, const Drive& drive, double t,
                            Eigen::VectorXd& out) = 0;
-  /// The same springs in the same order every time.
+  /// Lists the springs near where they are now, always the same ones in the same order.
   virtual void linearize(const MechanicalState& state, const Drive& drive, double t, Linearization& out) = 0;
-  /// J: kinetic, of weight and of springs. Of the bodies as they are, joints open.
+  /// Gives kinetic energy, that of weight and that of springs, in J, of the bodies as they are, joints open.
   virtual double energy(const MechanicalState& state, const Drive& drive) const = 0;
 
  protected:
@@ -46,25 +47,27 @@ class SpringSystem : public MechanicalSystem {
 
   Scene scene_;
   Settings settings_;
-  std::vector<std::uint32_t> movable_;  ///< particles
+  std::vector<std::uint32_t> movable_;  ///< Numbers of movable particles.
   ImplicitEuler implicit_;
   MechanicalState whole_, halves_;
   Drive trial_drive_;
-  double next_step_ = std::numeric_limits<double>::infinity();  ///< s, that the last step left as a guess
-  std::uint64_t repeated_ = 0, inaccurate_ = 0;                 ///< since the last report
+  double next_step_ =
+      std::numeric_limits<double>::infinity();   ///< Guess for the next step that the last one left, in s.
+  std::uint64_t repeated_ = 0, inaccurate_ = 0;  ///< Counts since the last report.
 };
 
-/// N s/m: Settings::springs' share of what damps two masses (kg; infinity for an anchor) critically.
+/// Damping of a spring in N s/m: Settings::springs' share of what damps two masses (kg) critically. An anchor
+/// has infinite mass.
 double spring_damping(const SpringSettings& springs, double mass_a, double mass_b);
 
 std::unique_ptr<SpringSystem> make_springs(const Scene& island, const Settings& settings);
-/// SpringModel::particles.
+/// Makes the system of SpringModel::particles.
 std::unique_ptr<SpringSystem> make_spring_particles(const Scene& island, const Settings& settings);
-/// SpringModel::rigid_rods.
+/// Makes the system of SpringModel::rigid_rods.
 std::unique_ptr<SpringSystem> make_spring_rods(const Scene& island, const Settings& settings);
 
-/// Throws InputError if a rod of the scene has no inertia to turn by in SpringModel::rigid_rods: the mass of
-/// its body lies in one point.
+/// Refuses a rod whose body has its mass in one point, and so no inertia to turn by in
+/// SpringModel::rigid_rods. Throws InputError with the number of the rod.
 void require_spring_bodies(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb::detail

@@ -4,28 +4,32 @@
 
 #include "simd/relax/relax_kernels.hpp"
 
-/// The innermost loops of a sparse factorisation without exchange of rows: dense blocks, fronts, in which
-/// some variables, the pivots, are eliminated from the rows that they touch (Duff, Reid 1983). Rows and
-/// columns are numbered alike, pivots first.
+/// The innermost loops of a sparse factorisation without exchange of rows (Duff, Reid 1983).
+///
+/// A front is a dense matrix in which some variables, the pivots, are eliminated from the rows that they
+/// touch. Rows and columns are numbered alike, pivots first.
 namespace plumb::simd {
 
-/// Columns are padded with zeros to a logical vector; every array starts on a boundary of such vectors.
+/// A front. Its columns are padded with zeros to a logical vector, on whose boundaries all arrays start.
 struct FrontView {
   std::uint32_t rows = 0, pivots = 0;
-  std::uint32_t stride = 0;   ///< columns with padding
-  double* upper = nullptr;    ///< pivots x stride, of the factor U: row k from column k on, before that zeros
-  double* lower = nullptr;    ///< pivots x stride, of the factor L: column k below row k, before that zeros
-  double* inverse = nullptr;  ///< of each pivot; 0 for one that was left out
+  std::uint32_t stride = 0;   ///< Columns with padding.
+  double* upper = nullptr;    ///< Factor U, pivots x stride: row k from column k on, zeros before that.
+  double* lower = nullptr;    ///< Factor L, pivots x stride: column k below row k, zeros before that.
+  double* inverse = nullptr;  ///< Inverse of every pivot; 0 for one that was left out.
 };
 
+/// The loops over a front.
 struct FrontKernels {
-  /// Eliminates the pivots of `block`, rows x stride, of which what is right of and below them
-  /// remains, less what they take from it. A pivot whose size is not above its `smallest` is left out: its
-  /// equation follows from others. Returns how many were.
+  /// Eliminates the pivots of `block` (rows x stride) and returns how many were left out.
+  ///
+  /// What is right of and below the pivots remains, less what they take from it. A pivot whose size is not
+  /// above its `smallest` is left out, since its equation follows from others.
   std::uint32_t (*eliminate)(const FrontView&, double* block, const double* smallest);
-  /// x, `stride` numbers, the last of them zeros: of the pivots, L^-1 x; of the others, what that takes away.
+  /// Replaces x at pivots by L^-1 x, and subtracts from the other entries what that takes away. x has
+  /// `stride` numbers, zeros in the padding.
   void (*forward)(const FrontView&, double* x);
-  /// Of the pivots, U^-1 x, given the others.
+  /// Replaces x at pivots by U^-1 x, given the other entries.
   void (*backward)(const FrontView&, double* x);
 };
 

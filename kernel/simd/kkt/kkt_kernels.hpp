@@ -5,52 +5,57 @@
 
 #include "simd/relax/relax_kernels.hpp"
 
-/// Small sparse symmetric matrices in blocks of four unknowns, [M Jᵀ; J -e] of limbs, and what contact on one
-/// island does eight places at a time.
+/// Small sparse symmetric matrices [M Jᵀ; J -e] of islands with bodies, in tiles of four unknowns. Contact on
+/// one island solves eight places at a time with them.
 namespace plumb::simd {
 
-/// Right hand sides solved together; what is kept of them is padded to so many.
+/// Number of right-hand sides that are solved together. What is kept of them is padded to a multiple.
 inline constexpr std::size_t kkt_lanes = 8;
+/// One number of each of these right-hand sides.
 struct alignas(64) Lanes {
   double of[kkt_lanes];
 };
 
-/// Four by four, a column after the other.
+/// A tile of 4 x 4 numbers, one column after the other.
 struct alignas(64) Block {
   double of[16];
 };
 
-/// Four unknowns, those of one block column.
+/// Four unknowns, those of one column of tiles.
 struct alignas(32) Quad {
   double of[4];
 };
 
-/// Which blocks there are of a symmetric matrix, by block columns in the order of elimination. Of a matrix
-/// and of its factors L D Lᵀ an array of blocks: the diagonal, which becomes D⁻¹, then what is below it, L in
-/// the end.
+/// Which tiles of a symmetric matrix are there, by columns of tiles in the order of elimination.
+///
+/// A matrix and its factors L D Lᵀ share one array of tiles. The diagonal comes first and becomes D⁻¹. What
+/// is below it follows and becomes L.
 struct KktPattern {
-  std::uint32_t columns = 0;
-  const std::uint32_t* start = nullptr;  ///< of every column's blocks below the diagonal, and their end
-  const std::uint32_t* rows = nullptr;   ///< of the blocks
+  std::uint32_t columns = 0;             ///< Columns of tiles.
+  const std::uint32_t* start = nullptr;  ///< Start of every column's tiles below the diagonal; columns + 1.
+  const std::uint32_t* rows = nullptr;   ///< Row of every such tile.
 };
 
-/// All arrays of lanes start on 64 bytes.
+/// The loops over such matrices. All arrays of lanes start on a boundary of 64 bytes.
 struct KktKernels {
-  /// A matrix becomes its factors; of blocks on the diagonal only what is on or below it is read. `targets`:
-  /// for every column, for every pair i <= j of its blocks, the block that L_i D L_jᵀ is taken from.
+  /// Turns a matrix into its factors. Of tiles on the diagonal it reads only what is on or below it.
+  ///
+  /// `targets` names the tile from which L_i D L_jᵀ is subtracted, for every pair i <= j of tiles of every
+  /// column.
   void (*factor)(const KktPattern&, const std::uint32_t* targets, Block* blocks);
-  /// x: a Quad for every column.
+  /// Solves for one right-hand side: x holds a Quad for every column and becomes the solution.
   void (*solve)(const KktPattern&, const Block* factors, Quad* x);
-  /// x: batches x 4 columns x kkt_lanes.
+  /// Solves for `batches` times kkt_lanes of them; x holds batches x 4 columns x kkt_lanes numbers.
   void (*solve_lanes)(const KktPattern&, const Block* factors, std::size_t batches, double* x);
-  /// out, batches x kkt_lanes = sum over i of factors[i] * x[slots[i]], of every batch as solve_lanes()
-  /// leaves it.
+  /// Sets out, batches x kkt_lanes numbers, to the sum over i of factors[i] * x[slots[i]]. x is as
+  /// solve_lanes() leaves it.
   void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
                   const double* factors, std::uint32_t count, double* out);
-  /// to += a * x + b * y + c * z, of `count` numbers, a multiple of kkt_lanes.
+  /// Adds a * x + b * y + c * z to `count` numbers, a multiple of kkt_lanes.
   void (*add_three)(double* to, double a, const double* x, double b, const double* y, double c,
                     const double* z, std::uint32_t count);
-  /// to, unknowns x kkt_lanes, += factors, kkt_lanes numbers, times x, lane by lane.
+  /// Adds factors * x to `to`, lane by lane. `to` and `x` hold unknowns x kkt_lanes numbers, `factors` holds
+  /// kkt_lanes.
   void (*accumulate)(double* to, const double* factors, const double* x, std::uint32_t unknowns);
 };
 

@@ -8,8 +8,8 @@
 /// The innermost loops, one body per instruction set, and the table they are called through.
 ///
 /// All bodies do the same operations (+ - * / max, never fused) in the same order on the same logical vectors
-/// (16 floats or 8 doubles), so all give the same bits. `scalar.cpp` is written for reading and is the oracle
-/// of the others, which share `body.hpp`.
+/// (16 floats or 8 doubles), so all give the same bits. `relax_scalar.cpp` is written for reading and is the
+/// oracle of the others, which share `relax_lanes.hpp`.
 namespace plumb::simd {
 
 /// Fields per rod in BlockView::rod and BlockView::weight: logical vectors for each vector of rods.
@@ -24,16 +24,16 @@ inline constexpr std::uint32_t logical_width = layouts::lane_width<T>;
 /// d is C/2, and another because directions are kept as twice themselves.
 template <class T>
 struct BlockView {
-  const T* x;  ///< positions at the start of the substep
-  T* p;        ///< displacements from x, being relaxed
-  T* out;      ///< where corrections are added: p (Gauss-Seidel) or an accumulator (Jacobi)
+  const T* x;  ///< Positions at the start of the substep.
+  T* p;        ///< Displacements from x, which sweeps correct.
+  T* out;      ///< Where corrections are added: p (Gauss–Seidel) or an accumulator (Jacobi).
   std::uint32_t component_stride;
-  T* rod;           ///< rod_fields vectors per vector of rods; made by prepare
-  const T* weight;  ///< weight_fields vectors per vector of rods; not read for uniform ranges
+  T* rod;           ///< rod_fields vectors per vector of rods, made by prepare.
+  const T* weight;  ///< weight_fields vectors per vector of rods; not read for uniform ranges.
   const std::uint32_t* address_a;
   const std::uint32_t* address_b;
-  T uniform_length2;  ///< of rods in uniform ranges
-  T uniform_share;    ///< k_a = k_b of rods in uniform ranges
+  T uniform_length2;  ///< Squared length of rods in uniform ranges, in m^2.
+  T uniform_share;    ///< Shares k_a = k_b of rods in uniform ranges.
   T uniform_inverse_length2;
 };
 
@@ -45,8 +45,8 @@ struct Range {
 };
 
 /// Loops for one way of addressing rods. `sweep` projects every rod of each range, range after range; rods of
-/// one range share no movable particle. `violation` is the largest |C|/L^2 of a range; what
-/// is not a number is passed over, so that a broken island does not keep the others of its block sweeping.
+/// one range share no movable particle. `violation` is the largest |C|/L^2 of a range. It passes over what is
+/// not a number, so that a broken island does not keep the others of its block sweeping.
 template <class T>
 struct AccessKernels {
   void (*prepare)(const BlockView<T>&, Range);
@@ -57,17 +57,18 @@ struct AccessKernels {
 /// Loops over particle numbers, whatever the layout. Lengths are multiples of the logical width.
 template <class T>
 struct ParticleKernels {
-  /// p = decay * u + kick
+  /// Predicts: p = decay * u + kick.
   void (*predict)(T* p, const T* u, const T* kick, T decay, std::uint32_t n);
-  /// p += acc; acc = 0
+  /// Adds what a Jacobi sweep summed: p += acc; acc = 0.
   void (*accumulate)(T* p, T* acc, std::uint32_t n);
-  /// False if any x + p is infinite or not a number.
+  /// Says whether every x + p is finite.
   bool (*all_finite)(const T* x, const T* p, std::uint32_t n);
-  /// x += p
+  /// Moves particles: x += p.
   void (*advance)(T* x, const T* p, std::uint32_t n);
-  /// x += p; p = decay * (2p - decay * u): the velocity at the end of a step whose mean velocity is p
+  /// Moves particles with gradient mid: x += p; p = decay * (2p - decay * u). That is the velocity at the end
+  /// of a step whose mean velocity is p.
   void (*advance_mid)(T* x, T* p, const T* u, T decay, std::uint32_t n);
-  /// x += p; p = decay * (p + kick): the same, damped, for a p that is not converged
+  /// The same, damped, for a p that is not converged: x += p; p = decay * (p + kick).
   void (*advance_mid_guarded)(T* x, T* p, const T* kick, T decay, std::uint32_t n);
 };
 

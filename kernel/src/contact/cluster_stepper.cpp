@@ -35,14 +35,14 @@ double top_speed(const LinkageState& state) {
   return std::sqrt(square);
 }
 
-Bounds reach(const LinkageState& state, double dt) {
+Bounds reach(const LinkageState& state, double speed, double dt) {
   double pull = 0;
   for (const Vec3 force : state.force) pull += norm(force);
   double fall = 0.5 * pull / state.linkage->mass() * dt * dt;
   // A force that throws it that far would only bring others into a group that cannot be solved.
   if (fall > farthest_throw * state.linkage->size()) fall = 0;
   fall += 0.5 * norm(state.linkage->gravity()) * dt * dt;
-  return bounds_of(*state.linkage, state.x, 1.1 * top_speed(state) * dt + fall + margin);
+  return bounds_of(*state.linkage, state.x, 1.1 * speed * dt + fall + margin);
 }
 
 void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,

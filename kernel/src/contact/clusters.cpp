@@ -14,13 +14,13 @@ void Clusters::start(std::span<LinkageState> islands) {
   sleepers_.start(cell_, 8 * islands_.size());
   marks_.assign(islands_.size(), 0);
   root_.resize(islands_.size());
-  bounds_.resize(islands_.size());
+  bounds_.assign(islands_.size(), nowhere);
   for (const LinkageState& state : islands_) {
     if (!state.asleep) awake_.push_back(state.number);
     if (state.linkage->shapes().empty()) continue;
     any_shapes_ = true;
     if (!state.asleep) continue;
-    bounds_[state.number] = reach(state, 0);
+    bounds_[state.number] = reach(state, 0, 0);
     sleepers_.insert(state.number, bounds_[state.number]);
   }
 }
@@ -54,10 +54,7 @@ void Clusters::join(std::uint32_t a, std::uint32_t b) {
   if (a != b) root_[std::max(a, b)] = std::min(a, b);
 }
 
-void Clusters::form(double dt, Team& team) {
-  members_ = awake_;
-  for (const std::uint32_t i : awake_) root_[i] = i;
-  if (any_shapes_) join_near(dt, team);
+void Clusters::sort_members() {
   // By cluster, and within a cluster by number.
   order_.clear();
   for (const std::uint32_t i : members_) order_.push_back(std::uint64_t{root(i)} << 32 | i);
@@ -71,14 +68,10 @@ void Clusters::form(double dt, Team& team) {
   starts_.push_back(static_cast<std::uint32_t>(members_of_.size()));
 }
 
-void Clusters::join_near(double dt, Team& team) {
+void Clusters::join_near() {
+  if (islands_.size() == 1) return;
   walkers_.start(cell_, 8 * awake_.size());
   ++mark_;
-  team.for_each(static_cast<std::uint32_t>(awake_.size()), [&](std::uint32_t k, unsigned) {
-    const LinkageState& state = islands_[awake_[k]];
-    bounds_[state.number] = state.linkage->shapes().empty() ? nowhere : reach(state, dt);
-  });
-  if (islands_.size() == 1) return;
   for (const std::uint32_t i : awake_) {
     if (bounds_[i].is_empty()) continue;
     walkers_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
@@ -101,8 +94,13 @@ void Clusters::put_to_sleep(LinkageState& state) {
   state.asleep = true;
   state.calm = 0;
   if (state.linkage->shapes().empty()) return;
-  bounds_[state.number] = reach(state, 0);
+  bounds_[state.number] = reach(state, top_speed(state), 0);
   sleepers_.insert(state.number, bounds_[state.number]);
+}
+
+void Clusters::fall_asleep(std::uint32_t i) {
+  put_to_sleep(islands_[i]);
+  awake_.erase(std::lower_bound(awake_.begin(), awake_.end(), i));
 }
 
 std::uint32_t Clusters::settle(std::span<const std::uint8_t> rests) {

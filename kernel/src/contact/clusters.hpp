@@ -21,15 +21,29 @@ class Clusters {
   /// Whether any island of the scene has a shape.
   bool any_shapes() const { return any_shapes_; }
 
-  /// Forms the clusters of a step of dt (s), by how islands move now; sleepers nearby are in them.
-  void form(double dt, Team& team);
+  /// Forms the clusters of a step; sleepers nearby are in them. `reach(state)` tells where an awake island
+  /// with shapes can come within the step; several threads call it.
+  template <class Reach>
+  void form(Team& team, Reach&& reach) {
+    members_ = awake_;
+    for (const std::uint32_t i : awake_) root_[i] = i;
+    if (any_shapes_) {
+      team.for_each(static_cast<std::uint32_t>(awake_.size()), [&](std::uint32_t k, unsigned) {
+        LinkageState& state = islands_[awake_[k]];
+        if (!state.linkage->shapes().empty()) bounds_[state.number] = reach(state);
+      });
+      join_near();
+    }
+    sort_members();
+  }
   std::uint32_t count() const { return static_cast<std::uint32_t>(starts_.size() - 1); }
   std::span<LinkageState* const> operator[](std::uint32_t cluster) const {
     return {members_of_.data() + starts_[cluster], starts_[cluster + 1] - starts_[cluster]};
   }
   /// Where an island can come within the step.
   const Bounds& reach_of(std::uint32_t island) const { return bounds_[island]; }
-  void clear() { starts_.assign(1, 0); }
+  /// An island that its own solver has put to rest sleeps here, too.
+  void fall_asleep(std::uint32_t island);
 
   /// Wakes an island, and sleepers that may lie on it, or it on them.
   void wake(std::uint32_t island);
@@ -41,7 +55,8 @@ class Clusters {
   void wake_neighbors(std::uint32_t island);
   std::uint32_t root(std::uint32_t island);
   void join(std::uint32_t a, std::uint32_t b);
-  void join_near(double dt, Team& team);
+  void join_near();
+  void sort_members();
   void put_to_sleep(LinkageState& state);
 
   std::span<LinkageState> islands_;

@@ -13,36 +13,48 @@ namespace {
 /// Slower than this (m/s) for so long (s), an island that something holds is at rest.
 constexpr double sleep_speed = 0.02, sleep_time = 0.5;
 
+/// Gives the mass of rods to their ends, as the solver does that moves them elsewhere.
+void lump_masses(Scene& part) {
+  for (std::size_t i = 0; i < part.rods.size(); ++i) {
+    const RodMass mass = rod_mass(part, i, MassModel::lumped);
+    part.particles[part.rods[i].a].mass += mass.aa;
+    part.particles[part.rods[i].b].mass += mass.bb;
+  }
+  for (Rod& rod : part.rods) {
+    rod.mass = 0;
+    rod.inertia.reset();
+  }
+}
+
 }  // namespace
 
 // --- Layout
 
-ContactSolver::ContactSolver(const Scene& scene, const Settings& settings, unsigned threads)
+ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings)
     : isa_(settings.isa.value_or(best_isa())),
       sleep_(settings.sleep),
       surroundings_(scene),
-      steppers_(threads, ClusterStepper(isa_)) {
-  const SceneParts parts(scene);
-  states_.resize(parts.count());
-  histories_.resize(settings.accuracy ? parts.count() : 0);
+      steppers_(settings.threads, ClusterStepper(isa_)) {
   std::map<std::vector<double>, const Linkage*> kinds;
-  for (std::uint32_t i = 0; i < parts.count(); ++i) {
-    const Scene& part = parts.part(i);
-    std::uint32_t movable = 0;
-    bool asleep = true;
-    for (const Particle& particle : part.particles) {
-      movable += !particle.fixed;
-      asleep = asleep && (particle.fixed || particle.asleep);
-    }
+  for (std::uint32_t p = 0; p < parts.count(); ++p) {
+    Scene part = parts.part(p);
+    const bool plain = is_plain(part);
+    if (plain && part.capsules.empty()) continue;
+    if (plain && mass_model_of(settings) == MassModel::lumped) lump_masses(part);
+    const auto movable = static_cast<std::uint32_t>(std::count_if(
+        part.particles.begin(), part.particles.end(), [](const Particle& each) { return !each.fixed; }));
+    const bool asleep = std::all_of(part.particles.begin(), part.particles.end(),
+                                    [](const Particle& each) { return each.fixed || each.asleep; });
     const Linkage*& kind = kinds[likeness(part)];
     if (kind == nullptr) {
       linkages_.push_back(std::make_unique<Linkage>(part, movable, isa_));
       kind = linkages_.back().get();
     }
-    LinkageState& state = states_[i];
+    const auto number = static_cast<std::uint32_t>(states_.size());
+    LinkageState& state = states_.emplace_back();
     state.linkage = kind;
-    state.number = i;
-    state.particles = parts.particles(i);
+    state.number = number;
+    state.particles = parts.particles(p);
     state.force.resize(movable);
     state.acceleration.resize(movable);
     for (const Particle& particle : part.particles) {
@@ -50,10 +62,26 @@ ContactSolver::ContactSolver(const Scene& scene, const Settings& settings, unsig
       state.v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
     }
     state.asleep = asleep;
+    is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
-    island_of_.resize(island_of_.size() + part.particles.size(), i);
+    island_of_.resize(island_of_.size() + part.particles.size(), number);
   }
+  visitors_.resize(states_.size());
+  histories_.resize(settings.accuracy ? states_.size() : 0);
   clusters_.start(states_);
+}
+
+auto ContactSolver::plain_islands() const -> std::vector<PlainIsland> {
+  std::vector<PlainIsland> out;
+  for (const LinkageState& state : states_)
+    if (is_plain_[state.number] != 0)
+      out.push_back({state.number, state.particles, state.linkage->movable()});
+  return out;
+}
+
+void ContactSolver::set_home(std::uint32_t island, Solver& home, std::uint32_t number,
+                             std::vector<Slot> slots) {
+  visitors_[island] = Visitor(home, number, std::move(slots));
 }
 
 std::vector<MadeSolver::Place> ContactSolver::places() const {
@@ -66,27 +94,53 @@ std::vector<MadeSolver::Place> ContactSolver::places() const {
 // --- Steps
 
 void ContactSolver::begin_step(double dt, Team& team) {
-  clusters_.form(dt, team);
+  clusters_.form(team, [&](LinkageState& state) {
+    const Visitor& visitor = visitors_[state.number];
+    const double speed = visitor.is_at_home() ? visitor.look(state) : top_speed(state);
+    return reach(state, speed, dt);
+  });
+  pieces_.clear();
+  returned_.clear();
+  for (std::uint32_t c = 0; c < clusters_.count(); ++c) {
+    if (!can_stay_home(clusters_[c])) {
+      pieces_.push_back(c);
+      for (LinkageState* const state : clusters_[c])
+        if (visitors_[state->number].is_at_home()) visitors_[state->number].come(*state, work_);
+      continue;
+    }
+    LinkageState& state = *clusters_[c].front();
+    if (visitors_[state.number].is_at_home()) continue;
+    visitors_[state.number].leave(state);
+    returned_.push_back({visitors_[state.number].number(), visitors_[state.number].first_slot()});
+  }
   rests_.assign(clusters_.count(), 0);
 }
 
+/// Whether a cluster is one island, whose own solver can move it, and nothing is near.
+bool ContactSolver::can_stay_home(std::span<LinkageState* const> cluster) const {
+  const LinkageState& state = *cluster.front();
+  return cluster.size() == 1 && visitors_[state.number].has_home() && !state.frozen &&
+         !surroundings_.reach_into(clusters_.reach_of(state.number));
+}
+
 std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
-  return static_cast<std::uint32_t>(clusters_[piece].size());
+  return static_cast<std::uint32_t>(cluster(piece).size());
 }
 
 double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
                               StepReport& report) {
-  steppers_[part].step(clusters_[piece], surroundings_, h * count, count, report);
+  steppers_[part].step(cluster(piece), surroundings_, h * count, count, report);
   return 0;
 }
 
 void ContactSolver::end_piece(std::uint32_t piece, double dt) {
-  rests_[piece] = rests(clusters_[piece], dt);
+  rests_[pieces_[piece]] = rests(cluster(piece), dt);
 }
 
 void ContactSolver::end_step(StepReport& report) {
   report.fell_asleep += clusters_.settle(rests_);
-  report.awake_islands += static_cast<std::uint32_t>(clusters_.awake().size());
+  for (const std::uint32_t island : clusters_.awake())
+    if (!visitors_[island].is_at_home()) ++report.awake_islands;
 }
 
 /// Whether a cluster has been slow for long enough to sleep, and something holds it: what nothing holds is
@@ -105,28 +159,28 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 // --- Accuracy
 
 double& ContactSolver::best_substep(std::uint32_t piece) {
-  return histories_[clusters_[piece].front()->number].best_substep;
+  return histories_[cluster(piece).front()->number].best_substep;
 }
 
 void ContactSolver::save(std::uint32_t piece, Saved which) {
-  for (LinkageState* const state : clusters_[piece])
+  for (LinkageState* const state : cluster(piece))
     histories_[state->number].saved[static_cast<int>(which)] = state->motion();
 }
 
 void ContactSolver::restore(std::uint32_t piece, Saved which) {
-  for (LinkageState* const state : clusters_[piece]) {
+  for (LinkageState* const state : cluster(piece)) {
     state->motion() = histories_[state->number].saved[static_cast<int>(which)];
     state->factored = false;
   }
 }
 
 void ContactSolver::mark(std::uint32_t piece) {
-  for (LinkageState* const state : clusters_[piece]) histories_[state->number].mark = state->x;
+  for (LinkageState* const state : cluster(piece)) histories_[state->number].mark = state->x;
 }
 
 double ContactSolver::distance_from_mark(std::uint32_t piece) const {
   double worst = 0;
-  for (const LinkageState* const state : clusters_[piece]) {
+  for (const LinkageState* const state : cluster(piece)) {
     double sum = 0;
     for (std::uint32_t k = 0; k < state->linkage->movable(); ++k) {
       const Vec3 apart = state->x[k] - histories_[state->number].mark[k];
@@ -146,6 +200,15 @@ Vec3 ContactSolver::velocity(Slot slot) const {
 void ContactSolver::add_to_hash(Slot slot, StateHash& hash) const {
   hash.add<double>(position(slot));
   hash.add<double>(velocity(slot));
+}
+
+double ContactSolver::read(std::span<const Slot> slots, std::span<Vec3> out) const {
+  double most = 0;  // of squares
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    out[i] = position(slots[i]);
+    most = std::max(most, dot(velocity(slots[i]), velocity(slots[i])));
+  }
+  return std::sqrt(most);
 }
 
 void ContactSolver::set_force(Slot slot, Vec3 newton) {
@@ -178,56 +241,28 @@ void ContactSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
 // --- Reports
 
 void ContactSolver::describe(WorldInfo& info) const {
-  info.linkages = static_cast<std::uint32_t>(linkages_.size());
-  info.direct_gradient = Gradient::old;
   for (const auto& linkage : linkages_) {
     BlockInfo block{.shape = "linkage", .layout = "aos"};
     for (const LinkageState& state : states_) {
-      if (state.linkage != linkage.get()) continue;
+      if (state.linkage != linkage.get() || is_plain_[state.number] != 0) continue;
       ++block.islands;
       block.particles += linkage->particles();
       block.rods += linkage->rods();
       block.bytes += (2 * linkage->particles() + linkage->movable()) * sizeof(Vec3) +
                      linkage->plan().blocks() * sizeof(simd::Block);
     }
+    if (block.islands == 0) continue;
+    ++info.linkages;
     info.direct_rods += block.rods;
     info.blocks.push_back(block);
   }
 }
 
-// --- Making it
-
-double ContactSolver::project_velocities() {
+double ContactSolver::project_initial_velocities() {
   double largest = 0;
-  for (const std::uint32_t i : clusters_.awake()) {
-    LinkageState& state = states_[i];
-    const Linkage& linkage = *state.linkage;
-    if (linkage.constraints() == 0) continue;
-    state.factor();
-    std::vector<Vec3> momentum(linkage.movable());
-    std::vector<simd::Quad> unknowns(linkage.plan().columns(), simd::Quad{});
-    const std::span<double> right = numbers(unknowns);
-    linkage.momenta(state.v, momentum);
-    linkage.put(momentum, right);
-    linkage.plan().solve(state.factors, unknowns);
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-      const Vec3 given = std::exchange(state.v[k], linkage.taken(right, k));
-      const double change = norm(state.v[k] - given);
-      // Where nothing but rounding changed, velocities stay as they were given, bit for bit.
-      if (change <= 1e-12 * norm(given)) state.v[k] = given;
-      largest = std::max(largest, change);
-    }
-  }
+  for (const std::uint32_t i : clusters_.awake())
+    if (is_plain_[i] == 0) largest = std::max(largest, project_velocities(states_[i], work_));
   return largest;
-}
-
-MadeSolver make_contact_solver(const Scene& scene, const Settings& settings, StartReport& report) {
-  auto solver = std::make_unique<ContactSolver>(scene, settings, settings.threads);
-  report.projected_velocity = std::max(report.projected_velocity, solver->project_velocities());
-  MadeSolver made;
-  made.places = solver->places();
-  made.solver = std::move(solver);
-  return made;
 }
 
 }  // namespace plumb::detail

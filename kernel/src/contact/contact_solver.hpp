@@ -1,24 +1,57 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "contact/cluster_stepper.hpp"
 #include "contact/clusters.hpp"
+#include "contact/scene_parts.hpp"
+#include "contact/visitor.hpp"
 #include "solver/made_solver.hpp"
 #include "solver/solver.hpp"
 
 namespace plumb::detail {
 
-/// Islands with bodies, joints, air or shapes. Those that may touch within a step are a cluster, and a
-/// cluster is a piece: clusters are formed anew at the beginning of every step.
+/// Moves islands with bodies, joints or air, and every island with shapes while it may touch something. Islands
+/// that may touch each other within a step are a cluster, and a cluster is a piece: clusters are formed anew at
+/// the beginning of every step. An island of particles and rods that nothing can reach stays with its own
+/// solver; see Visitor.
 class ContactSolver final : public Solver {
  public:
-  ContactSolver(const Scene& scene, const Settings& settings, unsigned threads);
+  /// Takes islands that have shapes, or that are not of particles and rods alone.
+  ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings);
 
+  /// Tells that an island has a home: solver `number` of the world, with its movable particles at these slots.
+  void set_home(std::uint32_t island, Solver& home, std::uint32_t number, std::vector<Slot> slots);
+  /// Islands that their own solvers can move, as slots of their movable particles.
+  struct PlainIsland {
+    std::uint32_t island;
+    std::span<const std::uint32_t> particles;  ///< movable ones first
+    std::uint32_t movable;
+  };
+  std::vector<PlainIsland> plain_islands() const;
+  /// Whether this solver moves a particle now, rather than its home.
+  bool has(Slot slot) const { return !visitors_[island_of_[slot]].is_at_home(); }
+  /// After begin_step(): islands that went home, as a slot there of the solver of that number.
+  struct Return {
+    std::uint32_t solver;
+    Slot slot;
+  };
+  std::span<const Return> returned() const { return returned_; }
+  /// Before begin_step(): islands at home of which `is_resting(solver number, slot)` sleep here, too.
+  template <class IsResting>
+  void see_rest(IsResting&& is_resting) {
+    for (LinkageState& state : states_) {
+      const Visitor& visitor = visitors_[state.number];
+      if (state.asleep || !visitor.is_at_home() || !is_resting(visitor.number(), visitor.first_slot())) continue;
+      std::fill(state.v.begin(), state.v.end(), Vec3{});
+      clusters_.fall_asleep(state.number);
+    }
+  }
   /// Takes from the initial velocities what constraints forbid. Returns the largest change, m/s.
-  double project_velocities();
+  double project_initial_velocities();
   /// The slots of the scene's particles.
   std::vector<MadeSolver::Place> places() const;
   std::uint32_t island_count() const { return static_cast<std::uint32_t>(states_.size()); }
@@ -26,9 +59,11 @@ class ContactSolver final : public Solver {
   /// Islands below which one thread is faster than the start of another.
   bool is_worth_threads() const { return clusters_.awake().size() >= worth_threads; }
 
-  std::uint32_t pieces() const override { return clusters_.count(); }
+  std::uint32_t pieces() const override { return static_cast<std::uint32_t>(pieces_.size()); }
   std::uint32_t islands(std::uint32_t piece) const override;
   void begin_step(double dt, Team& team) override;
+  /// Instead of begin_step(), if no island is awake.
+  void clear_pieces() { pieces_.clear(); }
   double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
                  StepReport& report) override;
   void end_piece(std::uint32_t piece, double dt) override;
@@ -48,6 +83,7 @@ class ContactSolver final : public Solver {
   Vec3 position(Slot slot) const override { return state_of(slot).x[local(slot)]; }
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
+  double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
   void move_anchor(Slot slot, const AnchorMove& move) override;
   void place_anchor(Slot slot, Vec3 target) override;
@@ -71,21 +107,25 @@ class ContactSolver final : public Solver {
   std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
   bool is_fixed(Slot slot) const { return local(slot) >= state_of(slot).linkage->movable(); }
   bool rests(std::span<LinkageState* const> cluster, double dt) const;
+  std::span<LinkageState* const> cluster(std::uint32_t piece) const { return clusters_[pieces_[piece]]; }
+  bool can_stay_home(std::span<LinkageState* const> cluster) const;
 
   Isa isa_;
   bool sleep_;
   Surroundings surroundings_;
   std::vector<std::unique_ptr<Linkage>> linkages_;
   std::vector<LinkageState> states_;
+  std::vector<Visitor> visitors_;            ///< by island
+  std::vector<std::uint8_t> is_plain_;       ///< by island
   std::vector<History> histories_;
   std::vector<Slot> first_slot_;          ///< by island
   std::vector<std::uint32_t> island_of_;  ///< by slot
   Clusters clusters_;
+  std::vector<std::uint32_t> pieces_;        ///< the clusters that are moved here in this step
+  std::vector<Return> returned_;
   std::vector<std::uint8_t> rests_;       ///< by cluster, after its step
+  ProjectionWork work_;
   std::vector<ClusterStepper> steppers_;  ///< by part of the team
 };
-
-/// Makes the solver of islands with bodies, joints, air or shapes.
-MadeSolver make_contact_solver(const Scene& scene, const Settings& settings, StartReport& report);
 
 }  // namespace plumb::detail

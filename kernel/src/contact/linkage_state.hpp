@@ -56,10 +56,10 @@ struct LinkageState : LinkageMotion {
   }
 };
 
-/// Around its shapes, wherever gravity and the speed of its fastest movable particle bring them within dt.
-/// What goes farther is not in it: ends of shapes beyond the particles, anchors that move, and what forces,
-/// drives and hits within dt add.
-Bounds reach(const LinkageState& state, double dt);
+/// A box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable particle bring
+/// them within dt (s). It does not hold what goes farther: ends of shapes beyond the particles, anchors that
+/// move, and what forces, drives and hits within dt add.
+Bounds reach(const LinkageState& state, double speed, double dt);
 /// The fastest of its particles, m/s.
 double top_speed(const LinkageState& state);
 

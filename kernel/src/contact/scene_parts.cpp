@@ -6,6 +6,7 @@
 
 #include "plumb/joints.hpp"
 #include "scene/refuse.hpp"
+#include "scene/scene_graph.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -111,6 +112,26 @@ class Likeness {
 };
 
 }  // namespace
+
+bool is_plain(const Scene& part) {
+  const bool has_joints = !part.bodies.empty() || !part.pins.empty() || !part.alignments.empty() ||
+                          !part.angles.empty() || part.joint_drag != 0;
+  const bool has_air = std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) {
+    return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
+  });
+  const bool has_sleepers = std::any_of(part.particles.begin(), part.particles.end(),
+                                        [](const Particle& each) { return each.asleep && !each.fixed; });
+  if (has_joints || has_air || has_sleepers) return false;
+  const auto is_inside = [](const Point& point) {
+    return std::all_of(point.weights.begin(), point.weights.end(),
+                       [](double weight) { return weight >= 0 && weight <= 1; });
+  };
+  if (!std::all_of(part.capsules.begin(), part.capsules.end(),
+                   [&](const Capsule& each) { return is_inside(each.a) && is_inside(each.b); }))
+    return false;
+  const SceneGraph rods(part);
+  return layouts::find_islands(rods.view()).count() == 1;
+}
 
 std::vector<double> likeness(const Scene& part) {
   return Likeness(part).numbers();

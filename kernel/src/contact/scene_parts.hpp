@@ -36,6 +36,10 @@ class SceneParts {
   std::vector<std::vector<std::uint32_t>> particles_;
 };
 
+/// Whether an island has nothing but particles and rods, which hold it together, and shapes on its particles
+/// or between the ends of rods: solvers of particles and rods can move it where nothing touches it.
+bool is_plain(const Scene& part);
+
 /// All that makes two islands of one kind, as numbers: everything but where they are.
 std::vector<double> likeness(const Scene& part);
 

@@ -67,6 +67,9 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
   }
   away_.assign(pieces_, 0);
   rests_.assign(pieces_, 0);
+  anchors_.reserve(static_cast<std::size_t>(
+      std::count_if(packed.slot_vertex.begin(), packed.slot_vertex.end(),
+                    [&](std::uint32_t particle) { return !is_movable(particle); })));
   double sum = 0;
   std::size_t rods = 0;
   for (const std::uint32_t rod : packed.lane_edge) {
@@ -308,6 +311,18 @@ Vec3 RelaxSolver<T>::velocity(Slot slot) const {
 template <class T>
 void RelaxSolver<T>::add_to_hash(Slot slot, StateHash& hash) const {
   for (const T* field : {block_.x(), block_.displacement(0)}) hash.add<T>(block_.read(field, slot));
+}
+
+template <class T>
+double RelaxSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) const {
+  double most = 0;  // of squares
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    out[i] = position(slots[i]);
+    const Vec3 v = has_moved_ ? (1 / h_) * block_.read(block_.displacement(0), slots[i])
+                              : rules_->initial_velocities[particle_of(slots[i])];
+    most = std::max(most, dot(v, v));
+  }
+  return std::sqrt(most);
 }
 
 template <class T>

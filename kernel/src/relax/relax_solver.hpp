@@ -59,6 +59,7 @@ class RelaxSolver final : public Solver {
   Vec3 position(Slot slot) const override { return block_.read(block_.x(), slot); }
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
+  double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
   void move_anchor(Slot slot, const AnchorMove& move) override { anchors_.push_back({slot, move}); }
   void end_anchors() override { anchors_.clear(); }

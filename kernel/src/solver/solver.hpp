@@ -65,8 +65,8 @@ class Solver {
 
   // --- A step, in the order of calls
 
-  /// Once before the pieces of a step of `dt` seconds, after the anchors' paths are known. The team is the one
-  /// that will share the step.
+  /// Once before the pieces of a step of `dt` seconds, after the anchors' paths are known. The team is the
+  /// one that will share the step.
   virtual void begin_step(double /*dt*/, Team&) {}
   /// Once before a piece is advanced, by the thread that does it.
   virtual void begin_piece(std::uint32_t /*piece*/, unsigned /*part*/) {}
@@ -128,6 +128,9 @@ class Solver {
   virtual Vec3 position(Slot) const = 0;
   virtual Vec3 velocity(Slot) const = 0;
   virtual void add_to_hash(Slot, StateHash&) const = 0;
+  /// Positions (m) of many particles into `out`. Returns about the speed (m/s) of the fastest: that of the
+  /// last substep, which costs no projection.
+  virtual double read(std::span<const Slot> slots, std::span<Vec3> out) const = 0;
   virtual void set_force(Slot, Vec3 newton) = 0;
   /// Gives a fixed particle its path through the next step.
   virtual void move_anchor(Slot, const AnchorMove&) = 0;

@@ -1,15 +1,27 @@
 #include "step/anchors.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace plumb::detail {
 
-Anchors::Anchors(const Scene& scene) : has_target_(scene.particles.size(), 0) {
+Anchors::Anchors(const Scene& scene, std::size_t solvers)
+    : has_target_(scene.particles.size(), 0), is_concerned_(solvers, 0) {
   for (const Particle& particle : scene.particles) {
     fixed_.push_back(particle.fixed);
     positions_.push_back(particle.position);
   }
   targets_ = positions_;
+  // Steps that move anchors allocate nothing.
+  moving_.reserve(static_cast<std::size_t>(std::count(fixed_.begin(), fixed_.end(), std::uint8_t{1})));
+  concerned_.reserve(solvers);
+  settling_.reserve(solvers);
+}
+
+void Anchors::concern(std::uint32_t solver) {
+  if (is_concerned_[solver] != 0) return;
+  is_concerned_[solver] = 1;
+  concerned_.push_back(solver);
 }
 
 void Anchors::set_target(std::uint32_t particle, Vec3 target) {
@@ -20,30 +32,30 @@ void Anchors::set_target(std::uint32_t particle, Vec3 target) {
 }
 
 void Anchors::begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
-  concerned_ = settling_;
+  for (const std::uint32_t solver : settling_) concern(solver);
+  settling_.clear();
   for (const std::uint32_t particle : moving_)
     for (const Place place : places.of(particle)) {
       solvers[place.solver]->move_anchor(place.slot, {positions_[particle], targets_[particle], dt});
-      concerned_.push_back(place.solver);
+      concern(place.solver);
     }
-  std::sort(concerned_.begin(), concerned_.end());
-  concerned_.erase(std::unique(concerned_.begin(), concerned_.end()), concerned_.end());
   for (const std::uint32_t solver : concerned_) solvers[solver]->begin_anchors();
 }
 
 void Anchors::end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
   for (const std::uint32_t solver : concerned_) solvers[solver]->end_anchors();
-  settling_.clear();
+  for (const std::uint32_t solver : concerned_) is_concerned_[solver] = 0;
+  concerned_.clear();
   for (const std::uint32_t particle : moving_) {
     for (const Place place : places.of(particle)) {
       solvers[place.solver]->place_anchor(place.slot, targets_[particle]);
-      settling_.push_back(place.solver);
+      concern(place.solver);
     }
     positions_[particle] = targets_[particle];
     has_target_[particle] = 0;
   }
-  std::sort(settling_.begin(), settling_.end());
-  settling_.erase(std::unique(settling_.begin(), settling_.end()), settling_.end());
+  std::swap(settling_, concerned_);
+  for (const std::uint32_t solver : settling_) is_concerned_[solver] = 0;
   moving_.clear();
 }
 

@@ -12,12 +12,12 @@ namespace plumb::detail {
 /// Where fixed particles are, and where they go in the next step.
 class Anchors {
  public:
-  explicit Anchors(const Scene& scene);
+  Anchors(const Scene& scene, std::size_t solvers);
 
   bool is_fixed(std::uint32_t particle) const { return fixed_[particle] != 0; }
   Vec3 position(std::uint32_t particle) const { return positions_[particle]; }
   /// Some anchor moves in the next step, or has stopped after the last.
-  bool any_paths() const { return !moving_.empty() || !settling_.empty(); }
+  bool any_paths() const { return !moving_.empty() || !settling_.empty() || !concerned_.empty(); }
 
   void set_target(std::uint32_t particle, Vec3 target);
 
@@ -34,12 +34,15 @@ class Anchors {
   void end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
 
  private:
+  void concern(std::uint32_t solver);
+
   std::vector<std::uint8_t> fixed_;
   std::vector<Vec3> positions_, targets_;  ///< m; of movable particles unused
   std::vector<std::uint8_t> has_target_;
-  std::vector<std::uint32_t> moving_;           ///< particles with a target of their own
-  std::vector<std::uint32_t> concerned_;        ///< solvers that learn of paths in this step
-  std::vector<std::uint32_t> settling_;         ///< solvers that learned of paths in the last
+  std::vector<std::uint32_t> moving_;     ///< particles with a target of their own
+  std::vector<std::uint32_t> concerned_;  ///< solvers that learn of paths in this step
+  std::vector<std::uint32_t> settling_;   ///< solvers that learned of paths in the last step
+  std::vector<std::uint8_t> is_concerned_;
 };
 
 }  // namespace plumb::detail

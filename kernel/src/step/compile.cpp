@@ -1,9 +1,10 @@
 #include <algorithm>
-#include <array>
+#include <string>
 
 #include "direct/direct_solvers.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
+#include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
 #include "step/choose_method.hpp"
 #include "step/compiled.hpp"
@@ -40,32 +41,67 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
   return out;
 }
 
+/// Whether anything may touch, or an island may have more than particles and rods.
+bool has_more_than_rods(const Scene& scene) {
+  const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
+                          !scene.angles.empty() || !scene.capsules.empty() || scene.joint_drag != 0;
+  return has_joints ||
+         std::any_of(scene.particles.begin(), scene.particles.end(),
+                     [](const Particle& particle) { return particle.asleep; }) ||
+         std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {
+           return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
+         });
+}
+
 class Compiler {
  public:
   Compiler(const Scene& scene, const Settings& settings)
-      : scene_(scene), settings_(settings), scene_graph_(scene), graph_(scene_graph_.view()) {}
+      : scene_(scene),
+        settings_(settings),
+        scene_graph_(scene),
+        graph_(scene_graph_.view()),
+        is_jointed_(scene.particles.size(), 0) {}
 
   Compiled make() {
-    if (is_articulated(scene_))
-      add_contact();
-    else
-      add_islands();
+    if (has_more_than_rods(scene_)) make_contact();
+    add_islands();
+    if (contact_) add_contact();
     place_particles();
     fill_info();
     return std::move(out_);
   }
 
  private:
-  void add_contact() {
-    MadeSolver made = make_contact_solver(scene_, settings_, start_);
-    out_.contact = static_cast<ContactSolver*>(made.solver.get());
-    out_.info.islands = out_.contact->island_count();
-    add(std::move(made));
+  /// Makes the contact solver, and finds which particles belong to islands that it alone can move.
+  void make_contact() {
+    const SceneParts parts(scene_);
+    contact_ = std::make_unique<ContactSolver>(scene_, parts, settings_);
+    for (std::uint32_t p = 0; p < parts.count(); ++p) {
+      if (is_plain(parts.part(p))) continue;
+      require_joints_moved(parts.particles(p).front());
+      ++out_.info.islands;
+      for (const std::uint32_t particle : parts.particles(p))
+        if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
+    }
+    start_.projected_velocity = contact_->project_initial_velocities();
+    out_.info.direct_gradient = Gradient::old;
+  }
+
+  /// Refuses what an island with joints cannot be moved by.
+  void require_joints_moved(std::uint32_t particle) const {
+    const char* const why = ": its island has bodies, joints, air on rods, drag of joints or sleepers, which ";
+    const auto of = [&] { return "particle " + std::to_string(particle) + why; };
+    if (!method_row(settings_.method).moves_joints)
+      refuse(of(), "method ", to_string(settings_.method), " cannot move; direct and auto can");
+    if (settings_.gradient && *settings_.gradient != Gradient::old)
+      refuse(of(), "gradient ", to_string(*settings_.gradient),
+             " does not know: their constraints are projected along those of the start (gradient old)");
+    if (settings_.mass == MassModel::lumped)
+      refuse(of(), "mass lumped does not know: bodies need their inertia");
   }
 
   void add_islands() {
     const layouts::Islands islands = layouts::find_islands(graph_);
-    out_.info.islands = islands.count();
     bool is_first = true;
     for (const Share& share : shares_of(islands)) {
       const IslandGroups groups{graph_, islands, share.groups};
@@ -84,12 +120,31 @@ class Compiler {
     }
   }
 
-  std::vector<Share> shares_of(const layouts::Islands& islands) const {
+  /// Last, so that the contact solver's place of a particle is its last one.
+  void add_contact() {
+    std::vector<std::pair<std::uint32_t, Slot>> home(scene_.particles.size(), {none, 0});
+    for (std::uint32_t s = 0; s < slots_.size(); ++s)
+      for (const auto& [particle, slot] : slots_[s])
+        if (home[particle].first == none) home[particle] = {s, slot};
+    for (const auto& [island, particles, movable] : contact_->plain_islands()) {
+      std::vector<Slot> at_home;
+      for (std::uint32_t k = 0; k < movable; ++k) at_home.push_back(home[particles[k]].second);
+      const std::uint32_t number = home[particles.front()].first;
+      contact_->set_home(island, *out_.solvers[number], number, std::move(at_home));
+    }
+    out_.contact = contact_.get();
+    slots_.push_back(contact_->places());
+    out_.solvers.push_back(std::move(contact_));
+  }
+
+  std::vector<Share> shares_of(const layouts::Islands& islands) {
     std::vector<Share> shares;
     for (const auto& equal : layouts::group_equal_islands(graph_, islands)) {
       const layouts::LocalGraph local = layouts::local_graph(graph_, islands, equal.front());
       std::vector<std::size_t> joined;  // shares that this group's islands went to
       for (const std::uint32_t island : equal) {
+        if (is_jointed_[islands.vertices(island).front()] != 0) continue;
+        ++islands_of_rods_;
         const Choice choice = choose(scene_, local.view(), islands.edges(island), settings_);
         auto share = std::find_if(shares.begin(), shares.end(),
                                   [&](const Share& each) { return each.choice == choice; });
@@ -121,6 +176,7 @@ class Compiler {
     WorldInfo& info = out_.info;
     info.particles = static_cast<std::uint32_t>(scene_.particles.size());
     info.rods = static_cast<std::uint32_t>(scene_.rods.size());
+    info.islands += islands_of_rods_;
     info.isa = settings_.isa.value_or(best_isa());
     info.threads = settings_.threads;
     info.skipped_drag = scene_.drag == 0;
@@ -134,6 +190,11 @@ class Compiler {
   const Settings& settings_;
   const SceneGraph scene_graph_;
   const layouts::Graph graph_;
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  std::vector<std::uint8_t> is_jointed_;  ///< per particle: its island has more than particles and rods
+  std::uint32_t islands_of_rods_ = 0;
+  std::unique_ptr<ContactSolver> contact_;
   Compiled out_;
   StartReport start_;
   std::vector<std::vector<MadeSolver::Place>> slots_;  ///< by solver

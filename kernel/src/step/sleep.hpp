@@ -38,6 +38,10 @@ class Sleep {
   /// Whether a task needs no step.
   bool skips(const Task& task) const { return task.asleep && enabled_; }
 
+  bool is_asleep(std::span<const std::unique_ptr<Solver>> solvers, Place place) const {
+    return tasks_[first_task_[place.solver] + solvers[place.solver]->piece_of(place.slot)].asleep;
+  }
+
   void wake(std::span<const std::unique_ptr<Solver>> solvers, Place place);
   void wake_all(std::span<const std::unique_ptr<Solver>> solvers);
   /// After a step of dt: puts to rest what stood still for long enough. Returns how many islands that were.

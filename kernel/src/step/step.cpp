@@ -34,7 +34,7 @@ Step::Step(const Scene& scene, const Settings& settings)
     : settings_(settings),
       workers_(settings),
       compiled_(compile(scene, with_threads(settings, workers_.size()))),
-      anchors_(scene),
+      anchors_(scene, compiled_.solvers.size()),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
   // One particle alone has no length for an error to be relative to.
@@ -43,6 +43,8 @@ Step::Step(const Scene& scene, const Settings& settings)
   sleep_.start(compiled_.solvers, settings.sleep, settings.precision);
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
+  active_.reserve(sleep_.tasks().size());
+  visited_.reserve(compiled_.solvers.size());
   compiled_.info.parallel = uses_threads();
 }
 
@@ -63,7 +65,17 @@ void Step::wake(StepReport&) {
   anchors_.begin_step(dt_, compiled_.places, compiled_.solvers);
 }
 
-void Step::collide(StepReport&) {}
+void Step::collide(StepReport&) {
+  ContactSolver& contact = *compiled_.contact;
+  if (sleep_.enabled())
+    contact.see_rest([&](std::uint32_t home, Slot slot) {
+      return sleep_.is_asleep(compiled_.solvers, {home, slot});
+    });
+  if (!contact.any_awake()) return contact.clear_pieces();
+  workers_.lead(contact.is_worth_threads() && workers_.size() > 1,
+                [&] { contact.begin_step(dt_, workers_.team()); });
+  for (const auto& [home, slot] : contact.returned()) sleep_.wake(compiled_.solvers, {home, slot});
+}
 
 void Step::solve(StepReport& report) {
   active_.clear();
@@ -77,7 +89,8 @@ void Step::solve(StepReport& report) {
     }
   }
   ContactSolver* const contact = compiled_.contact;
-  if (visited_.empty() && !(contact && contact->any_awake())) return;
+  const std::uint32_t clusters = contact ? contact->pieces() : 0;
+  if (visited_.empty() && clusters == 0) return;
   for (StepReport& of_part : reports_) of_part = {};
   workers_.lead(uses_threads(), [&] {
     Team& team = workers_.team();
@@ -85,8 +98,6 @@ void Step::solve(StepReport& report) {
     for (const std::uint32_t s : visited_)
       if (Solver& solver = *compiled_.solvers[s]; solver.wants_team())
         solver.advance_with_team(dt_ / rules_.substeps, rules_.substeps, team, reports_[0]);
-    if (contact) contact->begin_step(dt_, team);
-    const auto clusters = contact ? contact->pieces() : 0;
     const auto tasks = static_cast<std::uint32_t>(active_.size());
     team.for_each(tasks + clusters, [&](std::uint32_t i, unsigned part) {
       if (i < tasks)
@@ -97,7 +108,7 @@ void Step::solve(StepReport& report) {
   });
   for (const StepReport& of_part : reports_) report += of_part;
   for (const std::uint32_t s : visited_) compiled_.solvers[s]->end_step(report);
-  if (contact) contact->end_step(report);
+  if (contact && contact->any_awake()) contact->end_step(report);
 }
 
 void Step::advance(Solver& solver, std::uint32_t piece, unsigned part) {
@@ -175,26 +186,33 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 
 // --- Reading
 
-Vec3 Step::position(std::uint32_t particle) const {
+/// Where a particle is moved now; null for a fixed one from which nothing hangs.
+const Place* Step::place_of(std::uint32_t particle) const {
   const auto places = compiled_.places.of(particle);
-  if (places.empty()) return anchors_.position(particle);  // fixed, and nothing hangs from it
-  return solver(places.front()).position(places.front().slot);
+  if (places.empty()) return nullptr;
+  const bool visits = compiled_.contact && &solver(places.back()) == compiled_.contact &&
+                      compiled_.contact->has(places.back().slot);
+  return visits ? &places.back() : &places.front();
+}
+
+Vec3 Step::position(std::uint32_t particle) const {
+  const Place* const place = place_of(particle);
+  return place ? solver(*place).position(place->slot) : anchors_.position(particle);
 }
 
 Vec3 Step::velocity(std::uint32_t particle) const {
   if (anchors_.is_fixed(particle)) return {};
-  const Place place = compiled_.places.of(particle).front();
-  return solver(place).velocity(place.slot);
+  const Place* const place = place_of(particle);
+  return solver(*place).velocity(place->slot);
 }
 
 std::uint64_t Step::state_hash() const {
   StateHash hash;
   for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
-    const auto places = compiled_.places.of(particle);
-    if (places.empty())
-      hash.add<double>(anchors_.position(particle));
+    if (const Place* const place = place_of(particle))
+      solver(*place).add_to_hash(place->slot, hash);
     else
-      solver(places.front()).add_to_hash(places.front().slot, hash);
+      hash.add<double>(anchors_.position(particle));
   }
   return hash.value();
 }

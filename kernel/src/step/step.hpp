@@ -52,6 +52,7 @@ class Step {
   void advance(Solver& solver, std::uint32_t piece, unsigned part);
   void advance(Task& task, unsigned part);
   bool uses_threads() const;
+  const Place* place_of(std::uint32_t particle) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 
   Settings settings_;

@@ -9,8 +9,8 @@ namespace plumb::detail {
 
 /// What substeps a step of the world takes, for every solver.
 struct TimeRules {
-  std::uint32_t substeps = 1;             ///< of a step; the fewest if an accuracy is set
-  std::optional<double> error_growth{};   ///< m/s that the estimated error of positions may grow by
+  std::uint32_t substeps = 1;            ///< of a step; the fewest if an accuracy is set
+  std::optional<double> error_growth{};  ///< m/s that the estimated error of positions may grow by
 };
 
 /// Takes a piece of a solver through a step of `dt` seconds: by equal substeps, or by as many as its error

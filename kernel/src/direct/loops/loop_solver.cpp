@@ -138,6 +138,16 @@ void LoopSolver::add_to_hash(Slot slot, StateHash& hash) const {
   for (std::size_t c = 0; c < 3; ++c) hash.add(state_.u[3 * std::size_t{slot} + c]);
 }
 
+double LoopSolver::read(std::span<const Slot> slots, std::span<Vec3> out) const {
+  double most = 0;  // of squares
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    out[i] = position(slots[i]);
+    const double* const u = state_.u.data() + 3 * std::size_t{slots[i]};
+    most = std::max(most, u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+  }
+  return std::sqrt(most) / (state_.u_step != 0 ? state_.u_step : 1);
+}
+
 /// A displacement stands for the velocity of now under the force that made it: it gives way to the velocity
 /// before that force changes.
 void LoopSolver::set_force(Slot slot, Vec3 newton) {

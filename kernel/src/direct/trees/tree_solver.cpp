@@ -315,6 +315,20 @@ void TreeSolver<T>::keep_velocities(std::uint32_t lane) {
 }
 
 template <class T>
+double TreeSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) const {
+  double most = 0;  // of squares
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const Place place = place_of(slots[i]);
+    const std::size_t at = state_.at(3 * place.node, place.lane), lanes = state_.lanes;
+    out[i] = {state_.x[at], state_.x[at + lanes], state_.x[at + 2 * lanes]};
+    const double step = state_.u_step[place.lane], over = step != 0 ? 1 / step : 1;
+    const Vec3 v = over * Vec3{double{state_.u[at]}, double{state_.u[at + lanes]}, double{state_.u[at + 2 * lanes]}};
+    most = std::max(most, dot(v, v));
+  }
+  return std::sqrt(most);
+}
+
+template <class T>
 void TreeSolver<T>::set_force(Slot slot, Vec3 newton) {
   const Place place = place_of(slot);
   if (kind_->rules.gradient == Gradient::old) keep_velocities(place.lane);

@@ -95,6 +95,7 @@ class TreeSolver final : public Solver {
   Vec3 position(Slot slot) const override;
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
+  double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
   void move_anchor(Slot slot, const AnchorMove& move) override;
   void begin_anchors() override;

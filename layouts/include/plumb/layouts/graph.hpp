@@ -6,11 +6,12 @@
 
 namespace plumb::layouts {
 
-/// Joins vertices `a` and `b`; the direction is kept but means nothing here.
+/// Joins vertices `a` and `b`. The direction is kept but means nothing here.
 struct Edge {
-  std::uint32_t a = 0;
-  std::uint32_t b = 0;
+  std::uint32_t a = 0;  ///< One end.
+  std::uint32_t b = 0;  ///< The other end.
 
+  /// Whether both ends are equal, in their order.
   friend constexpr bool operator==(const Edge&, const Edge&) = default;
 };
 
@@ -19,30 +20,31 @@ constexpr std::uint32_t other_end(Edge edge, std::uint32_t vertex) {
   return edge.a == vertex ? edge.b : edge.a;
 }
 
-/// A graph to lay out. A view: it owns nothing.
+/// A graph to lay out. It is a view and owns nothing.
 ///
-/// `movable[v]` is 0 for fixed vertices; they connect nothing and conflict with nothing.
-/// Expected, and not checked: every end is below `vertices`, no edge joins a vertex to itself, and
-/// there are fewer than 2³¹ edges.
+/// Fixed vertices connect nothing and conflict with nothing. Callers see to it that every end is below
+/// `vertices`, that no edge joins a vertex to itself, and that there are fewer than 2³¹ edges. None of this
+/// is checked.
 struct Graph {
-  std::uint32_t vertices = 0;
-  std::span<const Edge> edges;
-  std::span<const std::uint8_t> movable;  ///< one per vertex
+  std::uint32_t vertices = 0;             ///< Number of vertices.
+  std::span<const Edge> edges;            ///< Edges between them.
+  std::span<const std::uint8_t> movable;  ///< One per vertex: 0 if it is fixed, else 1.
 };
 
 /// The edges at every vertex, fixed ones included, as compressed rows.
 struct Incidence {
-  std::vector<std::uint32_t> edge_begin;  ///< vertices + 1 entries
-  std::vector<std::uint32_t> edge_list;   ///< two entries per edge
+  std::vector<std::uint32_t> edge_begin;  ///< Start of each vertex's row; vertices + 1 entries.
+  std::vector<std::uint32_t> edge_list;   ///< Ids of edges, two entries per edge.
 
   /// Ids of the edges at `vertex`, ascending.
   std::span<const std::uint32_t> edges(std::uint32_t vertex) const {
     return std::span(edge_list).subspan(edge_begin[vertex], degree(vertex));
   }
+  /// Number of edges at `vertex`.
   std::uint32_t degree(std::uint32_t vertex) const { return edge_begin[vertex + 1] - edge_begin[vertex]; }
 };
 
-/// Linear time.
+/// Finds the edges at every vertex, in linear time.
 inline Incidence edges_by_vertex(const Graph& graph) {
   Incidence result;
   result.edge_begin.assign(graph.vertices + std::size_t{1}, 0);

@@ -10,11 +10,12 @@ namespace plumb::layouts {
 
 /// Independent parts of a graph, as compressed rows: island i owns entries [begin[i], begin[i + 1]).
 struct Islands {
-  std::vector<std::uint32_t> vertex_begin;  ///< count() + 1 entries
-  std::vector<std::uint32_t> vertex_list;
-  std::vector<std::uint32_t> edge_begin;  ///< count() + 1 entries
-  std::vector<std::uint32_t> edge_list;
+  std::vector<std::uint32_t> vertex_begin;  ///< Start of each island's vertices; count() + 1 entries.
+  std::vector<std::uint32_t> vertex_list;   ///< Vertices, island after island.
+  std::vector<std::uint32_t> edge_begin;    ///< Start of each island's edges; count() + 1 entries.
+  std::vector<std::uint32_t> edge_list;     ///< Edges, island after island.
 
+  /// Number of islands.
   std::uint32_t count() const {
     return vertex_begin.empty() ? 0 : static_cast<std::uint32_t>(vertex_begin.size() - 1);
   }
@@ -23,7 +24,7 @@ struct Islands {
     return std::span(vertex_list)
         .subspan(vertex_begin[island], vertex_begin[island + 1] - vertex_begin[island]);
   }
-  /// Ascending.
+  /// The edges of an island, ascending.
   std::span<const std::uint32_t> edges(std::uint32_t island) const {
     return std::span(edge_list).subspan(edge_begin[island], edge_begin[island + 1] - edge_begin[island]);
   }
@@ -38,12 +39,13 @@ Islands find_islands(const Graph& graph);
 
 /// One island as a graph of its own.
 struct LocalGraph {
-  std::vector<Edge> edges;
-  std::vector<std::uint8_t> movable;  ///< one per vertex
+  std::vector<Edge> edges;            ///< Edges, by local vertices.
+  std::vector<std::uint8_t> movable;  ///< One per vertex: 0 if it is fixed, else 1.
 
-  /// Valid while this object lives and is not changed.
+  /// The same as a view, valid while this object lives and is not changed.
   Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
 
+  /// Whether edges and movable flags are equal.
   friend bool operator==(const LocalGraph&, const LocalGraph&) = default;
 };
 

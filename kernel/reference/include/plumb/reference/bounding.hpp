@@ -8,65 +8,76 @@
 #include "plumb/export.hpp"
 #include "plumb/vec3.hpp"
 
-/// Bounding volumes of thesis 2.3, from the cheapest to the tightest. Each holds all points it was made of,
-/// to rounding; lengths in m, y is up. Made of no points, or of one that is not finite, they throw InputError
-/// with the number of the point. Volumes that touch overlap; two that do or do not by 1e-12 of their size may
-/// be taken either way.
+/// @file
+/// Bounding volumes of thesis 2.3, from the cheapest to the tightest.
+///
+/// Each holds all points it was made of, to rounding. Lengths are in m and y is up. No points, or one that is
+/// not finite, throw InputError with the number of the point. Volumes that touch overlap. Two that do or do
+/// not by 1e-12 of their size may be taken either way.
 namespace plumb {
 
-/// About the mean of the points (thesis 2.3.1).
+/// A sphere about the mean of the points (thesis 2.3.1).
 struct BoundingSphere {
-  Vec3 center{};
-  double radius = 0;
+  Vec3 center{};      ///< Centre, in m.
+  double radius = 0;  ///< Radius, in m.
 };
-/// Upright, whichever way its content is turned (thesis 2.3.2).
+/// A cylinder that stands upright, whichever way its content is turned (thesis 2.3.2).
 struct BoundingCylinder {
-  Vec3 center{};
-  double radius = 0;
-  double height = 0;
+  Vec3 center{};      ///< Centre, in m.
+  double radius = 0;  ///< Radius, in m.
+  double height = 0;  ///< Height along y, in m.
 };
-/// Between two corners, along the axes of space (thesis 2.3.3).
+/// A box between two corners, along the axes of space (thesis 2.3.3).
 struct Aabb {
-  Vec3 low{}, high{};
+  Vec3 low{};   ///< Corner with the least coordinates, in m.
+  Vec3 high{};  ///< Corner with the largest coordinates, in m.
 };
-/// Along axes of its own: those along which the points spread most and least (thesis 2.3.4).
+/// A box along axes of its own: those along which the points spread most and least (thesis 2.3.4).
 struct Obb {
-  Vec3 center{};
-  std::array<Vec3, 3> axis{};  ///< of length one, at right angles
-  Vec3 half_size{};            ///< along each axis
+  Vec3 center{};               ///< Centre, in m.
+  std::array<Vec3, 3> axis{};  ///< Unit vectors at right angles.
+  Vec3 half_size{};            ///< Half of its sides along these axes, in m.
 };
-/// The convex hull: the tightest of convex polygon meshes (thesis 2.3.5). Points may be outside by 1e-9 of
+/// The convex hull, the tightest of convex polygon meshes (thesis 2.3.5). Points may be outside by 1e-9 of
 /// its size, so that those on a flat side do not cut it into slivers.
 struct ConvexMesh {
-  std::vector<Vec3> vertices;                       ///< of the points, those on the hull, in their order
-  std::vector<std::array<std::uint32_t, 3>> faces;  ///< triangles, anticlockwise as seen from outside
+  std::vector<Vec3> vertices;                       ///< Those points that are on the hull, in their order.
+  std::vector<std::array<std::uint32_t, 3>> faces;  ///< Triangles, anticlockwise as seen from outside.
 };
 
+/// The sphere about the mean of the points, as large as the farthest of them asks.
 PLUMB_API BoundingSphere bounding_sphere_of(std::span<const Vec3> points);
+/// The upright cylinder about the mean of the points.
 PLUMB_API BoundingCylinder bounding_cylinder_of(std::span<const Vec3> points);
+/// The least box along the axes of space.
 PLUMB_API Aabb aabb_of(std::span<const Vec3> points);
+/// The box along the principal axes of the points.
 PLUMB_API Obb obb_of(std::span<const Vec3> points);
-/// By quickhull (Barber, Dobkin, Huhdanpaa 1996). Throws InputError also if the points lie in one plane, to
-/// 1e-9 of their size.
+/// The convex hull, by quickhull (Barber, Dobkin, Huhdanpaa 1996). Throws InputError also if the points lie
+/// in one plane, to 1e-9 of their size.
 PLUMB_API ConvexMesh convex_mesh_of(std::span<const Vec3> points);
 
+/// Whether two spheres overlap.
 PLUMB_API bool overlap(const BoundingSphere& a, const BoundingSphere& b);
+/// Whether two upright cylinders overlap.
 PLUMB_API bool overlap(const BoundingCylinder& a, const BoundingCylinder& b);
+/// Whether two boxes along the axes of space overlap.
 PLUMB_API bool overlap(const Aabb& a, const Aabb& b);
-/// By the 15 axes that can separate two boxes (Gottschalk, Lin, Manocha 1996), instead of the edges through
-/// faces of thesis 2.4.2, which miss a box inside another.
+/// Whether two boxes overlap, by the 15 axes that can separate them (Gottschalk, Lin, Manocha 1996). The
+/// edges through faces of thesis 2.4.2 would miss a box inside another.
 PLUMB_API bool overlap(const Obb& a, const Obb& b);
-/// By the distance of the two (Gilbert, Johnson, Keerthi 1988); of two that all but touch, by their
-/// separating axes, which takes as many times longer as they have pairs of edges.
+/// Whether two hulls overlap, by their distance (Gilbert, Johnson, Keerthi 1988). Two that all but touch are
+/// decided by their separating axes, which costs a test for every pair of edges.
 PLUMB_API bool overlap(const ConvexMesh& a, const ConvexMesh& b);
 
 /// A sphere to ask first and a box to ask then (thesis 2.4).
 struct TwoLevels {
-  BoundingSphere sphere{};
-  Obb box{};
+  BoundingSphere sphere{};  ///< The sphere that is asked first.
+  Obb box{};                ///< The box that is asked then.
 };
+/// Both volumes of a set of points.
 PLUMB_API TwoLevels two_levels_of(std::span<const Vec3> points);
-/// Whether the boxes overlap, which is asked only if the spheres do.
+/// Whether the boxes overlap. They are asked only if the spheres overlap.
 PLUMB_API bool overlap_in_two_levels(const TwoLevels& a, const TwoLevels& b);
 
 }  // namespace plumb

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "contest/case.hpp"
+
+namespace plumb::bench {
+
+/// One thread against two over the same scene.
+struct Duel {
+  Case c{};
+  std::uint32_t rods = 0;
+  std::uint32_t sweeps = 0;
+  bool is_paused =
+      false;  ///< steps come one by one after a pause, as frames do, and helpers have gone to sleep
+  bool is_parallel = false;     ///< false: plumb gave the second thread nothing to do
+  std::vector<double> one_s{};  ///< seconds per step, one sample per round
+  std::vector<double> two_s{};
+
+  /// Median over rounds of two threads' time over one's; below 1 two threads win.
+  double ratio() const;
+  /// The same of the least times.
+  double ratio_of_least() const;
+  double projections() const { return double{1} * rods * sweeps; }
+};
+
+/// Two duels: step after step, and with pauses of `pause_s` between steps. Rounds alternate in who begins.
+/// Throws CheckFailed if the two worlds end in different bits.
+std::vector<Duel> hold_duels(const Case& c, std::uint32_t sweeps, std::uint32_t rounds, double pause_s);
+
+/// Lets two threads share work of any size in worlds made from now on, so that duels show what is below
+/// plumb's thresholds. False if this build cannot.
+bool lift_thresholds();
+
+}  // namespace plumb::bench

@@ -1,0 +1,80 @@
+#include "contact/visitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace plumb::detail {
+namespace {
+
+/// A violation of constraints, relative to lengths, that is left to the substep: it makes no velocity that
+/// matters.
+constexpr double unnoticed = 1e-9;
+constexpr int most_corrections = 12;
+
+}  // namespace
+
+double Visitor::look(LinkageState& state) const {
+  return home_->read(slots_, std::span(state.x).first(slots_.size()));
+}
+
+void Visitor::come(LinkageState& state, ProjectionWork& work) {
+  look(state);
+  for (std::size_t k = 0; k < slots_.size(); ++k) state.v[k] = home_->velocity(slots_[k]);
+  home_->set_away(slots_.front(), true);
+  is_visiting_ = true;
+  state.factored = false;
+  state.kept.clear();
+  state.energy.reset();
+  std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
+  project_positions(state, work);
+  project_velocities(state, work);
+}
+
+void Visitor::leave(const LinkageState& state) {
+  for (std::size_t k = 0; k < slots_.size(); ++k) home_->set_motion(slots_[k], state.x[k], state.v[k]);
+  home_->set_away(slots_.front(), false);
+  is_visiting_ = false;
+}
+
+void project_positions(LinkageState& state, ProjectionWork& work) {
+  const Linkage& linkage = *state.linkage;
+  if (linkage.constraints() == 0) return;
+  work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
+  const std::span<double> right = numbers(work.unknowns);
+  work.before = state.x;
+  for (int i = 0; i < most_corrections; ++i) {
+    std::fill(right.begin(), right.end(), 0.0);
+    const double violation = linkage.violations(state.x, right);
+    if (violation <= unnoticed) return;
+    if (!std::isfinite(violation) || !state.factor()) break;
+    linkage.plan().solve(state.factors, work.unknowns);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += linkage.taken(right, k);
+    state.factored = false;
+  }
+  state.x = work.before;
+  state.factored = false;
+}
+
+double project_velocities(LinkageState& state, ProjectionWork& work) {
+  const Linkage& linkage = *state.linkage;
+  if (linkage.constraints() == 0) return 0;
+  state.factor();
+  work.momentum.resize(linkage.movable());
+  work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
+  const std::span<double> right = numbers(work.unknowns);
+  linkage.momenta(state.v, work.momentum);
+  linkage.put(work.momentum, right);
+  linkage.plan().solve(state.factors, work.unknowns);
+  double largest = 0;
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+    const Vec3 given = std::exchange(state.v[k], linkage.taken(right, k));
+    const double change = norm(state.v[k] - given);
+    // Where nothing but rounding changed, velocities stay as they were given, bit for bit.
+    if (change <= 1e-12 * norm(given)) state.v[k] = given;
+    largest = std::max(largest, change);
+  }
+  return largest;
+}
+
+}  // namespace plumb::detail

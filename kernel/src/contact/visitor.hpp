@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "contact/linkage_state.hpp"
+#include "solver/solver.hpp"
+
+namespace plumb::detail {
+
+/// Numbers that projections need; kept, so that steps allocate nothing.
+struct ProjectionWork {
+  std::vector<Vec3> before, momentum;
+  std::vector<simd::Quad> unknowns;
+};
+
+/// An island of particles and rods that has a solver of its own, its home, and visits the contact solver while
+/// it may touch something. Lanes, precision, gradient and accuracy are those of its home until then.
+class Visitor {
+ public:
+  Visitor() = default;
+  /// `slots` are those of the island's movable particles at home, in the island's order.
+  Visitor(Solver& home, std::uint32_t number, std::vector<Slot> slots)
+      : home_(&home), number_(number), slots_(std::move(slots)) {}
+
+  bool has_home() const { return home_ != nullptr; }
+  bool is_at_home() const { return home_ != nullptr && !is_visiting_; }
+
+  /// Reads the positions of an island at home. Returns about the speed of the fastest particle, m/s.
+  double look(LinkageState& state) const;
+  /// Takes the island from its home: reads positions and velocities, and makes them fit the rods, which a
+  /// home may leave stretched; velocities do not change by that.
+  void come(LinkageState& state, ProjectionWork& work);
+  /// Gives positions and velocities back.
+  void leave(const LinkageState& state);
+  /// The number of the home among the world's solvers, and a slot there: they tell the island's piece.
+  std::uint32_t number() const { return number_; }
+  Slot first_slot() const { return slots_.front(); }
+
+ private:
+  Solver* home_ = nullptr;
+  std::uint32_t number_ = 0;
+  std::vector<Slot> slots_;
+  bool is_visiting_ = false;
+};
+
+/// Moves an island's particles, by mass, so that its constraints hold: Newton's method without velocities.
+/// Does nothing where that does not converge.
+void project_positions(LinkageState& state, ProjectionWork& work);
+/// Takes from the velocities what constraints forbid. Returns the largest change, m/s.
+double project_velocities(LinkageState& state, ProjectionWork& work);
+
+}  // namespace plumb::detail

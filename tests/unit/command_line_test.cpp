@@ -1,0 +1,83 @@
+#include "cli/command_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "cli/options.hpp"
+#include "plumb/error.hpp"
+
+namespace plumb::tools {
+namespace {
+
+struct Throw {
+  std::string target;
+  double speed = 1;
+  bool quiet = false;
+  std::string typed;
+};
+
+/// The exit status of `plumb ARGUMENTS`, where plumb knows `throw TARGET`, which knows `again`.
+int run(std::vector<std::string> arguments, Throw& out) {
+  CommandLine line("plumb", "about", "1", "");
+  Command top = line.top();
+  Command command = top.add_command("throw", "Throw");
+  add_scene(command, out.target);
+  const Option speed = add_positive(command, "--speed", out.speed, "Speed");
+  const Option still = command.add_flag(
+      "--still", [&out] { out.speed = 0; }, "No speed");
+  still.excludes(speed);
+  command.add_flag("--quiet", out.quiet, "Quiet");
+  command.set_action([&out, command] {
+    out.typed = command.typed();
+    return 3;
+  });
+  Command again = top.add_command("again", "Again");
+  Command inner = again.add_command("inner", "Inner");
+  again.set_action([] { return 4; });
+  inner.set_action([] { return 5; });
+  arguments.insert(arguments.begin(), "plumb");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  return line.run(static_cast<int>(argv.size()), argv.data());
+}
+
+std::string message_of(const std::vector<std::string>& arguments) {
+  Throw ignored;
+  try {
+    run(arguments, ignored);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(CommandLine, TakesValuesAndRunsTheCommand) {
+  Throw t;
+  EXPECT_EQ(run({"throw", "ball", "--speed", "1/4", "--quiet"}, t), 3);
+  EXPECT_EQ(t.target, "ball");
+  EXPECT_EQ(t.speed, 0.25);
+  EXPECT_TRUE(t.quiet);
+  EXPECT_EQ(t.typed, " SCENE ball --speed 1/4");
+  EXPECT_EQ(run({"throw", "ball", "--still"}, t), 3);
+  EXPECT_EQ(t.speed, 0);
+}
+
+TEST(CommandLine, RunsTheInnermostCommand) {
+  Throw ignored;
+  EXPECT_EQ(run({"again"}, ignored), 4);
+  EXPECT_EQ(run({"again", "inner"}, ignored), 5);
+}
+
+TEST(CommandLine, RefusesWithTheNameOfTheOption) {
+  EXPECT_EQ(message_of({"throw", "ball", "--speed", "-1"}), "--speed: must be positive");
+  EXPECT_EQ(message_of({"throw", "ball", "--speed", "fast"}), "--speed: 'fast' is not a finite number");
+  EXPECT_EQ(message_of({"throw", "ball", "--speed", "2", "--still"}), "--speed excludes --still");
+  EXPECT_EQ(message_of({"throw"}), "SCENE is required");
+  EXPECT_EQ(message_of({"trow"}), "no command 'trow'; known are throw, again");
+  EXPECT_EQ(message_of({}), "no command given; `plumb --help` lists them");
+}
+
+}  // namespace
+}  // namespace plumb::tools

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+/// A command line of commands, each with options: what plumb needs of CLI11, in a header that costs nothing
+/// to include. CLI11 itself takes seconds to compile, and command_line.cpp alone includes it.
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace plumb::tools {
+
+/// What is to be done once the command line is understood; its result is the exit status.
+using Action = std::function<int()>;
+
+/// Takes the text that a user gave an option. Throws BadValue.
+using Take = std::function<void(const std::string&)>;
+
+/// Why an option refuses its value; the message that the user sees has the option's name before it.
+class BadValue : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An option of a command, for what is asked of it after it was declared.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  bool given() const;
+  std::string name() const;
+  Option required() const;
+  Option excludes(Option other) const;
+  friend bool operator==(Option, Option) = default;
+
+ private:
+  CLI::Option* option_;
+};
+
+/// A command, while it declares itself. Help shows options in the order in which they are declared, and their
+/// values are taken in that order too.
+class Command {
+ public:
+  Command(CLI::App* app, Action* chosen) : app_(app), chosen_(chosen) {}
+
+  /// A command of its own, chosen by `name`.
+  Command add_command(const std::string& name, const std::string& help) const;
+
+  /// An option with one value, which help calls `value`.
+  Option add_option(const std::string& name, const std::string& value, Take take,
+                    const std::string& help) const;
+  /// The same, kept as it is.
+  Option add_option(const std::string& name, const std::string& value, std::string& target,
+                    const std::string& help) const;
+  Option add_flag(const std::string& name, bool& target, const std::string& help) const;
+  Option add_flag(const std::string& name, std::function<void()> then, const std::string& help) const;
+
+  /// Called when all values are taken, to refuse those that do not go together.
+  void check(std::function<void()> check) const;
+  void set_footer(const std::string& text) const;
+  /// What the command does.
+  void set_action(Action action) const;
+
+  /// The options that were given, as the user typed them, but for --quiet, which changes no results.
+  std::string typed() const;
+
+ private:
+  CLI::App* app_;
+  Action* chosen_;  ///< of the command line
+};
+
+/// The whole line.
+class CommandLine {
+ public:
+  CommandLine(const std::string& name, const std::string& about, const std::string& version,
+              const std::string& footer);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  Command top();
+
+  /// Does what the line says: shows help or the version, or runs a command, and returns its exit status.
+  /// Throws InputError if it cannot be understood, and what the command throws.
+  int run(int argc, char** argv);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+  Action chosen_;
+};
+
+}  // namespace plumb::tools

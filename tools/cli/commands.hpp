@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "cli/command_line.hpp"
+
+/// The commands, one file each. Each adds itself to the command line, with what it does when chosen.
+namespace plumb::tools {
+
+void add_run_command(Command& plumb);
+void add_frontier_command(Command& plumb);
+void add_humanoid_command(Command& plumb);
+void add_info_command(Command& plumb);
+void add_profile_command(Command& plumb);
+void add_scale_command(Command& plumb);
+void add_stability_command(Command& plumb);
+void add_thesis_command(Command& plumb);
+void add_truth_command(Command& plumb);
+
+/// Exit statuses.
+inline constexpr int fine = 0;
+inline constexpr int check_failed = 1;
+inline constexpr int bad_input = 2;
+
+/// What was measured is not what it must be; the message says what.
+class CheckFailed : public std::runtime_error {
+ public:
+  explicit CheckFailed(const std::string& what) : std::runtime_error("check failed: " + what) {}
+};
+
+}  // namespace plumb::tools

@@ -1,0 +1,132 @@
+// plumb info: what a scene holds and how a world lays it out.
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
+#include "plot/table.hpp"
+#include "plumb/world.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/basics/json.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/files/scene_file.hpp"
+#include "scenes/runs/report.hpp"
+#include "scenes/spec.hpp"
+
+namespace plumb::tools {
+namespace {
+
+using scenes::short_number;
+
+struct InfoOptions {
+  std::string scene;
+  Settings settings;
+  std::string report;
+  std::string write;
+};
+
+struct SceneFacts {
+  std::uint64_t fixed = 0;
+  double least_mass = std::numeric_limits<double>::infinity();  ///< kg, of movable particles
+  double most_mass = 0;
+};
+
+SceneFacts facts_of(const Scene& scene) {
+  SceneFacts facts;
+  const std::vector<double> masses = lumped_masses(scene);
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    if (scene.particles[i].fixed) {
+      ++facts.fixed;
+      continue;
+    }
+    facts.least_mass = std::min(facts.least_mass, masses[i]);
+    facts.most_mass = std::max(facts.most_mass, masses[i]);
+  }
+  return facts;
+}
+
+void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts& facts,
+                const WorldInfo& info) {
+  std::printf("scene      %s\n", options.scene.c_str());
+  std::printf("particles  %u, %llu of them fixed\n", info.particles,
+              static_cast<unsigned long long>(facts.fixed));
+  std::printf("rods       %u\n", info.rods);
+  std::printf("islands    %u\n", info.islands);
+  if (facts.most_mass > 0) {
+    std::printf("masses     %s to %s kg\n", short_number(facts.least_mass).c_str(),
+                short_number(facts.most_mass).c_str());
+  }
+  std::printf("diagonal   %s m\n", short_number(bounding_diagonal(scene)).c_str());
+  std::printf("threads    %u, %s\n", info.threads,
+              info.parallel ? "used" : "not used: the scene is too small to win");
+  std::printf("isa       ");
+  for (const Isa isa : all_isas()) {
+    if (!is_supported(isa)) continue;
+    std::printf(" %s%s", std::string(to_string(isa)).c_str(), isa == best_isa() ? " (best)" : "");
+  }
+  std::printf("; used: %s\n\n", std::string(to_string(info.isa)).c_str());
+  Table table(
+      {"shape", "layout", "islands", "particles", "rods", "colours", "bytes", "bytes/projection", "uniform"});
+  for (const BlockInfo& b : info.blocks) {
+    table.add_row({b.shape, b.layout, std::to_string(b.islands), std::to_string(b.particles),
+                   std::to_string(b.rods), std::to_string(b.colors), std::to_string(b.bytes),
+                   short_number(b.bytes_per_projection, 3),
+                   short_number(100 * b.uniform_fraction, 4) + " %"});
+  }
+  std::fputs(table.to_text().c_str(), stdout);
+}
+
+int info(const InfoOptions& options) {
+  const Scene scene = scenes::load_scene(options.scene);
+  std::optional<scenes::OutputFile> report;
+  std::optional<scenes::OutputFile> file;
+  if (!options.report.empty()) report.emplace(options.report);
+  if (!options.write.empty()) file.emplace(options.write);
+  Settings automatic = options.settings;
+  automatic.method = Method::automatic;
+  // Relaxation, which the layouts are for, knows nothing of limbs that touch.
+  const World world(scene, is_articulated(scene) ? automatic : options.settings);
+  const SceneFacts facts = facts_of(scene);
+  if (report) {
+    scenes::Json json{{"scene", options.scene}};
+    json["fixed"] = facts.fixed;
+    json["mass"] =
+        facts.most_mass > 0 ? scenes::Json::array_of({facts.least_mass, facts.most_mass}) : nullptr;
+    json["diagonal"] = bounding_diagonal(scene);
+    json["world"] = scenes::world_json(world.info());
+    json["machine"] = scenes::machine_json(scenes::describe_machine(world.info()));
+    report->write(scenes::format_json(json));
+    report->commit();
+  }
+  if (file) {
+    file->write(scenes::format_scene(scene));
+    file->commit();
+  }
+  print_info(options, scene, facts, world.info());
+  const WorldInfo picked = World(scene, automatic).info();
+  std::printf("\nmethod auto solves %u rods directly and relaxes %u\n", picked.direct_rods,
+              picked.relaxed_rods);
+  return fine;
+}
+
+}  // namespace
+
+void add_info_command(Command& plumb) {
+  Command command = plumb.add_command("info", "Show what a scene holds and how it is laid out");
+  auto options = std::make_shared<InfoOptions>();
+  add_scene(command, options->scene);
+  add_layout_options(command, options->settings);
+  command.add_option("--report", "OUT.json", options->report, "Write the same as JSON to this file");
+  command.add_option("--write", "SCENE.json", options->write, "Write the scene to this file");
+  command.set_footer(
+      "Examples:\n"
+      "  plumb info ensemble --precision float\n"
+      "  plumb info net:width=8,height=8 --write net.json\n\n" +
+      generators_help());
+  command.set_action([options] { return info(*options); });
+}
+
+}  // namespace plumb::tools

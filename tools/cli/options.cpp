@@ -1,0 +1,211 @@
+#include "cli/options.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "plumb/error.hpp"
+#include "scenes/basics/lists.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/spec.hpp"
+
+namespace plumb::tools {
+namespace {
+
+using scenes::append_item;
+
+/// The cap on sweeps when a tolerance or a budget is to stop them.
+constexpr std::uint32_t sweeps_when_stopped_otherwise = 10000;
+
+Option add_number(Command& command, const std::string& name, const std::string& unit,
+                  std::function<void(double)> take, const std::string& help) {
+  const auto read = [take = std::move(take)](const std::string& text) {
+    const auto value = scenes::parse_fraction(text);
+    if (!value) throw BadValue("'" + text + "' is not a finite number");
+    take(*value);
+  };
+  return command.add_option(name, unit, read, help);
+}
+
+Option add_positive_of(const std::string& unit, Command& command, const std::string& name, double& target,
+                       const std::string& help) {
+  const auto take = [&target](double value) {
+    if (!(value > 0)) throw BadValue("must be positive");
+    target = value;
+  };
+  return add_number(command, name, unit, take, help);
+}
+
+Option add_method(Command& command, Settings& settings) {
+  settings.method = Method::automatic;
+  return add_choice(command, "--method", settings.method,
+                    {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
+                     Method::featherstone},
+                    "How rods are kept at their length: the better of one after the other "
+                    "(relax) and all at once (direct), "
+                    "or the thesis's other methods; options of sweeps alone mean relax");
+}
+
+/// The options that are of relaxation alone.
+struct SweepOptions {
+  std::vector<Option> all;
+  Option tolerance;  ///< which method direct has too, for nets
+};
+
+SweepOptions add_sweep_options(Command& command, Settings& settings) {
+  const Option sweeps =
+      add_count(command, "--sweeps", settings.stop.sweeps,
+                "Most passes over all rods in a substep [10; 10000 with --tolerance or --budget-us]");
+  // Values are taken in the order of the options here, so `sweeps` is known by the time these are.
+  const auto lift_cap = [sweeps, &settings] {
+    if (!sweeps.given()) settings.stop.sweeps = sweeps_when_stopped_otherwise;
+  };
+  const auto take_tolerance = [&settings, lift_cap](double value) {
+    settings.stop.tolerance = value;
+    lift_cap();
+  };
+  const auto take_budget = [&settings, lift_cap](double value) {
+    settings.stop.budget_us = value;
+    lift_cap();
+  };
+  const Option tolerance = add_number(
+      command, "--tolerance", "T", take_tolerance,
+      "Stop sweeping, and iterating on a net with method direct, when no rod is stretched by more, relative "
+      "to its length");
+  const Option budget =
+      add_number(command, "--budget-us", "U", take_budget,
+                 "Stop sweeping after this many microseconds a frame; results then depend on the clock");
+  const Option order = add_choice(command, "--order", settings.order,
+                                  {SweepOrder::gauss_seidel, SweepOrder::jacobi}, "Order of a sweep");
+  const Option omega = add_number(
+      command, "--omega", "W", [&settings](double value) { settings.omega = value; },
+      "Over-relaxation, between 0 and 2 [1]");
+  const Option weights = add_choice(command, "--weights", settings.weights, {Weights::mass, Weights::equal},
+                                    "Share of a correction each end takes: by inverse mass or half each");
+  return {{sweeps, tolerance, budget, order, omega, weights}, tolerance};
+}
+
+/// Of the methods that integrate equations of motion.
+void add_equation_options(Command& command, Settings& settings) {
+  add_choice(
+      command, "--integrator", settings.integrator,
+      {Integrator::explicit_euler, Integrator::semi_implicit_euler, Integrator::rk2, Integrator::rk4,
+       Integrator::implicit_euler, Integrator::adaptive_implicit_euler},
+      "Of springs, multipliers and featherstone [rk4; springs: semi-implicit-euler]; the last two are of "
+      "springs");
+  add_choice(command, "--springs", settings.springs.model, {SpringModel::rigid_rods, SpringModel::particles},
+             "What springs join: rigid rods at their joints, or particles");
+  add_positive(command, "--stiffness", settings.springs.stiffness, "Of every spring, N/m [10000]");
+  add_number(
+      command, "--damping-ratio", "D", [&settings](double value) { settings.springs.damping_ratio = value; },
+      "Of every spring, relative to critical [0.1]");
+  add_choice(command, "--stabilization", settings.multipliers.stabilization,
+             {Stabilization::none, Stabilization::baumgarte, Stabilization::projection},
+             "What multipliers do against drift");
+  add_positive(command, "--baumgarte-rate", settings.multipliers.baumgarte_rate,
+               "At which baumgarte lets violations decay, 1/s [10]");
+}
+
+}  // namespace
+
+Option add_words(Command& command, const std::string& name, const std::vector<std::string>& words, Take take,
+                 const std::string& help) {
+  std::string list;
+  for (const std::string& word : words) append_item(list, word, "|");
+  const auto check = [words, list, take = std::move(take)](const std::string& word) {
+    if (std::find(words.begin(), words.end(), word) == words.end())
+      throw BadValue("'" + word + "' is not one of " + list);
+    take(word);
+  };
+  return command.add_option(name, list, check, help);
+}
+
+Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help) {
+  const auto take = [&target](const std::string& text) {
+    const auto value = scenes::parse_number<unsigned>(text);
+    if (!value) throw BadValue("'" + text + "' is not a whole number");
+    target = *value;
+  };
+  return command.add_option(name, "N", take, help);
+}
+
+Option add_seconds(Command& command, const std::string& name, double& target, const std::string& help) {
+  return add_positive_of("S", command, name, target, help);
+}
+
+Option add_positive(Command& command, const std::string& name, double& target, const std::string& help) {
+  return add_positive_of("T", command, name, target, help);
+}
+
+Option add_save_at(Command& command, std::vector<double>& times, const std::string& help) {
+  const auto take = [&times](const std::string& text) {
+    for (const std::string& item : scenes::split_list(text)) {
+      const auto t = scenes::parse_fraction(item);
+      if (!t) throw BadValue("'" + item + "' is not a finite number");
+      times.push_back(*t);
+    }
+  };
+  return command.add_option("--save-at", "T1,T2,...", take, help);
+}
+
+void add_layout_options(Command& command, Settings& settings) {
+  add_choice(command, "--layout", settings.layout,
+             {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa},
+             "How particles lie in memory");
+  add_choice(command, "--precision", settings.precision, {Precision::single, Precision::double_},
+             "Arithmetic");
+  add_count(command, "--threads", settings.threads, "Threads; 0: all there are [0]");
+  std::vector<std::string> isas{"auto"};
+  for (const Isa isa : all_isas()) isas.emplace_back(to_string(isa));
+  add_words(
+      command, "--isa", isas,
+      [&settings](const std::string& word) {
+        settings.isa.reset();
+        for (const Isa isa : all_isas()) {
+          if (word == to_string(isa)) settings.isa = isa;
+        }
+      },
+      "Instruction set; the bits are the same with all [auto]");
+}
+
+void add_solver_options(Command& command, Settings& settings) {
+  const Option method = add_method(command, settings);
+  add_count(command, "--substeps", settings.substeps, "Integrations per frame [1]");
+  add_number(
+      command, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
+      "Methods direct and auto, and springs by adaptive-implicit-euler: choose substeps so that the error "
+      "grows by at most this share of the scene a second");
+  const SweepOptions of_sweeps = add_sweep_options(command, settings);
+  add_choice(command, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
+             "Where a correction's direction is taken [mid; relax: new]");
+  add_count(command, "--time-order", settings.time_order,
+            "2, 4 or 6, for method direct with gradient old: 1, 5 or 9 times the work, and that power of the "
+            "step [2]");
+  add_choice(command, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
+             "How a rod's own mass acts: as points at its ends, or exactly [consistent; relax: lumped]");
+  add_equation_options(command, settings);
+  command.check([method, of_sweeps, &settings] {
+    for (const Option& option : of_sweeps.all) {
+      if (!option.given()) continue;
+      if (!method.given()) settings.method = Method::relax;
+      if (option == of_sweeps.tolerance && settings.method == Method::direct) continue;
+      if (settings.method != Method::relax && settings.method != Method::automatic)
+        throw InputError(option.name() + ": is of method relax; method " +
+                         std::string(to_string(settings.method)) + " has no sweeps");
+    }
+  });
+}
+
+Option add_scene(Command& command, std::string& spec) {
+  return command.add_option("SCENE", "", spec, "A scene file (.json) or a generator; see below").required();
+}
+
+std::string generators_help() {
+  std::string out = "Scenes: a JSON file, or a generator with the parameters that differ from these:\n";
+  for (const scenes::GeneratorHelp& help : scenes::list_generators()) {
+    out += "  " + help.name + (help.parameters.empty() ? "" : ":" + help.parameters) + "\n      " +
+           help.summary + "\n";
+  }
+  return out;
+}
+
+}  // namespace plumb::tools

@@ -1,0 +1,165 @@
+// plumb run: simulate a scene, say how fast and how wrong.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
+#include "cli/progress.hpp"
+#include "cli/run_summary.hpp"
+#include "export/gltf.hpp"
+#include "export/vtk.hpp"
+#include "plumb/error.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/runs/report.hpp"
+#include "scenes/spec.hpp"
+
+namespace plumb::tools {
+namespace {
+
+struct RunOptions {
+  std::string scene;
+  scenes::RunPlan plan;
+  std::vector<double> save_at;
+  std::string trajectory;
+  std::string truth;
+  std::string report;
+  std::string vtk;   ///< folder
+  std::string gltf;  ///< file
+  bool quiet = false;
+};
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  using std::filesystem::absolute;
+  using std::filesystem::weakly_canonical;
+  return !b.empty() && weakly_canonical(absolute(a)) == weakly_canonical(absolute(b));
+}
+
+/// Every file that a run writes frame by frame. All are opened before the work: a folder that cannot be
+/// written is better known then.
+class SavedFrames {
+ public:
+  SavedFrames(const RunOptions& options, const Scene& scene) : binary_(options.gltf.ends_with(".glb")) {
+    if (!options.trajectory.empty()) trajectory_.emplace(options.trajectory).write(scenes::trajectory_header);
+    if (!options.vtk.empty()) vtk_.emplace(options.vtk, scene);
+    if (options.gltf.empty()) return;
+    gltf_file_.emplace(options.gltf);
+    gltf_.emplace(scene);
+  }
+
+  bool wanted() const { return trajectory_ || vtk_ || gltf_; }
+
+  void add(const Frame& frame) {
+    if (trajectory_) {
+      std::string rows;
+      scenes::append_frame(rows, frame);
+      trajectory_->write(rows);
+    }
+    if (vtk_) vtk_->add(frame);
+    if (gltf_) gltf_->add(frame);
+  }
+
+  void commit() {
+    if (trajectory_) trajectory_->commit();
+    if (vtk_) vtk_->finish();
+    if (!gltf_) return;
+    gltf_file_->write(gltf_->to_text(binary_));
+    gltf_file_->commit();
+  }
+
+ private:
+  bool binary_;
+  std::optional<scenes::OutputFile> trajectory_;
+  std::optional<VtkSeries> vtk_;
+  std::optional<scenes::OutputFile> gltf_file_;
+  std::optional<GltfAnimation> gltf_;
+};
+
+void require_different_files(const RunOptions& options) {
+  const std::pair<const char*, const std::string*> files[] = {
+      {"--trajectory", &options.trajectory}, {"--report", &options.report}, {"--gltf", &options.gltf}};
+  for (const auto& a : files)
+    for (const auto& b : files) {
+      if (&a >= &b || a.second->empty() || !same_file(*a.second, *b.second)) continue;
+      throw InputError(std::string(a.first) + " and " + b.first + " name the same file, " + *b.second);
+    }
+}
+
+int run(const RunOptions& options) {
+  const Scene scene = scenes::load_scene(options.scene);
+  std::vector<Frame> truth;
+  if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
+  require_different_files(options);
+  SavedFrames saved(options, scene);
+  std::optional<scenes::OutputFile> report;
+  if (!options.report.empty()) report.emplace(options.report);
+
+  scenes::RunObserver observer;
+  observer.save_at = options.save_at;
+  if (saved.wanted()) observer.save = [&](const Frame& frame) { saved.add(frame); };
+  scenes::RunResult result;
+  {
+    Progress progress("running", options.quiet);
+    observer.progress = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
+    result = scenes::run_scene(scene, options.plan, truth, observer);
+  }
+  const scenes::Machine machine = scenes::describe_machine(result.info);
+  if (report)
+    report->write(scenes::format_json(scenes::report_json(options.scene, options.plan, result, machine)));
+  saved.commit();
+  if (report) report->commit();
+  if (!options.quiet) print_run_summary(options.scene, options.plan, result, machine);
+  if (!result.finite) throw CheckFailed("the state is not finite");
+  if (result.total.frozen_islands > 0)
+    throw CheckFailed(plural(result.total.frozen_islands, "island") +
+                      " went non-finite; put back to the last finite state and left standing");
+  if (result.total.unsolved > 0)
+    throw CheckFailed(
+        plural(result.total.unsolved, "substep") +
+        " could not be solved: trees stayed where they were, islands with loops took elastic rods");
+  return fine;
+}
+
+}  // namespace
+
+void add_run_command(Command& plumb) {
+  Command command = plumb.add_command("run", "Simulate a scene; say how fast and how wrong");
+  auto options = std::make_shared<RunOptions>();
+  RunOptions& o = *options;
+  add_scene(command, o.scene);
+  add_seconds(command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
+  add_seconds(command, "--dt", o.plan.dt, "Length of a frame [1/60]");
+  add_solver_options(command, o.plan.settings);
+  add_layout_options(command, o.plan.settings);
+  add_save_at(
+      command, o.save_at,
+      "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
+  command.add_option("--trajectory", "OUT.csv", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file");
+  command.add_option("--vtk", "DIR", o.vtk,
+                     "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder");
+  command.add_option(
+      "--gltf", "OUT.glb",
+      [&o](const std::string& file) {
+        if (!file.ends_with(".glb") && !file.ends_with(".gltf")) throw BadValue("must end in .glb or .gltf");
+        o.gltf = file;
+      },
+      "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text");
+  command.add_option("--truth", "TRUTH.csv", o.truth, "Compare positions with this trajectory");
+  command.add_option("--report", "OUT.json", o.report,
+                     "Write settings, machine, time and errors to this file");
+  command.add_flag("--quiet", o.quiet, "Print nothing but errors");
+  command.set_footer(
+      "Examples:\n"
+      "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
+      "  plumb run thesis5 --sweeps 1000\n"
+      "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
+      "  plumb run chain:end_mass=10 --substeps 8 --gradient mid --tolerance 1e-6 --report r.json\n"
+      "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
+      "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
+      generators_help());
+  command.set_action([options] { return run(*options); });
+}
+
+}  // namespace plumb::tools

@@ -1,0 +1,152 @@
+#include "cli/run_summary.hpp"
+
+#include <cstdio>
+
+#include "scenes/basics/numbers.hpp"
+#include "scenes/runs/report.hpp"
+
+namespace plumb::tools {
+namespace {
+
+using scenes::RunPlan;
+using scenes::RunResult;
+using scenes::short_number;
+
+std::string percent(double share) {
+  return short_number(100 * share, 4) + " %";
+}
+
+void print_line(const char* name, const std::string& text) {
+  std::printf("%-9s %s\n", name, text.c_str());
+}
+
+void print_method(const RunPlan& plan, const RunResult& result) {
+  const Settings& s = plan.settings;
+  std::string text = "integrator " + std::string(to_string(integrator_of(s)));
+  if (s.method == Method::springs)
+    text += ", " + std::string(to_string(s.springs.model)) + ", stiffness " +
+            short_number(s.springs.stiffness) + " N/m, damping ratio " +
+            short_number(s.springs.damping_ratio);
+  if (s.method == Method::multipliers)
+    text += ", stabilization " + std::string(to_string(s.multipliers.stabilization));
+  print_line("method", std::string(to_string(s.method)) + ", " + text + ", mass " +
+                           std::string(to_string(mass_model_of(s))) +
+                           (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : "") +
+                           (s.stop.tolerance ? ", nets' tolerance " + short_number(*s.stop.tolerance) : ""));
+  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
+                          plural(s.substeps, "substep") + " each" +
+                          (s.accuracy ? ", " + plural(result.total.repeated_steps, "step") + " done again, " +
+                                            std::to_string(result.total.inaccurate_steps) +
+                                            " taken though not accurate enough"
+                                      : ""));
+}
+
+void print_contact(const RunResult& result) {
+  print_line("contact", "at most " + plural(result.total.contacts, "point") + " at once, " +
+                            plural(result.total.block_sweeps, "sweep") + "; " +
+                            plural(result.total.fell_asleep, "island") + " fell asleep, " +
+                            std::to_string(result.total.awake_islands) + " awake at last; " +
+                            plural(result.total.guarded_energy, "substep") + " kept from gaining energy");
+}
+
+void print_direct(const RunPlan& plan, const RunResult& result) {
+  const Settings& s = plan.settings;
+  const WorldInfo& info = result.info;
+  print_line(
+      "direct",
+      plural(info.direct_rods, "rod") + " solved all at once, gradient " +
+          std::string(to_string(info.direct_gradient)) + (info.changes_gradient ? " (mid while calm)" : "") +
+          (info.direct_time_order == 2 ? std::string()
+                                       : ", time order " + std::to_string(info.direct_time_order)) +
+          ", mass " + std::string(to_string(mass_model_of(s))) + ", " + std::string(to_string(s.precision)) +
+          (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : "") +
+          (s.stop.tolerance ? ", nets' tolerance " + short_number(*s.stop.tolerance) : ""));
+  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
+                          plural(result.total.direct_substeps, "substep") + " of an island, " +
+                          plural(result.total.newton, "Newton step") + ", " +
+                          plural(result.total.halvings, "halving") + ", " +
+                          plural(result.total.fallbacks, "fallback"));
+}
+
+void print_relaxation(const RunPlan& plan, const RunResult& result) {
+  const Settings& s = plan.settings;
+  Settings relaxed = s;
+  relaxed.method = Method::relax;
+  std::string stop = "at most " + plural(s.stop.sweeps, "sweep");
+  if (s.stop.tolerance) stop += ", tolerance " + short_number(*s.stop.tolerance);
+  if (s.stop.budget_us) stop += ", " + short_number(*s.stop.budget_us) + " µs a frame";
+  print_line("relax", plural(result.info.relaxed_rods, "rod") + ", " + std::string(to_string(s.order)) +
+                          ", gradient " + std::string(to_string(gradient_of(relaxed))) + ", weights " +
+                          std::string(to_string(s.weights)) + ", omega " + short_number(s.omega) + ", " +
+                          std::string(to_string(s.precision)));
+  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
+                          plural(s.substeps, "substep") + " each, " + stop + " (stopped by " +
+                          std::string(to_string(result.total.stopped_by)) + ")");
+}
+
+void print_errors(const RunPlan& plan, const RunResult& result) {
+  const Settings& s = plan.settings;
+  print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
+                            " (rod " + std::to_string(result.stretch.max_rod) + ")");
+  if (s.method == Method::springs && s.springs.model == SpringModel::rigid_rods)
+    print_line("gaps", "at joints at most " + short_number(result.total.largest_gap) + " m, RMS at most " +
+                           short_number(result.total.rms_gap) + " m");
+  const scenes::EnergyDrift& energy = result.energy;
+  print_line("energy", short_number(energy.initial) + " J at first, " + short_number(energy.final) +
+                           " J at last, drift at most " +
+                           (energy.range > 0 ? percent(energy.drift_max / energy.range) + " of the range"
+                                             : short_number(energy.drift_max) + " J"));
+  for (const scenes::PositionError& error : result.position_error) {
+    print_line("error", short_number(error.rms_m) + " m at " + short_number(error.t) + " s, " +
+                            percent(error.relative) + " of the scene's diagonal");
+  }
+}
+
+/// What was wrong with the scene at first.
+void print_start(const WorldInfo& info) {
+  if (info.projected_position > 0) {
+    print_line("start", "rods did not start at their lengths; particles moved by at most " +
+                            short_number(info.projected_position) + " m");
+  }
+  if (info.unprojected_islands > 0) {
+    print_line("start", "in " + plural(info.unprojected_islands, "island") +
+                            " rods are not at their lengths and cannot be brought there without a velocity");
+  }
+  if (info.projected_velocity > 0) {
+    print_line("velocity", "initial velocities pulled on rods; changed by at most " +
+                               short_number(info.projected_velocity) + " m/s");
+  }
+}
+
+}  // namespace
+
+std::string plural(std::uint64_t n, const char* noun) {
+  return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+}
+
+void print_run_summary(const std::string& scene, const RunPlan& plan, const RunResult& result,
+                       const scenes::Machine& machine) {
+  const Settings& s = plan.settings;
+  const WorldInfo& info = result.info;
+  print_line("scene", scene + ": " + plural(info.particles, "particle") + ", " + plural(info.rods, "rod") +
+                          ", " + plural(info.islands, "island"));
+  const bool family =
+      s.method == Method::automatic || s.method == Method::relax || s.method == Method::direct;
+  const bool touches = info.linkages > 0;
+  const bool relaxes = family && !touches && (info.relaxed_rods > 0 || info.direct_rods == 0);
+  if (!family) print_method(plan, result);
+  if (touches) print_contact(result);
+  if (info.direct_rods > 0 || touches) print_direct(plan, result);
+  if (relaxes) print_relaxation(plan, result);
+  print_errors(plan, result);
+  print_start(info);
+  std::string time = short_number(1e3 * result.wall_s, 4) + " ms, " +
+                     short_number(1e6 * result.wall_s / static_cast<double>(result.frames), 4) +
+                     " µs a frame";
+  if (info.rods > 0) time += ", " + short_number(result.ns_per_rod_frame(), 4) + " ns per rod and frame";
+  print_line("time", time);
+  print_line("machine", machine.cpu + ", " + machine.isa + ", " + plural(machine.threads, "thread"));
+  print_line("state", scenes::hash_text(result.state_hash));
+}
+
+}  // namespace plumb::tools

@@ -1,0 +1,114 @@
+#include "plot/page.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "plumb/error.hpp"
+#include "scenes/basics/files.hpp"
+
+namespace plumb::tools {
+namespace {
+
+constexpr const char* page_head = R"(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>plumb: measured</title>
+<style>
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.8rem; margin-bottom: 0; }
+h2 { margin-top: 3rem; padding-top: 1rem; border-top: 2px solid #1f5fa8; }
+h3 { margin-top: 2rem; }
+p { max-width: 46rem; }
+table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; margin: 1rem 0; display: block; overflow-x: auto; }
+th, td { padding: 0.2rem 0.8rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
+th:first-child, td:first-child { text-align: left; padding-left: 0; }
+td.text { white-space: normal; min-width: 14rem; text-align: left; }
+th { border-bottom: 2px solid #888; font-weight: 600; }
+figure { margin: 1rem 0; }
+svg { max-width: 100%; height: auto; }
+.made { font-size: 0.85rem; color: #555; background: #f5f6f8; padding: 0.6rem 1rem; border-radius: 4px; max-width: none; }
+code { font-size: 0.9em; }
+</style>
+</head>
+<body>
+<h1>plumb</h1>
+<p>What this build measures on this machine.</p>
+)";
+
+/// An SVG file's text as an element of a page: from its <svg tag on, every id made its own, because gnuplot
+/// gives the same ids to all its pictures.
+std::string inline_svg(std::string svg, const std::string& prefix) {
+  if (const std::size_t start = svg.find("<svg"); start != std::string::npos) svg.erase(0, start);
+  for (const char* mark : {"id=\"", "id='", "href=\"#", "href='#", "url(#"}) {
+    const std::size_t length = std::char_traits<char>::length(mark);
+    for (std::size_t at = svg.find(mark); at != std::string::npos; at = svg.find(mark, at + length)) {
+      svg.insert(at + length, prefix + "-");
+    }
+  }
+  return svg;
+}
+
+}  // namespace
+
+Section::Section(std::string name, const std::string& title, const std::string& command,
+                 const scenes::Machine& machine)
+    : name_(std::move(name)) {
+  body_ = "<section id=\"" + name_ + "\">\n<h2>" + escape_html(title) + "</h2>\n<p class=\"made\"><code>" +
+          escape_html(command) + "</code><br>" + escape_html(machine.cpu) + ", " + escape_html(machine.isa) +
+          ", " + std::to_string(machine.threads) + (machine.threads == 1 ? " thread" : " threads") + "<br>" +
+          escape_html(machine.compiler) + " <code>" + escape_html(machine.flags) +
+          "</code><br>commit <code>" + escape_html(machine.commit) + "</code></p>\n";
+}
+
+void Section::add_heading(const std::string& text) {
+  body_ += "<h3>" + escape_html(text) + "</h3>\n";
+}
+
+void Section::add_text(const std::string& text) {
+  body_ += "<p>" + escape_html(text) + "</p>\n";
+}
+
+void Section::add_table(const Table& table) {
+  body_ += table.to_html();
+}
+
+void Section::add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart) {
+  add_svg(folder, file, draw_svg(chart));
+}
+
+void Section::add_svg(const std::filesystem::path& folder, const std::string& file, const std::string& svg) {
+  scenes::write_file(folder / (file + ".svg"), svg);
+  body_ += "<figure>\n" + inline_svg(svg, file) + "</figure>\n";
+}
+
+void Section::publish(const std::filesystem::path& folder) const {
+  const std::filesystem::path sections = folder / "sections";
+  make_folder(sections);
+  scenes::write_file(sections / (name_ + ".html"), body_ + "</section>\n");
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(sections)) {
+    if (entry.path().extension() == ".html") files.push_back(entry.path());
+  }
+  // The thesis's experiment first: the others answer questions it raises.
+  std::sort(files.begin(), files.end(), [](const auto& l, const auto& r) {
+    return std::pair(l.stem() != "thesis", l.stem()) < std::pair(r.stem() != "thesis", r.stem());
+  });
+  std::string page = page_head;
+  for (const auto& file : files) page += scenes::read_file(file);
+  scenes::write_file(folder / "index.html", page + "</body>\n</html>\n");
+}
+
+void Section::publish_alone(const std::filesystem::path& folder) const {
+  make_folder(folder);
+  scenes::write_file(folder / (name_ + ".html"), page_head + body_ + "</section>\n</body>\n</html>\n");
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError("cannot make the folder " + folder.string() + ": " + error.message());
+}
+
+}  // namespace plumb::tools

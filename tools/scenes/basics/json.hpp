@@ -1,0 +1,80 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace plumb::scenes {
+
+/// A JSON value that is to be written, its members in the order in which they were added. nlohmann's library
+/// spells numbers and strings, but json.cpp alone includes it: it takes seconds to compile.
+class Json {
+ public:
+  struct Member;
+
+  Json(std::nullptr_t = nullptr);
+  Json(bool value);
+  /// JSON has no NaN and no infinity; they are written as null.
+  Json(double value);
+  template <std::signed_integral Number>
+  Json(Number value) : Json(whole(static_cast<std::int64_t>(value))) {}
+  template <std::unsigned_integral Number>
+  Json(Number value) : Json(whole(static_cast<std::uint64_t>(value))) {}
+  Json(std::string_view value);
+  Json(const std::string& value) : Json(std::string_view(value)) {}
+  Json(const char* value) : Json(std::string_view(value)) {}
+  /// Null if there is none.
+  template <class Value>
+  Json(const std::optional<Value>& value) : Json(value ? Json(*value) : Json()) {}
+  /// An object.
+  Json(std::initializer_list<Member> members);
+
+  static Json array();
+  template <class Items>
+  static Json array_of(const Items& items) {
+    Json out = array();
+    for (const auto& item : items) out.push_back(item);
+    return out;
+  }
+
+  static Json array_of(std::initializer_list<double> numbers) {
+    return array_of<std::initializer_list<double>>(numbers);
+  }
+
+  /// The member of that name; a new one is null. What was null becomes an object.
+  Json& operator[](std::string_view key);
+  /// Takes over all members of another object.
+  void update(const Json& object);
+  /// What was null becomes an array.
+  void push_back(Json item);
+
+  /// On one line.
+  std::string dump() const;
+  /// Every item and member on a line of its own, indented by two spaces.
+  std::string dump_indented() const;
+
+ private:
+  enum class Kind : std::uint8_t { null, scalar, array, object };
+
+  static Json whole(std::int64_t value);
+  static Json whole(std::uint64_t value);
+  static Json scalar(std::string text);
+  /// `indent`: spaces before the value's end; none for one line.
+  void append_to(std::string& out, std::optional<std::size_t> indent) const;
+
+  Kind kind_ = Kind::null;
+  std::string text_;               ///< of a scalar
+  std::vector<std::string> keys_;  ///< of an object, as many as items
+  std::vector<Json> items_;
+};
+
+struct Json::Member {
+  std::string key;
+  Json value;
+};
+
+}  // namespace plumb::scenes

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace plumb::scenes {
+
+/// Appends `item` to a list such as "a, b".
+inline void append_item(std::string& list, std::string_view item, std::string_view separator = ", ") {
+  if (!list.empty()) list += separator;
+  list += item;
+}
+
+/// The items of a list such as "a,b": one for an empty text, and none after a comma that ends it.
+inline std::vector<std::string> split_list(std::string_view list) {
+  std::vector<std::string> out;
+  do {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    out.emplace_back(list.substr(0, comma));
+    list.remove_prefix(std::min(comma + 1, list.size()));
+  } while (!list.empty());
+  return out;
+}
+
+/// Those of `all` whose names, by name_of(item), are in a list such as "a,b", in its order. Throws
+/// std::invalid_argument on a word that names none, with what there is.
+template <class Item, class NameOf>
+std::vector<Item> named(std::string_view list, const std::vector<Item>& all, NameOf name_of) {
+  std::vector<Item> out;
+  for (;;) {
+    const std::size_t comma = list.find(',');
+    const std::string_view word = list.substr(0, comma);
+    const auto it =
+        std::find_if(all.begin(), all.end(), [&](const Item& item) { return name_of(item) == word; });
+    if (it == all.end()) {
+      std::string known;
+      for (const Item& item : all) append_item(known, name_of(item));
+      throw std::invalid_argument("'" + std::string(word) + "' is not one of " + known);
+    }
+    out.push_back(*it);
+    if (comma == std::string_view::npos) return out;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace plumb::scenes

@@ -1,0 +1,110 @@
+#include "scenes/files/scene_file.hpp"
+
+#include "plumb/error.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/files/scene_file_limbs.hpp"
+#include "scenes/files/scene_json.hpp"
+#include "scenes/files/scene_text.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+void read_particles(const Object& top, Scene& scene) {
+  const Array list(top, "particles");
+  scene.particles.reserve(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Object item(list[i], list.path_of(i), {"position", "velocity", "mass", "fixed", "asleep"});
+    scene.particles.push_back({.position = vector(item, "position"),
+                               .velocity = vector_or(item, "velocity", {}),
+                               .mass = number_or(item, "mass", 0),
+                               .fixed = truth_or(item, "fixed", false),
+                               .asleep = truth_or(item, "asleep", false)});
+  }
+}
+
+void read_rods(const Object& top, Scene& scene) {
+  const Array list(top, "rods");
+  scene.rods.reserve(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Object item(list[i], list.path_of(i),
+                      {"a", "b", "length", "mass", "center", "inertia", "linear_drag", "orthogonal_drag"});
+    scene.rods.push_back({.a = particle_id(item, "a"),
+                          .b = particle_id(item, "b"),
+                          .length = number_or(item, "length", 0),
+                          .mass = number_or(item, "mass", 0),
+                          .center = number_or(item, "center", 0.5),
+                          .linear_drag = number_or(item, "linear_drag", 0),
+                          .orthogonal_drag = number_or(item, "orthogonal_drag", 0)});
+    if (item.find("inertia")) scene.rods.back().inertia = number(item, "inertia");
+    // In a Scene 0 stands for "as far as the ends are apart"; in a file that is said by leaving the key out.
+    if (item.find("length") && scene.rods.back().length == 0) {
+      refuse(item.path_of("length"),
+             "must be positive; leave it out for the distance between the two particles");
+    }
+  }
+}
+
+Scene scene_of(const json& root) {
+  const Object top(root, "",
+                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bodies", "pins",
+                    "alignments", "angles", "capsules", "planes", "boxes"});
+  require_version(top, "plumb", 1);
+  Scene scene;
+  scene.gravity = vector_or(top, "gravity", scene.gravity);
+  scene.drag = number_or(top, "drag", scene.drag);
+  scene.joint_drag = number_or(top, "joint_drag", scene.joint_drag);
+  read_particles(top, scene);
+  read_rods(top, scene);
+  read_limbs(top, scene);
+  return scene;
+}
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, std::string_view name) {
+  try {
+    Scene scene;
+    read_json(text, [&](const json& root) { scene = scene_of(root); });
+    validate(scene);
+    return scene;
+  } catch (const InputError& error) {
+    throw InputError(std::string(name) + ": " + error.what());
+  }
+}
+
+std::string format_scene(const Scene& scene) {
+  std::string out = "{\n  \"plumb\": 1,\n  \"gravity\": " + to_json(scene.gravity).dump();
+  if (scene.drag != 0) out += ",\n  \"drag\": " + Json(scene.drag).dump();
+  if (scene.joint_drag != 0) out += ",\n  \"joint_drag\": " + Json(scene.joint_drag).dump();
+  append_list(out, "particles", scene.particles, [](const Particle& p) {
+    Json object;
+    object["position"] = to_json(p.position);
+    if (p.velocity != Vec3{}) object["velocity"] = to_json(p.velocity);
+    if (p.mass != 0) object["mass"] = p.mass;
+    if (p.fixed) object["fixed"] = true;
+    if (p.asleep) object["asleep"] = true;
+    return object;
+  });
+  append_list(out, "rods", scene.rods, [](const Rod& r) {
+    Json object{{"a", r.a}, {"b", r.b}};
+    if (r.length != 0) object["length"] = r.length;
+    if (r.mass != 0) object["mass"] = r.mass;
+    if (r.center != 0.5) object["center"] = r.center;
+    if (r.inertia) object["inertia"] = *r.inertia;
+    if (r.linear_drag != 0) object["linear_drag"] = r.linear_drag;
+    if (r.orthogonal_drag != 0) object["orthogonal_drag"] = r.orthogonal_drag;
+    return object;
+  });
+  append_limbs(out, scene);
+  return out + "\n}\n";
+}
+
+Scene read_scene(const std::filesystem::path& path) {
+  return parse_scene(read_file(path), path.string());
+}
+
+void write_scene(const Scene& scene, const std::filesystem::path& path) {
+  write_file(path, format_scene(scene));
+}
+
+}  // namespace plumb::scenes

@@ -1,0 +1,231 @@
+#include "scenes/files/scene_file_limbs.hpp"
+
+#include <algorithm>
+
+#include "plumb/joints.hpp"
+#include "scenes/files/scene_text.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+Point point(const json& value, const std::string& path) {
+  if (!is_object(value)) return point_at(particle_id(value, path));
+  const Object item(value, path, {"particles", "weights"});
+  const Array particles(item, "particles");
+  const Array weights(item, "weights");
+  if (particles.size() == 0 || particles.size() > 4 || weights.size() != particles.size()) {
+    refuse(path, "must have one to four particles and a weight for each, not " +
+                     std::to_string(particles.size()) + " and " + std::to_string(weights.size()));
+  }
+  Point out;
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    out.particles[k] = particle_id(particles[k], particles.path_of(k));
+    out.weights[k] = number(weights[k], weights.path_of(k));
+  }
+  return out;
+}
+Point point(const Object& object, const char* key) {
+  return point(object.at(key), object.path_of(key));
+}
+
+Direction direction(const Object& object, const char* key) {
+  const Object item(object.at(key), object.path_of(key), {"from", "to"});
+  return {point(item, "from"), point(item, "to")};
+}
+
+template <std::size_t n, class Number, class Read>
+std::array<Number, n> numbers(const json& value, const std::string& path, Read read) {
+  const Array list(value, path);
+  if (list.size() != n)
+    refuse(path, "must have " + std::to_string(n) + " numbers, not " + std::to_string(list.size()));
+  std::array<Number, n> out;
+  for (std::size_t k = 0; k < n; ++k) out[k] = read(list[k], list.path_of(k));
+  return out;
+}
+
+Inertia inertia(const Object& object, const char* key) {
+  const Object item(object.at(key), object.path_of(key), {"xx", "yy", "zz", "xy", "xz", "yz"});
+  return {.xx = number(item, "xx"),
+          .yy = number(item, "yy"),
+          .zz = number(item, "zz"),
+          .xy = number_or(item, "xy", 0),
+          .xz = number_or(item, "xz", 0),
+          .yz = number_or(item, "yz", 0)};
+}
+
+Surface surface(const Object& item) {
+  const Surface usual;
+  return {.friction = number_or(item, "friction", usual.friction),
+          .restitution = number_or(item, "restitution", usual.restitution)};
+}
+
+Body body(const json& value, const std::string& path) {
+  const Object item(value, path, {"particles", "mass", "center", "inertia"});
+  const auto id = [](const json& v, const std::string& p) { return particle_id(v, p); };
+  return {.particles = numbers<4, std::uint32_t>(item.at("particles"), item.path_of("particles"), id),
+          .mass = number(item, "mass"),
+          .center = vector(item, "center"),
+          .inertia = inertia(item, "inertia")};
+}
+
+Pin pin(const json& value, const std::string& path) {
+  const Object item(value, path, {"a", "b"});
+  return {point(item, "a"), point(item, "b")};
+}
+
+Alignment alignment(const json& value, const std::string& path) {
+  const Object item(value, path, {"u", "v"});
+  return {direction(item, "u"), direction(item, "v")};
+}
+
+AngleControl angle(const json& value, const std::string& path) {
+  const Object item(value, path, {"u", "v", "lower", "upper", "friction", "target", "stiffness", "damping"});
+  const AngleControl usual;
+  return {.u = direction(item, "u"),
+          .v = direction(item, "v"),
+          .lower = number_or(item, "lower", usual.lower),
+          .upper = number_or(item, "upper", usual.upper),
+          .friction = number_or(item, "friction", usual.friction),
+          .target = number_or(item, "target", usual.target),
+          .stiffness = number_or(item, "stiffness", usual.stiffness),
+          .damping = number_or(item, "damping", usual.damping)};
+}
+
+Capsule capsule(const json& value, const std::string& path) {
+  const Object item(value, path, {"a", "b", "radius", "friction", "restitution"});
+  return {.a = point(item, "a"),
+          .b = point(item, item.find("b") ? "b" : "a"),
+          .radius = number(item, "radius"),
+          .surface = surface(item)};
+}
+
+Plane plane(const json& value, const std::string& path) {
+  const Object item(value, path, {"normal", "offset", "friction", "restitution"});
+  return {.normal = vector(item, "normal"), .offset = number_or(item, "offset", 0), .surface = surface(item)};
+}
+
+Box box(const json& value, const std::string& path) {
+  const Object item(value, path, {"center", "half_size", "orientation", "friction", "restitution"});
+  Box out{.center = vector(item, "center"), .half_size = vector(item, "half_size"), .surface = surface(item)};
+  const auto read = [](const json& v, const std::string& p) { return number(v, p); };
+  if (const json* orientation = item.find("orientation"))
+    out.orientation = numbers<4, double>(*orientation, item.path_of("orientation"), read);
+  return out;
+}
+
+template <class Item>
+void read_list(const Object& top, const char* key, std::vector<Item>& out,
+               Item (*read)(const json&, const std::string&)) {
+  if (!top.find(key)) return;
+  const Array list(top, key);
+  for (std::size_t i = 0; i < list.size(); ++i) out.push_back(read(list[i], list.path_of(i)));
+}
+
+using scenes::to_json;  // of Vec3, which those below would hide
+
+/// Slots with weight 0 are left out.
+Json to_json(const Point& p) {
+  std::vector<std::uint32_t> particles;
+  std::vector<double> weights;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (p.weights[k] == 0) continue;
+    particles.push_back(p.particles[k]);
+    weights.push_back(p.weights[k]);
+  }
+  if (weights == std::vector<double>{1}) return particles.front();
+  return {{"particles", Json::array_of(particles)}, {"weights", Json::array_of(weights)}};
+}
+
+Json to_json(const Direction& d) {
+  return {{"from", to_json(d.from)}, {"to", to_json(d.to)}};
+}
+
+Json to_json(const Inertia& i) {
+  Json object{{"xx", i.xx}, {"yy", i.yy}, {"zz", i.zz}};
+  if (i.xy != 0) object["xy"] = i.xy;
+  if (i.xz != 0) object["xz"] = i.xz;
+  if (i.yz != 0) object["yz"] = i.yz;
+  return object;
+}
+
+Json to_json(const Body& b) {
+  return {{"particles", Json::array_of(b.particles)},
+          {"mass", b.mass},
+          {"center", to_json(b.center)},
+          {"inertia", to_json(b.inertia)}};
+}
+
+Json to_json(const Pin& p) {
+  return {{"a", to_json(p.a)}, {"b", to_json(p.b)}};
+}
+
+Json to_json(const Alignment& a) {
+  return {{"u", to_json(a.u)}, {"v", to_json(a.v)}};
+}
+
+Json to_json(const AngleControl& a) {
+  const AngleControl usual;
+  Json object{{"u", to_json(a.u)}, {"v", to_json(a.v)}};
+  if (a.lower != usual.lower) object["lower"] = a.lower;
+  if (a.upper != usual.upper) object["upper"] = a.upper;
+  if (a.friction != usual.friction) object["friction"] = a.friction;
+  if (a.target != usual.target) object["target"] = a.target;
+  if (a.stiffness != usual.stiffness) object["stiffness"] = a.stiffness;
+  if (a.damping != usual.damping) object["damping"] = a.damping;
+  return object;
+}
+
+Json with_surface(Json object, const Surface& s) {
+  const Surface usual;
+  if (s.friction != usual.friction) object["friction"] = s.friction;
+  if (s.restitution != usual.restitution) object["restitution"] = s.restitution;
+  return object;
+}
+
+Json to_json(const Capsule& c) {
+  Json object{{"a", to_json(c.a)}};
+  if (const Json b = to_json(c.b); b.dump() != object["a"].dump()) object["b"] = b;
+  object["radius"] = c.radius;
+  return with_surface(object, c.surface);
+}
+
+Json to_json(const Plane& p) {
+  Json object{{"normal", to_json(p.normal)}};
+  if (p.offset != 0) object["offset"] = p.offset;
+  return with_surface(object, p.surface);
+}
+
+Json to_json(const Box& b) {
+  Json object{{"center", to_json(b.center)}, {"half_size", to_json(b.half_size)}};
+  if (b.orientation != Box{}.orientation) object["orientation"] = Json::array_of(b.orientation);
+  return with_surface(object, b.surface);
+}
+
+template <class Item>
+void append_some(std::string& out, const char* key, const std::vector<Item>& items) {
+  if (!items.empty()) append_list(out, key, items, [](const Item& item) { return to_json(item); });
+}
+
+}  // namespace
+
+void read_limbs(const Object& top, Scene& scene) {
+  read_list(top, "bodies", scene.bodies, body);
+  read_list(top, "pins", scene.pins, pin);
+  read_list(top, "alignments", scene.alignments, alignment);
+  read_list(top, "angles", scene.angles, angle);
+  read_list(top, "capsules", scene.capsules, capsule);
+  read_list(top, "planes", scene.planes, plane);
+  read_list(top, "boxes", scene.boxes, box);
+}
+
+void append_limbs(std::string& out, const Scene& scene) {
+  append_some(out, "bodies", scene.bodies);
+  append_some(out, "pins", scene.pins);
+  append_some(out, "alignments", scene.alignments);
+  append_some(out, "angles", scene.angles);
+  append_some(out, "capsules", scene.capsules);
+  append_some(out, "planes", scene.planes);
+  append_some(out, "boxes", scene.boxes);
+}
+
+}  // namespace plumb::scenes

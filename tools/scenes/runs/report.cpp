@@ -1,0 +1,158 @@
+#include "scenes/runs/report.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+/// Null where nothing can touch.
+Json contact_json(const RunResult& result) {
+  if (result.info.linkages == 0) return nullptr;
+  return {{"points", result.total.contacts},
+          {"guarded_energy", result.total.guarded_energy},
+          {"fell_asleep", result.total.fell_asleep},
+          {"awake_islands", result.total.awake_islands}};
+}
+
+/// The method that was asked for, or what `auto` picked, if it picked the same for all.
+Method method_of(const RunPlan& plan, const RunResult& result) {
+  const Method asked = plan.settings.method;
+  return asked != Method::automatic      ? asked
+         : result.info.linkages > 0      ? Method::direct
+         : result.info.direct_rods == 0  ? Method::relax
+         : result.info.relaxed_rods == 0 ? Method::direct
+                                         : asked;
+}
+
+Json errors_json(const RunResult& result) {
+  Json errors = Json::array();
+  for (const PositionError& e : result.position_error) {
+    errors.push_back({{"t", e.t}, {"rms_m", e.rms_m}, {"relative", e.relative}});
+  }
+  return errors;
+}
+
+}  // namespace
+
+Json machine_json(const Machine& machine) {
+  return {{"cpu", machine.cpu},           {"isa", machine.isa},     {"threads", machine.threads},
+          {"compiler", machine.compiler}, {"flags", machine.flags}, {"commit", machine.commit}};
+}
+
+Json settings_json(const RunPlan& plan) {
+  const Settings& s = plan.settings;
+  return {{"method", to_string(s.method)},
+          {"duration", plan.duration},
+          {"dt", plan.dt},
+          {"substeps", s.substeps},
+          {"time_order", s.time_order},
+          {"accuracy", s.accuracy},
+          {"sweeps", s.stop.sweeps},
+          {"tolerance", s.stop.tolerance},
+          {"budget_us", s.stop.budget_us},
+          {"order", to_string(s.order)},
+          {"omega", s.omega},
+          {"weights", to_string(s.weights)},
+          {"gradient", to_string(gradient_of(s))},
+          {"mass", to_string(mass_model_of(s))},
+          {"integrator", to_string(integrator_of(s))},
+          {"springs", to_string(s.springs.model)},
+          {"stiffness", s.springs.stiffness},
+          {"damping_ratio", s.springs.damping_ratio},
+          {"stabilization", to_string(s.multipliers.stabilization)},
+          {"baumgarte_rate", s.multipliers.baumgarte_rate},
+          {"layout", to_string(s.layout)},
+          {"precision", to_string(s.precision)},
+          {"threads", s.threads},
+          {"isa", s.isa ? to_string(*s.isa) : Json("auto")}};
+}
+
+Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
+                 const Machine& machine) {
+  const EnergyDrift& energy = result.energy;
+  return {
+      {"scene", scene},
+      {"method", to_string(method_of(plan, result))},
+      {"settings", settings_json(plan)},
+      {"machine", machine_json(machine)},
+      {"relaxed_rods", result.info.relaxed_rods},
+      {"direct_rods", result.info.direct_rods},
+      {"direct_gradient",
+       result.info.direct_rods > 0 ? Json(to_string(result.info.direct_gradient)) : nullptr},
+      {"changes_gradient", result.info.changes_gradient},
+      {"direct_time_order", result.info.direct_rods > 0 ? Json(result.info.direct_time_order) : nullptr},
+      {"rods", result.info.rods},
+      {"particles", result.info.particles},
+      {"islands", result.info.islands},
+      {"frames", result.frames},
+      {"steps", result.total.substeps},
+      {"sweeps", result.total.block_sweeps},
+      {"direct_substeps", result.total.direct_substeps},
+      {"newton", result.total.newton},
+      {"halvings", result.total.halvings},
+      {"fallbacks", result.total.fallbacks},
+      {"repeated_steps", result.total.repeated_steps},
+      {"unsolved", result.total.unsolved},
+      {"largest_gap", result.total.largest_gap},
+      {"rms_gap", result.total.rms_gap},
+      {"inaccurate_steps", result.total.inaccurate_steps},
+      {"rod_projections", result.total.rod_projections},
+      {"contact", contact_json(result)},
+      {"wall_s", result.wall_s},
+      {"ns_per_rod_frame", result.ns_per_rod_frame()},
+      {"stretch",
+       {{"rms", result.stretch.rms}, {"max", result.stretch.max}, {"max_rod", result.stretch.max_rod}}},
+      {"energy",
+       {{"initial", energy.initial / energy.range},
+        {"final", energy.final / energy.range},
+        {"drift_max", energy.drift_max / energy.range}}},
+      {"position_error", errors_json(result)},
+      {"stopped_by", to_string(result.total.stopped_by)},
+      {"skipped",
+       {{"within_tolerance", result.total.skipped_within_tolerance},
+        {"per_rod_weights", result.info.skipped_per_rod_weights},
+        {"drag", result.info.skipped_drag}}},
+      {"mid_guarded", result.total.mid_guarded},
+      {"frozen_islands", result.total.frozen_islands},
+      {"projected_position", result.info.projected_position},
+      {"unprojected_islands", result.info.unprojected_islands},
+      {"projected_velocity", result.info.projected_velocity},
+      {"state_hash", hash_text(result.state_hash)},
+  };
+}
+
+Json world_json(const WorldInfo& info) {
+  Json blocks = Json::array();
+  for (const BlockInfo& b : info.blocks) {
+    blocks.push_back({{"shape", b.shape},
+                      {"layout", b.layout},
+                      {"islands", b.islands},
+                      {"particles", b.particles},
+                      {"rods", b.rods},
+                      {"colors", b.colors},
+                      {"bytes", b.bytes},
+                      {"bytes_per_projection", b.bytes_per_projection},
+                      {"uniform_fraction", b.uniform_fraction}});
+  }
+  return {{"particles", info.particles},
+          {"rods", info.rods},
+          {"islands", info.islands},
+          {"isa", to_string(info.isa)},
+          {"threads", info.threads},
+          {"parallel", info.parallel},
+          {"skipped", {{"per_rod_weights", info.skipped_per_rod_weights}, {"drag", info.skipped_drag}}},
+          {"projected_position", info.projected_position},
+          {"projected_velocity", info.projected_velocity},
+          {"blocks", blocks}};
+}
+
+std::string hash_text(std::uint64_t hash) {
+  constexpr char digits[] = "0123456789abcdef";
+  std::string out = "0x";
+  for (int shift = 60; shift >= 0; shift -= 4) out += digits[(hash >> shift) & 15];
+  return out;
+}
+
+std::string format_json(const Json& value) {
+  return value.dump_indented() + "\n";
+}
+
+}  // namespace plumb::scenes

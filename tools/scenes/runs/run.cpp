@@ -1,0 +1,158 @@
+#include "scenes/runs/run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "plumb/error.hpp"
+#include "scenes/basics/lists.hpp"
+#include "scenes/basics/numbers.hpp"
+#include "scenes/basics/require.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+std::string seconds(double t) {
+  return short_number(t, 12) + " s";
+}
+
+/// Frame number → time as the user wrote it: 0.1 is saved as 0.1, not as six sixtieths.
+std::map<std::uint64_t, double> frames_to_save(const RunObserver& observer, const RunPlan& plan,
+                                               std::uint64_t frames) {
+  std::map<std::uint64_t, double> out;
+  for (const double t : observer.save_at) {
+    const auto frame = frame_at(t, plan.dt);
+    if (!frame) {
+      throw InputError("no frame ends at the time to save, " + seconds(t) + ": frames are " +
+                       seconds(plan.dt) + " long");
+    }
+    if (*frame > frames) {
+      throw InputError("the time to save, " + seconds(t) + ", is after the end at " + seconds(plan.duration));
+    }
+    out[*frame] = t;
+  }
+  return out;
+}
+
+/// Frame number → the truth at its end.
+std::map<std::uint64_t, const Frame*> frames_to_compare(std::span<const Frame> truth, const RunPlan& plan,
+                                                        std::uint64_t frames, std::size_t particles) {
+  std::map<std::uint64_t, const Frame*> out;
+  std::string times;
+  for (const Frame& frame : truth) {
+    if (frame.positions.size() != particles) {
+      throw InputError("the truth has " + std::to_string(frame.positions.size()) + " particles, the scene " +
+                       std::to_string(particles));
+    }
+    append_item(times, short_number(frame.t, 12));
+    const auto number = frame_at(frame.t, plan.dt);
+    if (number && *number <= frames) out[*number] = &frame;
+  }
+  if (!truth.empty() && out.empty()) {
+    throw InputError("nothing to compare: none of the truth's times (" + times +
+                     " s) is the end of a frame of " + seconds(plan.dt) + " within " +
+                     seconds(plan.duration));
+  }
+  return out;
+}
+
+bool all_finite(const Frame& frame) {
+  return std::all_of(frame.positions.begin(), frame.positions.end(), is_finite) &&
+         std::all_of(frame.velocities.begin(), frame.velocities.end(), is_finite);
+}
+
+void copy_state(const World& world, Frame& frame) {
+  world.copy_positions(frame.positions);
+  world.copy_velocities(frame.velocities);
+}
+
+}  // namespace
+
+double RunResult::ns_per_rod_frame() const {
+  if (info.rods == 0 || frames == 0) return std::numeric_limits<double>::quiet_NaN();
+  return wall_s * 1e9 / (static_cast<double>(info.rods) * static_cast<double>(frames));
+}
+
+std::optional<std::uint64_t> frame_at(double t, double dt) {
+  const double frames = t / dt;
+  const double nearest = std::round(frames);
+  // Times come as decimals, dt as a rounded fraction; both are good to some 1e-16 of themselves.
+  if (!(nearest >= 0) || nearest > 1e15 || std::abs(frames - nearest) > 1e-6) return {};
+  return static_cast<std::uint64_t>(nearest);
+}
+
+std::uint64_t count_frames(const RunPlan& plan) {
+  require_positive(plan.dt, "dt");
+  require_positive(plan.duration, "the duration");
+  const auto frames = frame_at(plan.duration, plan.dt);
+  if (!frames || *frames == 0) {
+    const double below = std::max(1.0, std::floor(plan.duration / plan.dt));
+    throw InputError("the duration, " + seconds(plan.duration) + ", is not a whole number of frames of " +
+                     seconds(plan.dt) + "; " + std::to_string(static_cast<std::uint64_t>(below)) +
+                     " frames would be " + seconds(below * plan.dt));
+  }
+  return *frames;
+}
+
+RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Frame> truth,
+                    const RunObserver& observer) {
+  using Clock = std::chrono::steady_clock;
+  const std::uint64_t frames = count_frames(plan);
+  const auto save = frames_to_save(observer, plan, frames);
+  const auto compare = frames_to_compare(truth, plan, frames, scene.particles.size());
+  const double diagonal = bounding_diagonal(scene);
+
+  const MassModel mass = mass_model_of(plan.settings);
+  World world(scene, plan.settings);
+  RunResult result{.info = world.info(), .frames = frames};
+  Frame now{.t = 0,
+            .positions = std::vector<Vec3>(world.particle_count()),
+            .velocities = std::vector<Vec3>(world.particle_count())};
+  const auto visit = [&](std::uint64_t number) {
+    copy_state(world, now);
+    result.finite = result.finite && all_finite(now);
+    if (const auto it = compare.find(number); it != compare.end()) {
+      result.position_error.push_back(position_error(now, *it->second, diagonal));
+    }
+    const auto it = save.find(number);
+    if (!observer.save || (it == save.end() && !observer.save_at.empty())) return;
+    now.t = it != save.end() ? it->second : static_cast<double>(number) * plan.dt;
+    observer.save(now);
+  };
+
+  visit(0);
+  result.energy.initial = measure_energy(scene, now.positions, now.velocities, mass).total();
+  result.energy.final = result.energy.initial;
+  result.energy.range = energy_range(scene);
+  double squares = 0;
+  Clock::duration wall{};
+  for (std::uint64_t number = 1; number <= frames; ++number) {
+    const auto start = Clock::now();
+    const StepReport step = world.step(plan.dt);
+    wall += Clock::now() - start;
+    result.total += step;
+    visit(number);
+
+    const Stretch stretch = measure_stretch(scene, now.positions);
+    squares += stretch.rms * stretch.rms;
+    // Written so that a value that is not a number wins and stays.
+    if (!(stretch.max <= result.stretch.max) && !std::isnan(result.stretch.max)) {
+      result.stretch.max = stretch.max;
+      result.stretch.max_rod = stretch.max_rod;
+    }
+    result.energy.final = measure_energy(scene, now.positions, now.velocities, mass).total();
+    const double drift = std::abs(result.energy.final - result.energy.initial);
+    if (!(drift <= result.energy.drift_max) && !std::isnan(result.energy.drift_max))
+      result.energy.drift_max = drift;
+    if (observer.progress) observer.progress(number, frames);
+  }
+  result.stretch.rms = std::sqrt(squares / static_cast<double>(frames));
+  result.wall_s = std::chrono::duration<double>(wall).count();
+  result.state_hash = world.state_hash();
+  return result;
+}
+
+}  // namespace plumb::scenes
