@@ -1,8 +1,27 @@
 #include "plumb/reference/methods.hpp"
 #include "reference/reference_solver.hpp"
+#include "scene/refuse.hpp"
 #include "step/methods.hpp"
 
 namespace plumb {
+namespace {
+
+using detail::refuse;
+
+void validate_springs(const Settings& settings) {
+  const bool adapts = integrator_of(settings) == Integrator::adaptive_implicit_euler;
+  if (adapts && !settings.accuracy) refuse("integrator adaptive-implicit-euler needs an accuracy");
+  if (!adapts && settings.accuracy)
+    refuse("method springs takes an accuracy with integrator adaptive-implicit-euler alone");
+}
+
+void validate_explicit(const Settings& settings) {
+  const Integrator integrator = integrator_of(settings);
+  if (integrator == Integrator::implicit_euler || integrator == Integrator::adaptive_implicit_euler)
+    refuse("integrator ", to_string(integrator), " needs method springs");
+}
+
+}  // namespace
 
 void register_reference_methods() {
   using detail::Reads;
@@ -11,16 +30,19 @@ void register_reference_methods() {
        .name = "springs",
        .moves = "particles and rods, as rigid bodies or particles on stiff springs (thesis 3.3)",
        .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
+       .validate = validate_springs,
        .make = detail::make_reference_solvers});
   detail::register_method({.method = Method::multipliers,
                            .name = "multipliers",
                            .moves = "particles and rods, by Lagrange multipliers (thesis 3.4)",
                            .reads = Reads::mass | Reads::integrator | Reads::multipliers,
+                           .validate = validate_explicit,
                            .make = detail::make_reference_solvers});
   detail::register_method({.method = Method::featherstone,
                            .name = "featherstone",
                            .moves = "trees of rods that hang from one point or float (thesis 3.5)",
                            .reads = Reads::mass | Reads::integrator,
+                           .validate = validate_explicit,
                            .make = detail::make_reference_solvers});
 }
 

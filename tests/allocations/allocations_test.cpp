@@ -170,7 +170,7 @@ TEST_F(Allocations, AreNoneInStepWithTwoThreads) {
 
 // oneTBB keeps memory of its own for tasks, which it fills up as its threads come to life.
 TEST_F(Allocations, AreNoneInStepWithTheBuiltInExecutorOnceItIsWarm) {
-  World world(everything(), {.stop = {.sweeps = 3}, .threads = 2});
+  World world(everything(), {.method = Method::relax, .stop = {.sweeps = 3}, .threads = 2});
   ASSERT_TRUE(world.info().parallel);
   test::run(world, 1.0 / 60, 50);
   EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 50); }), 0u);
@@ -179,7 +179,7 @@ TEST_F(Allocations, AreNoneInStepWithTheBuiltInExecutorOnceItIsWarm) {
 // What changes between steps may allocate when it is asked for, not when it takes effect.
 TEST_F(Allocations, AreNoneInStepsAfterChanges) {
   const Scene scene = scenes::make_chain(100);
-  World world(scene, {.threads = 1});
+  World world(scene, {.method = Method::relax, .threads = 1});
   world.step(1.0 / 60);
   world.set_weights(Weights::equal);
   world.set_stop_rule({.sweeps = 5, .tolerance = 1e-3});
@@ -218,7 +218,7 @@ TEST_F(Allocations, AreNoneInStepsWithAccuracy) {
 }
 
 TEST_F(Allocations, AreNoneInStepsThatMoveAnchors) {
-  World world(scenes::make_chain(100), {.threads = 1});
+  World world(scenes::make_chain(100), {.method = Method::relax, .threads = 1});
   world.step(1.0 / 60);
   world.move_anchor(0, {0, 1, 0});
   EXPECT_EQ(allocations_in([&] { world.step(1.0 / 60); }), 0u);
@@ -230,7 +230,7 @@ TEST_F(Allocations, AreNoneOnceAnIslandIsFrozen) {
        {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa})
     for (const std::uint32_t links : {7u, 100u}) {
       World world(scenes::make_chain(links),
-                  {.precision = Precision::single, .layout = layout, .threads = 1});
+                  {.method = Method::relax, .precision = Precision::single, .layout = layout, .threads = 1});
       test::run(world, 1.0 / 60, 10);
       world.set_force(links, {1e300, 0, 0});
       ASSERT_EQ(world.step(1.0 / 60).frozen_islands, 1u);
@@ -306,7 +306,7 @@ TEST_F(Allocations, AreNoneInStepsOfLimbsOnceWarm) {
 
 TEST_F(Allocations, AreNoneInReading) {
   const Scene scene = scenes::make_chain(100);
-  World world(scene, {.threads = 1});
+  World world(scene, {.method = Method::relax, .threads = 1});
   world.step(1.0 / 60);
   std::vector<Vec3> out(world.particle_count());
   EXPECT_EQ(allocations_in([&] {

@@ -93,11 +93,11 @@ TEST(SmallScenes, DoNotUseThreads) {
     }
     int runs = 0;
   } counting;
-  World small(scenes::make_chain(20), {.executor = &counting});
+  World small(scenes::make_chain(20), {.method = Method::relax, .executor = &counting});
   EXPECT_FALSE(small.info().parallel);
   small.step(1.0 / 60);
   EXPECT_EQ(counting.runs, 0);
-  World large(scenes::make_chain(5000), {.executor = &counting});
+  World large(scenes::make_chain(5000), {.method = Method::relax, .executor = &counting});
   EXPECT_TRUE(large.info().parallel);
   large.step(1.0 / 60);
   EXPECT_EQ(counting.runs, 1);

@@ -46,7 +46,7 @@ class Anchors : public testing::TestWithParam<Variant> {
 
 // However a path's steps round, the anchor stands at the end of each where it was told to.
 TEST_P(Anchors, AreExactlyWhereTheyWereSent) {
-  World world(scenes::make_chain(5), settings());
+  World world(scenes::make_chain(5), settings(), {.method = Method::relax});
   for (int i = 1; i <= 120; ++i) {
     const Vec3 target = rounded({0.3 * std::sin(0.1 * i), 0.01 * i, 0.7 * std::cos(0.13 * i)});
     world.move_anchor(0, target);
@@ -125,7 +125,7 @@ TEST(MovingAnchor, MovesEverythingThatHangsFromIt) {
     }
   }
   scene.drag = 5;
-  World world(scene, {.substeps = 4, .stop = {.sweeps = 100}, .threads = 1});
+  World world(scene, {.method = Method::relax, .substeps = 4, .stop = {.sweeps = 100}, .threads = 1});
   for (int i = 1; i <= 60; ++i) {
     world.move_anchor(0, {0, 0, i / 60.0});
     world.step(1.0 / 60);
@@ -145,7 +145,7 @@ TEST(MovingAnchor, MayBeOneOfVeryMany) {
     scene.particles.push_back(test::movable({0, -1, 0.1 * i}));
     scene.rods.push_back({.a = 2 * i, .b = 2 * i + 1});
   }
-  World world(scene, {.substeps = 2, .stop = {.sweeps = 5}, .threads = 1});
+  World world(scene, {.method = Method::relax, .substeps = 2, .stop = {.sweeps = 5}, .threads = 1});
   const auto target = [&](std::uint32_t i) {
     return scene.particles[2 * i].position + Vec3{0.01 + i % 3, 0, 0};
   };

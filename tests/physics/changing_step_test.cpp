@@ -21,7 +21,7 @@ TEST(ChangingStep, FreeFlightStaysExact) {
   Scene scene;
   scene.particles = {test::movable({0, 0, 0}, 1, {3, 10, 0})};
   for (const Gradient gradient : all_gradients) {
-    World world(scene, {.gradient = gradient, .substeps = 2, .threads = 1});
+    World world(scene, {.method = Method::relax, .gradient = gradient, .substeps = 2, .threads = 1});
     for (int i = 0; i < 100; ++i) {
       world.step(1.0 / (30 + 7 * (i % 13)));
       const double t = world.time();
@@ -40,7 +40,8 @@ TEST(ChangingStep, OnceKeepsAPendulumSecondOrder) {
   for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
     double errors[2];
     for (const int k : {0, 1}) {
-      World world(scene, {.gradient = gradient,
+      World world(scene, {.method = Method::relax,
+                          .gradient = gradient,
                           .substeps = 16u << k,
                           .stop = {.sweeps = 100, .tolerance = 1e-13},
                           .threads = 1});
@@ -61,7 +62,8 @@ TEST(ChangingStep, EveryFrameKeepsAPendulumSecondOrder) {
   for (const Gradient gradient : {Gradient::old, Gradient::mid}) {
     double errors[2];
     for (const int k : {0, 1}) {
-      World world(scene, {.gradient = gradient,
+      World world(scene, {.method = Method::relax,
+                          .gradient = gradient,
                           .substeps = 16u << k,
                           .stop = {.sweeps = 100, .tolerance = 1e-13},
                           .threads = 1});
@@ -81,7 +83,8 @@ TEST(ChangingStep, OneShortFrameDoesNoHarm) {
   const Scene scene = scenes::make_chain(10, 0.1, 10);
   for (const Precision precision : {Precision::single, Precision::double_})
     for (const Gradient gradient : all_gradients) {
-      World world(scene, {.precision = precision,
+      World world(scene, {.method = Method::relax,
+                          .precision = precision,
                           .gradient = gradient,
                           .substeps = 8,
                           .stop = {.sweeps = 50},

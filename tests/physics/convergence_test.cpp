@@ -69,7 +69,8 @@ struct Errors {
 
 Errors errors_after_a_second(const Scene& scene, const Frame& truth, Gradient gradient,
                              std::uint32_t substeps, SweepOrder order = SweepOrder::gauss_seidel) {
-  World world(scene, {.gradient = gradient,
+  World world(scene, {.method = Method::relax,
+                      .gradient = gradient,
                       .order = order,
                       .substeps = substeps,
                       .stop = {.sweeps = 20000, .tolerance = 1e-12},

@@ -34,7 +34,8 @@ double largest_drift(const Scene& scene, World& world, int steps) {
 TEST(Energy, GradientMidKeepsItToSecondOrder) {
   const Scene scene = scenes::make_chain(5);
   const auto drift = [&](std::uint32_t substeps) {
-    World world(scene, {.gradient = Gradient::mid,
+    World world(scene, {.method = Method::relax,
+                        .gradient = Gradient::mid,
                         .substeps = substeps,
                         .stop = {.sweeps = 20000, .tolerance = 1e-12},
                         .threads = 1});
@@ -66,7 +67,11 @@ TEST(Energy, GradientOldSwingsWithoutDrift) {
 // The projection of the thesis only ever takes energy: a pendulum let go comes back lower every time.
 TEST(Energy, GradientNewLosesIt) {
   const Scene scene = scenes::make_chain(1, 1);
-  World world(scene, {.gradient = Gradient::new_, .substeps = 8, .stop = {.sweeps = 100}, .threads = 1});
+  World world(scene, {.method = Method::relax,
+                      .gradient = Gradient::new_,
+                      .substeps = 8,
+                      .stop = {.sweeps = 100},
+                      .threads = 1});
   double before = test::relative_energy(scene, world);
   for (int second = 0; second < 5; ++second) {
     test::run(world, 1.0 / 60, 60);

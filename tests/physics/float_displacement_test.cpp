@@ -71,7 +71,8 @@ std::vector<Vec3> swing_with_two_positions(const Scene& scene, double seconds,
 class FloatChain : public testing::Test {
  protected:
   double error(Gradient gradient, std::uint32_t substeps, Precision precision = Precision::single) const {
-    World world(scene, {.precision = precision,
+    World world(scene, {.method = Method::relax,
+                        .precision = precision,
                         .gradient = gradient,
                         .substeps = substeps,
                         .stop = {.sweeps = sweeps_per_substep},

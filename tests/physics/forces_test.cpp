@@ -26,7 +26,8 @@ Scene chain(Vec3 gravity) {
 TEST(Forces, OnEveryParticleAreGravity) {
   const Vec3 gravity{0, -10, 0}, extra{2.5, 0, -0.75};
   for (const Gradient gradient : all_gradients) {
-    const Settings settings{.gradient = gradient, .substeps = 4, .stop = {.sweeps = 30}, .threads = 1};
+    const Settings settings{
+        .method = Method::relax, .gradient = gradient, .substeps = 4, .stop = {.sweeps = 30}, .threads = 1};
     const Scene pushed_scene = chain(gravity);
     World pushed(pushed_scene, settings), heavier(chain(gravity + extra), settings);
     const std::vector<double> masses = lumped_masses(pushed_scene);
@@ -42,7 +43,7 @@ TEST(Forces, LastUntilTheyAreChanged) {
   scene.gravity = {};
   scene.particles = {test::movable({}, 2), test::movable({1, 0, 0}, 2)};
   for (const Gradient gradient : all_gradients) {
-    World world(scene, {.gradient = gradient, .threads = 1});
+    World world(scene, {.method = Method::relax, .gradient = gradient, .threads = 1});
     world.set_force(0, {3, 0, 0});
     test::run(world, 0.125, 8);
     EXPECT_NEAR(world.velocity(0).x, 1.5, 1e-14);  // F t/m
@@ -63,7 +64,9 @@ TEST(Forces, LastUntilTheyAreChanged) {
 TEST(Forces, ShiftWhereAChainHangs) {
   Scene scene = scenes::make_chain(4, 0.25, 1, 1);
   scene.drag = 4;
-  World world(scene, {.substeps = 4, .stop = {.sweeps = 200, .tolerance = 1e-12}, .threads = 1});
+  World world(
+      scene,
+      {.method = Method::relax, .substeps = 4, .stop = {.sweeps = 200, .tolerance = 1e-12}, .threads = 1});
   for (std::uint32_t i = 1; i <= 4; ++i) world.set_force(i, {9.81, 0, 0});
   test::run(world, 1.0 / 60, 60 * 20);
   for (std::uint32_t i = 1; i <= 4; ++i) {

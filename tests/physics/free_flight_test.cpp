@@ -30,8 +30,11 @@ class FreeFlight : public testing::TestWithParam<std::tuple<Gradient, Precision>
   Gradient gradient() const { return std::get<0>(GetParam()); }
   Precision precision() const { return std::get<1>(GetParam()); }
   World world(const Scene& scene, std::uint32_t substeps = 1) const {
-    return World(scene,
-                 {.precision = precision(), .gradient = gradient(), .substeps = substeps, .threads = 1});
+    return World(scene, {.method = Method::relax,
+                         .precision = precision(),
+                         .gradient = gradient(),
+                         .substeps = substeps,
+                         .threads = 1});
   }
 };
 

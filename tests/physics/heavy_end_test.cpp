@@ -70,7 +70,8 @@ TEST_F(HeavyEnd, EqualWeightsConvergeToAnotherMotion) {
 // the bit.
 TEST_F(HeavyEnd, WeightsSwitchAtRunTime) {
   const auto settings = [](Weights weights) {
-    return Settings{.weights = weights, .substeps = 8, .stop = {.sweeps = 20}, .threads = 1};
+    return Settings{
+        .method = Method::relax, .weights = weights, .substeps = 8, .stop = {.sweeps = 20}, .threads = 1};
   };
   World by_mass(scene, settings(Weights::mass)), by_halves(scene, settings(Weights::equal)),
       switched(scene, settings(Weights::mass)), late(scene, settings(Weights::mass));

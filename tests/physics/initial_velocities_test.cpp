@@ -38,7 +38,7 @@ double largest_change(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 /// What every projection must do. `scene` has random velocities of about 1 m/s; 1e-10 of that is what the
 /// header promises to leave.
 void expect_projected(const Scene& scene, double left = 1e-10) {
-  const World world(scene, {.threads = 1});
+  const World world(scene, {.method = Method::relax, .threads = 1});
   const std::vector<Vec3> given = given_velocities(scene), projected = test::velocities_of(world);
   ASSERT_GT(test::largest_stretching_rate(scene, given), 0.01) << "nothing to project";
   EXPECT_LE(test::largest_stretching_rate(scene, projected), left);
@@ -67,7 +67,7 @@ TEST(InitialVelocities, OfOneRodByHand) {
   Scene scene;
   scene.particles = {movable({0, 0, 0}, 1, {-4, 1, 0}), movable({2, 0, 0}, 3, {0, 0, 5})};
   scene.rods = {{.a = 0, .b = 1}};
-  const World world(scene, {.threads = 1});
+  const World world(scene, {.method = Method::relax, .threads = 1});
   EXPECT_LE(norm(world.velocity(0) - Vec3{-1, 1, 0}), 1e-15);
   EXPECT_LE(norm(world.velocity(1) - Vec3{-1, 0, 5}), 1e-15);
   EXPECT_NEAR(world.info().projected_velocity, 3, 1e-15);
@@ -77,7 +77,7 @@ TEST(InitialVelocities, ThatDoNotPullAreKeptToTheBit) {
   Scene scene;  // turning about its middle, and drifting
   scene.particles = {movable({0, 0, 0}, 1, {1, 2, 0}), movable({1, 0, 0}, 3, {1, 3, 0})};
   scene.rods = {{.a = 0, .b = 1}};
-  const World world(scene, {.threads = 1});
+  const World world(scene, {.method = Method::relax, .threads = 1});
   EXPECT_EQ(world.velocity(0), (Vec3{1, 2, 0}));
   EXPECT_EQ(world.velocity(1), (Vec3{1, 3, 0}));
   EXPECT_EQ(world.info().projected_velocity, 0);
@@ -109,7 +109,7 @@ TEST(InitialVelocities, OfAnOverbracedTruss) {
   expect_projected(scene);
 
   // Rigid: what is left is the rigid motion with the same linear and angular momentum.
-  const World world(scene, {.threads = 1});
+  const World world(scene, {.method = Method::relax, .threads = 1});
   const auto positions = test::positions_of(world);
   const Momentum given = measure_momentum(scene, positions, given_velocities(scene));
   const Momentum kept = measure_momentum(scene, positions, test::velocities_of(world));
@@ -125,7 +125,7 @@ TEST(InitialVelocities, KeepAFreeBodysMomenta) {
     if (i > 0) scene.rods.push_back({.a = i - 1, .b = i});
   }
   expect_projected(scene);
-  const World world(scene, {.threads = 1});
+  const World world(scene, {.method = Method::relax, .threads = 1});
   const auto positions = test::positions_of(world);
   const Momentum given = measure_momentum(scene, positions, given_velocities(scene));
   const Momentum kept = measure_momentum(scene, positions, test::velocities_of(world));
@@ -162,7 +162,7 @@ TEST(InitialVelocities, OfAChainOfHeavyAndLightParticles) {
 TEST(InitialVelocities, OfALongStraightChain) {
   Scene scene = scenes::make_chain(100000);
   for (Particle& particle : scene.particles) particle.velocity.x = particle.position.x / 1e4;
-  const World world(scene, {.threads = 1});
+  const World world(scene, {.method = Method::relax, .threads = 1});
   const std::vector<Vec3> projected = test::velocities_of(world);
   EXPECT_LE(test::largest_stretching_rate(scene, projected), 1e-10);
   EXPECT_LE(norm(projected.back()), 1e-6);

@@ -138,7 +138,8 @@ TEST(FreeChainMid, KeepsAngularMomentumAndEnergyToSecondOrder) {
     double angular = 0, energy = 0;
   };
   const auto drift = [&](std::uint32_t substeps) {
-    World world(scene, {.gradient = Gradient::mid,
+    World world(scene, {.method = Method::relax,
+                        .gradient = Gradient::mid,
                         .substeps = substeps,
                         .stop = {.sweeps = 100000, .tolerance = 1e-12},
                         .threads = 1});
@@ -169,7 +170,7 @@ TEST(EqualWeights, DoNotKeepMomentum) {
   scene.particles = {test::movable({0, 0, 0}, 1, {0, 2, 0}), test::movable({1, 0, 0}, 9, {0, -1, 0})};
   scene.rods = {{.a = 0, .b = 1}};
   for (const Weights weights : {Weights::mass, Weights::equal}) {
-    World world(scene, {.weights = weights, .stop = {.sweeps = 5}, .threads = 1});
+    World world(scene, {.method = Method::relax, .weights = weights, .stop = {.sweeps = 5}, .threads = 1});
     const Vec3 before = measure_momentum(scene, test::positions_of(world), test::velocities_of(world)).linear;
     test::run(world, 1.0 / 240, 100);
     const Vec3 after = measure_momentum(scene, test::positions_of(world), test::velocities_of(world)).linear;

@@ -40,7 +40,8 @@ TEST(Tolerance, HoldsForEveryRodAfterEveryStep) {
     for (const Gradient gradient : all_gradients)
       for (const Scene& scene :
            {scenes::make_chain(12, 0.1, 5), ring(9), scenes::make_ensemble({.chains = 20, .links = 5})}) {
-        World world(scene, {.precision = c.precision,
+        World world(scene, {.method = Method::relax,
+                            .precision = c.precision,
                             .gradient = gradient,
                             .substeps = 4,
                             .stop = {.sweeps = 100000, .tolerance = c.tolerance},
@@ -70,7 +71,7 @@ TEST(Tolerance, HoldsForCompressedRods) {
     one.gravity = {};
     one.particles = {scene.particles[2 * rod], scene.particles[2 * rod + 1]};
     one.rods = {{.a = 0, .b = 1, .length = 1}};
-    World world(one, {.stop = {.sweeps = 10, .tolerance = 0.2}, .threads = 1});
+    World world(one, {.method = Method::relax, .stop = {.sweeps = 10, .tolerance = 0.2}, .threads = 1});
     const StepReport report = world.step(1.0 / 60);
     EXPECT_EQ(report.skipped_within_tolerance, rod == 1 ? 1u : 0u);
     EXPECT_EQ(report.block_sweeps, rod == 1 ? 0u : 1u);
@@ -80,7 +81,7 @@ TEST(Tolerance, HoldsForCompressedRods) {
 
 TEST(StoppedBy, SweepsAtTheirNumber) {
   const Scene scene = scenes::make_chain(20, 0.1, 10);
-  World world(scene, {.substeps = 3, .stop = {.sweeps = 7}, .threads = 1});
+  World world(scene, {.method = Method::relax, .substeps = 3, .stop = {.sweeps = 7}, .threads = 1});
   const StepReport report = world.step(1.0 / 60);
   EXPECT_EQ(report.stopped_by, StoppedBy::sweeps);
   EXPECT_EQ(report.substeps, 3u);
@@ -89,7 +90,8 @@ TEST(StoppedBy, SweepsAtTheirNumber) {
 }
 
 TEST(StoppedBy, SweepsWhenToleranceIsOutOfReach) {
-  World world(scenes::make_chain(20, 0.1, 10), {.stop = {.sweeps = 5, .tolerance = 1e-12}, .threads = 1});
+  World world(scenes::make_chain(20, 0.1, 10),
+              {.method = Method::relax, .stop = {.sweeps = 5, .tolerance = 1e-12}, .threads = 1});
   const StepReport report = world.step(1.0 / 60);
   EXPECT_EQ(report.stopped_by, StoppedBy::sweeps);
   EXPECT_EQ(report.block_sweeps, 5u);
@@ -97,7 +99,8 @@ TEST(StoppedBy, SweepsWhenToleranceIsOutOfReach) {
 }
 
 TEST(StoppedBy, ToleranceBeforeTheNumberOfSweeps) {
-  World world(scenes::make_chain(3), {.stop = {.sweeps = 1000, .tolerance = 1e-6}, .threads = 1});
+  World world(scenes::make_chain(3),
+              {.method = Method::relax, .stop = {.sweeps = 1000, .tolerance = 1e-6}, .threads = 1});
   const StepReport report = world.step(1.0 / 60);
   EXPECT_EQ(report.stopped_by, StoppedBy::tolerance);
   EXPECT_GT(report.block_sweeps, 0u);
@@ -107,7 +110,8 @@ TEST(StoppedBy, ToleranceBeforeTheNumberOfSweeps) {
 // A budget no sweep can meet still does one; one that no sweep can exhaust leaves the number of sweeps in
 // charge.
 TEST(StoppedBy, BudgetAfterAtLeastOneSweep) {
-  World world(scenes::make_chain(2000), {.stop = {.sweeps = 1000000, .budget_us = 1e-3}, .threads = 1});
+  World world(scenes::make_chain(2000),
+              {.method = Method::relax, .stop = {.sweeps = 1000000, .budget_us = 1e-3}, .threads = 1});
   const StepReport report = world.step(1.0 / 60);
   EXPECT_EQ(report.stopped_by, StoppedBy::budget);
   EXPECT_GE(report.block_sweeps, 1u);
@@ -119,7 +123,7 @@ TEST(StoppedBy, BudgetAfterAtLeastOneSweep) {
 TEST(StoppedBy, NothingWithoutRods) {
   Scene scene;
   scene.particles = {test::movable({}, 1)};
-  World world(scene, {.threads = 1});
+  World world(scene, {.method = Method::relax, .threads = 1});
   const StepReport report = world.step(1.0 / 60);
   EXPECT_EQ(report.stopped_by, StoppedBy::nothing);
   EXPECT_EQ(report.rod_projections, 0u);
@@ -132,7 +136,7 @@ TEST(StoppedBy, IsTheLatestOfAllIslands) {
   scene.particles.push_back(test::movable({0, 0, 5}));
   scene.particles.push_back(test::movable({1, 0, 5}));
   scene.rods.push_back({.a = first, .b = first + 1});
-  World world(scene, {.stop = {.sweeps = 4, .tolerance = 1e-10}, .threads = 1});
+  World world(scene, {.method = Method::relax, .stop = {.sweeps = 4, .tolerance = 1e-10}, .threads = 1});
   const StepReport report = world.step(1.0 / 60);
   EXPECT_EQ(report.stopped_by, StoppedBy::sweeps);
   EXPECT_EQ(report.skipped_within_tolerance, 1u) << "the loose rod falls freely";
@@ -143,7 +147,9 @@ TEST(SkippedWithinTolerance, CountsBlocksAndSubsteps) {
   Scene scene;
   for (std::uint32_t i = 0; i < 6; ++i) scene.particles.push_back(test::movable({0.5 * i, 0, 0}));
   for (std::uint32_t i = 0; i < 5; ++i) scene.rods.push_back({.a = i, .b = i + 1});
-  World world(scene, {.substeps = 6, .stop = {.sweeps = 10, .tolerance = 1e-6}, .threads = 1});
+  World world(
+      scene,
+      {.method = Method::relax, .substeps = 6, .stop = {.sweeps = 10, .tolerance = 1e-6}, .threads = 1});
   const StepReport report = test::run(world, 1.0 / 60, 5);
   EXPECT_EQ(report.skipped_within_tolerance, 6u * 5);
   EXPECT_EQ(report.block_sweeps, 0u);
@@ -152,7 +158,7 @@ TEST(SkippedWithinTolerance, CountsBlocksAndSubsteps) {
 
 TEST(StopRules, ChangeAtRunTime) {
   const Scene scene = scenes::make_chain(10, 0.1, 10);
-  World world(scene, {.stop = {.sweeps = 2}, .threads = 1});
+  World world(scene, {.method = Method::relax, .stop = {.sweeps = 2}, .threads = 1});
   EXPECT_EQ(test::run(world, 1.0 / 60, 10).block_sweeps, 20u);
   EXPECT_GT(test::stretch_of(scene, world).max, 1e-3);
   world.set_stop_rule({.sweeps = 100000, .tolerance = 1e-9});
@@ -168,7 +174,8 @@ TEST(OverRelaxation, ConvergesToTheSameMotion) {
   for (const Scene& scene : {scenes::make_chain(10, 0.1, 10), ring(9)})
     for (const Gradient gradient : {Gradient::new_, Gradient::old}) {
       const auto run_with = [&](double omega) {
-        World world(scene, {.gradient = gradient,
+        World world(scene, {.method = Method::relax,
+                            .gradient = gradient,
                             .omega = omega,
                             .substeps = 8,
                             .stop = {.sweeps = 100000, .tolerance = 1e-11},

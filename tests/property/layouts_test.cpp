@@ -72,7 +72,8 @@ class Layouts : public testing::TestWithParam<unsigned> {
                          Case{Precision::double_, Gradient::new_}, Case{Precision::double_, Gradient::old}}) {
       std::vector<std::uint64_t> hashes;
       for (const LayoutChoice layout : all_layouts) {
-        World world(scene, {.precision = c.precision,
+        World world(scene, {.method = Method::relax,
+                            .precision = c.precision,
                             .gradient = c.gradient,
                             .substeps = 2,
                             .stop = {.sweeps = 7},
@@ -121,11 +122,15 @@ TEST(LayoutChoices, AreDifferentLayouts) {
   test::Random random(3);
   const Scene scene = mixture(random);
   using Set = std::set<std::string>;
-  EXPECT_EQ(layouts_of(World(scene, {.layout = LayoutChoice::aos, .threads = 1})), Set{"aos"});
-  EXPECT_EQ(layouts_of(World(scene, {.layout = LayoutChoice::soa, .threads = 1})), Set{"soa"});
-  EXPECT_EQ(layouts_of(World(scene, {.layout = LayoutChoice::aosoa, .threads = 1})), Set{"aosoa"});
-  EXPECT_EQ(layouts_of(World(scene, {.threads = 1})), (Set{"aos", "aosoa"}));
-  EXPECT_EQ(layouts_of(World(scenes::make_chain(10000, 0.1), {.threads = 1})), Set{"soa"});
+  EXPECT_EQ(layouts_of(World(scene, {.method = Method::relax, .layout = LayoutChoice::aos, .threads = 1})),
+            Set{"aos"});
+  EXPECT_EQ(layouts_of(World(scene, {.method = Method::relax, .layout = LayoutChoice::soa, .threads = 1})),
+            Set{"soa"});
+  EXPECT_EQ(layouts_of(World(scene, {.method = Method::relax, .layout = LayoutChoice::aosoa, .threads = 1})),
+            Set{"aosoa"});
+  EXPECT_EQ(layouts_of(World(scene, {.method = Method::relax, .threads = 1})), (Set{"aos", "aosoa"}));
+  EXPECT_EQ(layouts_of(World(scenes::make_chain(10000, 0.1), {.method = Method::relax, .threads = 1})),
+            Set{"soa"});
 }
 
 }  // namespace

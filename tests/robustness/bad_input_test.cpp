@@ -69,7 +69,7 @@ TEST(BadScenes, AreRefusedByTheWorld) {
   for (const Case& c : cases) {
     Scene scene = scenes::make_chain(3);
     c.spoil(scene);
-    EXPECT_EQ(refusal([&] { World world(scene); }), c.message);
+    EXPECT_EQ(refusal([&] { World world(scene, {.method = Method::relax}); }), c.message);
   }
 }
 
@@ -134,10 +134,11 @@ TEST(BadScenes, ThatFeatherstoneCannotMoveAreRefused) {
 TEST(BadScenes, BeyondTheRangeOfFloatAreRefused) {
   Scene scene;
   scene.particles = {test::movable({0, 0, 0}), test::movable({1e39, 0, 0})};
-  EXPECT_NO_THROW(World(scene, {.precision = Precision::double_, .threads = 1}));
-  EXPECT_NE(
-      refusal([&] { World world(scene, {.precision = Precision::single, .threads = 1}); }).find("particle 1"),
-      std::string::npos);
+  EXPECT_NO_THROW(World(scene, {.method = Method::relax, .precision = Precision::double_, .threads = 1}));
+  EXPECT_NE(refusal([&] {
+              World world(scene, {.method = Method::relax, .precision = Precision::single, .threads = 1});
+            }).find("particle 1"),
+            std::string::npos);
 }
 
 // The shortest rods that are accepted keep their length as well as others do; shorter ones would lose it to
@@ -153,7 +154,8 @@ TEST(BadScenes, RodsTooShortForThePrecisionAreRefused) {
     double shortest, tolerance;
   };
   for (const Case c : {Case{Precision::single, 3.2e-16, 1e-6}, Case{Precision::double_, 1.01e-146, 1e-14}}) {
-    const Settings settings{.precision = c.precision, .stop = {.sweeps = 200}, .threads = 1};
+    const Settings settings{
+        .method = Method::relax, .precision = c.precision, .stop = {.sweeps = 200}, .threads = 1};
     const Scene scene = scaled_chain(c.shortest);
     World world(scene, settings);
     EXPECT_EQ(test::run(world, 1.0 / 60, 60).frozen_islands, 0u);
@@ -187,7 +189,7 @@ class BadRequests : public testing::Test {
   }
 
   Scene scene = scenes::make_chain(5, 0.1, 3);
-  Settings settings{.stop = {.sweeps = 12}, .threads = 1};
+  Settings settings{.method = Method::relax, .stop = {.sweeps = 12}, .threads = 1};
   World world{scene, settings}, twin{scene, settings};
 };
 

@@ -27,7 +27,8 @@ void for_each_kind(F&& f) {
       for (const SweepOrder order : {SweepOrder::gauss_seidel, SweepOrder::jacobi}) {
         SCOPED_TRACE(testing::Message() << to_string(precision) << ", gradient " << to_string(gradient)
                                         << ", " << to_string(order));
-        f(Settings{.precision = precision,
+        f(Settings{.method = Method::relax,
+                   .precision = precision,
                    .gradient = gradient,
                    .order = order,
                    .substeps = 2,
@@ -191,7 +192,7 @@ TEST(Extremes, AHundredThousandTinyIslands) {
     scene.rods.pop_back();
     scene.particles.push_back(movable({1, 0, z}));
   }
-  World world(scene, {.stop = {.sweeps = 5}, .threads = 1});
+  World world(scene, {.method = Method::relax, .stop = {.sweeps = 5}, .threads = 1});
   EXPECT_EQ(world.info().islands, islands + (islands + 10) / 11);
   test::run(world, 1.0 / 60, 5);
   EXPECT_TRUE(test::all_finite(world));
@@ -205,8 +206,10 @@ TEST(Extremes, AHundredThousandTinyIslands) {
 TEST(Extremes, AKilometreFromTheOrigin) {
   Scene scene = scenes::make_chain(10, 1);
   for (Particle& particle : scene.particles) particle.position += {1000, 1000, 1000};
-  World world(scene,
-              {.precision = Precision::single, .stop = {.sweeps = 2000, .tolerance = 1e-4}, .threads = 1});
+  World world(scene, {.method = Method::relax,
+                      .precision = Precision::single,
+                      .stop = {.sweeps = 2000, .tolerance = 1e-4},
+                      .threads = 1});
   test::run(world, 1.0 / 60, 30);
   EXPECT_TRUE(test::all_finite(world));
   EXPECT_LE(test::stretch_of(scene, world).max, 1e-4 + 3 * 6.2e-5);
@@ -229,7 +232,8 @@ TEST(Extremes, StepsOfAnyLength) {
 // without bound. The guard takes over, is counted, and energy does not rise.
 TEST(MidGuard, CountsAndKeepsEnergyDown) {
   const Scene scene = scenes::make_chain(50, 0.1, 100);
-  World world(scene, {.gradient = Gradient::mid, .stop = {.sweeps = 1}, .threads = 1});
+  World world(scene,
+              {.method = Method::relax, .gradient = Gradient::mid, .stop = {.sweeps = 1}, .threads = 1});
   std::uint64_t guarded = 0;
   for (int i = 0; i < test::scaled(600); ++i) {
     guarded += world.step(1.0 / 60).mid_guarded;
@@ -237,9 +241,11 @@ TEST(MidGuard, CountsAndKeepsEnergyDown) {
   }
   EXPECT_GT(guarded, static_cast<std::uint64_t>(test::scaled(300)));
 
-  World enough(scenes::make_chain(3), {.gradient = Gradient::mid, .stop = {.sweeps = 200}, .threads = 1});
+  World enough(scenes::make_chain(3),
+               {.method = Method::relax, .gradient = Gradient::mid, .stop = {.sweeps = 200}, .threads = 1});
   EXPECT_EQ(test::run(enough, 1.0 / 60, 60).mid_guarded, 0u);
-  World other(scene, {.gradient = Gradient::old, .stop = {.sweeps = 1}, .threads = 1});
+  World other(scene,
+              {.method = Method::relax, .gradient = Gradient::old, .stop = {.sweeps = 1}, .threads = 1});
   EXPECT_EQ(test::run(other, 1.0 / 60, 10).mid_guarded, 0u) << "only gradient mid is guarded";
 }
 

@@ -53,7 +53,8 @@ TEST(FrozenIslands, LeaveTheOthersBitsAlone) {
     for (const LayoutChoice layout : all_layouts)
       for (const Gradient gradient : {Gradient::new_, Gradient::old})
         for (const std::uint32_t links : {6u, 17u}) {
-          const Settings settings{.precision = precision,
+          const Settings settings{.method = Method::relax,
+                                  .precision = precision,
                                   .gradient = gradient,
                                   .stop = {.sweeps = 5},
                                   .layout = layout,
@@ -87,7 +88,8 @@ TEST(FrozenIslands, StandStillWhereTheyWere) {
         SCOPED_TRACE(testing::Message() << to_string(precision) << ", " << to_string(layout) << ", gradient "
                                         << to_string(gradient));
         const Scene scene = breakable_chain(10);
-        World world(scene, {.precision = precision,
+        World world(scene, {.method = Method::relax,
+                            .precision = precision,
                             .gradient = gradient,
                             .stop = {.sweeps = 2},  // leaves rods stretched
                             .layout = layout,
@@ -114,7 +116,7 @@ TEST(FrozenIslands, KeepTheSubstepsBefore) {
   Scene scene;
   scene.gravity = {};
   scene.particles = {test::movable({0, 0, 0}, 1, {1, 0, 0})};
-  World world(scene, {.substeps = 2, .threads = 1});
+  World world(scene, {.method = Method::relax, .substeps = 2, .threads = 1});
   world.set_force(0, {1e308, 0, 0});  // 1.25e307 after h^2 = 1/8: the third substep passes 1.8e308
   StepReport report;
   Vec3 last = world.position(0);
@@ -132,7 +134,7 @@ TEST(FrozenIslands, PositionsDoNotRunOutUnseen) {
   Scene scene;
   scene.gravity = {};
   scene.particles = {test::movable({0, 0, 0}, 1, {1e38, 0, 0}), test::movable({0, 5, 0}, 1, {1, 0, 0})};
-  World world(scene, {.precision = Precision::single, .threads = 1});
+  World world(scene, {.method = Method::relax, .precision = Precision::single, .threads = 1});
   StepReport report;
   for (int i = 0; i < 6; ++i) {
     report += world.step(1);
@@ -145,7 +147,7 @@ TEST(FrozenIslands, PositionsDoNotRunOutUnseen) {
 TEST(FrozenIslands, AreCountedOneByOne) {
   const Scene scene = scenes::make_ensemble({.chains = 50, .links = 3, .end_mass = 1e-8});
   for (const LayoutChoice layout : all_layouts) {
-    World world(scene, {.stop = {.sweeps = 5}, .layout = layout, .threads = 1});
+    World world(scene, {.method = Method::relax, .stop = {.sweeps = 5}, .layout = layout, .threads = 1});
     world.step(1.0 / 60);
     for (const std::uint32_t chain : {3u, 4u, 31u, 49u}) world.set_force(4 * chain + 3, {1e308, 0, 0});
     EXPECT_EQ(world.step(1.0 / 60).frozen_islands, 4u) << to_string(layout);
@@ -162,8 +164,8 @@ TEST(FrozenIslands, InBlocksSharedByThreads) {
   for (Scene scene : {scenes::make_chain(5000, 0.1, 1e-8), scenes::make_net(64, 48)}) {
     const auto victim = static_cast<std::uint32_t>(scene.particles.size() - 1);
     scene.particles[victim].mass = 1e-8;
-    World alone(scene, {.stop = {.sweeps = 4}, .threads = 1});
-    World shared(scene, {.stop = {.sweeps = 4}, .threads = 2, .executor = &pool});
+    World alone(scene, {.method = Method::relax, .stop = {.sweeps = 4}, .threads = 1});
+    World shared(scene, {.method = Method::relax, .stop = {.sweeps = 4}, .threads = 2, .executor = &pool});
     ASSERT_TRUE(shared.info().parallel);
     for (World* world : {&alone, &shared}) {
       test::run(*world, 1.0 / 60, 5);
@@ -183,7 +185,7 @@ TEST(FrozenIslands, DoNotHoldACommonAnchor) {
                      test::movable({0, 0, 2})};
   scene.rods = {{.a = 0, .b = 1}, {.a = 0, .b = 2}, {.a = 2, .b = 3}};
   for (const LayoutChoice layout : all_layouts) {
-    World world(scene, {.stop = {.sweeps = 50}, .layout = layout, .threads = 1});
+    World world(scene, {.method = Method::relax, .stop = {.sweeps = 50}, .layout = layout, .threads = 1});
     world.step(1.0 / 60);
     world.set_force(1, {1e308, 0, 0});
     EXPECT_EQ(world.step(1.0 / 60).frozen_islands, 1u);

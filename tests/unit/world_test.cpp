@@ -35,7 +35,7 @@ TEST(World, CountsWhatItHolds) {
   const Scene scene = mixture();
   for (const LayoutChoice layout :
        {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa}) {
-    const World world(scene, {.layout = layout, .threads = 1});
+    const World world(scene, {.method = Method::relax, .layout = layout, .threads = 1});
     const WorldInfo& info = world.info();
     EXPECT_EQ(world.particle_count(), scene.particles.size());
     EXPECT_EQ(world.rod_count(), scene.rods.size());
@@ -67,15 +67,15 @@ TEST(World, CountsWhatItHolds) {
 // In a chain all rods but the one at the anchor weigh the same at both ends; with unequal masses hardly any
 // do.
 TEST(World, CountsRodsThatNeedNoWeights) {
-  const World equal(scenes::make_chain(5000), {.threads = 1});
+  const World equal(scenes::make_chain(5000), {.method = Method::relax, .threads = 1});
   EXPECT_GT(equal.info().skipped_per_rod_weights, 4000u);
   EXPECT_LT(equal.info().skipped_per_rod_weights, 5000u);
   Scene scene = scenes::make_chain(5000);
   for (std::size_t i = 1; i < scene.particles.size(); ++i)
     scene.particles[i].mass = 1 + 0.001 * static_cast<double>(i);
-  EXPECT_EQ(World(scene, {.threads = 1}).info().skipped_per_rod_weights, 0u);
+  EXPECT_EQ(World(scene, {.method = Method::relax, .threads = 1}).info().skipped_per_rod_weights, 0u);
   // Halves for everyone: only the anchor's rod still differs.
-  World by_halves(scene, {.threads = 1});
+  World by_halves(scene, {.method = Method::relax, .threads = 1});
   by_halves.set_weights(Weights::equal);
   EXPECT_GT(by_halves.info().skipped_per_rod_weights, 4000u);
 }
@@ -85,7 +85,7 @@ TEST(World, StartsAsTheSceneSays) {
   scene.drag = 0.1;
   scene.particles[20].velocity = {0, 0, 3};  // across its rod
   scene.particles.back().velocity = {1, 1, 1};
-  const World world(scene, {.threads = 1});
+  const World world(scene, {.method = Method::relax, .threads = 1});
   for (std::uint32_t i = 0; i < world.particle_count(); ++i)
     EXPECT_EQ(world.position(i), scene.particles[i].position);
   EXPECT_EQ(world.velocity(20), (Vec3{0, 0, 3}));
@@ -95,7 +95,7 @@ TEST(World, StartsAsTheSceneSays) {
 }
 
 TEST(World, IsReadInThreeWays) {
-  World world(mixture(), {.threads = 1});
+  World world(mixture(), {.method = Method::relax, .threads = 1});
   test::run(world, 1.0 / 60, 5);
   const std::vector<Vec3> positions = test::positions_of(world), velocities = test::velocities_of(world);
   ASSERT_EQ(world.positions().size(), positions.size());
@@ -109,21 +109,21 @@ TEST(World, IsReadInThreeWays) {
 
 TEST(World, MovesWithItsState) {
   const Scene scene = mixture();
-  World world(scene, {.threads = 1}), twin(scene, {.threads = 1});
+  World world(scene, {.method = Method::relax, .threads = 1}), twin(scene, {.threads = 1});
   test::run(world, 1.0 / 60, 5);
   test::run(twin, 1.0 / 60, 10);
   World moved(std::move(world));
   test::run(moved, 1.0 / 60, 5);
   EXPECT_EQ(moved.state_hash(), twin.state_hash());
   EXPECT_NEAR(moved.time(), 10.0 / 60, 1e-15);
-  moved = World(scene, {.threads = 1});
+  moved = World(scene, {.method = Method::relax, .threads = 1});
   EXPECT_EQ(moved.time(), 0);
 }
 
 // The world keeps no reference to its scene.
 TEST(World, OutlivesItsScene) {
   Scene scene = mixture();
-  World world(scene, {.threads = 1}), twin(mixture(), {.threads = 1});
+  World world(scene, {.method = Method::relax, .threads = 1}), twin(mixture(), {.threads = 1});
   scene = {};
   test::run(world, 1.0 / 60, 5);
   test::run(twin, 1.0 / 60, 5);

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
   const scenes::Machine machine = scenes::describe_machine();
   const std::string footer =
       "Examples:\n"
-      "  plumb run chain:links=20,end_mass=10 --substeps 8 --sweeps 20\n"
+      "  plumb run chain:links=20,end_mass=10 --method relax --substeps 8 --sweeps 20\n"
       "  plumb run tools/scenes/net.json --tolerance 1e-3 --report net-report.json\n"
       "  plumb info net:width=64,height=64\n"
       "  plumb humanoid --experiments --out out\n"

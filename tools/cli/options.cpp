@@ -168,13 +168,13 @@ void add_layout_options(Command& command, Settings& settings) {
 }
 
 void add_solver_options(Command& command, Settings& settings) {
-  const Option method = add_method(command, settings);
+  add_method(command, settings);
   add_count(command, "--substeps", settings.substeps, "Integrations per frame [1]");
   add_number(
       command, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
       "Methods direct and auto, and springs by adaptive-implicit-euler: choose substeps so that the error "
       "grows by at most this share of the scene a second");
-  const SweepOptions of_sweeps = add_sweep_options(command, settings);
+  add_sweep_options(command, settings);
   add_choice(command, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
              "Where a correction's direction is taken [mid; relax: new]");
   add_count(command, "--time-order", settings.time_order,
@@ -183,16 +183,6 @@ void add_solver_options(Command& command, Settings& settings) {
   add_choice(command, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly [consistent; relax: lumped]");
   add_equation_options(command, settings);
-  command.check([method, of_sweeps, &settings] {
-    for (const Option& option : of_sweeps.all) {
-      if (!option.given()) continue;
-      if (!method.given()) settings.method = Method::relax;
-      if (option == of_sweeps.tolerance && settings.method == Method::direct) continue;
-      if (settings.method != Method::relax && settings.method != Method::automatic)
-        throw InputError(option.name() + ": is of method relax; method " +
-                         std::string(to_string(settings.method)) + " has no sweeps");
-    }
-  });
 }
 
 Option add_scene(Command& command, std::string& spec) {

@@ -69,7 +69,7 @@ Truth chain_truth() {
 }
 
 Settings settings_of(const Variant& variant, std::uint32_t substep_count, StopRule stop) {
-  Settings settings;
+  Settings settings{.method = Method::relax};
   settings.weights = variant.weights;
   settings.gradient = variant.gradient;
   settings.substeps = substep_count;

@@ -35,7 +35,7 @@ std::string name_of(const Variant& variant) {
 }
 
 Truth converge(const Scene& scene, std::uint32_t substeps) {
-  Settings settings;
+  Settings settings{.method = Method::relax};
   settings.gradient = Gradient::mid;
   settings.threads = 1;
   settings.stop = {.sweeps = 100000, .tolerance = 1e-10, .budget_us = {}};

@@ -24,7 +24,7 @@ Scene light_end() {
 }
 
 Settings relaxed(Weights weights, std::uint32_t substeps, std::uint32_t sweeps) {
-  Settings settings;
+  Settings settings{.method = Method::relax};
   settings.weights = weights;
   settings.substeps = substeps;
   settings.stop.sweeps = sweeps;

@@ -27,9 +27,9 @@ class PLUMB_API Executor {
   virtual void run(unsigned n, Task task, void* context) = 0;
 };
 
-/// Makes the built-in executor with `threads` workers, the caller included; 0 takes all hardware threads. It
-/// runs on oneTBB. A plumb that was built without oneTBB (PLUMB_TBB=OFF in CMake) keeps threads of its own,
-/// which sleep between runs, and takes the runs of several callers one after the other.
+/// Makes the built-in executor. It has `threads` workers, the caller included; 0 takes all hardware threads.
+/// It runs on oneTBB. A plumb that was built without (CMake's PLUMB_TBB=OFF) keeps threads of its own, which
+/// sleep between runs, and takes the runs of several callers one after the other.
 PLUMB_API std::unique_ptr<Executor> make_default_executor(unsigned threads = 0);
 
 }  // namespace plumb

@@ -114,7 +114,7 @@ struct StopRule {
 /// How a scene is simulated. Settings that are not set stand for what gradient_of(), integrator_of() and
 /// mass_model_of() say.
 struct Settings {
-  Method method = Method::relax;             ///< What keeps rods at their length.
+  Method method = Method::automatic;         ///< What keeps rods at their length.
   Precision precision = Precision::double_;  ///< Loops that are solved directly take double anyway.
   std::optional<Gradient> gradient{};  ///< None: new_, the thesis's, for relax; mid for direct; auto chooses.
   std::optional<MassModel> mass{};     ///< None: lumped for relax, which has no other; else consistent.
@@ -138,7 +138,7 @@ struct Settings {
   LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.
   std::optional<Isa> isa{};                       ///< None: best_isa().
   unsigned threads = 0;                           ///< 0: as many as the executor offers. At most 64 are used.
-  Executor* executor = nullptr;  ///< None: that of make_default_executor(). It must outlive the World.
+  Executor* executor = nullptr;  ///< None: make_default_executor(). It must outlive the World.
 };
 
 /// The gradient that settings stand for, which depends on the method if none is set.

@@ -183,7 +183,7 @@ class PLUMB_API World {
   const WorldInfo& info() const;
 
  private:
-  struct PLUMB_HIDDEN Impl;
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

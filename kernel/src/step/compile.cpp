@@ -100,10 +100,24 @@ class Compiler {
       refuse(of(), "mass lumped does not know: bodies need their inertia");
   }
 
+  /// Refuses settings of relaxation if automatic relaxes no island.
+  void require_settings_read(std::span<const Share> shares) const {
+    const auto is_relaxed = [](const Share& share) { return share.choice.method == Method::relax; };
+    if (std::any_of(shares.begin(), shares.end(), is_relaxed)) return;
+    constexpr Reads of_relaxation =
+        Reads::weights | Reads::order | Reads::omega | Reads::sweeps | Reads::budget_us | Reads::layout;
+    for (const SettingRow& row : setting_rows())
+      if (contains(of_relaxation, row.id) && row.is_set(settings_))
+        refuse("nothing reads ", row.name,
+               ": method auto solves every island of this scene directly; method relax reads it");
+  }
+
   void add_islands() {
     const layouts::Islands islands = layouts::find_islands(graph_);
     bool is_first = true;
-    for (const Share& share : shares_of(islands)) {
+    const std::vector<Share> shares = shares_of(islands);
+    if (settings_.method == Method::automatic) require_settings_read(shares);
+    for (const Share& share : shares) {
       const IslandGroups groups{graph_, islands, share.groups};
       if (share.choice.method != Method::direct) {
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, groups, settings_, start_))

@@ -5,6 +5,7 @@
 
 #include "plumb/error.hpp"
 #include "scene/refuse.hpp"
+#include "step/methods.hpp"
 
 namespace plumb {
 namespace {
@@ -21,28 +22,16 @@ void validate_isa(Isa isa) {
   refuse("this machine or build does not run instruction set ", to_string(isa), "; it runs ", list);
 }
 
-bool has_accuracy(const Settings& settings) {
-  return settings.method == Method::automatic || settings.method == Method::direct ||
-         (settings.method == Method::springs &&
-          integrator_of(settings) == Integrator::adaptive_implicit_euler);
-}
-
-void validate_integrator(const Settings& settings) {
-  const Integrator integrator = integrator_of(settings);
-  const bool implicit =
-      integrator == Integrator::implicit_euler || integrator == Integrator::adaptive_implicit_euler;
-  if (implicit && settings.method != Method::springs)
-    refuse("integrator ", to_string(integrator), " needs method springs");
-  if (integrator == Integrator::adaptive_implicit_euler && !settings.accuracy)
-    refuse("integrator adaptive-implicit-euler needs an accuracy");
-}
-
-void validate_time_order(const Settings& settings) {
-  if (settings.time_order != 2 && settings.time_order != 4 && settings.time_order != 6)
-    refuse("time order must be 2, 4 or 6, got ", settings.time_order);
-  if (settings.time_order == 2) return;
-  if (settings.method != Method::direct || gradient_of(settings) != Gradient::old)
-    refuse("time order ", settings.time_order, " needs method direct with gradient old");
+/// Refuses by name what the method does not read, and says who does.
+void validate_reads(const Settings& settings, const detail::MethodRow& method) {
+  for (const detail::SettingRow& row : detail::setting_rows()) {
+    if (contains(method.reads, row.id) || !row.is_set(settings)) continue;
+    std::string readers;
+    for (const detail::MethodRow& other : detail::method_rows())
+      if (contains(other.reads, row.id)) readers += (readers.empty() ? "" : ", ") + std::string(other.name);
+    refuse("method ", method.name, " does not read ", row.name, "; it is read by ",
+           readers.empty() ? "no method of this program" : readers);
+  }
 }
 
 }  // namespace
@@ -56,18 +45,17 @@ void validate(const Settings& settings) {
   if (settings.isa) validate_isa(*settings.isa);
   if (settings.accuracy && !(*settings.accuracy > 0 && std::isfinite(*settings.accuracy)))
     refuse("accuracy must be positive and finite, got ", *settings.accuracy);
-  if (settings.accuracy && !has_accuracy(settings))
-    refuse("accuracy needs method direct or auto, or springs with integrator adaptive-implicit-euler");
-  validate_integrator(settings);
-  validate_time_order(settings);
+  if (settings.time_order != 2 && settings.time_order != 4 && settings.time_order != 6)
+    refuse("time order must be 2, 4 or 6, got ", settings.time_order);
   if (!(settings.springs.stiffness > 0 && std::isfinite(settings.springs.stiffness)))
     refuse("stiffness must be positive and finite, got ", settings.springs.stiffness, " N/m");
   if (!(settings.springs.damping_ratio >= 0 && std::isfinite(settings.springs.damping_ratio)))
     refuse("damping ratio must be 0 or more and finite, got ", settings.springs.damping_ratio);
   if (!(settings.multipliers.baumgarte_rate > 0 && std::isfinite(settings.multipliers.baumgarte_rate)))
     refuse("baumgarte rate must be positive and finite, got ", settings.multipliers.baumgarte_rate, " 1/s");
-  if (mass_model_of(settings) == MassModel::consistent && settings.method == Method::relax)
-    refuse("mass consistent needs method direct or auto: relaxation moves particles one by one");
+  const detail::MethodRow& method = detail::method_row(settings.method);
+  validate_reads(settings, method);
+  if (method.validate) method.validate(settings);
 }
 
 void validate(const StopRule& rule) {
