@@ -1,13 +1,12 @@
 #include "plumb/layouts/coloring.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
+
+#include "unset.hpp"
 
 namespace plumb::layouts {
 namespace {
-
-constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
 /// The open colours, kept in ascending order of (edges that have it, number).
 class Palette {

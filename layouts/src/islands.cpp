@@ -1,15 +1,14 @@
 #include "plumb/layouts/islands.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <unordered_map>
 #include <utility>
 
+#include "unset.hpp"
+
 namespace plumb::layouts {
 namespace {
-
-constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
 /// Disjoint sets whose root is their smallest member.
 class DisjointSets {

@@ -7,10 +7,10 @@
 #include <span>
 #include <utility>
 
+#include "unset.hpp"
+
 namespace plumb::layouts {
 namespace {
-
-constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
 /// Where the path of a chain starts, or unset if `graph` cannot be a chain.
 std::uint32_t start_of_chain(const Graph& graph, const Incidence& incidence) {

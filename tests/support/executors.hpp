@@ -8,9 +8,14 @@
 #include <vector>
 
 #include "plumb/executor.hpp"
+#include "support/sanitizers.hpp"
 
 /// Executors that keep the contract of Executor in every way it allows.
 namespace plumb::test {
+
+/// False where the thread sanitizer would take the hand-overs of oneTBB, which is not instrumented, for
+/// races.
+inline constexpr bool can_watch_default_executor = !(thread_sanitizer && PLUMB_TEST_TBB);
 
 /// One task after the other on the calling thread, first to last or last to first.
 class SerialExecutor final : public Executor {

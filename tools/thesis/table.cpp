@@ -142,19 +142,20 @@ void add_change_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
 void add_error_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
   rows.push_back(rest_row("time to rest, drag 0.5/s", n.drag));
   rows.push_back(rest_row("time to rest, no drag, 5 sweeps", n.numerical));
-  rows.push_back({.what = "error at 1 s against truth",
-                  .thesis = "\"similar to those obtained with stiff springs\"",
-                  .where = "4.3",
-                  .ours = "by mass " + percent(n.error.mass) + ", equal " + percent(n.error.equal) +
-                          ", springs " + percent(n.error.springs) + "; of " + short_number(n.stiff, 2) +
-                          " N/m " + percent(n.stiff_error),
-                  .agrees = are_alike(n.error.mass, n.error.springs) || are_alike(n.error.mass, n.stiff_error),
-                  .values = {{"mass", n.error.mass},
-                             {"equal", n.error.equal},
-                             {"springs", n.error.springs},
-                             {"stiff_springs", n.stiff_error},
-                             {"stiff_N_per_m", n.stiff},
-                             {"truth_known_to", n.error.truth}}});
+  rows.push_back(
+      {.what = "error at 1 s against truth",
+       .thesis = "\"similar to those obtained with stiff springs\"",
+       .where = "4.3",
+       .ours = "by mass " + percent(n.error.mass) + ", equal " + percent(n.error.equal) + ", springs " +
+               percent(n.error.springs) + "; of " + short_number(n.stiff, 2) + " N/m " +
+               percent(n.stiff_error),
+       .agrees = are_alike(n.error.mass, n.error.springs) || are_alike(n.error.mass, n.stiff_error),
+       .values = {{"mass", n.error.mass},
+                  {"equal", n.error.equal},
+                  {"springs", n.error.springs},
+                  {"stiff_springs", n.stiff_error},
+                  {"stiff_N_per_m", n.stiff},
+                  {"truth_known_to", n.error.truth}}});
 }
 
 /// How far springs open and rods stretch.

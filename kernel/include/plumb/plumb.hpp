@@ -16,6 +16,7 @@
 /// - error.hpp: what is refused.
 /// - joints.hpp: bodies of a scene and the joints between them.
 /// - inertia.hpp: what sets of points and solids weigh.
+/// - version.hpp: which plumb this is.
 ///
 /// The library plumb::reference adds the thesis's other methods and its geometry, in plumb/reference:
 /// - methods.hpp: makes springs, multipliers and Featherstone's method known.

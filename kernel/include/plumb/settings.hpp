@@ -114,7 +114,7 @@ struct StopRule {
 /// How a scene is simulated. Settings that are not set stand for what gradient_of(), integrator_of() and
 /// mass_model_of() say.
 struct Settings {
-  Method method = Method::automatic;             ///< What keeps rods at their length.
+  Method method = Method::automatic;         ///< What keeps rods at their length.
   Precision precision = Precision::double_;  ///< Loops that are solved directly take double anyway.
   std::optional<Gradient> gradient{};  ///< None: new_, the thesis's, for relax; mid for direct; auto chooses.
   std::optional<MassModel> mass{};     ///< None: lumped for relax, which has no other; else consistent.

@@ -1,12 +1,16 @@
+/// @file
+/// Which plumb this is. Before 1.0, minor versions may change the interface and patches do not.
 #pragma once
 
 #include <string_view>
 
 #include "plumb/export.hpp"
 
-/// The version of these headers. Before 1.0, minor versions may change the interface and patches do not.
+/// The first number of these headers' version.
 #define PLUMB_VERSION_MAJOR 0
+/// The second number of these headers' version.
 #define PLUMB_VERSION_MINOR 2
+/// The third number of these headers' version.
 #define PLUMB_VERSION_PATCH 0
 
 namespace plumb {

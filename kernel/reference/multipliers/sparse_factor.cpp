@@ -78,7 +78,9 @@ class SparseFactor final : public RodFactor {
   void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& c, Eigen::VectorXd& x,
              Eigen::VectorXd& lambda) override {
     right_ << f, c;
-    solution_ = scale_.cwiseProduct(factor_.solve(scale_.cwiseProduct(right_)));
+    right_ = scale_.cwiseProduct(right_);
+    factor_.solve(right_, solution_);
+    solution_ = scale_.cwiseProduct(solution_);
     x = solution_.head(f.size());
     lambda = -solution_.tail(c.size());
   }

@@ -53,7 +53,7 @@ void BlockMatrix::add(Block block, Index row, Index column, const Matrix3d& part
 
 bool BlockMatrix::solve(const VectorXd& right, VectorXd& out) {
   if (!factor_.factorize(matrix_)) return false;
-  out = factor_.solve(right);
+  factor_.solve(right, out);
   return true;
 }
 
@@ -79,7 +79,7 @@ void ImplicitEuler::analyze(const SpringSystem& system) {
 void ImplicitEuler::add_pulls(const SpringSystem& system, const VectorXd& v, double h, VectorXd& out) const {
   const Index size = system.body_size();
   const auto point_velocity = [&](std::uint32_t body, const Vector3d& arm) -> Vector3d {
-    const Vector3d linear = v.segment<3>(size * body);
+    Vector3d linear = v.segment<3>(size * body);
     if (size == 3) return linear;
     return linear + v.segment<3>(size * body + 3).cross(arm);
   };

@@ -71,15 +71,17 @@ Body body_of(const Scene& scene, std::size_t r, MassModel model, const std::vect
   return body;
 }
 
-/// The quaternion (w, x, y, z) of the shortest turn that takes the x axis to `along`, of length one; half a
-/// turn about z if the two are opposite.
+/// The quaternion (w, x, y, z) of the shortest turn that takes the x axis to `along`; half a turn about z if
+/// the two are opposite. Eigen has it too, but finds the axis of half a turn by singular values, which take
+/// longer to compile than all else here.
 Vector4d turn_from_x(const Vector3d& along) {
-  const double x = along.x(), y = along.y(), z = along.z();
-  // 1 + x, which where x is near -1 would be all rounding.
-  const double one_plus_x = x < 0 ? (y * y + z * z) / (1 - x) : 1 + x;
+  const Vector3d unit = along.normalized();
+  const double x = unit.x(), y = unit.y(), z = unit.z();
+  // 1 + x, which near x = -1 would be all rounding.
+  const double one_plus_x = x < -0.5 ? (y * y + z * z) / (1 - x) : 1 + x;
   if (one_plus_x == 0) return {0, 0, 0, 1};
-  const double twice_w = std::sqrt(2 * one_plus_x);
-  return {twice_w / 2, 0, -z / twice_w, y / twice_w};
+  const double twice_w = std::sqrt(2 * one_plus_x), inverse = 1 / twice_w;
+  return {twice_w * 0.5, 0, -z * inverse, y * inverse};
 }
 
 class SpringRods final : public SpringSystem {

@@ -129,9 +129,12 @@ std::vector<Complex> fastest_rates(const Vibrations& v, double frequency) {
   detail::SparseCholesky factor;
   factor.analyze(shifted);
   factor.factorize(shifted);
-  VectorXd shape(n);
+  VectorXd shape(n), next;
   for (Index i = 0; i < n; ++i) shape[i] = 1 + 0.5 * std::sin(1.0 + static_cast<double>(i) * i);
-  for (int i = 0; i < 30; ++i) shape = factor.solve(shape).normalized();
+  for (int i = 0; i < 30; ++i) {
+    factor.solve(shape, next);
+    shape = next.normalized();
+  }
   const double half = shape.dot(v.damping * shape) / 2;
   const Complex root = std::sqrt(Complex(half * half - square));
   return {-half + root, -half - root};

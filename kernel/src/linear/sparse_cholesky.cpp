@@ -26,8 +26,8 @@ bool SparseCholesky::is_positive() const {
   return factor_->ldlt.info() == Eigen::Success && factor_->ldlt.vectorD().minCoeff() > 0;
 }
 
-Eigen::VectorXd SparseCholesky::solve(const Eigen::VectorXd& right) const {
-  return factor_->ldlt.solve(right);
+void SparseCholesky::solve(const Eigen::VectorXd& right, Eigen::VectorXd& out) const {
+  out = factor_->ldlt.solve(right);
 }
 
 }  // namespace plumb::detail

@@ -22,7 +22,7 @@ class SparseCholesky {
   bool factorize(const Matrix& matrix);
   /// Whether all pivots of the last factorisation were above zero.
   bool is_positive() const;
-  Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+  void solve(const Eigen::VectorXd& right, Eigen::VectorXd& out) const;
 
  private:
   struct Factor;

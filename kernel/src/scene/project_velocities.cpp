@@ -53,7 +53,7 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
   matrix = scale.asDiagonal() * matrix * scale.asDiagonal();
   Eigen::SparseMatrix<double> identity(matrix.rows(), matrix.cols());
   identity.setIdentity();
-  Eigen::VectorXd changed = v;
+  Eigen::VectorXd changed = v, scaled_lambda;
   double left = pull.norm();
   const double enough = 1e-14 * left;
   for (const double ridge : {0.0, 1e-15, 1e-13, 1e-11}) {
@@ -62,7 +62,8 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
     factor.analyze(ridged);
     if (!factor.factorize(ridged)) continue;
     for (int refinement = 0; refinement < 10 && left > enough; ++refinement) {
-      const Eigen::VectorXd lambda = scale.cwiseProduct(factor.solve(scale.cwiseProduct(rates * changed)));
+      factor.solve(scale.cwiseProduct(rates * changed), scaled_lambda);
+      const Eigen::VectorXd lambda = scale.cwiseProduct(scaled_lambda);
       const Eigen::VectorXd next = changed - inverse_mass.cwiseProduct(rates.transpose() * lambda);
       const double now = (rates * next).norm();
       if (!(now < left)) break;
