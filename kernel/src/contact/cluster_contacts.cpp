@@ -3,7 +3,7 @@
 
 #include "contact/cluster_limits.hpp"
 #include "contact/cluster_stepper.hpp"
-#include "contact/linkage_bounds.hpp"
+#include "contact/linkage/linkage_bounds.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "contact/cluster_limits.hpp"
-#include "contact/linkage_bounds.hpp"
+#include "contact/linkage/linkage_bounds.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;

@@ -7,8 +7,8 @@
 
 #include "contact/cluster_stepper.hpp"
 #include "contact/clusters.hpp"
-#include "contact/scene_parts.hpp"
-#include "contact/visitor.hpp"
+#include "contact/linkage/scene_parts.hpp"
+#include "contact/linkage/visitor.hpp"
 #include "solver/made_solver.hpp"
 #include "solver/solver.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "step/anchors.hpp"
-#include "step/compiled.hpp"
+#include "step/compile/compiled.hpp"
 #include "step/sleep.hpp"
 #include "threads/sharing.hpp"
 #include "threads/workers.hpp"

@@ -6,8 +6,8 @@
 #include "plumb/layouts/trees.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
-#include "step/choose_method.hpp"
-#include "step/compiled.hpp"
+#include "step/compile/choose_method.hpp"
+#include "step/compile/compiled.hpp"
 #include "step/methods.hpp"
 
 namespace plumb::detail {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "contact/linkage.hpp"
+#include "contact/linkage/linkage.hpp"
 
 namespace plumb::detail {
 
