@@ -57,7 +57,7 @@ class TreeStepper {
   /// fit the rods (RATTLE, Andersen 1983).
   void find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
-  /// Whether multipliers alone are unknown, see simd/line_body.hpp.
+  /// Whether multipliers alone are unknown, see simd/tree/line_lanes.hpp.
   static bool is_line(const TreeState<T>& state, Gradient gradient) {
     return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
   }
