@@ -1,4 +1,4 @@
-// The passes of the articulated-body algorithm over links that are not rods.
+// These are the passes of the articulated-body algorithm over links that are not rods.
 
 #include "reference/featherstone/articulated_body.hpp"
 #include "reference/featherstone/turning.hpp"

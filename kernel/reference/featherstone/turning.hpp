@@ -7,7 +7,7 @@
 
 namespace plumb::detail {
 
-/// A turn; it need not have length one.
+/// A quaternion stands for a turn. It need not have length one.
 struct Quaternion {
   double w;
   Vec3 v;

@@ -36,14 +36,14 @@ struct KktPattern {
   const std::uint32_t* rows = nullptr;   ///< Row of every such tile.
 };
 
-/// A sum over unknowns.
+/// A weighted sum names its unknowns by their slots.
 struct KktSum {
   const std::uint32_t* slots = nullptr;  ///< The unknowns.
   const double* factors = nullptr;       ///< The factor of each.
   std::uint32_t count = 0;               ///< Number of unknowns in the sum.
 };
 
-/// Numbers that are added somewhere, times a factor.
+/// A term is an array of numbers times a factor.
 struct KktTerm {
   double factor = 0;
   const double* x = nullptr;

@@ -1,4 +1,4 @@
-// How the loops of relax_lanes.hpp reach the ends of their rods. Included there alone, with PLUMB_ARCH set.
+// The loops of relax_lanes.hpp reach the ends of their rods in these ways. That file alone includes this one.
 
 #include <type_traits>
 #include <xsimd/xsimd.hpp>

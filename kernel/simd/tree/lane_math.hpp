@@ -1,5 +1,5 @@
-// Vectors and matrices whose numbers are those of one lane or of all, and how the loops of trees read and
-// write them. Included by tree_lanes.hpp.
+// The loops of trees work with these vectors and matrices, whose numbers are those of one lane or of all.
+// tree_lanes.hpp includes this file.
 
 #define PLUMB_INLINE inline __attribute__((always_inline))
 

@@ -1,4 +1,5 @@
-// What a substep of trees does before and after Newton's method. Included after tree_lanes.hpp.
+// These loops come before and after Newton's method in a substep of trees. This file is included after
+// tree_lanes.hpp.
 
 namespace plumb::simd {
 namespace {

@@ -110,7 +110,8 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   return node;
 }
 
-/// The rod to the parent: a where its force points, b the gradient of C, c what is left of C, kappa and mu.
+/// The rod to the parent has a force along a, the gradient b and the violation c; kappa couples its ends and
+/// mu is its multiplier.
 template <class V>
 struct RodEquation {
   Vec<V> a, b;
@@ -145,7 +146,7 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   return own;
 }
 
-/// What a node leaves to its parent, and the sum of C^2 over its rod and its pins.
+/// A node leaves `up` to its parent; `residual` is the sum of C^2 over its rod and its pins.
 template <class V>
 struct Eliminated {
   NodeBlock<V> up;

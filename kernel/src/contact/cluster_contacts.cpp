@@ -10,7 +10,7 @@ using namespace contact_limits;
 
 namespace {
 
-/// Of what is fixed.
+/// Sides on something fixed have no particles.
 constexpr Combination nothing{};
 
 Combination blend(const Combination& a, const Combination& b, double t) {
@@ -166,7 +166,7 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
   }
 }
 
-/// Boxes around where islands are in the substep, and how far they move.
+/// Finds boxes around where islands are in the substep, and how far they move.
 void ClusterStepper::find_bounds() {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];

@@ -109,8 +109,8 @@ double ClusterStepper::energy() const {
   return sum;
 }
 
-/// Finds what islands do as rigid wholes; of those that hang somewhere nothing. Returns the kinetic energy of
-/// the rest, J.
+/// Finds what islands do as rigid wholes, which is nothing for those that hang somewhere. Returns the kinetic
+/// energy of the rest, J.
 double ClusterStepper::find_rigid_motion() {
   double loose = 0;
   for (std::uint32_t i = 0; i < count_; ++i) {

@@ -94,7 +94,7 @@ class ClusterStepper {
     const double* row(std::uint32_t side) const { return coupling[side * batches()].of; }
   };
 
-  /// Where one side of a contact is: on an island or, if there is `none`, on what is fixed.
+  /// One side of a contact is on an island or, if that is `none`, on something fixed.
   struct Place {
     std::uint32_t island;
     const Combination& at;
@@ -121,7 +121,7 @@ class ClusterStepper {
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
-  /// `closing`: what the gap changes by in the substep, in m.
+  /// The gap changes by `closing` (m) in the substep.
   void add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing, std::uint64_t key,
                         double h);
   void add_angles(std::uint32_t i, double h);

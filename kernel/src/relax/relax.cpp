@@ -28,7 +28,7 @@ struct Alone {
   }
 };
 
-/// What a substep moves: positions [q0, q1) of a block.
+/// A substep moves positions [q0, q1) of a block.
 template <class T>
 struct Moved {
   Block<T>& block;
@@ -37,7 +37,7 @@ struct Moved {
   std::uint32_t q0, q1;
 };
 
-/// The stages of one substep.
+/// Runs the stages of one substep.
 template <class T, class Crew>
 class Substep {
  public:

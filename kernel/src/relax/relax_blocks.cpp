@@ -1,4 +1,4 @@
-// How the islands that relaxation moves become blocks, each with a solver.
+// This file turns the islands that relaxation moves into blocks, each with a solver.
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 namespace plumb::detail {
 namespace {
 
-/// What AccuracyControl::compare() asks of a piece.
+/// Does with a piece what AccuracyControl::compare() asks for.
 struct ComparedPiece {
   Solver& solver;
   std::uint32_t piece;

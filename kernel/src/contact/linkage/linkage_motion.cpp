@@ -1,4 +1,4 @@
-// What the constraints, masses and forces of a linkage are where it is and as it moves.
+// This file evaluates the constraints, masses and forces of a linkage where it is and as it moves.
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "direct/trees/tree_state.hpp"
 #include "plumb/settings.hpp"
 
-/// What Newton's method on a tree starts from, of what the last substeps found.
+/// Newton's method on a tree starts from what the last substeps found.
 namespace plumb::detail::tree_limits {
 
 /// Below this (change of acceleration)^2 over acceleration^2, starting Newton from the last acceleration

@@ -2,7 +2,8 @@
 
 #include "plumb/settings.hpp"
 
-/// When Newton's method on a tree has converged, when it is given up, and what is too stiff for a substep.
+/// These limits say when Newton's method on a tree has converged, when it is given up, and what is too stiff
+/// for a substep.
 namespace plumb::detail::tree_limits {
 
 inline constexpr int most_iterations = 12;

@@ -74,7 +74,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   known.assign(lanes, 0);
 }
 
-/// kg, by node, while a lane is filled.
+/// Masses (kg) are summed up here, by node, while a lane is filled.
 template <class T>
 struct TreeState<T>::Masses {
   Masses(std::size_t nodes, std::size_t pins)
@@ -97,7 +97,7 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   const std::uint32_t nodes = tree.nodes();
   Masses masses(nodes, tree.pins.size());
   auto& [mass, least, first_moment, coupling, pin_coupling] = masses;
-  /// The rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
+  // Adds the rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
   const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples,
                            bool other_moves) {
     const std::uint32_t rod = members.edges[e];
@@ -135,7 +135,7 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   write_masses(lane, masses, scene.gravity);
 }
 
-/// Numbers of a lane that follow from its masses, which are stored relative to their mean.
+/// Writes the numbers of a lane that follow from its masses, which are stored relative to their mean.
 template <class T>
 void TreeState<T>::write_masses(std::uint32_t lane, const Masses& masses, Vec3 gravity) {
   const auto& [mass, least, first_moment, coupling, pin_coupling] = masses;

@@ -81,7 +81,7 @@ struct TreeState {
  private:
   struct Masses;
   void write_masses(std::uint32_t lane, const Masses& masses, Vec3 gravity);
-  /// Three numbers into entries `first` and those after it.
+  /// Writes three numbers into entries `first` and those after it.
   void put(layouts::AlignedBuffer<double>& to, std::uint32_t first, std::uint32_t lane, Vec3 v) const;
 };
 

@@ -12,7 +12,7 @@
 
 namespace plumb::detail {
 
-/// What steps of trees work with, belonging to a thread or to a line in segments.
+/// Steps of trees work with these buffers, which belong to a thread or to a line in segments.
 template <class T>
 struct TreeCrew {
   TreeWorkspace<T>& work;
