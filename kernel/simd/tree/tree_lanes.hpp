@@ -146,17 +146,12 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   return own;
 }
 
-/// A node leaves `up` to its parent; `residual` is the sum of C^2 over its rod and its pins.
-template <class V>
-struct Eliminated {
-  NodeBlock<V> up;
-  V residual;
-};
-
-/// Eliminates node i, to whose block everything below it is added.
+/// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. To
+/// `residual` are added the C^2 of its rod and its pins. All is passed by reference: copies of blocks would
+/// go through memory.
 template <bool linear, bool plain, class V, class T, class At>
-PLUMB_INLINE Eliminated<V> eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i,
-                                          NodeBlock<V> block, V theta) {
+PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
+                                 NodeBlock<V>& block, V& residual) {
   using namespace tree_fields;
   const auto [a, b, c, kappa, mu] = rod_equation<linear, plain>(tree, at, i, block, theta);
   if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
@@ -165,6 +160,7 @@ PLUMB_INLINE Eliminated<V> eliminate_node(const TreeView<T>& tree, const At& at,
   }
   const Vec<V> delta = at.get3(tree.delta, 3 * i);
   const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
+  if constexpr (!linear) residual = residual + (node.residual + c * c);
   const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
   const V over =
       plain ? V(1) / dot(b, u)
@@ -185,14 +181,12 @@ PLUMB_INLINE Eliminated<V> eliminate_node(const TreeView<T>& tree, const At& at,
   at.put(tree.elimination, f + 15, rho);
 
   // What is above adds to its own: kappa P + a n^T, -(kappa q + (rho + mu) a).
-  NodeBlock<V> up;
-  up.rows.v0 = kappa * Vec<V>{columns.v0.x, columns.v1.x, columns.v2.x} + a.x * n;
-  up.rows.v1 = kappa * Vec<V>{columns.v0.y, columns.v1.y, columns.v2.y} + a.y * n;
-  up.rows.v2 = kappa * Vec<V>{columns.v0.z, columns.v1.z, columns.v2.z} + a.z * n;
-  up.r = Vec<V>{V(0), V(0), V(0)} - (kappa * q + (rho + mu) * a);
-  if constexpr (!linear && !plain) up.r = up.r - at.get(tree.node, i * tree_fields::node + 1) * delta;
-  up.diagonal = V(0) - theta * mu;
-  return {up, node.residual + c * c};
+  block.rows.v0 = kappa * Vec<V>{columns.v0.x, columns.v1.x, columns.v2.x} + a.x * n;
+  block.rows.v1 = kappa * Vec<V>{columns.v0.y, columns.v1.y, columns.v2.y} + a.y * n;
+  block.rows.v2 = kappa * Vec<V>{columns.v0.z, columns.v1.z, columns.v2.z} + a.z * n;
+  block.r = Vec<V>{V(0), V(0), V(0)} - (kappa * q + (rho + mu) * a);
+  if constexpr (!linear && !plain) block.r = block.r - at.get(tree.node, i * tree_fields::node + 1) * delta;
+  block.diagonal = V(0) - theta * mu;
 }
 
 /// Tips to root. `plain`: lumped masses and at most one pin, so that no rod can be redundant.
@@ -207,13 +201,12 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
     const std::size_t p = tree.parent[i];
     NodeBlock<V> block = carried;
     add_below(tree, at, i, block);
-    Eliminated<V> node = eliminate_node<linear, plain>(tree, at, i, block, theta);
-    if constexpr (!linear) residual = residual + node.residual;
+    eliminate_node<linear, plain>(tree, at, i, theta, block, residual);
     if (p + 1 == i) {
-      carried = node.up;
+      carried = block;
     } else {
-      add_below(tree, at, p, node.up);
-      put_below(tree, at, p, node.up);
+      add_below(tree, at, p, block);
+      put_below(tree, at, p, block);
       carried = empty_block<V>();
     }
   }
