@@ -237,5 +237,22 @@ TEST_F(BadRequests, Anchors) {
   expect_refused("particle 0: target is not finite", [&] { world.move_anchor(0, {0, 0, infinity}); });
 }
 
+// Found by an adversary: numbers that a precision cannot hold are refused, and nothing is lost.
+TEST(Steps, RefuseWhatThePrecisionCannotHold) {
+  for (const Precision precision : {Precision::single, Precision::double_})
+    for (const Method method : {Method::relax, Method::direct}) {
+      World world(scenes::make_chain(3), {.method = method, .precision = precision, .threads = 1});
+      world.step(1.0 / 60);
+      const std::uint64_t hash = world.state_hash();
+      const bool is_float = precision == Precision::single;
+      EXPECT_THROW(world.step(is_float ? 1e-50 : 1e-306), InputError);
+      EXPECT_THROW(world.move_anchor(0, {is_float ? 1e100 : 1e200, 0, 0}), InputError);
+      EXPECT_EQ(world.state_hash(), hash);
+      EXPECT_EQ(world.time(), 1.0 / 60);
+      world.step(1.0 / 60);
+      EXPECT_TRUE(test::all_finite(world));
+    }
+}
+
 }  // namespace
 }  // namespace plumb
