@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plumb/executor.hpp"
 #include "relax/plan.hpp"
 #include "scene/refuse.hpp"
 #include "step/step.hpp"
@@ -50,6 +51,8 @@ struct World::Impl {
 World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>()) {
   validate(scene);
   validate(settings);
+  if (settings.executor && settings.executor->concurrency() == 0)
+    refuse("the executor has a concurrency of 0: it must run at least one task at a time");
   detail::require_addressable(scene.particles.size(), scene.rods.size());
   impl_->step = std::make_unique<detail::Step>(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
@@ -68,6 +71,7 @@ StepReport World::step(double dt) {
            ": a substep takes at least ", shortest_substep(impl_->precision), " s");
   const StepReport report = impl_->step->run(dt);
   impl_->time += dt;
+  impl_->step->rethrow_executor_failure();
   return report;
 }
 
