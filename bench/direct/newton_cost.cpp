@@ -100,7 +100,7 @@ class InLanes final : public Contestant {
 
   void step(StepReport& counters) override {
     for (TreeState<T>& state : trees_.states)
-      stepper_.advance(state, substep, work_, alone_, alone_work_, counters);
+      stepper_.advance(state, substep, {work_, alone_, alone_work_}, counters);
   }
   void call_kernel() override {
     TreeState<T>& state = trees_.states.back();  // which the workspace was last used for
@@ -149,7 +149,7 @@ class InSegments final : public Contestant {
         alone_work_(*trees_.topology, 1) {}
 
   void step(StepReport& counters) override {
-    stepper_.advance(segments_, state_, substep, work_, trees_.states.front(), alone_work_, counters);
+    stepper_.advance(segments_, state_, substep, {work_, trees_.states.front(), alone_work_}, counters);
   }
   void call_kernel() override { kernels_.newton_segments(work_.view(state_)); }
   double rods_per_kernel() const override { return rods(); }

@@ -31,20 +31,19 @@ struct Drifting {
 
   AccuracyControl::Attempt compare(const AccuracyControl& control, double h, std::uint32_t count) {
     StepReport counters;
-    return control.compare(
-        h, count, true, counters,
-        [&](double length, std::uint32_t n, StepReport& counted) {
-          x += n * (length + c * std::pow(length, order + 1));
-          counted.direct_substeps += n;
-          substeps += n;
-        },
-        [&] { kept = x; },
-        [&] {
-          came_to = x;
-          x = kept;
-        },
-        [&] { return std::abs(x - came_to); });
+    return control.compare(h, count, true, *this, counters);
   }
+  void advance(double length, std::uint32_t n, StepReport& counted) {
+    x += n * (length + c * std::pow(length, order + 1));
+    counted.direct_substeps += n;
+    substeps += n;
+  }
+  void keep() { kept = x; }
+  void take_back() {
+    came_to = x;
+    x = kept;
+  }
+  double distance() const { return std::abs(x - came_to); }
 };
 
 TEST(AccuracyControl, EstimatesTheErrorOfASubstepFromTwoLengths) {

@@ -143,6 +143,11 @@ class ArticulatedBody {
   void start_general(General& general, const Link& link, Vec3 force) const;
   void eliminate_general(std::uint32_t link, const BodyLoad& load);
   void add_child(General& parent, const Articulated& child, Vec3 arm, Vec3 turn_bias, Vec3 bias) const;
+  /// Returns what its joint feels if its tip carries `tip`.
+  PointLoad eliminate_rod(std::uint32_t link, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                          const BodyLoad& load, const PointLoad& tip);
+  void eliminate(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const BodyLoad& load);
+  void accelerate(const BodyLoad& load, double* rates);
   void hand_on(std::uint32_t link, const PointLoad& load);
   void accelerate_general(std::uint32_t link, const BodyLoad& load, double* out);
   Vec3 joint_acceleration(std::uint32_t link, Vec3 base) const;

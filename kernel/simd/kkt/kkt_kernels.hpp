@@ -36,6 +36,19 @@ struct KktPattern {
   const std::uint32_t* rows = nullptr;   ///< Row of every such tile.
 };
 
+/// A weighted sum names its unknowns by their slots.
+struct KktSum {
+  const std::uint32_t* slots = nullptr;  ///< The unknowns.
+  const double* factors = nullptr;       ///< The factor of each.
+  std::uint32_t count = 0;               ///< Number of unknowns in the sum.
+};
+
+/// A term is an array of numbers times a factor.
+struct KktTerm {
+  double factor = 0;
+  const double* x = nullptr;
+};
+
 /// The loops over such matrices. All arrays of lanes start on a boundary of 64 bytes.
 struct KktKernels {
   /// Turns a matrix into its factors. Of tiles on the diagonal it reads only what is on or below it.
@@ -49,11 +62,10 @@ struct KktKernels {
   void (*solve_lanes)(const KktPattern&, const Block* factors, std::size_t batches, double* x);
   /// Sets out, batches x kkt_lanes numbers, to the sum over i of factors[i] * x[slots[i]]. x is as
   /// solve_lanes() leaves it.
-  void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
-                  const double* factors, std::uint32_t count, double* out);
-  /// Adds a * x + b * y + c * z to `count` numbers, a multiple of kkt_lanes.
-  void (*add_three)(double* to, double a, const double* x, double b, const double* y, double c,
-                    const double* z, std::uint32_t count);
+  void (*combine)(const double* x, std::uint32_t unknowns, std::size_t batches, const KktSum& sum,
+                  double* out);
+  /// Adds three terms to `count` numbers, a multiple of kkt_lanes, one term after the other.
+  void (*add_three)(double* to, KktTerm a, KktTerm b, KktTerm c, std::uint32_t count);
   /// Adds factors * x to `to`, lane by lane. `to` and `x` hold unknowns x kkt_lanes numbers, `factors` holds
   /// kkt_lanes.
   void (*accumulate)(double* to, const double* factors, const double* x, std::uint32_t unknowns);

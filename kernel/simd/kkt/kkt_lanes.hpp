@@ -233,16 +233,15 @@ void solve_lanes(const KktPattern& pattern, const Block* factors, std::size_t ba
 }
 
 template <class V>
-void combine(const double* x, std::uint32_t unknowns, std::size_t batches, const std::uint32_t* slots,
-             const double* factors, std::uint32_t count, double* out) {
+void combine(const double* x, std::uint32_t unknowns, std::size_t batches, const KktSum& of, double* out) {
   constexpr std::size_t vectors = kkt_lanes / width<V>;
   for (std::size_t batch = 0; batch < batches; ++batch) {
     V sum[vectors];
     for (std::size_t v = 0; v < vectors; ++v) sum[v] = broadcast<V>(0);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const V factor = broadcast<V>(factors[i]);
+    for (std::uint32_t i = 0; i < of.count; ++i) {
+      const V factor = broadcast<V>(of.factors[i]);
       for (std::size_t v = 0; v < vectors; ++v)
-        sum[v] = sum[v] + factor * load<V>(x + kkt_lanes * slots[i] + v * width<V>);
+        sum[v] = sum[v] + factor * load<V>(x + kkt_lanes * of.slots[i] + v * width<V>);
     }
     for (std::size_t v = 0; v < vectors; ++v) store(sum[v], out + v * width<V>);
     x += kkt_lanes * unknowns;
@@ -251,11 +250,11 @@ void combine(const double* x, std::uint32_t unknowns, std::size_t batches, const
 }
 
 template <class V>
-void add_three(double* to, double a, const double* x, double b, const double* y, double c, const double* z,
-               std::uint32_t count) {
-  const V va = broadcast<V>(a), vb = broadcast<V>(b), vc = broadcast<V>(c);
+void add_three(double* to, KktTerm a, KktTerm b, KktTerm c, std::uint32_t count) {
+  const V by_a = broadcast<V>(a.factor), by_b = broadcast<V>(b.factor), by_c = broadcast<V>(c.factor);
   for (std::uint32_t i = 0; i < count; i += width<V>)
-    store(load<V>(to + i) + va * load<V>(x + i) + vb * load<V>(y + i) + vc * load<V>(z + i), to + i);
+    store(load<V>(to + i) + by_a * load<V>(a.x + i) + by_b * load<V>(b.x + i) + by_c * load<V>(c.x + i),
+          to + i);
 }
 
 template <class V>

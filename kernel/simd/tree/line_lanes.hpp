@@ -1,5 +1,5 @@
 // Newton on a line of rods with lumped masses and gradient old: only the multipliers are unknown, and their
-// matrix is tridiagonal. Included after tree_body.hpp.
+// matrix is tridiagonal. Included after motion_lanes.hpp.
 //
 // Rod k joins nodes k - 1 and k along d_k; the rod of node 0 and, beyond the last node, an absent rod have d
 // = 0 unless a pin holds them. Displacements follow from multipliers,

@@ -1,5 +1,5 @@
 // Newton on one long line cut into as many segments as a logical vector has lanes (partitioned elimination,
-// Wang 1981; SPIKE, Polizzi and Sameh 2006). Included after line_body.hpp.
+// Wang 1981; SPIKE, Polizzi and Sameh 2006). Included after line_lanes.hpp.
 //
 // Lane l holds nodes l s to l s + s - 1. Its rod 0 leads to the last node of lane l - 1, in lane 0 to the
 // fixed end, and stands where a line keeps its pin. All but the last rod of a segment are eliminated in every

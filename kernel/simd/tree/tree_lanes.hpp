@@ -15,58 +15,10 @@
 //
 // A pin is the same with delta_p = 0: it takes a rank from H.
 
-#define PLUMB_INLINE inline __attribute__((always_inline))
+#include "simd/tree/lane_math.hpp"
 
 namespace plumb::simd {
 namespace {
-
-template <class V>
-struct Vec {
-  V x, y, z;
-};
-template <class V>
-PLUMB_INLINE Vec<V> operator+(const Vec<V>& a, const Vec<V>& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class V>
-PLUMB_INLINE Vec<V> operator-(const Vec<V>& a, const Vec<V>& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-template <class V>
-PLUMB_INLINE Vec<V> operator*(const V& s, const Vec<V>& a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-template <class V>
-PLUMB_INLINE V dot(const Vec<V>& a, const Vec<V>& b) {
-  return (a.x * b.x + a.y * b.y) + a.z * b.z;
-}
-template <class V>
-PLUMB_INLINE Vec<V> cross(const Vec<V>& a, const Vec<V>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-/// 3x3; three rows or three columns as the name says where it is used.
-template <class V>
-struct Mat {
-  Vec<V> v0, v1, v2;
-};
-/// columns * a
-template <class V>
-PLUMB_INLINE Vec<V> multiply(const Mat<V>& columns, const Vec<V>& a) {
-  return (a.x * columns.v0 + a.y * columns.v1) + a.z * columns.v2;
-}
-/// columns^T * a
-template <class V>
-PLUMB_INLINE Vec<V> multiply_transposed(const Mat<V>& columns, const Vec<V>& a) {
-  return {dot(columns.v0, a), dot(columns.v1, a), dot(columns.v2, a)};
-}
-/// Columns of the inverse of a matrix given by rows.
-template <class V>
-PLUMB_INLINE Mat<V> inverse(const Mat<V>& rows) {
-  const Vec<V> c0 = cross(rows.v1, rows.v2), c1 = cross(rows.v2, rows.v0), c2 = cross(rows.v0, rows.v1);
-  const V over = V(1) / dot(rows.v0, c0);
-  return {over * c0, over * c1, over * c2};
-}
 
 /// The block of a node while what is below it is added up.
 template <class V>
@@ -74,26 +26,6 @@ struct NodeBlock {
   Mat<V> rows;
   Vec<V> r;
   V diagonal;  ///< added to all three of the diagonal
-};
-
-/// Numbers of one lane, or of all.
-template <class V, class T, std::size_t lanes>
-struct At {
-  static constexpr std::size_t stride = lanes;
-  std::size_t lane;
-
-  PLUMB_INLINE V get(const T* data, std::size_t entry) const { return load<V>(data + entry * lanes + lane); }
-  PLUMB_INLINE Vec<V> get3(const T* data, std::size_t entry) const {
-    return {get(data, entry), get(data, entry + 1), get(data, entry + 2)};
-  }
-  PLUMB_INLINE void put(T* data, std::size_t entry, const V& value) const {
-    store(value, data + entry * lanes + lane);
-  }
-  PLUMB_INLINE void put3(T* data, std::size_t entry, const Vec<V>& value) const {
-    put(data, entry, value.x);
-    put(data, entry + 1, value.y);
-    put(data, entry + 2, value.z);
-  }
 };
 
 template <class V, class T, class At>
@@ -115,11 +47,6 @@ PLUMB_INLINE void put_below(const TreeView<T>& tree, const At& at, std::size_t n
   at.put3(tree.below, f + 6, block.rows.v2);
   at.put3(tree.below, f + 9, block.r);
   at.put(tree.below, f + 12, block.diagonal);
-}
-
-template <class V>
-PLUMB_INLINE V trace(const Mat<V>& m) {
-  return (m.v0.x + m.v1.y) + m.v2.z;
 }
 
 template <class V>
@@ -183,6 +110,91 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   return node;
 }
 
+/// The rod to the parent has a force along a, the gradient b and the violation c; kappa couples its ends and
+/// mu is its multiplier.
+template <class V>
+struct RodEquation {
+  Vec<V> a, b;
+  V c, kappa, mu;
+};
+
+/// Makes the equation of node i's rod and adds what the node itself has to its block.
+template <bool linear, bool plain, class V, class T, class At>
+PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, std::size_t i,
+                                         NodeBlock<V>& block, V theta) {
+  using namespace tree_fields;
+  const Vec<V> delta = at.get3(tree.delta, 3 * i), above = at.get3(tree.delta, 3 * tree.parent[i]);
+  const Vec<V> d = at.get3(tree.rod, i * rod), e = delta - above;
+  const V coupling = plain ? V(0) : at.get(tree.node, i * tree_fields::node + 1);
+  const V mass = at.get(tree.node, i * tree_fields::node);
+  block.diagonal = block.diagonal + mass;
+  RodEquation<V> own{d, d, dot(d, e), coupling, V(0)};
+  if constexpr (linear) {
+    block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 3 * i);
+  } else {
+    own.a = d + theta * e;
+    own.b = d + e;
+    own.c = at.get(tree.rod, i * rod + 3) + (own.c + V(T(0.5)) * dot(e, e));
+    own.mu = at.get(tree.mu, i);
+    const V pull = theta * own.mu;
+    own.kappa = plain ? pull : coupling + pull;
+    block.diagonal = block.diagonal - pull;
+    Vec<V> r = at.get3(tree.load, 3 * i) - mass * delta;
+    if constexpr (!plain) r = r - coupling * above;
+    block.r = block.r + (r + own.mu * own.a);
+  }
+  return own;
+}
+
+/// A node leaves `up` to its parent; `residual` is the sum of C^2 over its rod and its pins.
+template <class V>
+struct Eliminated {
+  NodeBlock<V> up;
+  V residual;
+};
+
+/// Eliminates node i, to whose block everything below it is added.
+template <bool linear, bool plain, class V, class T, class At>
+PLUMB_INLINE Eliminated<V> eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i,
+                                          NodeBlock<V> block, V theta) {
+  using namespace tree_fields;
+  const auto [a, b, c, kappa, mu] = rod_equation<linear, plain>(tree, at, i, block, theta);
+  if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
+    at.put3(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 7, a);
+    at.put(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 10, kappa);
+  }
+  const Vec<V> delta = at.get3(tree.delta, 3 * i);
+  const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
+  const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
+  const V over =
+      plain ? V(1) / dot(b, u)
+            : reciprocal_or_zero(dot(b, u),
+                                 (at.get(tree.node, i * tree_fields::node + 2) * trace(node.h)) * dot(b, b));
+  const V rho = (V(0) - c - dot(b, node.q)) * over;
+  const Vec<V> n = over * (b + kappa * w);
+  const Vec<V> q = node.q + rho * u;
+
+  // delta_i = P delta_p + q with P = u n^T - kappa H, by columns.
+  const std::size_t f = i * elimination;
+  const Mat<V> columns{n.x * u - kappa * node.h.v0, n.y * u - kappa * node.h.v1, n.z * u - kappa * node.h.v2};
+  at.put3(tree.elimination, f, columns.v0);
+  at.put3(tree.elimination, f + 3, columns.v1);
+  at.put3(tree.elimination, f + 6, columns.v2);
+  at.put3(tree.elimination, f + 9, q);
+  at.put3(tree.elimination, f + 12, n);
+  at.put(tree.elimination, f + 15, rho);
+
+  // What is above adds to its own: kappa P + a n^T, -(kappa q + (rho + mu) a).
+  NodeBlock<V> up;
+  up.rows.v0 = kappa * Vec<V>{columns.v0.x, columns.v1.x, columns.v2.x} + a.x * n;
+  up.rows.v1 = kappa * Vec<V>{columns.v0.y, columns.v1.y, columns.v2.y} + a.y * n;
+  up.rows.v2 = kappa * Vec<V>{columns.v0.z, columns.v1.z, columns.v2.z} + a.z * n;
+  up.r = Vec<V>{V(0), V(0), V(0)} - (kappa * q + (rho + mu) * a);
+  if constexpr (!linear && !plain) up.r = up.r - at.get(tree.node, i * tree_fields::node + 1) * delta;
+  up.diagonal = V(0) - theta * mu;
+  return {up, node.residual + c * c};
+}
+
 /// Tips to root. `plain`: lumped masses and at most one pin, so that no rod can be redundant.
 template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
@@ -195,66 +207,13 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
     const std::size_t p = tree.parent[i];
     NodeBlock<V> block = carried;
     add_below(tree, at, i, block);
-    const Vec<V> delta = at.get3(tree.delta, 3 * i), above = at.get3(tree.delta, 3 * p);
-    const Vec<V> d = at.get3(tree.rod, i * rod), e = delta - above;
-    const V coupling = plain ? V(0) : at.get(tree.node, i * tree_fields::node + 1);
-    const V mass = at.get(tree.node, i * tree_fields::node);
-    block.diagonal = block.diagonal + mass;
-    Vec<V> a = d, b = d;
-    V c = dot(d, e), kappa = coupling, mu(0);
-    if constexpr (linear) {
-      block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 3 * i);
-    } else {
-      a = d + theta * e;
-      b = d + e;
-      c = at.get(tree.rod, i * rod + 3) + (c + V(T(0.5)) * dot(e, e));
-      mu = at.get(tree.mu, i);
-      const V pull = theta * mu;
-      kappa = plain ? pull : coupling + pull;
-      block.diagonal = block.diagonal - pull;
-      Vec<V> r = at.get3(tree.load, 3 * i) - mass * delta;
-      if constexpr (!plain) r = r - coupling * above;
-      block.r = block.r + (r + mu * a);
-    }
-    if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
-      at.put3(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 7, a);
-      at.put(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 10, kappa);
-    }
-    const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
-    if constexpr (!linear) residual = residual + (node.residual + c * c);
-    const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
-    const V over =
-        plain ? V(1) / dot(b, u)
-              : reciprocal_or_zero(
-                    dot(b, u), (at.get(tree.node, i * tree_fields::node + 2) * trace(node.h)) * dot(b, b));
-    const V rho = (V(0) - c - dot(b, node.q)) * over;
-    const Vec<V> n = over * (b + kappa * w);
-    const Vec<V> q = node.q + rho * u;
-
-    // delta_i = P delta_p + q with P = u n^T - kappa H, by columns.
-    const std::size_t f = i * elimination;
-    const Mat<V> columns{n.x * u - kappa * node.h.v0, n.y * u - kappa * node.h.v1,
-                         n.z * u - kappa * node.h.v2};
-    at.put3(tree.elimination, f, columns.v0);
-    at.put3(tree.elimination, f + 3, columns.v1);
-    at.put3(tree.elimination, f + 6, columns.v2);
-    at.put3(tree.elimination, f + 9, q);
-    at.put3(tree.elimination, f + 12, n);
-    at.put(tree.elimination, f + 15, rho);
-
-    // What is above adds to its own: kappa P + a n^T, -(kappa q + (rho + mu) a).
-    NodeBlock<V> up;
-    up.rows.v0 = kappa * Vec<V>{columns.v0.x, columns.v1.x, columns.v2.x} + a.x * n;
-    up.rows.v1 = kappa * Vec<V>{columns.v0.y, columns.v1.y, columns.v2.y} + a.y * n;
-    up.rows.v2 = kappa * Vec<V>{columns.v0.z, columns.v1.z, columns.v2.z} + a.z * n;
-    up.r = Vec<V>{V(0), V(0), V(0)} - (kappa * q + (rho + mu) * a);
-    if constexpr (!linear && !plain) up.r = up.r - coupling * delta;
-    up.diagonal = V(0) - theta * mu;
+    Eliminated<V> node = eliminate_node<linear, plain>(tree, at, i, block, theta);
+    if constexpr (!linear) residual = residual + node.residual;
     if (p + 1 == i) {
-      carried = up;
+      carried = node.up;
     } else {
-      add_below(tree, at, p, up);
-      put_below(tree, at, p, up);
+      add_below(tree, at, p, node.up);
+      put_below(tree, at, p, node.up);
       carried = empty_block<V>();
     }
   }
@@ -341,133 +300,6 @@ PLUMB_INLINE void project_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const Vec<V> root = eliminate<true, false>(tree, at, V(0));
   substitute<true>(tree, at, root);
-}
-
-/// The vector from `from` to `to` and the violation of its length, made in double.
-template <class V>
-struct RodVector {
-  Vec<V> d;
-  V violation;
-};
-template <class V, std::size_t lanes>
-PLUMB_INLINE RodVector<V> rod_vector(const double* from, const double* to, const double* length2) {
-  const auto dx = load_wide<V>(to) - load_wide<V>(from),
-             dy = load_wide<V>(to + lanes) - load_wide<V>(from + lanes),
-             dz = load_wide<V>(to + 2 * lanes) - load_wide<V>(from + 2 * lanes);
-  return {{narrow<V>(dx), narrow<V>(dy), narrow<V>(dz)},
-          narrow<V>(0.5 * (((dx * dx + dy * dy) + dz * dz) - load_wide<V>(length2)))};
-}
-
-template <class V, class At, class T>
-PLUMB_INLINE void prepare_rod(const At& at, const double* from, const double* to, const double* length2,
-                              T* rods, std::size_t i) {
-  const RodVector<V> rod = rod_vector<V, At::stride>(from, to, length2);
-  at.put3(rods, i * tree_fields::rod, rod.d);
-  at.put(rods, i * tree_fields::rod + 3, rod.violation);
-}
-
-template <class V, class T, class At>
-PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, const V& scale_before, T* mu, T* mu_before,
-                                   std::size_t i) {
-  const V last = at.get(mu, i), before = at.get(mu_before, i);
-  at.put(mu_before, i, last);
-  at.put(mu, i, scale * last + scale_before * before);
-}
-
-template <bool coupled, class V, std::size_t lanes, class T>
-PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
-  using namespace tree_fields;
-  const At<V, T, lanes> at{lane};
-  const V ratio = at.get(tree.ratio, 0), kick = at.get(tree.kick, 0);
-  const V scale = at.get(tree.mu_scale, 0), scale_before = at.get(tree.mu_scale_before, 0);
-  const V guess = at.get(tree.guess, 0), guess_before = at.get(tree.guess_before, 0);
-  const auto place = [&](const double* data, std::size_t entry) { return data + entry * lanes + lane; };
-  for (std::size_t i = 0; i < tree.nodes; ++i) {
-    if (tree.guesses_multipliers) guess_multiplier(at, scale, scale_before, tree.mu, tree.mu_before, i);
-    const Vec<V> u = ratio * at.get3(tree.u, 3 * i);
-    if (tree.guesses)
-      at.put3(tree.delta, 3 * i,
-              (u + guess * at.get3(tree.acceleration, 3 * i)) +
-                  guess_before * at.get3(tree.acceleration_before, 3 * i));
-    Vec<V> load = at.get(tree.node, node * i) * u + kick * at.get3(tree.force, 3 * i);
-    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
-      if (tree.guesses_multipliers)
-        guess_multiplier(at, scale, scale_before, tree.pin_mu, tree.pin_mu_before, k);
-      if constexpr (coupled) load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
-      prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
-                     tree.pin_rod, k);
-    }
-    if (i > 0) {
-      const std::size_t p = tree.parent[i];
-      prepare_rod<V>(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
-      if constexpr (coupled) {
-        const V coupling = at.get(tree.node, node * i + 1);
-        load = load + coupling * (ratio * at.get3(tree.u, 3 * p));
-        at.put3(tree.load, 3 * p, at.get3(tree.load, 3 * p) + coupling * u);
-      }
-    }
-    at.put3(tree.load, 3 * i, load);
-  }
-}
-
-template <class V, std::size_t lanes, class T>
-PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
-  if (tree.is_coupled)
-    prepare_nodes<true, V, lanes>(tree, lane);
-  else
-    prepare_nodes<false, V, lanes>(tree, lane);
-}
-
-template <class V, std::size_t lanes, class T>
-PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane) {
-  using namespace tree_fields;
-  const At<V, T, lanes> at{lane};
-  const auto magnitude = [](const V& mu) { return larger(mu, V(0) - mu); };
-  for (std::size_t slot = 0; slot < tree.below_slots; ++slot) at.put(tree.below, slot * below, V(0));
-  V largest(0), carried(0);  // carried: from i + 1 if i is its parent
-  for (std::size_t i = tree.nodes; i-- > 0;) {
-    V pull = carried;
-    carried = V(0);
-    if (tree.below_slot[i] != no_slot) pull = pull + at.get(tree.below, tree.below_slot[i] * below);
-    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
-      pull = pull + magnitude(at.get(tree.pin_mu, k));
-    if (i > 0) {
-      const std::size_t p = tree.parent[i];
-      const V own = magnitude(at.get(tree.mu, i));
-      pull = pull + own;
-      if (p + 1 == i) {
-        carried = own;
-      } else {
-        const std::size_t slot = tree.below_slot[p] * below;
-        at.put(tree.below, slot, at.get(tree.below, slot) + own);
-      }
-    }
-    largest = larger(largest, at.get(tree.node, node * i + 3) * (pull + pull));
-  }
-  at.put(tree.stiffness, 0, largest);
-}
-
-template <class V, std::size_t lanes, class T>
-PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
-  const At<V, T, lanes> at{lane};
-  const V active = at.get(tree.active, 0), ratio = at.get(tree.ratio, 0), over = at.get(tree.inverse_kick, 0);
-  const V u_delta = at.get(tree.u_delta, 0), u_before = at.get(tree.u_before, 0);
-  V push(0), jolt(0);
-  for (std::size_t i = 0; i < 3 * std::size_t{tree.nodes}; ++i) {
-    const V delta = at.get(tree.delta, i), u = at.get(tree.u, i), before = ratio * u;
-    if (tree.keeps_acceleration) {
-      const V last = at.get(tree.acceleration, i), second_last = at.get(tree.acceleration_before, i);
-      const V acceleration = over * (delta - before), change = acceleration - second_last;
-      push = push + acceleration * acceleration;
-      jolt = jolt + change * change;
-      at.put(tree.acceleration_before, i, select_nonzero(active, last, second_last));
-      at.put(tree.acceleration, i, select_nonzero(active, acceleration, last));
-    }
-    at.put(tree.u, i, select_nonzero(active, u_delta * delta - u_before * before, u));
-    add_wide(select_nonzero(active, delta, V(0)), tree.x + i * lanes + lane);
-  }
-  at.put(tree.push, 0, push);
-  at.put(tree.jolt, 0, jolt);
 }
 
 }  // namespace

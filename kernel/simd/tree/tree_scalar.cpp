@@ -48,6 +48,9 @@ inline V reciprocal_or_zero(V s, V floor) {
 #include "simd/tree/tree_lanes.hpp"
 
 // After what it builds on.
+#include "simd/tree/motion_lanes.hpp"
+
+// After what they build on.
 #include "simd/tree/line_lanes.hpp"
 #include "simd/tree/segment_lanes.hpp"
 

@@ -66,6 +66,9 @@ inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>
 #include "simd/tree/tree_lanes.hpp"
 
 // After what it builds on.
+#include "simd/tree/motion_lanes.hpp"
+
+// After what they build on.
 #include "simd/tree/line_lanes.hpp"
 #include "simd/tree/segment_lanes.hpp"
 

@@ -10,6 +10,9 @@ using namespace contact_limits;
 
 namespace {
 
+/// Sides on something fixed have no particles.
+constexpr Combination nothing{};
+
 Combination blend(const Combination& a, const Combination& b, double t) {
   if (t <= 0) return a;
   if (t >= 1) return b;
@@ -56,20 +59,19 @@ std::uint32_t ClusterStepper::add_side(Island& island, const Side& side) {
   return static_cast<std::uint32_t>(island.sides.size() - 1);
 }
 
-void ClusterStepper::add_contact(std::uint32_t i, const Combination& at, std::uint32_t j,
-                                 const Combination& at_other, const Touch& touch, const Surface& a,
-                                 const Surface& b, std::uint64_t key, double h) {
-  Island* const one = &islands_[i];
-  Island* const two = j == none ? nullptr : &islands_[j];
+void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key,
+                                 double h) {
+  Island* const one = &islands_[a.island];
+  Island* const two = b.island == none ? nullptr : &islands_[b.island];
   const auto motion = [&](const Island* island, const Combination& sum, std::span<const Vec3> of) {
     return island && island->awake ? sum.of(of) : Vec3{};
   };
-  const Vec3 shift = motion(one, at, one->d) - (two ? motion(two, at_other, two->d) : Vec3{});
+  const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : Vec3{});
   const double closing = dot(touch.normal, shift);
   if (!all_near_ && touch.gap + closing > margin + 0.25 * norm(shift)) {
     if (touch.gap < in_sight(norm(shift)))
-      left_out_.push_back(
-          {i, j, add_sum(*one, at), two ? add_sum(*two, at_other) : Sum{}, touch.gap, touch.normal});
+      left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
+                           touch.gap, touch.normal});
     return;
   }
   for (Island* island : {one, two})
@@ -80,24 +82,32 @@ void ClusterStepper::add_contact(std::uint32_t i, const Combination& at, std::ui
       }
       return;
     }
-  const Vec3 speed = at.of(one->v) - (two ? at_other.of(two->v) : Vec3{});
+  add_contact_rows(a, b, touch, closing, key, h);
+}
+
+/// Adds the normal and the two directions of sliding across it.
+void ClusterStepper::add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing,
+                                      std::uint64_t key, double h) {
+  Island* const one = &islands_[a.island];
+  Island* const two = b.island == none ? nullptr : &islands_[b.island];
+  const Vec3 speed = a.at.of(one->v) - (two ? b.at.of(two->v) : Vec3{});
   // With what it arrives at the surface, having been sped up on the way there.
   const double arriving = dot(touch.normal, speed), gain = 2 * (closing - h * arriving) / (h * h);
   const double square = arriving * arriving - 2 * gain * std::max(touch.gap, 0.0);
   const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
-  const double restitution = std::max(a.restitution, b.restitution);
+  const double restitution = std::max(a.surface.restitution, b.surface.restitution);
   const auto [t1, t2] = across(touch.normal);
   const KeptContact held = kept_at(*one->state, key);
   const Vec3 axes[3] = {touch.normal, t1, t2};
-  const Sum sum = add_sum(*one, at), sum_other = two ? add_sum(*two, at_other) : Sum{};
+  const Sum sum = add_sum(*one, a.at), sum_other = two ? add_sum(*two, b.at) : Sum{};
   for (int axis = 0; axis < 3; ++axis) {
     Row& row = rows_.emplace_back();
     row.kind = axis == 0 ? Kind::normal : Kind::sliding;
-    row.island[0] = i;
+    row.island[0] = a.island;
     row.side[0] = add_side(*one, {sum, {}, axes[axis], {}});
     row.ends = two ? 2 : 1;
     if (two) {
-      row.island[1] = j;
+      row.island[1] = b.island;
       row.side[1] = add_side(*two, {sum_other, {}, -1.0 * axes[axis], {}});
     }
     row.key = key;
@@ -106,7 +116,7 @@ void ClusterStepper::add_contact(std::uint32_t i, const Combination& at, std::ui
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
       row.gap = recovered(touch.gap, most_overlap, h);
-      row.bound = std::sqrt(a.friction * b.friction);
+      row.bound = std::sqrt(a.surface.friction * b.surface.friction);
       row.bounce = hit > least_bounce ? restitution * hit : 0;
       row.p = std::max(row.p, 0.0);
       row.q = std::max(row.q, 0.0);
@@ -156,13 +166,10 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
   }
 }
 
-void ClusterStepper::find_contacts(const Surroundings& surroundings, double h) {
-  rows_.clear();
-  left_out_.clear();
+/// Finds boxes around where islands are in the substep, and how far they move.
+void ClusterStepper::find_bounds() {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
-    island.terms.clear();
-    island.sides.clear();
     if (!island.awake) {
       island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
       continue;
@@ -177,58 +184,83 @@ void ClusterStepper::find_contacts(const Surroundings& surroundings, double h) {
     }
     island.moves = std::sqrt(square);
   }
+}
+
+void ClusterStepper::find_contacts(const Surroundings& surroundings, double h) {
+  rows_.clear();
+  left_out_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    const Linkage& linkage = *island.state->linkage;
-    const std::span<const Vec3> x = island.state->x;
+    islands_[i].terms.clear();
+    islands_[i].sides.clear();
+  }
+  find_bounds();
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
     if (island.awake) {
-      for (std::uint32_t p = 0; p < surroundings.planes.size(); ++p) {
-        const Plane& plane = surroundings.planes[p];
-        if (!all_near_ && height(island.bounds, plane) > in_sight(island.moves)) continue;
-        for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
-          const Linkage::Ball& ball = linkage.balls()[k];
-          const Touch touch{dot(plane.normal, ball.center.of(x)) - plane.offset - ball.radius, plane.normal};
-          add_contact(i, ball.center, none, {}, touch, ball.surface, plane.surface, contact_key(1, k, 0, p),
-                      h);
-        }
-      }
-      for (std::uint32_t b = 0; b < surroundings.boxes.size(); ++b) {
-        const Surroundings::Solid& box = surroundings.boxes[b];
-        if (!box.bounds.overlaps(island.bounds)) continue;
-        for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
-          const Linkage::Shape& shape = linkage.shapes()[k];
-          const Vec3 p = box.frame.to_local(shape.a.of(x) - box.center);
-          const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
-          const double nearest = p == q ? 0 : nearest_to_box(p, q, box.half);
-          std::uint64_t which = 0;
-          for (const double t : touching_box(p, q, box.half, nearest)) {
-            ++which;
-            if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
-            Touch touch = touch_box(between(p, q, t), shape.radius, box.half);
-            touch.normal = box.frame.to_space(touch.normal);
-            add_contact(i, blend(shape.a, shape.b, t), none, {}, touch, shape.surface, box.surface,
-                        contact_key(2, 16 * k + which, 0, b), h);
-          }
-        }
-      }
+      touch_planes(i, surroundings.planes, h);
+      touch_boxes(i, surroundings.boxes, h);
       add_angles(i, h);
     }
     for (std::uint32_t j = i + 1; j < count_; ++j) {
       const Island& other = islands_[j];
-      if ((!island.awake && !other.awake) || !island.bounds.overlaps(other.bounds)) continue;
-      const Linkage& linkage_j = *other.state->linkage;
-      for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
-        const Linkage::Shape& a = linkage.shapes()[k];
-        const Segment first{a.a.of(x), a.b.of(x), a.radius};
-        for (std::uint32_t l = 0; l < linkage_j.shapes().size(); ++l) {
-          const Linkage::Shape& b = linkage_j.shapes()[l];
-          const Touches near = touches(first, {b.a.of(other.state->x), b.b.of(other.state->x), b.radius});
-          for (std::uint32_t n = 0; n < near.count; ++n) {
-            const Touch& at = near.at[n];
-            add_contact(i, blend(a.a, a.b, at.a), j, blend(b.a, b.b, at.b), at, a.surface, b.surface,
-                        contact_key(3, 4 * k + n, other.state->number, l), h);
-          }
-        }
+      if ((island.awake || other.awake) && island.bounds.overlaps(other.bounds)) touch_island(i, j, h);
+    }
+  }
+}
+
+void ClusterStepper::touch_planes(std::uint32_t i, std::span<const Plane> planes, double h) {
+  const Island& island = islands_[i];
+  const std::span<const Linkage::Ball> balls = island.state->linkage->balls();
+  for (std::uint32_t p = 0; p < planes.size(); ++p) {
+    const Plane& plane = planes[p];
+    if (!all_near_ && height(island.bounds, plane) > in_sight(island.moves)) continue;
+    for (std::uint32_t k = 0; k < balls.size(); ++k) {
+      const Linkage::Ball& ball = balls[k];
+      const double gap = dot(plane.normal, ball.center.of(island.state->x)) - plane.offset - ball.radius;
+      add_contact({i, ball.center, ball.surface}, {none, nothing, plane.surface}, {gap, plane.normal},
+                  contact_key(1, k, 0, p), h);
+    }
+  }
+}
+
+void ClusterStepper::touch_boxes(std::uint32_t i, std::span<const Surroundings::Solid> boxes, double h) {
+  const Island& island = islands_[i];
+  const std::span<const Linkage::Shape> shapes = island.state->linkage->shapes();
+  const std::span<const Vec3> x = island.state->x;
+  for (std::uint32_t b = 0; b < boxes.size(); ++b) {
+    const Surroundings::Solid& box = boxes[b];
+    if (!box.bounds.overlaps(island.bounds)) continue;
+    for (std::uint32_t k = 0; k < shapes.size(); ++k) {
+      const Linkage::Shape& shape = shapes[k];
+      const Vec3 p = box.frame.to_local(shape.a.of(x) - box.center);
+      const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
+      const double nearest = p == q ? 0 : nearest_to_box(p, q, box.half);
+      std::uint64_t which = 0;
+      for (const double t : touching_box(p, q, box.half, nearest)) {
+        ++which;
+        if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
+        Touch touch = touch_box(between(p, q, t), shape.radius, box.half);
+        touch.normal = box.frame.to_space(touch.normal);
+        add_contact({i, blend(shape.a, shape.b, t), shape.surface}, {none, nothing, box.surface}, touch,
+                    contact_key(2, 16 * k + which, 0, b), h);
+      }
+    }
+  }
+}
+
+void ClusterStepper::touch_island(std::uint32_t i, std::uint32_t j, double h) {
+  const LinkageState &own = *islands_[i].state, &other = *islands_[j].state;
+  const std::span<const Linkage::Shape> shapes = own.linkage->shapes(), others = other.linkage->shapes();
+  for (std::uint32_t k = 0; k < shapes.size(); ++k) {
+    const Linkage::Shape& a = shapes[k];
+    const Segment first{a.a.of(own.x), a.b.of(own.x), a.radius};
+    for (std::uint32_t l = 0; l < others.size(); ++l) {
+      const Linkage::Shape& b = others[l];
+      const Touches near = touches(first, {b.a.of(other.x), b.b.of(other.x), b.radius});
+      for (std::uint32_t n = 0; n < near.count; ++n) {
+        const Touch& at = near.at[n];
+        add_contact({i, blend(a.a, a.b, at.a), a.surface}, {j, blend(b.a, b.b, at.b), b.surface}, at,
+                    contact_key(3, 4 * k + n, other.number, l), h);
       }
     }
   }

@@ -109,6 +109,35 @@ double ClusterStepper::energy() const {
   return sum;
 }
 
+/// Finds what islands do as rigid wholes, which is nothing for those that hang somewhere. Returns the kinetic
+/// energy of the rest, J.
+double ClusterStepper::find_rigid_motion() {
+  double loose = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const Linkage& linkage = *island.state->linkage;
+    island.rigid.assign(linkage.movable(), Vec3{});
+    if (linkage.is_grounded())
+      loose += linkage.kinetic(island.v);
+    else if (linkage.movable() > 1)
+      loose += linkage.split(island.state->x, island.v, island.rigid);
+    else
+      island.rigid[0] = island.v[0];
+  }
+  return loose;
+}
+
+/// Multiplies what islands do beside their rigid motion.
+void ClusterStepper::scale_loose_motion(double by) {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    for (std::uint32_t k = 0; k < island.state->linkage->movable(); ++k)
+      island.v[k] = island.rigid[k] + by * (island.v[k] - island.rigid[k]);
+  }
+}
+
 // Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
 // much motion as energy was gained: something was lifted. If no shorter substep is to be tried, all stops.
 bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, StepReport& report) {
@@ -139,36 +168,15 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
 
   // Of the motion that is not a rigid whole's, then, if that is not enough, of all.
-  double loose = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    if (!island.awake) continue;
-    const Linkage& linkage = *island.state->linkage;
-    island.rigid.assign(linkage.movable(), Vec3{});
-    if (linkage.is_grounded())
-      loose += linkage.kinetic(island.v);
-    else if (linkage.movable() > 1)
-      loose += linkage.split(island.state->x, island.v, island.rigid);
-    else
-      island.rigid[0] = island.v[0];
-  }
-  const auto scale = [&](double square, bool all) {
-    const double by = std::sqrt(square);
-    for (std::uint32_t i = 0; i < count_; ++i) {
-      Island& island = islands_[i];
-      if (!island.awake) continue;
-      for (std::uint32_t k = 0; k < island.state->linkage->movable(); ++k) {
-        const Vec3 rigid = all ? Vec3{} : island.rigid[k];
-        island.v[k] = rigid + by * (island.v[k] - rigid);
-      }
-    }
-  };
+  const double loose = find_rigid_motion();
   const double square = 1 - excess / loose;
   if (square >= 0.25 && square <= 1.5) {
-    scale(square, false);
+    scale_loose_motion(std::sqrt(square));
   } else if (excess > (free ? let_be * moving : 0)) {
     if (can_shorten && excess > moving + unnoticed * weight) return false;
-    scale(std::max(0.0, 1 - excess / moving), true);
+    for (std::uint32_t i = 0; i < count_; ++i)
+      std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), Vec3{});
+    scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / moving)));
   } else {
     return true;
   }

@@ -82,7 +82,7 @@ void ClusterStepper::couple(Island& island) {
                         island.response.front().of);
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t used = gather(island.sides[s]);
-    kernels_->combine(island.response.front().of, unknowns, batches, slots, factors, used,
+    kernels_->combine(island.response.front().of, unknowns, batches, {slots, factors, used},
                       island.coupling[s * batches].of);
   }
 }
@@ -111,7 +111,7 @@ void ClusterStepper::push(const Row& row, double by) {
   if (by == 0) return;
   for (std::uint32_t i = 0; i < row.ends; ++i) {
     const End& end = row.end[i];
-    kernels_->add_three(end.speed, by, end.coupling, 0, end.coupling, 0, end.coupling, end.padded);
+    kernels_->add_three(end.speed, {by, end.coupling}, {0, end.coupling}, {0, end.coupling}, end.padded);
     end.push[end.side] += by;
   }
 }
@@ -119,8 +119,8 @@ void ClusterStepper::push(const Row& row, double by) {
 void ClusterStepper::push(const Row& first, double by0, double by1, double by2) {
   for (std::uint32_t i = 0; i < first.ends; ++i) {
     const End& end = first.end[i];
-    kernels_->add_three(end.speed, by0, end.coupling, by1, end.coupling + end.padded, by2,
-                        end.coupling + 2 * end.padded, end.padded);
+    kernels_->add_three(end.speed, {by0, end.coupling}, {by1, end.coupling + end.padded},
+                        {by2, end.coupling + 2 * end.padded}, end.padded);
     end.push[end.side] += by0;
     end.push[end.side + 1] += by1;
     end.push[end.side + 2] += by2;

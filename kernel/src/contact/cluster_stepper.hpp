@@ -100,6 +100,12 @@ class ClusterStepper {
     const double* row(std::uint32_t side) const { return coupling[side * batches()].of; }
   };
 
+  /// One side of a contact is on an island or, if that is `none`, on something fixed.
+  struct Place {
+    std::uint32_t island;
+    const Combination& at;
+    const Surface& surface;
+  };
   /// A contact that does not seem to come about in this substep.
   struct LeftOut {
     std::uint32_t island, other;
@@ -118,8 +124,15 @@ class ClusterStepper {
   bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
   bool is_contact_missed() const;
   void find_contacts(const Surroundings& surroundings, double h);
-  void add_contact(std::uint32_t i, const Combination& at, std::uint32_t j, const Combination& at_other,
-                   const Touch& touch, const Surface& a, const Surface& b, std::uint64_t key, double h);
+  void find_bounds();
+  void touch_planes(std::uint32_t i, std::span<const Plane> planes, double h);
+  void touch_boxes(std::uint32_t i, std::span<const Surroundings::Solid> boxes, double h);
+  void touch_island(std::uint32_t i, std::uint32_t j, double h);
+  /// The first place is on an island.
+  void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
+  /// The gap changes by `closing` (m) in the substep.
+  void add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing, std::uint64_t key,
+                        double h);
   void add_angles(std::uint32_t i, double h);
   /// Of a gap what a substep leaves open; of a negative one, but for `slop`, what it takes back.
   double recovered(double gap, double slop, double h) const {
@@ -152,6 +165,8 @@ class ClusterStepper {
   void brake(Island& island, double h);
   bool guard_energy(double before, bool touched, bool can_shorten, StepReport& report);
   double energy() const;
+  double find_rigid_motion();
+  void scale_loose_motion(double by);
   void keep_contacts(double h);
 
   const simd::KktKernels* kernels_;

@@ -71,13 +71,24 @@ std::vector<Index> postorder(const std::vector<Index>& parent) {
   return order;
 }
 
+double operations_of(double pivots, double rows) {
+  double sum = 0;
+  for (double k = 0; k < pivots; ++k) sum += (rows - k) * (rows - k);
+  return sum;
+}
+
+}  // namespace
+
 /// An order made a postorder, and the structure of the factor.
-struct Symbolic {
+struct SparseAnalysis::Symbolic {
   std::vector<Index> order, number, parent;
   std::vector<std::vector<Index>> below;  ///< per variable: those after it that its elimination touches
+  std::vector<Index> start;               ///< per variable, and the end: where its numbers begin
+
+  Index numbers(Index i) const { return start[i + 1] - start[i]; }
 };
 
-Symbolic analyse(const SparsePattern& pattern) {
+SparseAnalysis::Symbolic SparseAnalysis::analyse(const SparsePattern& pattern) {
   const auto n = static_cast<Index>(pattern.size.size());
   Symbolic s;
   s.order = pattern.order;
@@ -110,16 +121,10 @@ Symbolic analyse(const SparsePattern& pattern) {
     s.parent[j] = rows.front();
     children[rows.front()].push_back(j);
   }
+  s.start.assign(n + std::size_t{1}, 0);
+  for (Index i = 0; i < n; ++i) s.start[i + 1] = s.start[i] + pattern.size[s.order[i]];
   return s;
 }
-
-double operations_of(double pivots, double rows) {
-  double sum = 0;
-  for (double k = 0; k < pivots; ++k) sum += (rows - k) * (rows - k);
-  return sum;
-}
-
-}  // namespace
 
 double SparseAnalysis::estimate(const SparsePattern& pattern) {
   const Symbolic s = analyse(pattern);
@@ -135,37 +140,37 @@ double SparseAnalysis::estimate(const SparsePattern& pattern) {
 SparseAnalysis::SparseAnalysis(const SparsePattern& pattern, std::span<const SparseEntry> entries) {
   const Symbolic s = analyse(pattern);
   const auto n = static_cast<Index>(s.order.size());
-  const auto numbers_of = [&](Index i) { return pattern.size[s.order[i]]; };
   position_.resize(n);
-  std::vector<Index> start(n + std::size_t{1}, 0);
-  for (Index i = 0; i < n; ++i) {
-    position_[s.order[i]] = start[i];
-    start[i + 1] = start[i] + numbers_of(i);
-  }
-  size_ = start[n];
+  for (Index i = 0; i < n; ++i) position_[s.order[i]] = s.start[i];
+  size_ = s.start[n];
+  link_fronts(s, find_fronts(s), entries);
+}
 
-  // Fronts: runs of variables, each the parent of the one before, with nearly the same rows.
+/// Fronts are runs of variables, each the parent of the one before, with nearly the same rows. Returns the
+/// front of every variable.
+std::vector<Index> SparseAnalysis::find_fronts(const Symbolic& s) {
+  const auto n = static_cast<Index>(s.order.size());
   std::vector<Index> front_of(n);
   for (Index i = 0; i < n;) {
     const Index first = i;
-    Index width = numbers_of(i);
-    for (const Index j : s.below[i]) width += numbers_of(j);
+    Index width = s.numbers(i);
+    for (const Index j : s.below[i]) width += s.numbers(j);
     while (i + 1 < n && s.parent[i] == i + 1) {
-      Index next_width = start[i + 1] - start[first];
-      next_width += numbers_of(i + 1);
-      for (const Index j : s.below[i + 1]) next_width += numbers_of(j);
+      Index next_width = s.start[i + 1] - s.start[first];
+      next_width += s.numbers(i + 1);
+      for (const Index j : s.below[i + 1]) next_width += s.numbers(j);
       if (next_width > width && next_width > narrow) break;
       width = next_width;
       ++i;
     }
     Front front{};
-    front.first = start[first];
-    front.pivots = start[i + 1] - start[first];
+    front.first = s.start[first];
+    front.pivots = s.start[i + 1] - s.start[first];
     front.rows = width;
     front.parent = none;
     front.row_begin = rows_.size();
     for (const Index j : s.below[i])
-      for (Index part = 0; part < numbers_of(j); ++part) rows_.push_back(start[j] + part);
+      for (Index part = 0; part < s.numbers(j); ++part) rows_.push_back(s.start[j] + part);
     front.stride = layouts::round_up(width, simd::logical_width<double>);
     front.factor = padded_;
     padded_ += std::size_t{front.pivots} * front.stride;
@@ -176,18 +181,22 @@ SparseAnalysis::SparseAnalysis(const SparsePattern& pattern, std::span<const Spa
     fronts_.push_back(front);
     ++i;
   }
+  return front_of;
+}
 
-  // Who passes its rows on to whom, and where they are there.
+/// Finds who passes its rows on to whom and where they are there, and where every entry goes.
+void SparseAnalysis::link_fronts(const Symbolic& s, const std::vector<Index>& front_of,
+                                 std::span<const SparseEntry> entries) {
+  const auto n = static_cast<Index>(s.order.size());
   std::vector<Index> variable_of(size_), local(size_);
   for (Index i = 0; i < n; ++i)
-    for (Index k = start[i]; k < start[i + 1]; ++k) variable_of[k] = i;
+    for (Index k = s.start[i]; k < s.start[i + 1]; ++k) variable_of[k] = i;
   std::vector<std::vector<Index>> children(fronts_.size());
   relative_.resize(rows_.size());
   const auto number_rows = [&](const Front& front) {
     for (Index k = 0; k < front.pivots; ++k) local[front.first + k] = k;
     for (Index k = front.pivots; k < front.rows; ++k) local[rows_[front.row_begin + k - front.pivots]] = k;
   };
-  std::vector<std::vector<Place>> places(fronts_.size());
   std::vector<std::vector<Index>> entries_of(fronts_.size());
   for (Index e = 0; e < entries.size(); ++e)
     entries_of[front_of[std::min(s.number[entries[e].row], s.number[entries[e].column])]].push_back(e);

@@ -50,6 +50,12 @@ class SparseAnalysis {
     std::size_t factor;       ///< into L and U, pivots x stride
     std::uint32_t child_begin, child_end;
   };
+  struct Symbolic;
+
+  static Symbolic analyse(const SparsePattern& pattern);
+  std::vector<std::uint32_t> find_fronts(const Symbolic& s);
+  void link_fronts(const Symbolic& s, const std::vector<std::uint32_t>& front_of,
+                   std::span<const SparseEntry> entries);
 
   std::size_t size_ = 0, numbers_ = 0, stack_ = 0;
   std::size_t padded_ = 0;    ///< numbers in L or U with padding

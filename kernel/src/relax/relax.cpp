@@ -28,24 +28,32 @@ struct Alone {
   }
 };
 
-/// The stages of one substep, on positions [q0, q1) of a block.
+/// A substep moves positions [q0, q1) of a block.
+template <class T>
+struct Moved {
+  Block<T>& block;
+  T* last;  ///< displacement of the last substep
+  T* own;   ///< displacement of this one
+  std::uint32_t q0, q1;
+};
+
+/// Runs the stages of one substep.
 template <class T, class Crew>
 class Substep {
  public:
-  Substep(Block<T>& block, T* u, T* p, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
-          StepReport& report, Crew& crew)
-      : block_(block),
-        packing_(block.packing()),
+  Substep(const Moved<T>& moved, const RelaxSettings<T>& settings, StepReport& report, Crew& crew)
+      : block_(moved.block),
+        packing_(block_.packing()),
         kernels_(*settings.kernels),
         access_(settings.kernels->access[static_cast<int>(packing_.access)]),
         settings_(settings),
         report_(report),
         crew_(crew),
-        u_(u),
-        p_(p),
-        view_(block.view(p)),
-        q0_(q0),
-        q1_(q1) {}
+        u_(moved.last),
+        p_(moved.own),
+        view_(block_.view(p_)),
+        q0_(moved.q0),
+        q1_(moved.q1) {}
 
   void run() {
     predict_and_prepare();
@@ -300,17 +308,15 @@ void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const Rela
   Alone alone;
   for (std::uint32_t substep = 0; substep < settings.substeps; ++substep) {
     const unsigned odd = substep & 1;
-    Substep<T, Alone>(block, block.displacement(odd), block.displacement(1 - odd), q0, q1, settings, report,
-                      alone)
-        .run();
+    const Moved<T> moved{block, block.displacement(odd), block.displacement(1 - odd), q0, q1};
+    Substep<T, Alone>(moved, settings, report, alone).run();
   }
 }
 
 template <class T>
 void relax_block(Block<T>& block, const RelaxSettings<T>& settings, StepReport& report, Team& team) {
-  Substep<T, Team>(block, block.displacement(0), block.displacement(1), 0, block.packing().positions,
-                   settings, report, team)
-      .run();
+  const Moved<T> moved{block, block.displacement(0), block.displacement(1), 0, block.packing().positions};
+  Substep<T, Team>(moved, settings, report, team).run();
   block.count_substeps(1);
 }
 

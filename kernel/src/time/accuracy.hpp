@@ -109,20 +109,22 @@ struct AccuracyControl {
 
   /// Takes substeps of h, and some windows of them also by half as many of 2 h. The distance between both
   /// ends tells the error of the better one (Richardson); the estimate is the mean over compared windows.
-  /// `advance(h, substeps, counters)` moves and `keep()` marks the start of a window. `take_back()` returns
-  /// there and remembers where it came to; `distance()` is the distance from that place, in m.
-  template <class Advance, class Keep, class TakeBack, class Distance>
-  Attempt compare(double h, std::uint32_t substeps, bool starts_anew, StepReport& counters, Advance&& advance,
-                  Keep&& keep, TakeBack&& take_back, Distance&& distance) const {
+  ///
+  /// `moved.advance(h, substeps, counters)` moves and `moved.keep()` marks the start of a window.
+  /// `moved.take_back()` returns there and remembers where it came to. `moved.distance()` is the distance
+  /// from that place, in m.
+  template <class Moved>
+  Attempt compare(double h, std::uint32_t substeps, bool starts_anew, Moved&& moved,
+                  StepReport& counters) const {
     Attempt out{.error = 0};
     double apart = 0;
     const Windows windows = windows_of(substeps, starts_anew);
     for (std::uint32_t k = 0; k < windows.count; ++k) {
       const bool is_compared = !out.is_final && windows.is_compared(k);
       if (is_compared) {
-        keep();
+        moved.keep();
         StepReport coarse;
-        advance(2 * h, windows.length / 2, coarse);
+        moved.advance(2 * h, windows.length / 2, coarse);
         if (coarse.unsolved > 0) {  // shorter substeps would hardly do better, and cost as much again
           counters += coarse;
           out.is_final = true;
@@ -130,10 +132,10 @@ struct AccuracyControl {
         }
         counters.newton += coarse.newton;  // only the work of the thrown-away way counts
         out.is_blind = out.is_blind || coarse.halvings + coarse.fallbacks > 0;
-        take_back();
+        moved.take_back();
       }
-      advance(h, windows.length, counters);
-      if (is_compared) apart += distance();
+      moved.advance(h, windows.length, counters);
+      if (is_compared) apart += moved.distance();
       out.is_final = out.is_final || counters.unsolved > 0;
     }
     out.error = apart / (((1u << order) - 1.0) * windows.length * windows.compared());

@@ -5,6 +5,23 @@
 namespace plumb::detail {
 namespace {
 
+/// Does with a piece what AccuracyControl::compare() asks for.
+struct ComparedPiece {
+  Solver& solver;
+  std::uint32_t piece;
+  unsigned part;
+
+  void advance(double h, std::uint32_t substeps, StepReport& counters) const {
+    solver.advance(piece, h, substeps, part, counters);
+  }
+  void keep() const { solver.save(piece, Saved::window); }
+  void take_back() const {
+    solver.mark(piece);
+    solver.restore(piece, Saved::window);
+  }
+  double distance() const { return solver.distance_from_mark(piece); }
+};
+
 /// One piece under the control of an accuracy.
 class ControlledPiece {
  public:
@@ -48,17 +65,8 @@ class ControlledPiece {
 
   AccuracyControl::Attempt compare(const AccuracyControl& control, double h, std::uint32_t substeps,
                                    StepReport& report) {
-    return control.compare(
-        h, substeps, solver_.starts_anew(piece_), report,
-        [&](double length, std::uint32_t count, StepReport& counted) {
-          solver_.advance(piece_, length, count, part_, counted);
-        },
-        [&] { solver_.save(piece_, Saved::window); },
-        [&] {
-          solver_.mark(piece_);
-          solver_.restore(piece_, Saved::window);
-        },
-        [&] { return solver_.distance_from_mark(piece_); });
+    return control.compare(h, substeps, solver_.starts_anew(piece_), ComparedPiece{solver_, piece_, part_},
+                           report);
   }
 
   Solver& solver_;

@@ -143,6 +143,11 @@ class Linkage {
   };
   static constexpr std::uint32_t none = 0xffffffff;
 
+  /// Rods, then alignments and pins take their rows in this order; `row` is the next one.
+  void add_rods(const Scene& part, std::uint32_t& row);
+  void add_joints(const Scene& part, std::span<const Vec3> x, std::uint32_t& row);
+  void add_angles(const Scene& part, std::span<const Vec3> x);
+  void add_shapes(const Scene& part, std::span<const Vec3> x);
   void weigh(const Scene& part);
   void plan(const Scene& part, Isa isa);
   void place_constraints();

@@ -28,18 +28,6 @@ constexpr std::uint32_t dear_on_lines = 4, dear_on_trees = 2;
 
 }  // namespace
 
-template <class T>
-TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rules& of)
-    : rules(of),
-      topology(std::make_shared<const TreeTopology>(tree)),
-      lanes(width),
-      stepper(of.gradient, of.drag, estimates(), of.isa, of.time_order) {
-  if (rules.changes_gradient) calm_stepper.emplace(Gradient::mid, rules.drag, true, rules.isa);
-  for (unsigned part = 0; part < rules.threads; ++part)
-    crews.push_back(
-        {TreeWorkspace<T>(*topology, lanes), TreeState<T>(topology, 1), TreeWorkspace<T>(*topology, 1)});
-}
-
 // --- Layout
 
 template <class T>
@@ -60,8 +48,8 @@ void TreeSolver<T>::finish_layout() {
       LineSegments::fits(*state_.topology, layouts::lane_width<T>)) {
     const LineSegments segments(state_.topology->nodes, layouts::lane_width<T>);
     TreeState<T> cut = segments.cut(state_);
-    line_ = std::make_unique<Line>(
-        Line{segments, std::move(state_), TreeWorkspace<T>(*cut.topology, cut.lanes)});
+    line_ =
+        std::make_unique<Line>(Line{segments, std::move(state_), TreeWorkspace<T>(*cut.topology, cut.lanes)});
     state_ = std::move(cut);
   }
   pins_begin_ = state_.topology->nodes * state_.lanes;
@@ -93,12 +81,11 @@ auto TreeSolver<T>::place_of(Slot slot) const -> Place {
 template <class T>
 std::uint32_t TreeSolver<T>::project_positions() {
   const TreeStepper<T> stepper(Gradient::new_, 0, false, kind_->rules.isa);
-  auto& crew = kind_->crews[0];
   TreeState<T>& state = line_ ? line_->whole : state_;
   TreeState<T> before(state.topology, state.lanes);
   before.copy_motion(state);
   StepReport not_of_a_step;
-  stepper.advance(state, projection_step, crew.work, crew.alone, crew.alone_work, not_of_a_step);
+  stepper.advance(state, projection_step, kind_->crews[0].view(), not_of_a_step);
   std::copy_n(state.x.data(), state.x.size(), before.x.data());
   state.copy_motion(before);  // but for x
   if (line_) line_->segments.scatter(state, state_);
@@ -136,10 +123,10 @@ template <class T>
 double TreeSolver<T>::advance_one(double h, unsigned part, StepReport& report) {
   auto& crew = kind_->crews[part];
   if (line_)
-    return kind_->stepper.advance(line_->segments, state_, h, line_->work, line_->whole, crew.alone_work,
+    return kind_->stepper.advance(line_->segments, state_, h, {line_->work, line_->whole, crew.alone_work},
                                   report);
   const TreeStepper<T>& stepper = is_calm_ ? *kind_->calm_stepper : kind_->stepper;
-  return stepper.advance(state_, h, crew.work, crew.alone, crew.alone_work, report);
+  return stepper.advance(state_, h, crew.view(), report);
 }
 
 template <class T>
@@ -322,7 +309,8 @@ double TreeSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) con
     const std::size_t at = state_.at(3 * place.node, place.lane), lanes = state_.lanes;
     out[i] = {state_.x[at], state_.x[at + lanes], state_.x[at + 2 * lanes]};
     const double step = state_.u_step[place.lane], over = step != 0 ? 1 / step : 1;
-    const Vec3 v = over * Vec3{double{state_.u[at]}, double{state_.u[at + lanes]}, double{state_.u[at + 2 * lanes]}};
+    const Vec3 v =
+        over * Vec3{double{state_.u[at]}, double{state_.u[at + lanes]}, double{state_.u[at + 2 * lanes]}};
     most = std::max(most, dot(v, v));
   }
   return std::sqrt(most);
@@ -370,18 +358,18 @@ void TreeSolver<T>::move_anchor(Slot slot, const AnchorMove& move) {
 
 template <class T>
 void TreeSolver<T>::begin_anchors() {
-  anchors_changed_ =
-      state_.pins_move &&
-      !std::equal(state_.pin_velocity.begin(), state_.pin_velocity.end(), state_.pin_last_velocity.begin(),
-                  [](Vec3 a, Vec3 b) { return norm(a - b) <= unchanged * norm(a); });
+  anchors_changed_ = state_.pins_move && !std::equal(state_.pin_velocity.begin(), state_.pin_velocity.end(),
+                                                     state_.pin_last_velocity.begin(), [](Vec3 a, Vec3 b) {
+                                                       return norm(a - b) <= unchanged * norm(a);
+                                                     });
 }
 
 template <class T>
 void TreeSolver<T>::end_anchors() {
   anchors_changed_ = false;
   if (!state_.pins_move) return;
-  state_.pins_move = std::any_of(state_.pin_velocity.begin(), state_.pin_velocity.end(),
-                                 [](Vec3 v) { return v != Vec3{}; });
+  state_.pins_move =
+      std::any_of(state_.pin_velocity.begin(), state_.pin_velocity.end(), [](Vec3 v) { return v != Vec3{}; });
   state_.pin_last_velocity = state_.pin_velocity;
   std::fill(state_.pin_velocity.begin(), state_.pin_velocity.end(), Vec3{});
   std::fill_n(state_.pin_delta.data(), state_.pin_delta.size(), T(0));
@@ -404,8 +392,6 @@ void TreeSolver<T>::describe(WorldInfo& info) const {
   info.changes_gradient = info.changes_gradient || (kind_->calm_stepper && !line_);
 }
 
-template struct TreeKind<float>;
-template struct TreeKind<double>;
 template class TreeSolver<float>;
 template class TreeSolver<double>;
 

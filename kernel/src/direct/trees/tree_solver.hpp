@@ -2,49 +2,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "direct/trees/line_segments.hpp"
-#include "direct/trees/tree_stepper.hpp"
+#include "direct/trees/tree_kind.hpp"
 #include "solver/solver.hpp"
 
 namespace plumb::detail {
-
-/// What lane groups of one topology share: the rules of their steps, and working memory for every thread.
-template <class T>
-struct TreeKind {
-  struct Crew {
-    TreeWorkspace<T> work;
-    TreeState<T> alone;  ///< one tree, for substeps that are halved
-    TreeWorkspace<T> alone_work;
-  };
-
-  /// How trees are moved, from the settings.
-  struct Rules {
-    Gradient gradient;
-    std::uint32_t time_order;
-    bool controlled;        ///< an accuracy is set
-    bool changes_gradient;  ///< trees may take gradient mid while they move calmly
-    double drag;            ///< 1/s
-    Isa isa;
-    unsigned threads;
-  };
-
-  TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules);
-
-  /// Substeps estimate errors of second order by themselves; others show when substeps are compared.
-  bool estimates() const {
-    return rules.controlled && rules.time_order == 2 && rules.gradient != Gradient::new_;
-  }
-
-  Rules rules;
-  std::shared_ptr<const TreeTopology> topology;
-  std::uint32_t lanes;
-  TreeStepper<T> stepper;
-  std::optional<TreeStepper<T>> calm_stepper;  ///< gradient mid, if the gradient may change
-  std::vector<Crew> crews;                     ///< per thread
-};
 
 /// A lane group: equal trees side by side, or one tree alone; a long line alone is cut into segments.
 ///
@@ -97,13 +61,15 @@ class TreeSolver final : public Solver {
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
+  void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
+  void set_away(Slot slot, bool away) override;
+  bool is_away(std::uint32_t) const override { return away_ || state_.trees == 0; }
+
   void move_anchor(Slot slot, const AnchorMove& move) override;
   void begin_anchors() override;
   void end_anchors() override;
   void place_anchor(Slot slot, Vec3 target) override;
-  void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
-  void set_away(Slot slot, bool away) override;
-  bool is_away(std::uint32_t) const override { return away_ || state_.trees == 0; }
+
   void describe(WorldInfo& info) const override;
 
  private:
@@ -126,11 +92,11 @@ class TreeSolver final : public Solver {
   std::shared_ptr<TreeKind<T>> kind_;
   mutable TreeState<T> state_;
   mutable std::unique_ptr<Line> line_;
-  std::uint32_t pins_begin_ = 0;  ///< the first slot of a pin
+  std::uint32_t pins_begin_ = 0;                ///< the first slot of a pin
   mutable layouts::AlignedBuffer<T> velocity_;  ///< m/s, 3 per node; at the end of the last step if known
   mutable bool velocities_known_ = false;
   bool anchors_changed_ = false;
-  bool away_ = false;  ///< a line that is moved elsewhere
+  bool away_ = false;     ///< a line that is moved elsewhere
   bool is_calm_ = false;  ///< gradient mid moves it
   int calm_steps_ = 0;    ///< steps in turn in which mid would have done
   // With an accuracy:

@@ -74,18 +74,30 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   known.assign(lanes, 0);
 }
 
+/// Masses (kg) are summed up here, by node, while a lane is filled.
+template <class T>
+struct TreeState<T>::Masses {
+  Masses(std::size_t nodes, std::size_t pins)
+      : mass(nodes), least(nodes), first_moment(nodes), coupling(nodes), pin_coupling(pins) {}
+
+  std::vector<double> mass, least, first_moment, coupling;
+  std::vector<double> pin_coupling;  ///< by pin
+};
+
+template <class T>
+void TreeState<T>::put(AlignedBuffer<double>& to, std::uint32_t first, std::uint32_t lane, Vec3 v) const {
+  to[at(first, lane)] = v.x;
+  to[at(first + 1, lane)] = v.y;
+  to[at(first + 2, lane)] = v.z;
+}
+
 template <class T>
 void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel model,
                              const layouts::Tree& tree, const TreeMembers& members) {
   const std::uint32_t nodes = tree.nodes();
-  std::vector<double> mass(nodes), least(nodes), first_moment(nodes), coupling(nodes);
-  std::vector<double> pin_coupling(tree.pins.size());
-  const auto put = [&](AlignedBuffer<double>& to, std::uint32_t first, Vec3 v) {
-    to[at(first, lane)] = v.x;
-    to[at(first + 1, lane)] = v.y;
-    to[at(first + 2, lane)] = v.z;
-  };
-  /// The rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
+  Masses masses(nodes, tree.pins.size());
+  auto& [mass, least, first_moment, coupling, pin_coupling] = masses;
+  // Adds the rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
   const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples,
                            bool other_moves) {
     const std::uint32_t rod = members.edges[e];
@@ -101,13 +113,13 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   };
   for (std::uint32_t i = 0; i < nodes; ++i) {
     const Particle& particle = scene.particles[members.vertices[tree.vertex[i]]];
-    put(x, 3 * i, particle.position);
+    put(x, 3 * i, lane, particle.position);
     mass[i] += particle.mass;
     least[i] += particle.mass;
     first_moment[i] += particle.mass;
     for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
       pin_length2[at(k, lane)] = add_rod(tree.pins[k].edge, tree.vertex[i], i, pin_coupling[k], false);
-      put(pin_x, 3 * k, scene.particles[members.vertices[tree.pins[k].vertex]].position);
+      put(pin_x, 3 * k, lane, scene.particles[members.vertices[tree.pins[k].vertex]].position);
     }
     if (i == 0) continue;
     const std::uint32_t p = tree.parent[i];
@@ -115,15 +127,23 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     double same;
     add_rod(tree.edge[i], tree.vertex[p], p, same, true);
   }
-  double total = 0;
-  for (const double m : first_moment) total += m;
-  const double unit = total / nodes;
-  mass_unit[lane] = unit;
   double sum = 0;
   for (std::uint32_t i = 1; i < nodes; ++i) sum += length2[at(i, lane)];
   for (std::uint32_t k = 0; k < topology->pins; ++k) sum += pin_length2[at(k, lane)];
   const std::uint32_t rods = nodes - 1 + topology->pins;
   scale2[lane] = rods > 0 ? sum / rods : 1;
+  write_masses(lane, masses, scene.gravity);
+}
+
+/// Writes the numbers of a lane that follow from its masses, which are stored relative to their mean.
+template <class T>
+void TreeState<T>::write_masses(std::uint32_t lane, const Masses& masses, Vec3 gravity) {
+  const auto& [mass, least, first_moment, coupling, pin_coupling] = masses;
+  const std::uint32_t nodes = topology->nodes;
+  double total = 0;
+  for (const double m : first_moment) total += m;
+  const double unit = total / nodes;
+  mass_unit[lane] = unit;
   for (std::uint32_t i = 0; i < nodes; ++i) {
     const T floor = topology->holds_pins[i] ? smallest_pivot<T> : T(0);
     node[at(tree_fields::node * i, lane)] = static_cast<T>(mass[i] / unit);
@@ -132,9 +152,9 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     node[at(tree_fields::node * i + 2, lane)] = floor;
     node[at(tree_fields::node * i + 3, lane)] =
         static_cast<T>(unit / std::max(least[i], least_share * mass[i]));
-    put(weight, 3 * i, first_moment[i] * scene.gravity);
+    put(weight, 3 * i, lane, first_moment[i] * gravity);
     set_force(i, lane, {});
-    for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+    for (std::uint32_t k = topology->pin_begin[i]; k < topology->pin_begin[i + 1]; ++k) {
       pin[at(tree_fields::pin * k, lane)] = static_cast<T>(pin_coupling[k] / unit);
       is_coupled = is_coupled || pin_coupling[k] != 0;
       pin[at(tree_fields::pin * k + 1, lane)] = floor;

@@ -77,6 +77,12 @@ struct TreeState {
   bool is_coupled = false;  ///< some rod's mass acts on both its ends at once
   double frequency2 = 0;  ///< 1/s^2, of the fastest transverse wave of all lanes, squared; gradient old only
   std::vector<std::uint8_t> smooth;  ///< per lane: whether the last acceleration foretells the next
+
+ private:
+  struct Masses;
+  void write_masses(std::uint32_t lane, const Masses& masses, Vec3 gravity);
+  /// Writes three numbers into entries `first` and those after it.
+  void put(layouts::AlignedBuffer<double>& to, std::uint32_t first, std::uint32_t lane, Vec3 v) const;
 };
 
 /// The fields of a state that substeps change, beside the same of another: f(field, other's) of those with

@@ -3,85 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
+#include "direct/trees/newton_guess.hpp"
+#include "direct/trees/newton_limits.hpp"
 #include "math/elementary.hpp"
 #include "time/composition.hpp"
 #include "time/verlet.hpp"
 
 namespace plumb::detail {
-namespace {
-
-constexpr int most_iterations = 12;
-constexpr int most_halvings = 10;
-/// Solves of one substep after which the rest of it is left to gradient new: a tree that cannot be solved
-/// must not hold up the others.
-constexpr int most_attempts = 200;
-
-/// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
-/// rounding: convergence is quadratic. For mid tighter: what is left of every substep adds up in the energy
-/// (at 1e-7 to 2e-9 of the range in 12,000 steps of 100 rods with an end mass of 1000).
-template <class T>
-double converged_change(Gradient gradient) {
-  if (sizeof(T) == 4) return 1e-4;
-  return gradient == Gradient::mid ? 1e-8 : 1e-7;
-}
-
-/// Violation that the last iteration may find: root of the sum of C^2 relative to the square of a rod. What
-/// a sound solve leaves is as small as its change; rods that stay violated although nothing changes any more
-/// contradict each other, or are lost in rounding.
-template <class T>
-constexpr double solved_residual = sizeof(T) == 8 ? 3e-6 : 3e-3;
-
-/// A change of many rod lengths does not lead back.
-constexpr double hopeless_change = 30;
-
-/// Below this (change of acceleration)^2 over acceleration^2, starting Newton from the last acceleration
-/// pays; above, it starts farther off than without.
-constexpr double smooth_jolt = 0.05;
-
-/// Multipliers are extrapolated over at most so many times the time between the two they are made of: steps
-/// double at most, where an accuracy chooses them.
-constexpr double most_extrapolated = 2;
-
-/// Gradient old breaks where h times the highest frequency is above 2. A substep is cut into pieces below the
-/// first of these before it is tried, by the tensions of the last one, and does not count as solved above the
-/// second: between 1.6 and 2 chains with heavy ends gain energy, although each step alone is stable. What is
-/// compared is a bound of the frequency (TreeKernels::find_stiffness).
-constexpr double aimed_frequency = 1.25, highest_frequency = 1.6;
-
-constexpr double square(double a) {
-  return a * a;
-}
-
-/// After a Newton step that found violations with squares that sum to `residual2` and changed displacements
-/// by the root of `change2`, a mean of squares, m^2. Squares, so that no lane takes a root.
-template <class T>
-bool has_converged(double change2, double residual2, double scale2, Gradient gradient) {
-  return change2 <= square(converged_change<T>(gradient)) * scale2 &&
-         residual2 <= square(solved_residual<T> * scale2);
-}
-bool is_hopeless(double change2, double scale2) {
-  return !(change2 <= square(hopeless_change) * scale2);
-}
-
-/// Of the last multipliers and of those before, what goes into a first guess. -mu/kick is a tension over a
-/// length, where a substep starts for gradient old: the last two are u_step_before apart, and the next comes
-/// u_step later (both negative in parts of compositions). Gradient mid's swing from one substep to the next.
-template <class T>
-std::pair<double, double> multiplier_scales(const TreeState<T>& state, std::uint32_t lane, double kick,
-                                            Gradient gradient) {
-  const double last = state.mu_kick[lane], before = state.mu_kick_before[lane];
-  if (last == 0) return {0, 0};
-  const double step = state.u_step[lane], step_before = state.u_step_before[lane];
-  const bool extrapolates = gradient == Gradient::old && before != 0 && step != 0 &&
-                            std::abs(step) <= most_extrapolated * std::abs(step_before);
-  if (!extrapolates) return {kick / last, 0};
-  const double step_ratio = step / step_before;
-  return {(1 + step_ratio) * kick / last, -step_ratio * kick / before};
-}
-
-}  // namespace
+using namespace tree_limits;
 
 /// load = ratio M u + kick force; u becomes u_delta delta - u_before ratio u.
 template <class T>
@@ -121,8 +51,7 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
 }
 
 template <class T>
-void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient,
-                           TreeWorkspace<T>& work) const {
+void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const {
   Coefficients of_lane{};  // mostly the same in all: exp() is dear
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
     if (lane == 0 || state.u_step[lane] != state.u_step[lane - 1])
@@ -173,8 +102,8 @@ void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
 }
 
 template <class T>
-bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient,
-                           TreeWorkspace<T>& work, StepReport& counters) const {
+bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work,
+                           StepReport& counters) const {
   const simd::TreeView<T> view = work.view(state);
   const simd::TreeKernels<T>& run = kernels(state);
   const double nodes = state.topology->nodes;
@@ -205,8 +134,7 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient,
 }
 
 template <class T>
-void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient,
-                            TreeWorkspace<T>& work) const {
+void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const {
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
     const bool skipped = state.idle[lane] || work.failed[lane];
     work.active[lane] = skipped ? T(0) : T(1);
@@ -243,8 +171,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
   for (const Gradient gradient : {gradient_, Gradient::new_}) {
     if (gradient != gradient_ && !last) break;
     begin(state, h, gradient, work);
-    if (solve(state, gradient, work, counters) &&
-        (gradient != Gradient::old || is_stable(state, h, work))) {
+    if (solve(state, gradient, work, counters) && (gradient != Gradient::old || is_stable(state, h, work))) {
       accept(state, h, gradient, work);
       ++counters.direct_substeps;
       if (gradient != gradient_) {
@@ -302,21 +229,19 @@ bool TreeStepper<T>::is_stable(TreeState<T>& state, double h, TreeWorkspace<T>& 
 }
 
 template <class T>
-double TreeStepper<T>::advance(TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                               TreeState<T>& alone, TreeWorkspace<T>& alone_work,
+double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>& crew,
                                StepReport& counters) const {
   double error = 0;
   const std::uint32_t count = cuts(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
-    for (const double share : shares_)
-      error += advance_piece(state, share * h / count, work, alone, alone_work, counters);
+    for (const double share : shares_) error += advance_piece(state, share * h / count, crew, counters);
   return error;
 }
 
 template <class T>
-double TreeStepper<T>::advance_piece(TreeState<T>& state, double h,
-                                     TreeWorkspace<T>& work, TreeState<T>& alone,
-                                     TreeWorkspace<T>& alone_work, StepReport& counters) const {
+double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew,
+                                     StepReport& counters) const {
+  const auto& [work, alone, alone_work] = crew;
   begin(state, h, gradient_, work);
   bool all = solve(state, gradient_, work, counters);
   if (gradient_ == Gradient::old) all = is_stable(state, h, work) && all;
@@ -346,20 +271,19 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h,
 
 template <class T>
 double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
-                               TreeWorkspace<T>& work, TreeState<T>& alone, TreeWorkspace<T>& alone_work,
-                               StepReport& counters) const {
+                               const TreeCrew<T>& crew, StepReport& counters) const {
   double error = 0;
   const std::uint32_t count = cuts(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_)
-      error += advance_piece(segments, state, share * h / count, work, alone, alone_work, counters);
+      error += advance_piece(segments, state, share * h / count, crew, counters);
   return error;
 }
 
 template <class T>
 double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>& state, double h,
-                                     TreeWorkspace<T>& work, TreeState<T>& alone,
-                                     TreeWorkspace<T>& alone_work, StepReport& counters) const {
+                                     const TreeCrew<T>& crew, StepReport& counters) const {
+  const auto& [work, alone, alone_work] = crew;
   const double nodes = alone.topology->nodes, scale2 = state.scale2[0];
   const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {
     double sum = 0;

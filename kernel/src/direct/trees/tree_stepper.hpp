@@ -12,6 +12,14 @@
 
 namespace plumb::detail {
 
+/// Steps of trees work with these buffers, which belong to a thread or to a line in segments.
+template <class T>
+struct TreeCrew {
+  TreeWorkspace<T>& work;
+  TreeState<T>& alone;  ///< one tree, for substeps that are halved
+  TreeWorkspace<T>& alone_work;
+};
+
 /// Advances trees by substeps in which all rods of a tree are solved at once by Newton's method.
 ///
 /// With C = (|x_b - x_a|^2 - L^2)/2 for every rod and m = d + theta (change of d) the directions of its
@@ -35,12 +43,11 @@ class TreeStepper {
   /// One substep, composed of shares for a time order above 2, of every tree of a state. Returns an estimate
   /// of the position error it adds, in m: h^2/12 times the change of acceleration, RMS over the particles of
   /// the worst tree; infinite where a tree had to be halved.
-  double advance(TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                 TreeState<T>& alone, TreeWorkspace<T>& alone_work, StepReport& counters) const;
+  double advance(TreeState<T>& state, double h, const TreeCrew<T>& crew, StepReport& counters) const;
 
   /// The same for one line in segments.
-  double advance(const LineSegments& segments, TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                 TreeState<T>& alone, TreeWorkspace<T>& alone_work, StepReport& counters) const;
+  double advance(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
+                 StepReport& counters) const;
 
   /// Takes from u, which must hold velocities, what pulls on rods, and adds what the mass of rods passes on
   /// from fixed ends that change their velocity.
@@ -50,7 +57,7 @@ class TreeStepper {
   /// fit the rods (RATTLE, Andersen 1983).
   void find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
-  /// Whether multipliers alone are unknown, see simd/line_body.hpp.
+  /// Whether multipliers alone are unknown, see simd/tree/line_lanes.hpp.
   static bool is_line(const TreeState<T>& state, Gradient gradient) {
     return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
   }
@@ -60,23 +67,19 @@ class TreeStepper {
   std::uint32_t cuts(const TreeState<T>& state, double h) const;
 
  private:
-  double advance_piece(TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                       TreeState<T>& alone, TreeWorkspace<T>& alone_work, StepReport& counters) const;
-  double advance_piece(const LineSegments& segments, TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                       TreeState<T>& alone, TreeWorkspace<T>& alone_work, StepReport& counters) const;
+  double advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew, StepReport& counters) const;
+  double advance_piece(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
+                       StepReport& counters) const;
   /// Whether no lane that converged is beyond that limit; those that are count as failed.
   bool is_stable(TreeState<T>& state, double h, TreeWorkspace<T>& work,
                  const LineSegments* segments = nullptr) const;
   struct Coefficients;
   /// `last`: TreeState::u_step.
   Coefficients coefficients(double last, double h, Gradient gradient) const;
-  void begin(TreeState<T>& state, double h, Gradient gradient,
-             TreeWorkspace<T>& work) const;
+  void begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
   /// Newton until every lane has converged or failed; says whether all converged.
-  bool solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work,
-             StepReport& counters) const;
-  void accept(TreeState<T>& state, double h, Gradient gradient,
-              TreeWorkspace<T>& work) const;
+  bool solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work, StepReport& counters) const;
+  void accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
   /// Those that a lane had before a substep that failed.
   void restore_multipliers(TreeState<T>& state, std::uint32_t lane) const;
   /// A tree alone, by recursive halving.

@@ -1,0 +1,238 @@
+// This file evaluates the constraints, masses and forces of a linkage where it is and as it moves.
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/linkage/linkage.hpp"
+#include "math/elementary.hpp"
+#include "reference/multipliers/small_matrices.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Of an angle so near 0 or pi that its slope would have no end.
+constexpr double least_sine = 1e-3;
+
+inline void write(std::span<double> values, const std::uint32_t* places, Vec3 v) {
+  values[places[0]] = v.x;
+  values[places[1]] = v.y;
+  values[places[2]] = v.z;
+}
+inline void add_to(std::span<double> values, const std::uint32_t* places, Vec3 v) {
+  values[places[0]] += v.x;
+  values[places[1]] += v.y;
+  values[places[2]] += v.z;
+}
+
+}  // namespace
+
+void Linkage::assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const {
+  std::copy(template_.begin(), template_.end(), matrix.begin());
+  const std::span<double> values = numbers(matrix);
+  for (const RodRow& rod : rods_) {
+    const Vec3 along = rod.over2 * (x[rod.b] - x[rod.a]);
+    if (rod.places[0] != none) write(values, &rod.places[0], -1.0 * along);
+    if (rod.places[3] != none) write(values, &rod.places[3], along);
+  }
+  for (const DotRow& each : dots_) {
+    const Vec3 u = each.over * each.u.of(x), v = each.over * each.v.of(x);
+    const auto add = [&](const Combination& sum, Vec3 direction) {
+      for (std::uint32_t i = 0; i < sum.count; ++i) {
+        const auto at = std::find(each.touched.begin(), each.touched.end(), sum.terms[i].particle);
+        if (at != each.touched.end())
+          add_to(values, &each.places[3 * static_cast<std::size_t>(at - each.touched.begin())],
+                 sum.terms[i].weight * direction);
+      }
+    };
+    add(each.u, v);
+    add(each.v, u);
+  }
+  for (const PinRow& pin : pins_)
+    for (std::uint32_t i = 0; i < pin.sum.count; ++i) {
+      const double w = pin.sum.terms[i].weight;
+      if (pin.places[3 * i] != none) write(values, &pin.places[3 * i], {w, w, w});
+    }
+}
+
+void Linkage::put(std::span<const Vec3> vectors, std::span<double> solved) const {
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    double* const at = &solved[slots_[i]];
+    at[0] = vectors[i].x;
+    at[1] = vectors[i].y;
+    at[2] = vectors[i].z;
+  }
+}
+
+double Linkage::violations(std::span<const Vec3> x, std::span<double> right) const {
+  double worst = 0;
+  const auto set = [&](std::uint32_t row, double value) {
+    right[plan_.position(row)] = -value;
+    worst = std::max(worst, std::abs(value));
+  };
+  for (const RodRow& rod : rods_) {
+    const Vec3 d = x[rod.b] - x[rod.a];
+    set(rod.row, 0.5 * (rod.over2 * dot(d, d) - 1));
+  }
+  for (const DotRow& each : dots_) set(each.row, each.over * (dot(each.u.of(x), each.v.of(x)) - each.value));
+  for (const PinRow& pin : pins_) {
+    const Vec3 apart = pin.sum.of(x);
+    set(pin.rows[0], apart.x);
+    set(pin.rows[1], apart.y);
+    set(pin.rows[2], apart.z);
+  }
+  return std::isfinite(worst) ? worst : INFINITY;
+}
+
+void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
+                      std::span<double> right) const {
+  // J acts on movable particles alone; fixed ones have gone where they go in `there`.
+  const auto moved = [&](std::uint32_t particle) { return particle < movable_ ? d[particle] : Vec3{}; };
+  const auto sum_moved = [&](const Combination& sum) {
+    Vec3 out{};
+    for (std::uint32_t i = 0; i < sum.count; ++i) out += sum.terms[i].weight * moved(sum.terms[i].particle);
+    return out;
+  };
+  violations(there, right);
+  for (const RodRow& rod : rods_)
+    right[plan_.position(rod.row)] += rod.over2 * dot(x[rod.b] - x[rod.a], moved(rod.b) - moved(rod.a));
+  for (const DotRow& each : dots_)
+    right[plan_.position(each.row)] +=
+        each.over * (dot(each.u.of(x), sum_moved(each.v)) + dot(each.v.of(x), sum_moved(each.u)));
+  for (const PinRow& pin : pins_) {
+    const Vec3 by = sum_moved(pin.sum);
+    right[plan_.position(pin.rows[0])] += by.x;
+    right[plan_.position(pin.rows[1])] += by.y;
+    right[plan_.position(pin.rows[2])] += by.z;
+  }
+}
+
+void Linkage::anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const {
+  if (!is_grounded()) {  // nothing is given
+    for (std::uint32_t c = 0; c < constraints_; ++c) right[plan_.position(3 * movable_ + c)] = 0;
+    return;
+  }
+  const auto given = [&](std::uint32_t particle) { return particle < movable_ ? Vec3{} : v[particle]; };
+  const auto sum_given = [&](const Combination& sum) {
+    Vec3 out{};
+    for (std::uint32_t i = 0; i < sum.count; ++i) out += sum.terms[i].weight * given(sum.terms[i].particle);
+    return out;
+  };
+  for (const RodRow& rod : rods_)
+    right[plan_.position(rod.row)] = -rod.over2 * dot(x[rod.b] - x[rod.a], given(rod.b) - given(rod.a));
+  for (const DotRow& each : dots_)
+    right[plan_.position(each.row)] =
+        -each.over * (dot(each.u.of(x), sum_given(each.v)) + dot(each.v.of(x), sum_given(each.u)));
+  for (const PinRow& pin : pins_) {
+    const Vec3 by = sum_given(pin.sum);
+    right[plan_.position(pin.rows[0])] = -by.x;
+    right[plan_.position(pin.rows[1])] = -by.y;
+    right[plan_.position(pin.rows[2])] = -by.z;
+  }
+}
+
+void Linkage::momenta(std::span<const Vec3> v, std::span<Vec3> out) const {
+  for (std::uint32_t i = 0; i < movable_; ++i) out[i] = masses_[i] * v[i];
+  for (const Coupling& c : couplings_) {
+    out[c.a] += c.mass * v[c.b];
+    out[c.b] += c.mass * v[c.a];
+  }
+}
+
+Linkage::AngleSlope Linkage::slope(const Angle& angle, std::span<const Vec3> x) {
+  const Vec3 u = angle.over_u * angle.u.of(x), v = angle.over_v * angle.v.of(x);
+  const double cosine = std::clamp(dot(u, v), -1.0, 1.0);
+  const double over_sine = 1 / std::max(std::sqrt(1 - cosine * cosine), least_sine);
+  return {detail::acos(cosine), (-over_sine * angle.over_u) * (v - cosine * u),
+          (-over_sine * angle.over_v) * (u - cosine * v)};
+}
+
+void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant,
+                     double h, std::span<Vec3> out) const {
+  for (std::uint32_t i = 0; i < movable_; ++i) out[i] = weights_[i] * gravity_ + constant[i];
+  for (const Air& air : airs_) {
+    const Vec3 axis = air.over * (x[air.b] - x[air.a]);
+    const auto pull = [&](double own, double other, std::uint32_t i, std::uint32_t j) {
+      if (i >= movable_) return;
+      const Vec3 p = own * v[i] + other * v[j];
+      const Vec3 along = dot(p, axis) * axis;
+      out[i] -= air.linear * along + air.orthogonal * (p - along);
+    };
+    pull(air.mass.aa, air.mass.ab, air.a, air.b);
+    pull(air.mass.bb, air.mass.ab, air.b, air.a);
+  }
+  for (const Angle& damper : dampers_) {
+    const AngleSlope slope = Linkage::slope(damper, x);
+    const auto for_terms = [&](auto&& f) {
+      for (std::uint32_t i = 0; i < damper.u.count; ++i) f(damper.u.terms[i], slope.along_u);
+      for (std::uint32_t i = 0; i < damper.v.count; ++i) f(damper.v.terms[i], slope.along_v);
+    };
+    double rate = 0, loose = 0;  // rad/s; 1/(kg m²), of particles that nothing holds
+    for_terms([&](const Combination::Term& term, Vec3 along) {
+      rate += term.weight * dot(along, v[term.particle]);
+      if (term.particle < movable_)
+        loose += term.weight * term.weight * dot(along, along) / masses_[term.particle];
+    });
+    const double torque = std::min(damper.damping, 0.5 / (h * loose)) * rate;
+    for_terms([&](const Combination::Term& term, Vec3 along) {
+      if (term.particle < movable_) out[term.particle] -= torque * term.weight * along;
+    });
+  }
+}
+
+double Linkage::kinetic(std::span<const Vec3> v) const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < movable_; ++i) sum += 0.5 * masses_[i] * dot(v[i], v[i]);
+  for (const Coupling& c : couplings_) sum += c.mass * dot(v[c.a], v[c.b]);
+  return sum;
+}
+
+double Linkage::potential(std::span<const Vec3> x, std::span<const Vec3> constant) const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < movable_; ++i) sum -= dot(weights_[i] * gravity_ + constant[i], x[i]);
+  return sum;
+}
+
+double Linkage::turning(std::span<const Vec3> v) const {
+  double square = 0;
+  for (const RodRow& rod : rods_) {
+    const Vec3 d = v[rod.b] - v[rod.a];
+    square = std::max(square, rod.over2 * dot(d, d));
+  }
+  return std::sqrt(square);
+}
+
+double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const {
+  Vec3 linear{}, moment{};
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    linear += weights_[i] * v[i];
+    moment += weights_[i] * x[i];
+  }
+  const Vec3 center = (1 / mass_) * moment, velocity = (1 / mass_) * linear;
+  Vec3 angular{};
+  Sym3 inertia{};
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    const Vec3 a = x[i] - center;
+    angular += masses_[i] * cross(a, v[i] - velocity);
+    inertia += Sym3::diagonal(masses_[i] * dot(a, a)) - outer_both((0.5 * masses_[i]) * a, a);
+  }
+  for (const Coupling& c : couplings_) {
+    const Vec3 a = x[c.a] - center, b = x[c.b] - center;
+    angular += c.mass * (cross(a, v[c.b] - velocity) + cross(b, v[c.a] - velocity));
+    inertia += Sym3::diagonal(2 * c.mass * dot(a, b)) - outer_both(c.mass * a, b);
+  }
+  // A straight line of rods does not turn about itself. What keeps its inertia from being singular, and what
+  // rounding makes of the inverse then, goes out with the second solution.
+  const Sym3 back = inverse(inertia + Sym3::diagonal(1e-8 * trace(inertia) + 1e-300));
+  Vec3 turn = back * angular;
+  turn += back * (angular - inertia * turn);
+  double energy = 0;
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    rigid[i] = velocity + cross(turn, x[i] - center);
+    const Vec3 loose = v[i] - rigid[i];
+    energy += 0.5 * masses_[i] * dot(loose, loose);
+  }
+  for (const Coupling& c : couplings_) energy += c.mass * dot(v[c.a] - rigid[c.a], v[c.b] - rigid[c.b]);
+  return energy;
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,20 @@
+#include "direct/trees/tree_kind.hpp"
+
+namespace plumb::detail {
+
+template <class T>
+TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rules& of)
+    : rules(of),
+      topology(std::make_shared<const TreeTopology>(tree)),
+      lanes(width),
+      stepper(of.gradient, of.drag, estimates(), of.isa, of.time_order) {
+  if (rules.changes_gradient) calm_stepper.emplace(Gradient::mid, rules.drag, true, rules.isa);
+  for (unsigned part = 0; part < rules.threads; ++part)
+    crews.push_back(
+        {TreeWorkspace<T>(*topology, lanes), TreeState<T>(topology, 1), TreeWorkspace<T>(*topology, 1)});
+}
+
+template struct TreeKind<float>;
+template struct TreeKind<double>;
+
+}  // namespace plumb::detail

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "direct/trees/tree_stepper.hpp"
+
+namespace plumb::detail {
+
+/// What lane groups of one topology share: the rules of their steps, and working memory for every thread.
+template <class T>
+struct TreeKind {
+  struct Crew {
+    TreeWorkspace<T> work;
+    TreeState<T> alone;  ///< one tree, for substeps that are halved
+    TreeWorkspace<T> alone_work;
+
+    TreeCrew<T> view() { return {work, alone, alone_work}; }
+  };
+
+  /// How trees are moved, from the settings.
+  struct Rules {
+    Gradient gradient;
+    std::uint32_t time_order;
+    bool controlled;        ///< an accuracy is set
+    bool changes_gradient;  ///< trees may take gradient mid while they move calmly
+    double drag;            ///< 1/s
+    Isa isa;
+    unsigned threads;
+  };
+
+  TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules);
+
+  /// Substeps estimate errors of second order by themselves; others show when substeps are compared.
+  bool estimates() const {
+    return rules.controlled && rules.time_order == 2 && rules.gradient != Gradient::new_;
+  }
+
+  Rules rules;
+  std::shared_ptr<const TreeTopology> topology;
+  std::uint32_t lanes;
+  TreeStepper<T> stepper;
+  std::optional<TreeStepper<T>> calm_stepper;  ///< gradient mid, if the gradient may change
+  std::vector<Crew> crews;                     ///< per thread
+};
+
+extern template struct TreeKind<float>;
+extern template struct TreeKind<double>;
+
+}  // namespace plumb::detail
