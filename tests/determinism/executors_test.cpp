@@ -24,7 +24,9 @@ class Executors : public testing::TestWithParam<SharedScene> {
   Scene scene = GetParam().make();
   int steps = test::scaled(60);
 
-  Settings settings() const { return {.stop = {.sweeps = GetParam().sweeps}, .threads = 1}; }
+  Settings settings() const {
+    return {.method = Method::relax, .stop = {.sweeps = GetParam().sweeps}, .threads = 1};
+  }
   std::uint64_t alone() const {
     World world(scene, settings());
     test::run(world, 1.0 / 60, steps);

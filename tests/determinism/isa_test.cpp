@@ -19,8 +19,11 @@ class InstructionSets : public testing::TestWithParam<std::tuple<SharedScene, Pr
  protected:
   SharedScene shared() const { return std::get<0>(GetParam()); }
   Settings settings(Isa isa) const {
-    return {
-        .precision = std::get<1>(GetParam()), .stop = {.sweeps = shared().sweeps}, .isa = isa, .threads = 1};
+    return {.method = Method::relax,
+            .precision = std::get<1>(GetParam()),
+            .stop = {.sweeps = shared().sweeps},
+            .isa = isa,
+            .threads = 1};
   }
 };
 
@@ -69,13 +72,15 @@ TEST_P(Variants, GiveTheSameBits) {
     double drag;
   };
   const Variant variants[] = {
-      {"old", {.gradient = Gradient::old, .stop = fixed_sweeps}, 0},
-      {"mid", {.gradient = Gradient::mid, .substeps = 4, .stop = fixed_sweeps}, 0},
-      {"jacobi", {.order = SweepOrder::jacobi, .stop = fixed_sweeps}, 0},
-      {"relaxed", {.omega = 1.7, .stop = fixed_sweeps}, 0.5},
-      {"equal", {.weights = Weights::equal, .substeps = 3, .stop = fixed_sweeps}, 0},
-      {"tolerance", {.substeps = 2, .stop = by_tolerance}, 0.1},
-      {"tolerance, mid", {.gradient = Gradient::mid, .substeps = 2, .stop = by_tolerance}, 0.1},
+      {"old", {.method = Method::relax, .gradient = Gradient::old, .stop = fixed_sweeps}, 0},
+      {"mid", {.method = Method::relax, .gradient = Gradient::mid, .substeps = 4, .stop = fixed_sweeps}, 0},
+      {"jacobi", {.method = Method::relax, .order = SweepOrder::jacobi, .stop = fixed_sweeps}, 0},
+      {"relaxed", {.method = Method::relax, .omega = 1.7, .stop = fixed_sweeps}, 0.5},
+      {"equal", {.method = Method::relax, .weights = Weights::equal, .substeps = 3, .stop = fixed_sweeps}, 0},
+      {"tolerance", {.method = Method::relax, .substeps = 2, .stop = by_tolerance}, 0.1},
+      {"tolerance, mid",
+       {.method = Method::relax, .gradient = Gradient::mid, .substeps = 2, .stop = by_tolerance},
+       0.1},
   };
   std::uint32_t anchor = 0;
   while (!scene.particles[anchor].fixed) ++anchor;

@@ -28,7 +28,8 @@ void PrintTo(const Variant& v, std::ostream* out) {
 class Anchors : public testing::TestWithParam<Variant> {
  protected:
   Settings settings() const {
-    return {.precision = GetParam().precision,
+    return {.method = Method::relax,
+            .precision = GetParam().precision,
             .gradient = GetParam().gradient,
             .substeps = GetParam().substeps,
             .stop = {.sweeps = 40},
@@ -46,7 +47,7 @@ class Anchors : public testing::TestWithParam<Variant> {
 
 // However a path's steps round, the anchor stands at the end of each where it was told to.
 TEST_P(Anchors, AreExactlyWhereTheyWereSent) {
-  World world(scenes::make_chain(5), settings(), {.method = Method::relax});
+  World world(scenes::make_chain(5), settings());
   for (int i = 1; i <= 120; ++i) {
     const Vec3 target = rounded({0.3 * std::sin(0.1 * i), 0.01 * i, 0.7 * std::cos(0.13 * i)});
     world.move_anchor(0, target);

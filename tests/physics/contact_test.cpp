@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "plumb/reference/impact.hpp"
 #include "scenes/generators/contacts.hpp"
 #include "scenes/spec.hpp"
 #include "support/limbs.hpp"

@@ -94,7 +94,7 @@ TEST(Drag, IsExactForGradientsNewAndOld) {
     for (const double drag : {1e-9, 1e-3, 0.7, 30.0, 2000.0})
       for (const std::uint32_t substeps : {1u, 7u}) {
         World world(lone_particle({}, v0, gravity, drag),
-                    {.gradient = gradient, .substeps = substeps, .threads = 1});
+                    {.method = Method::relax, .gradient = gradient, .substeps = substeps, .threads = 1});
         for (int i = 1; i <= 120; ++i) {
           world.step(1.0 / 60);
           const double t = i / 60.0;
@@ -113,7 +113,7 @@ TEST(Drag, VelocitiesAreSecondOrder) {
     double errors[2];
     for (const int k : {0, 1}) {
       World world(lone_particle({}, v0, gravity, drag),
-                  {.gradient = gradient, .substeps = 4u << k, .threads = 1});
+                  {.method = Method::relax, .gradient = gradient, .substeps = 4u << k, .threads = 1});
       test::run(world, 1.0 / 60, 30);
       errors[k] = norm(world.velocity(0) - dragged_velocity(v0, gravity, drag, 0.5));
     }
@@ -128,7 +128,7 @@ TEST(Drag, IsSecondOrderForGradientMid) {
   double errors[2];
   for (const int k : {0, 1}) {
     World world(lone_particle({}, v0, gravity, 2),
-                {.gradient = Gradient::mid, .substeps = 4u << k, .threads = 1});
+                {.method = Method::relax, .gradient = Gradient::mid, .substeps = 4u << k, .threads = 1});
     test::run(world, 1.0 / 60, 60);
     errors[k] = norm(world.position(0) - dragged_position(v0, gravity, 2, 1));
   }
@@ -140,7 +140,8 @@ TEST(Drag, IsSecondOrderForGradientMid) {
 TEST(Drag, TerminalVelocity) {
   const double drag = 2, dt = 1.0 / 60;
   for (const Gradient gradient : all_gradients) {
-    World world(lone_particle({}, {3, 0, 0}, {0, -9.81, 0}, drag), {.gradient = gradient, .threads = 1});
+    World world(lone_particle({}, {3, 0, 0}, {0, -9.81, 0}, drag),
+                {.method = Method::relax, .gradient = gradient, .threads = 1});
     test::run(world, dt, 60 * 20);  // exp(-40) of what it started with is left
     const double z = drag * dt / 2;
     const double wanted = -9.81 / drag * (gradient == Gradient::mid ? z / std::sinh(z) : 1);

@@ -24,8 +24,11 @@ class HeavyEnd : public testing::Test {
   }
   double error(Gradient gradient, std::uint32_t substeps, std::uint32_t sweeps,
                Weights weights = Weights::mass) const {
-    return error(
-        {.gradient = gradient, .weights = weights, .substeps = substeps, .stop = {.sweeps = sweeps}});
+    return error({.method = Method::relax,
+                  .gradient = gradient,
+                  .weights = weights,
+                  .substeps = substeps,
+                  .stop = {.sweeps = sweeps}});
   }
 
   Scene scene = scenes::make_chain(20, 0.1, 10);

@@ -59,7 +59,8 @@ class FreeChain : public testing::TestWithParam<Variant> {
  protected:
   Scene scene = free_chain(12);
   World world{scene,
-              {.gradient = GetParam().gradient,
+              {.method = Method::relax,
+               .gradient = GetParam().gradient,
                .order = GetParam().order,
                .omega = GetParam().omega,
                .substeps = 1,

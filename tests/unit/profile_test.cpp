@@ -212,7 +212,9 @@ Profile uncounted() {
   Profile profile;
   profile.caches = {{1, 32 * 1024, 8, 64}, {2, 1024 * 1024, 16, 64}, false};
   ProfileRow row;
-  row.profile_case = {"chain", SceneSize::beyond, {.scene = "chain:links=9,end_mass=2", .settings = {}}};
+  row.profile_case = {"chain",
+                      SceneSize::beyond,
+                      {.scene = "chain:links=9,end_mass=2", .settings = {.method = Method::relax}}};
   row.layout = "soa";
   row.is_auto = true;
   row.rods = 9;
@@ -270,7 +272,7 @@ WorkPlan tiny(Method method) {
   WorkPlan plan{.scene = "ensemble:chains=3,links=4", .settings = {}, .frames = 2};
   plan.settings.method = method;
   plan.settings.threads = 1;
-  plan.settings.stop.sweeps = 8;
+  if (method == Method::relax) plan.settings.stop.sweeps = 8;
   return plan;
 }
 

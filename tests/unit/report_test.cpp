@@ -41,6 +41,7 @@ std::string message_of(Call call) {
 
 RunPlan short_plan() {
   RunPlan plan{.duration = 0.1};
+  plan.settings.method = Method::relax;
   plan.settings.substeps = 2;
   plan.settings.stop.sweeps = 7;
   plan.settings.threads = 1;

@@ -109,7 +109,8 @@ TEST(World, IsReadInThreeWays) {
 
 TEST(World, MovesWithItsState) {
   const Scene scene = mixture();
-  World world(scene, {.method = Method::relax, .threads = 1}), twin(scene, {.threads = 1});
+  World world(scene, {.method = Method::relax, .threads = 1}),
+      twin(scene, {.method = Method::relax, .threads = 1});
   test::run(world, 1.0 / 60, 5);
   test::run(twin, 1.0 / 60, 10);
   World moved(std::move(world));
@@ -123,7 +124,8 @@ TEST(World, MovesWithItsState) {
 // The world keeps no reference to its scene.
 TEST(World, OutlivesItsScene) {
   Scene scene = mixture();
-  World world(scene, {.method = Method::relax, .threads = 1}), twin(mixture(), {.threads = 1});
+  World world(scene, {.method = Method::relax, .threads = 1}),
+      twin(mixture(), {.method = Method::relax, .threads = 1});
   scene = {};
   test::run(world, 1.0 / 60, 5);
   test::run(twin, 1.0 / 60, 5);

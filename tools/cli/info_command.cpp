@@ -23,7 +23,7 @@ using scenes::short_number;
 
 struct InfoOptions {
   std::string scene;
-  Settings settings;
+  Settings settings{.method = Method::relax};
   std::string report;
   std::string write;
 };
@@ -87,7 +87,8 @@ int info(const InfoOptions& options) {
   if (!options.write.empty()) file.emplace(options.write);
   Settings automatic = options.settings;
   automatic.method = Method::automatic;
-  // Relaxation, which the layouts are for, knows nothing of limbs that touch.
+  automatic.layout = LayoutChoice::automatic;
+  // Layouts are those of relaxation, which knows no bodies, joints or shapes.
   const World world(scene, is_articulated(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {

@@ -35,29 +35,24 @@ Option add_positive_of(const std::string& unit, Command& command, const std::str
   return add_number(command, name, unit, take, help);
 }
 
-Option add_method(Command& command, Settings& settings) {
+void add_method(Command& command, Settings& settings) {
   settings.method = Method::automatic;
-  return add_choice(command, "--method", settings.method,
-                    {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
-                     Method::featherstone},
-                    "How rods are kept at their length: the better of one after the other "
-                    "(relax) and all at once (direct), "
-                    "or the thesis's other methods; options of sweeps alone mean relax");
+  add_choice(command, "--method", settings.method,
+             {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
+              Method::featherstone},
+             "How rods are kept at their length: the better of one after the other "
+             "(relax) and all at once (direct), "
+             "or the thesis's other methods");
 }
 
-/// The options that are of relaxation alone.
-struct SweepOptions {
-  std::vector<Option> all;
-  Option tolerance;  ///< which method direct has too, for nets
-};
-
-SweepOptions add_sweep_options(Command& command, Settings& settings) {
+void add_sweep_options(Command& command, Settings& settings) {
   const Option sweeps =
       add_count(command, "--sweeps", settings.stop.sweeps,
                 "Most passes over all rods in a substep [10; 10000 with --tolerance or --budget-us]");
   // Values are taken in the order of the options here, so `sweeps` is known by the time these are.
   const auto lift_cap = [sweeps, &settings] {
-    if (!sweeps.given()) settings.stop.sweeps = sweeps_when_stopped_otherwise;
+    if (!sweeps.given() && settings.method != Method::direct)
+      settings.stop.sweeps = sweeps_when_stopped_otherwise;
   };
   const auto take_tolerance = [&settings, lift_cap](double value) {
     settings.stop.tolerance = value;
@@ -67,21 +62,19 @@ SweepOptions add_sweep_options(Command& command, Settings& settings) {
     settings.stop.budget_us = value;
     lift_cap();
   };
-  const Option tolerance = add_number(
+  add_number(
       command, "--tolerance", "T", take_tolerance,
       "Stop sweeping, and iterating on a net with method direct, when no rod is stretched by more, relative "
       "to its length");
-  const Option budget =
-      add_number(command, "--budget-us", "U", take_budget,
-                 "Stop sweeping after this many microseconds a frame; results then depend on the clock");
-  const Option order = add_choice(command, "--order", settings.order,
-                                  {SweepOrder::gauss_seidel, SweepOrder::jacobi}, "Order of a sweep");
-  const Option omega = add_number(
+  add_number(command, "--budget-us", "U", take_budget,
+             "Stop sweeping after this many microseconds a frame; results then depend on the clock");
+  add_choice(command, "--order", settings.order, {SweepOrder::gauss_seidel, SweepOrder::jacobi},
+             "Order of a sweep");
+  add_number(
       command, "--omega", "W", [&settings](double value) { settings.omega = value; },
       "Over-relaxation, between 0 and 2 [1]");
-  const Option weights = add_choice(command, "--weights", settings.weights, {Weights::mass, Weights::equal},
-                                    "Share of a correction each end takes: by inverse mass or half each");
-  return {{sweeps, tolerance, budget, order, omega, weights}, tolerance};
+  add_choice(command, "--weights", settings.weights, {Weights::mass, Weights::equal},
+             "Share of a correction each end takes: by inverse mass or half each");
 }
 
 /// Of the methods that integrate equations of motion.

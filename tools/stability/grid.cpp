@@ -128,7 +128,7 @@ StabilityResult measure_stability(const StabilityCase& cell, std::uint32_t sweep
   settings.order = cell.method.order;
   settings.gradient = cell.method.gradient;
   settings.threads = 1;
-  settings.stop.sweeps = sweeps;
+  if (settings.method == Method::relax) settings.stop.sweeps = sweeps;
   World world(scene, settings);
 
   StabilityResult result{.cell = cell};

@@ -152,8 +152,7 @@ struct Scene {
   std::vector<Box> boxes{};             ///< Solid boxes that do not move.
 };
 
-/// Whether a scene has more than particles and rods: shapes, bodies, joints, air on rods or sleepers. Methods
-/// direct and automatic alone move such a scene.
+/// Whether a scene has more than particles and rods: shapes, ground, bodies, joints, air on rods or sleepers.
 PLUMB_API bool is_articulated(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, body,

@@ -3,7 +3,7 @@
 
 #include "contact/cluster_limits.hpp"
 #include "contact/cluster_stepper.hpp"
-#include "contact/linkage_bounds.hpp"
+#include "contact/linkage/linkage_bounds.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;
@@ -57,8 +57,8 @@ std::uint32_t ClusterStepper::add_side(Island& island, const Side& side) {
 }
 
 void ClusterStepper::add_contact(std::uint32_t i, const Combination& at, std::uint32_t j,
-                               const Combination& at_other, const Touch& touch, const Surface& a,
-                               const Surface& b, std::uint64_t key, double h) {
+                                 const Combination& at_other, const Touch& touch, const Surface& a,
+                                 const Surface& b, std::uint64_t key, double h) {
   Island* const one = &islands_[i];
   Island* const two = j == none ? nullptr : &islands_[j];
   const auto motion = [&](const Island* island, const Combination& sum, std::span<const Vec3> of) {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "contact/cluster_limits.hpp"
-#include "contact/linkage_bounds.hpp"
+#include "contact/linkage/linkage_bounds.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;
@@ -45,8 +45,8 @@ Bounds reach(const LinkageState& state, double speed, double dt) {
   return bounds_of(*state.linkage, state.x, 1.1 * speed * dt + fall + margin);
 }
 
-void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-                          double dt, std::uint32_t substeps, StepReport& report) {
+void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt,
+                          std::uint32_t substeps, StepReport& report) {
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
   for (std::uint32_t i = 0; i < count_; ++i) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/linkage_state.hpp"
+#include "contact/linkage/linkage_state.hpp"
 #include "contact/surroundings.hpp"
 #include "contact/touch.hpp"
 #include "plumb/world.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "contact/linkage_bounds.hpp"
+#include "contact/linkage/linkage_bounds.hpp"
 
 namespace plumb::detail {
 

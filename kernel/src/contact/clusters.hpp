@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/linkage_state.hpp"
+#include "contact/linkage/linkage_state.hpp"
 #include "contact/spatial_hash.hpp"
 #include "threads/team.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "contact/linkage_bounds.hpp"
-#include "contact/scene_parts.hpp"
+#include "contact/linkage/linkage_bounds.hpp"
+#include "contact/linkage/scene_parts.hpp"
 
 namespace plumb::detail {
 namespace {

@@ -7,23 +7,24 @@
 
 #include "contact/cluster_stepper.hpp"
 #include "contact/clusters.hpp"
-#include "contact/scene_parts.hpp"
-#include "contact/visitor.hpp"
+#include "contact/linkage/scene_parts.hpp"
+#include "contact/linkage/visitor.hpp"
 #include "solver/made_solver.hpp"
 #include "solver/solver.hpp"
 
 namespace plumb::detail {
 
-/// Moves islands with bodies, joints or air, and every island with shapes while it may touch something. Islands
-/// that may touch each other within a step are a cluster, and a cluster is a piece: clusters are formed anew at
-/// the beginning of every step. An island of particles and rods that nothing can reach stays with its own
-/// solver; see Visitor.
+/// Moves islands with bodies, joints or air, and every island with shapes while it may touch something.
+/// Islands that may touch each other within a step are a cluster, and a cluster is a piece: clusters are
+/// formed anew at the beginning of every step. An island of particles and rods that nothing can reach stays
+/// with its own solver; see Visitor.
 class ContactSolver final : public Solver {
  public:
   /// Takes islands that have shapes, or that are not of particles and rods alone.
   ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings);
 
-  /// Tells that an island has a home: solver `number` of the world, with its movable particles at these slots.
+  /// Tells that an island has a home: solver `number` of the world, with its movable particles at these
+  /// slots.
   void set_home(std::uint32_t island, Solver& home, std::uint32_t number, std::vector<Slot> slots);
   /// Islands that their own solvers can move, as slots of their movable particles.
   struct PlainIsland {
@@ -45,7 +46,8 @@ class ContactSolver final : public Solver {
   void see_rest(IsResting&& is_resting) {
     for (LinkageState& state : states_) {
       const Visitor& visitor = visitors_[state.number];
-      if (state.asleep || !visitor.is_at_home() || !is_resting(visitor.number(), visitor.first_slot())) continue;
+      if (state.asleep || !visitor.is_at_home() || !is_resting(visitor.number(), visitor.first_slot()))
+        continue;
       std::fill(state.v.begin(), state.v.end(), Vec3{});
       clusters_.fall_asleep(state.number);
     }
@@ -115,15 +117,15 @@ class ContactSolver final : public Solver {
   Surroundings surroundings_;
   std::vector<std::unique_ptr<Linkage>> linkages_;
   std::vector<LinkageState> states_;
-  std::vector<Visitor> visitors_;            ///< by island
-  std::vector<std::uint8_t> is_plain_;       ///< by island
+  std::vector<Visitor> visitors_;       ///< by island
+  std::vector<std::uint8_t> is_plain_;  ///< by island
   std::vector<History> histories_;
   std::vector<Slot> first_slot_;          ///< by island
   std::vector<std::uint32_t> island_of_;  ///< by slot
   Clusters clusters_;
-  std::vector<std::uint32_t> pieces_;        ///< the clusters that are moved here in this step
+  std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
   std::vector<Return> returned_;
-  std::vector<std::uint8_t> rests_;       ///< by cluster, after its step
+  std::vector<std::uint8_t> rests_;  ///< by cluster, after its step
   ProjectionWork work_;
   std::vector<ClusterStepper> steppers_;  ///< by part of the team
 };

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "contact/linkage_state.hpp"
+#include "contact/linkage/linkage_state.hpp"
 
 namespace plumb::detail {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "contact/linkage_state.hpp"
+#include "contact/linkage/linkage_state.hpp"
 #include "contact/touch.hpp"
 
 namespace plumb::detail {

@@ -119,8 +119,7 @@ class Maker {
       MadeSolver made;
       std::vector<std::uint32_t> vertices;
       for (const std::uint32_t i : topology->order) {
-        made.places.push_back(
-            {groups_.islands.vertices(island)[i], static_cast<Slot>(vertices.size())});
+        made.places.push_back({groups_.islands.vertices(island)[i], static_cast<Slot>(vertices.size())});
         vertices.push_back(groups_.islands.vertices(island)[i]);
       }
       auto solver = std::make_unique<LoopSolver>(

@@ -67,9 +67,9 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
   }
   away_.assign(pieces_, 0);
   rests_.assign(pieces_, 0);
-  anchors_.reserve(static_cast<std::size_t>(
-      std::count_if(packed.slot_vertex.begin(), packed.slot_vertex.end(),
-                    [&](std::uint32_t particle) { return !is_movable(particle); })));
+  anchors_.reserve(
+      static_cast<std::size_t>(std::count_if(packed.slot_vertex.begin(), packed.slot_vertex.end(),
+                                             [&](std::uint32_t particle) { return !is_movable(particle); })));
   double sum = 0;
   std::size_t rods = 0;
   for (const std::uint32_t rod : packed.lane_edge) {
@@ -114,8 +114,7 @@ template <class T>
 void RelaxSolver<T>::start_displacements(double h) {
   for_slots([&](Slot slot, std::uint32_t particle) {
     if (!is_movable(particle)) return;
-    const auto start =
-        rules_->verlet.start(rules_->initial_velocities[particle], acceleration(slot), h);
+    const auto start = rules_->verlet.start(rules_->initial_velocities[particle], acceleration(slot), h);
     block_.write(block_.displacement(0), slot, start.last);
     block_.write(block_.displacement(1), slot, start.before);
   });
@@ -126,8 +125,7 @@ void RelaxSolver<T>::change_step(double h) {
   for_slots([&](Slot slot, std::uint32_t particle) {
     if (!is_movable(particle)) return;
     T* const last = block_.displacement(0);
-    block_.write(last, slot,
-                 rules_->verlet.change_step(block_.read(last, slot), acceleration(slot), h_, h));
+    block_.write(last, slot, rules_->verlet.change_step(block_.read(last, slot), acceleration(slot), h_, h));
   });
 }
 
@@ -219,8 +217,8 @@ template <class T>
 void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   Motion& to = saved_[static_cast<int>(which)];
   const std::size_t n = block_.packing().elements;
-  if (to.x.size() == 0) to = {layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n),
-                              layouts::AlignedBuffer<T>(n)};
+  if (to.x.size() == 0)
+    to = {layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n)};
   std::copy_n(block_.x(), n, to.x.data());
   std::copy_n(block_.displacement(0), n, to.last.data());
   std::copy_n(block_.displacement(1), n, to.before.data());

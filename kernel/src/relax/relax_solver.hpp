@@ -103,12 +103,12 @@ class RelaxSolver final : public Solver {
   const simd::Kernels<T>& kernels_;
   Block<T> block_;
   std::uint32_t pieces_ = 1;
-  std::vector<std::uint32_t> islands_, away_;  ///< islands per piece, and those of them moved elsewhere
+  std::vector<std::uint32_t> islands_, away_;    ///< islands per piece, and those of them moved elsewhere
   std::vector<std::pair<Slot, Slot>> slots_of_;  ///< per piece, a range that holds its slots
-  std::vector<std::uint8_t> rests_;            ///< per piece: it rests, without displacements
-  double size_ = 1;                            ///< m, RMS length of a rod
-  double h_ = 0;                               ///< s, of the last substep
-  unsigned parts_ = 1;                         ///< of the team in this step
+  std::vector<std::uint8_t> rests_;              ///< per piece: it rests, without displacements
+  double size_ = 1;                              ///< m, RMS length of a rod
+  double h_ = 0;                                 ///< s, of the last substep
+  unsigned parts_ = 1;                           ///< of the team in this step
   bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
   std::vector<Vec3> forces_;  ///< N, per slot; empty until one is set
   std::vector<MovingAnchor> anchors_;

@@ -32,8 +32,8 @@ constexpr Reads stop_rule = Reads::sweeps | Reads::tolerance | Reads::budget_us;
 constexpr Reads relax_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::weights |
                               Reads::order | Reads::omega | Reads::accuracy | stop_rule | Reads::sleep |
                               Reads::layout;
-constexpr Reads direct_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy |
-                               Reads::tolerance | Reads::sleep;
+constexpr Reads direct_reads =
+    Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy | Reads::tolerance | Reads::sleep;
 
 void validate_relax(const Settings& settings) {
   if (settings.mass == MassModel::consistent)

@@ -46,8 +46,9 @@ struct SettingRow {
 };
 std::span<const SettingRow> setting_rows();
 
-/// One method: what it is called, what it moves, which settings it reads, what it refuses and why. Help texts,
-/// validation, `plumb info` and the documentation read the table; a new method is one file and one row.
+/// One method: what it is called, what it moves, which settings it reads, what it refuses and why. Help
+/// texts, validation, `plumb info` and the documentation read the table; a new method is one file and one
+/// row.
 struct MethodRow {
   Method method;
   std::string_view name;   ///< on the command line

@@ -11,14 +11,14 @@ namespace plumb::detail {
 /// A piece of a solver, which one thread takes through a step.
 struct Task {
   std::uint32_t solver, piece;
-  double calm = 0;       ///< s, for how long it has not moved but by rounding
-  bool is_still = false; ///< after this step
+  double calm = 0;        ///< s, for how long it has not moved but by rounding
+  bool is_still = false;  ///< after this step
   bool asleep = false;
 };
 
-/// Which pieces stand still. A piece whose particles have only moved by rounding for half a second stands: its
-/// velocities are zero, and a step would lead back to where it is. Sleeping is not to compute that step. A
-/// force, an anchor that moves, or new settings wake it.
+/// Which pieces stand still. A piece whose particles have only moved by rounding for half a second stands:
+/// its velocities are zero, and a step would lead back to where it is. Sleeping is not to compute that step.
+/// A force, an anchor that moves, or new settings wake it.
 ///
 /// Islands that may touch sleep by speed, as their solver decides (contact/clusters.hpp).
 class Sleep {

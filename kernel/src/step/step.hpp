@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "step/anchors.hpp"
-#include "step/compiled.hpp"
+#include "step/compile/compiled.hpp"
 #include "step/sleep.hpp"
 #include "threads/sharing.hpp"
 #include "threads/workers.hpp"
@@ -62,11 +62,11 @@ class Step {
   Anchors anchors_;
   Sleep sleep_;
   TimeRules rules_;
-  std::vector<Stage> stages_;  ///< those that this scene needs
-  double dt_ = 0;              ///< s, of this step
-  std::vector<StepReport> reports_;          ///< by part of the team
-  std::vector<std::uint32_t> visited_;       ///< solvers with a piece that is awake, in this step
-  std::vector<std::uint32_t> active_;        ///< tasks that are shared by parts, in this step
+  std::vector<Stage> stages_;           ///< those that this scene needs
+  double dt_ = 0;                       ///< s, of this step
+  std::vector<StepReport> reports_;     ///< by part of the team
+  std::vector<std::uint32_t> visited_;  ///< solvers with a piece that is awake, in this step
+  std::vector<std::uint32_t> active_;   ///< tasks that are shared by parts, in this step
 };
 
 }  // namespace plumb::detail

@@ -9,7 +9,8 @@ int main() {
   scene.particles.push_back({.position = {0, 0, 0}, .velocity = {}, .mass = 0, .fixed = true});
   scene.particles.push_back({.position = {1, 0, 0}, .velocity = {}, .mass = 1});
   scene.rods.push_back({.a = 0, .b = 1});
-  plumb::World world(scene, {.gradient = plumb::Gradient::old, .substeps = 8, .threads = 2});
+  plumb::World world(
+      scene, {.method = Method::relax, .gradient = plumb::Gradient::old, .substeps = 8, .threads = 2});
   for (int frame = 0; frame < 6; ++frame) world.step(1.0 / 60);
   const plumb::Vec3 tip = world.position(1);
   std::printf("plumb %s, %s: tip at %g %g\n", std::string(plumb::version()).c_str(),

@@ -1,4 +1,4 @@
-#include "step/choose_method.hpp"
+#include "step/compile/choose_method.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include "plumb/layouts/trees.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
-#include "step/choose_method.hpp"
-#include "step/compiled.hpp"
+#include "step/compile/choose_method.hpp"
+#include "step/compile/compiled.hpp"
 #include "step/methods.hpp"
 
 namespace plumb::detail {
@@ -48,9 +48,8 @@ bool has_more_than_rods(const Scene& scene) {
   return has_joints ||
          std::any_of(scene.particles.begin(), scene.particles.end(),
                      [](const Particle& particle) { return particle.asleep; }) ||
-         std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {
-           return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
-         });
+         std::any_of(scene.rods.begin(), scene.rods.end(),
+                     [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; });
 }
 
 class Compiler {
@@ -89,7 +88,8 @@ class Compiler {
 
   /// Refuses what an island with joints cannot be moved by.
   void require_joints_moved(std::uint32_t particle) const {
-    const char* const why = ": its island has bodies, joints, air on rods, drag of joints or sleepers, which ";
+    const char* const why =
+        ": its island has bodies, joints, air on rods, drag of joints or sleepers, which ";
     const auto of = [&] { return "particle " + std::to_string(particle) + why; };
     if (!method_row(settings_.method).moves_joints)
       refuse(of(), "method ", to_string(settings_.method), " cannot move; direct and auto can");
@@ -107,7 +107,9 @@ class Compiler {
     constexpr Reads of_relaxation =
         Reads::weights | Reads::order | Reads::omega | Reads::sweeps | Reads::budget_us | Reads::layout;
     for (const SettingRow& row : setting_rows())
-      if (contains(of_relaxation, row.id) && row.is_set(settings_))
+      // A cap on sweeps may come with a tolerance, which direct solves of nets read.
+      if (contains(of_relaxation, row.id) && row.is_set(settings_) &&
+          !(row.id == Reads::sweeps && settings_.stop.tolerance))
         refuse("nothing reads ", row.name,
                ": method auto solves every island of this scene directly; method relax reads it");
   }

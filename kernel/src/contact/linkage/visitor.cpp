@@ -1,4 +1,4 @@
-#include "contact/visitor.hpp"
+#include "contact/linkage/visitor.hpp"
 
 #include <algorithm>
 #include <cmath>

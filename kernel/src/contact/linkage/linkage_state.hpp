@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "contact/linkage.hpp"
+#include "contact/linkage/linkage.hpp"
 
 namespace plumb::detail {
 
@@ -56,9 +56,9 @@ struct LinkageState : LinkageMotion {
   }
 };
 
-/// A box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable particle bring
-/// them within dt (s). It does not hold what goes farther: ends of shapes beyond the particles, anchors that
-/// move, and what forces, drives and hits within dt add.
+/// A box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable particle
+/// bring them within dt (s). It does not hold what goes farther: ends of shapes beyond the particles, anchors
+/// that move, and what forces, drives and hits within dt add.
 Bounds reach(const LinkageState& state, double speed, double dt);
 /// The fastest of its particles, m/s.
 double top_speed(const LinkageState& state);

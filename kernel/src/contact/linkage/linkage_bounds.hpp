@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-#include "contact/linkage_state.hpp"
+#include "contact/linkage/linkage_state.hpp"
 
 namespace plumb::detail {
 

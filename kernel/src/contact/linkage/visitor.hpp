@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/linkage_state.hpp"
+#include "contact/linkage/linkage_state.hpp"
 #include "solver/solver.hpp"
 
 namespace plumb::detail {
@@ -15,8 +15,8 @@ struct ProjectionWork {
   std::vector<simd::Quad> unknowns;
 };
 
-/// An island of particles and rods that has a solver of its own, its home, and visits the contact solver while
-/// it may touch something. Lanes, precision, gradient and accuracy are those of its home until then.
+/// An island of particles and rods that has a solver of its own, its home, and visits the contact solver
+/// while it may touch something. Lanes, precision, gradient and accuracy are those of its home until then.
 class Visitor {
  public:
   Visitor() = default;

@@ -1,4 +1,4 @@
-#include "contact/linkage.hpp"
+#include "contact/linkage/linkage.hpp"
 
 #include <algorithm>
 #include <cmath>

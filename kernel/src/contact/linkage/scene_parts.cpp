@@ -1,4 +1,4 @@
-#include "contact/scene_parts.hpp"
+#include "contact/linkage/scene_parts.hpp"
 
 #include <algorithm>
 #include <array>
