@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "plumb/error.hpp"
-#include "scenes/scene_file.hpp"
+#include "scenes/files/scene_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace plumb;

@@ -6,7 +6,7 @@
 
 #include "fuzz/random_world.hpp"
 #include "plumb/plumb.hpp"
-#include "scenes/scene_file.hpp"
+#include "scenes/files/scene_file.hpp"
 
 namespace {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -235,6 +236,65 @@ TEST_F(BadRequests, Anchors) {
   expect_refused("particle 5: is movable, only fixed particles are moved as anchors",
                  [&] { world.move_anchor(5, {}); });
   expect_refused("particle 0: target is not finite", [&] { world.move_anchor(0, {0, 0, infinity}); });
+}
+
+// Found by an adversary: numbers that a precision cannot hold are refused, and nothing is lost.
+TEST(Steps, RefuseWhatThePrecisionCannotHold) {
+  for (const Precision precision : {Precision::single, Precision::double_})
+    for (const Method method : {Method::relax, Method::direct}) {
+      World world(scenes::make_chain(3), {.method = method, .precision = precision, .threads = 1});
+      world.step(1.0 / 60);
+      const std::uint64_t hash = world.state_hash();
+      const bool is_float = precision == Precision::single;
+      EXPECT_THROW(world.step(is_float ? 1e-50 : 1e-306), InputError);
+      EXPECT_THROW(world.move_anchor(0, {is_float ? 1e100 : 1e200, 0, 0}), InputError);
+      EXPECT_EQ(world.state_hash(), hash);
+      EXPECT_EQ(world.time(), 1.0 / 60);
+      world.step(1.0 / 60);
+      EXPECT_TRUE(test::all_finite(world));
+    }
+}
+
+/// Fails before any task runs, or after all have.
+class FailingExecutor final : public Executor {
+ public:
+  explicit FailingExecutor(bool runs) : runs_(runs) {}
+  unsigned concurrency() const override { return 2; }
+  void run(unsigned n, Task task, void* context) override {
+    for (unsigned i = 0; runs_ && i < n; ++i) task(context, i);
+    throw std::runtime_error("no threads");
+  }
+
+ private:
+  bool runs_;
+};
+
+// What an executor throws is passed on, and the step is done: state and time agree.
+TEST(Steps, AreDoneThoughTheExecutorFails) {
+  const Scene scene = scenes::make_ensemble({.chains = 40, .links = 6});
+  for (const bool runs : {false, true}) {
+    FailingExecutor executor(runs);
+    World world(scene, {.method = Method::direct, .executor = &executor});
+    World twin(scene, {.method = Method::direct, .threads = 1});
+    for (int i = 1; i <= 3; ++i) {
+      EXPECT_THROW(world.step(1.0 / 60), std::runtime_error);
+      twin.step(1.0 / 60);
+      EXPECT_EQ(world.state_hash(), twin.state_hash()) << i;
+      EXPECT_EQ(world.time(), twin.time());
+    }
+  }
+}
+
+/// Says that it can run nothing.
+class IdleExecutor final : public Executor {
+ public:
+  unsigned concurrency() const override { return 0; }
+  void run(unsigned, Task, void*) override {}
+};
+
+TEST(Steps, RefuseAnExecutorWithoutConcurrency) {
+  IdleExecutor executor;
+  EXPECT_THROW(World(scenes::make_chain(3), {.executor = &executor}), InputError);
 }
 
 }  // namespace

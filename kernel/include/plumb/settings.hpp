@@ -133,7 +133,8 @@ struct Settings {
   std::optional<Integrator> integrator{};  ///< None: semi_implicit_euler for springs, else rk4.
   SpringSettings springs{};                ///< What method springs uses.
   MultiplierSettings multipliers{};        ///< What method multipliers uses.
-  /// Whether islands that rest sleep, in scenes with shapes that touch. They cost nothing until they wake.
+  /// Whether islands that touch something sleep once they are slow. Islands of particles and rods that stand
+  /// still but for rounding always do. Sleepers cost nothing until they wake.
   bool sleep = true;
   LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.
   std::optional<Isa> isa{};                       ///< None: best_isa().

@@ -137,7 +137,8 @@ class PLUMB_API World {
   World& operator=(World&&) noexcept;  ///< Moves the world; views of both become invalid.
 
   /// Advances by `dt` seconds, in Settings::substeps equal substeps; with an accuracy, in as many as it
-  /// takes. Throws InputError if `dt` is not positive and finite.
+  /// takes. Throws InputError if `dt` is not positive and finite, or too short for the precision. Throws what
+  /// the executor throws; the step is then done all the same.
   ///
   /// Methods relax, direct and auto allocate nothing after the first call, but for four firsts. An island
   /// freezes; an island with loops falls back; an anchor moves; more shapes touch at once than ever before.

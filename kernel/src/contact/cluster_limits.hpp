@@ -24,6 +24,8 @@ inline constexpr double unnoticed = 3e-9;
 inline constexpr double let_be = 1e-6;
 /// Left of constraints, relative to lengths.
 inline constexpr double exact = 1e-8;
+/// The same in shares of composed substeps, whose errors would otherwise hide the higher order.
+inline constexpr double exact_in_shares = 1e-13;
 inline constexpr int most_corrections = 16;
 /// What a sweep may still change when it is the last, of what gravity does in a substep, and in m. Toppling
 /// figures then lie within 0.1 mm of where tighter sweeps leave them after 1.6 s, and 30 mm from where twice

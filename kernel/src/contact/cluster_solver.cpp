@@ -267,6 +267,7 @@ bool ClusterStepper::solve_positions(StepReport& report) {
   push_held();
   double last = INFINITY;
   int sweeps = 0;
+  const double exactness = is_composed_ ? exact_in_shares : exact;
   for (int correction = 0; correction < most_corrections; ++correction) {
     // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
     double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
@@ -292,7 +293,7 @@ bool ClusterStepper::solve_positions(StepReport& report) {
       std::fill(right.begin(), right.end(), 0.0);
       const double violation = linkage.violations(island.there, right);
       worst = std::max(worst, violation);
-      if (violation <= exact) continue;
+      if (violation <= exactness) continue;
       if (!std::isfinite(violation)) return false;
       ++report.newton;
       linkage.plan().solve(state.factors, island.unknowns);
@@ -302,12 +303,12 @@ bool ClusterStepper::solve_positions(StepReport& report) {
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    if (worst <= exact &&
+    if (worst <= exactness &&
         (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
-    if (worst > 0.5 || (correction > 3 && worst > exact && worst > 0.9 * last)) return false;
+    if (worst > 0.5 || (correction > 3 && worst > exactness && worst > 0.9 * last)) return false;
     last = worst;
   }
   return false;

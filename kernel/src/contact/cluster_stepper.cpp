@@ -6,6 +6,7 @@
 
 #include "contact/cluster_limits.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
+#include "time/composition.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;
@@ -45,8 +46,9 @@ Bounds reach(const LinkageState& state, double speed, double dt) {
   return bounds_of(*state.linkage, state.x, 1.1 * speed * dt + fall + margin);
 }
 
-void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt,
-                          std::uint32_t substeps, StepReport& report) {
+void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                          const ClusterRules& rules, double dt, StepReport& report) {
+  const std::uint32_t substeps = rules.substeps;
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -61,6 +63,11 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   while (left > 1e-12 * dt) {
     const double longest = std::max(std::min(dt / substeps, longest_substep(dt)), least);
     double h = left / std::ceil(left / longest - 1e-9);
+    if (composes(surroundings, rules, h) && substep_in_shares(surroundings, rules.time_order, h, report)) {
+      ++report.direct_substeps;
+      left -= h;
+      continue;
+    }
     while (!substep(surroundings, h, report)) {
       if (std::exchange(try_tighter_, false)) continue;
       h /= 2;
@@ -76,6 +83,32 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     ++report.direct_substeps;
     left -= h;
   }
+}
+
+/// Whether a substep is put together from shares: one island, nothing near, and a time order that wants it.
+bool ClusterStepper::composes(const Surroundings& surroundings, const ClusterRules& rules, double h) const {
+  if (rules.time_order == 2 || count_ != 1 || !islands_[0].awake) return false;
+  const LinkageState& state = *islands_[0].state;
+  return state.linkage->shapes().empty() || !surroundings.reach_into(reach(state, top_speed(state), h));
+}
+
+/// One substep composed of shares, some of them backwards. Rows that push (limits, drives, friction of joints)
+/// are not to be taken backwards: then all is put back, and false is returned.
+bool ClusterStepper::substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h,
+                                       StepReport& report) {
+  LinkageState& state = *islands_[0].state;
+  before_shares_ = state.motion();
+  is_composed_ = true;
+  bool done = true;
+  for (const double share : composition(time_order)) {
+    done = substep(surroundings, share * h, report) && rows_.empty() && !state.frozen;
+    if (!done) break;
+  }
+  is_composed_ = false;
+  if (done) return true;
+  state.motion() = before_shares_;
+  state.factored = false;
+  return false;
 }
 
 double ClusterStepper::longest_substep(double most) const {

@@ -12,6 +12,12 @@
 
 namespace plumb::detail {
 
+/// How a cluster's steps are cut.
+struct ClusterRules {
+  std::uint32_t substeps = 1;    ///< of a step, at least
+  std::uint32_t time_order = 2;  ///< of an island alone in the air; 4 and 6 compose substeps
+};
+
 /// Moves islands that touch, or may within a step, through that step together.
 ///
 /// A substep is RATTLE's with contacts. Constraints keep to the gradients of its start (gradient old), by one
@@ -27,8 +33,8 @@ class ClusterStepper {
   explicit ClusterStepper(Isa isa) : kernels_(&simd::kkt_kernels(isa)) {}
 
   /// Islands that sleep may be in the cluster: they are woken if something pushes them.
-  void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt,
-            std::uint32_t substeps, StepReport& report);
+  void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+            const ClusterRules& rules, double dt, StepReport& report);
 
  private:
   /// A sum of particles, among an island's terms.
@@ -110,6 +116,9 @@ class ClusterStepper {
 
   bool substep(const Surroundings& surroundings, double h, StepReport& report);
   double longest_substep(double most) const;
+  bool composes(const Surroundings& surroundings, const ClusterRules& rules, double h) const;
+  bool substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h,
+                         StepReport& report);
   void start(Island& island, double h);
   void freeze(Island& island, StepReport& report);
   bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
@@ -166,6 +175,8 @@ class ClusterStepper {
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;
   bool woken_ = false, all_near_ = false;
+  bool is_composed_ = false;     ///< the substep is a share of a composed one
+  LinkageMotion before_shares_;  ///< what a composed substep takes back
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
   double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits

@@ -71,6 +71,7 @@ class ContactSolver final : public Solver {
   void end_piece(std::uint32_t piece, double dt) override;
   void end_step(StepReport& report) override;
 
+  ErrorModel error_model() const override;
   double& best_substep(std::uint32_t piece) override;
   void save(std::uint32_t piece, Saved which) override;
   void restore(std::uint32_t piece, Saved which) override;
@@ -114,6 +115,7 @@ class ContactSolver final : public Solver {
 
   Isa isa_;
   bool sleep_;
+  std::uint32_t time_order_;
   Surroundings surroundings_;
   std::vector<std::unique_ptr<Linkage>> linkages_;
   std::vector<LinkageState> states_;

@@ -4,8 +4,6 @@
 
 namespace plumb::detail {
 
-using Index = std::uint32_t;
-
 SparseLdu::SparseLdu(const SparseAnalysis& analysis, Isa isa)
     : analysis_(&analysis),
       kernels_(&simd::front_kernels(isa)),
@@ -36,10 +34,10 @@ std::uint32_t SparseLdu::factorize(std::span<const double> values, std::span<con
     const std::size_t places_end = f + 1 < a.fronts_.size() ? a.fronts_[f + 1].place_begin : a.places_.size();
     for (std::size_t p = front.place_begin; p < places_end; ++p)
       block_[a.places_[p].at] += values[a.places_[p].value];
-    for (Index at = front.child_end; at-- > front.child_begin;) {
+    for (std::uint32_t at = front.child_end; at-- > front.child_begin;) {
       const SparseAnalysis::Front& child = a.fronts_[a.children_[at]];
       const std::size_t passed = child.rows - child.pivots;
-      const Index* to = a.relative_.data() + child.row_begin;
+      const std::uint32_t* to = a.relative_.data() + child.row_begin;
       top -= passed * passed;
       const double* from = stack_.data() + top;
       for (std::size_t i = 0; i < passed; ++i) {
@@ -57,22 +55,22 @@ std::uint32_t SparseLdu::factorize(std::span<const double> values, std::span<con
 void SparseLdu::solve(std::span<double> x) {
   const SparseAnalysis& a = *analysis_;
   for (const SparseAnalysis::Front& front : a.fronts_) {
-    const Index rest = front.rows - front.pivots;
-    const Index* to = a.rows_.data() + front.row_begin;
+    const std::uint32_t rest = front.rows - front.pivots;
+    const std::uint32_t* to = a.rows_.data() + front.row_begin;
     double* own = x.data() + front.first;
     std::copy_n(own, front.pivots, x_.data());
     std::fill(x_.data() + front.pivots, x_.data() + front.stride, 0.0);
     kernels_->forward(view(front), x_.data());
     std::copy_n(x_.data(), front.pivots, own);
-    for (Index i = 0; i < rest; ++i) x[to[i]] += x_[front.pivots + i];
+    for (std::uint32_t i = 0; i < rest; ++i) x[to[i]] += x_[front.pivots + i];
   }
   for (std::size_t f = a.fronts_.size(); f-- > 0;) {
     const SparseAnalysis::Front& front = a.fronts_[f];
-    const Index rest = front.rows - front.pivots;
-    const Index* from = a.rows_.data() + front.row_begin;
+    const std::uint32_t rest = front.rows - front.pivots;
+    const std::uint32_t* from = a.rows_.data() + front.row_begin;
     double* own = x.data() + front.first;
     std::copy_n(own, front.pivots, x_.data());
-    for (Index i = 0; i < rest; ++i) x_[front.pivots + i] = x[from[i]];
+    for (std::uint32_t i = 0; i < rest; ++i) x_[front.pivots + i] = x[from[i]];
     std::fill(x_.data() + front.rows, x_.data() + front.stride, 0.0);
     kernels_->backward(view(front), x_.data());
     std::copy_n(x_.data(), front.pivots, own);

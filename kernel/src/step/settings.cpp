@@ -100,6 +100,8 @@ std::string_view to_string(Method method) {
     case Method::featherstone:
       return "featherstone";
   }
+  for (const detail::MethodRow& row : detail::method_rows())  // of a program's own
+    if (row.method == method) return row.name;
   return "unknown";
 }
 

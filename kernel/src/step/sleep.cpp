@@ -10,8 +10,7 @@ constexpr double sleep_time = 0.5;
 
 }  // namespace
 
-void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, bool enabled, Precision precision) {
-  enabled_ = enabled;
+void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, Precision precision) {
   relative_speed_ = precision == Precision::single ? 1e-5 : 1e-10;
   for (std::uint32_t s = 0; s < solvers.size(); ++s) {
     first_task_.push_back(static_cast<std::uint32_t>(tasks_.size()));

@@ -23,11 +23,9 @@ struct Task {
 /// Islands that may touch sleep by speed, as their solver decides (contact/clusters.hpp).
 class Sleep {
  public:
-  /// `enabled`: pieces that stand are not visited; else their step is computed and taken back.
-  void start(std::span<const std::unique_ptr<Solver>> solvers, bool enabled, Precision precision);
+  void start(std::span<const std::unique_ptr<Solver>> solvers, Precision precision);
 
   std::span<Task> tasks() { return tasks_; }
-  bool enabled() const { return enabled_; }
   bool all_asleep() const { return awake_ == 0; }
   std::uint32_t awake_tasks() const { return awake_; }
 
@@ -35,9 +33,6 @@ class Sleep {
   double rounding_speed(const Solver& solver, std::uint32_t piece) const {
     return relative_speed_ * solver.size(piece);
   }
-  /// Whether a task needs no step.
-  bool skips(const Task& task) const { return task.asleep && enabled_; }
-
   bool is_asleep(std::span<const std::unique_ptr<Solver>> solvers, Place place) const {
     return tasks_[first_task_[place.solver] + solvers[place.solver]->piece_of(place.slot)].asleep;
   }
@@ -53,7 +48,6 @@ class Sleep {
   std::vector<Task> tasks_;
   std::vector<std::uint32_t> first_task_;  ///< by solver
   std::uint32_t awake_ = 0;
-  bool enabled_ = true;
   double relative_speed_ = 0;  ///< 1/s
 };
 

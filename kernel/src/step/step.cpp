@@ -40,7 +40,7 @@ Step::Step(const Scene& scene, const Settings& settings)
   // One particle alone has no length for an error to be relative to.
   const double diagonal = bounding_diagonal(scene);
   if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
-  sleep_.start(compiled_.solvers, settings.sleep, settings.precision);
+  sleep_.start(compiled_.solvers, settings.precision);
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
   active_.reserve(sleep_.tasks().size());
@@ -67,7 +67,7 @@ void Step::wake(StepReport&) {
 
 void Step::collide(StepReport&) {
   ContactSolver& contact = *compiled_.contact;
-  if (sleep_.enabled())
+  if (settings_.sleep)
     contact.see_rest([&](std::uint32_t home, Slot slot) {
       return sleep_.is_asleep(compiled_.solvers, {home, slot});
     });
@@ -80,10 +80,10 @@ void Step::collide(StepReport&) {
 void Step::solve(StepReport& report) {
   active_.clear();
   visited_.clear();
-  if (!sleep_.all_asleep() || !sleep_.enabled()) {
+  if (!sleep_.all_asleep()) {
     const std::span<Task> tasks = sleep_.tasks();
     for (std::uint32_t t = 0; t < tasks.size(); ++t) {
-      if (sleep_.skips(tasks[t])) continue;
+      if (tasks[t].asleep) continue;
       if (visited_.empty() || visited_.back() != tasks[t].solver) visited_.push_back(tasks[t].solver);
       if (!compiled_.solvers[tasks[t].solver]->wants_team()) active_.push_back(t);
     }

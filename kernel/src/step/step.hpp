@@ -20,6 +20,8 @@ class Step {
 
   /// Advances by dt seconds; see step.cpp for its stages.
   StepReport run(double dt);
+  /// Throws what the executor threw in the last step, which was done all the same.
+  void rethrow_executor_failure() { workers_.team().rethrow_failure(); }
 
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
@@ -40,7 +42,6 @@ class Step {
   static const Stage all_stages[];
 
   bool always() const { return true; }
-  bool has_anchors() const { return true; }
   bool has_contact() const { return compiled_.contact != nullptr; }
 
   void wake(StepReport& report);

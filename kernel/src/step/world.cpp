@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plumb/executor.hpp"
 #include "relax/plan.hpp"
 #include "scene/refuse.hpp"
 #include "step/step.hpp"
@@ -11,9 +12,24 @@ namespace plumb {
 
 using detail::refuse;
 
+namespace {
+
+/// The shortest substep (s) whose square, and the farthest coordinate (m) whose square, the precision holds
+/// with room for masses and forces.
+double shortest_substep(Precision precision) {
+  return precision == Precision::single ? 1e-15 : 1e-100;
+}
+double farthest_coordinate(Precision precision) {
+  return precision == Precision::single ? 1e15 : 1e100;
+}
+
+}  // namespace
+
 struct World::Impl {
   std::unique_ptr<detail::Step> step;
   std::vector<std::uint8_t> fixed;
+  Precision precision = Precision::double_;
+  std::uint32_t substeps = 1;
   std::uint32_t rods = 0;
   double time = 0;
 
@@ -35,9 +51,13 @@ struct World::Impl {
 World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>()) {
   validate(scene);
   validate(settings);
+  if (settings.executor && settings.executor->concurrency() == 0)
+    refuse("the executor has a concurrency of 0: it must run at least one task at a time");
   detail::require_addressable(scene.particles.size(), scene.rods.size());
   impl_->step = std::make_unique<detail::Step>(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
+  impl_->precision = settings.precision;
+  impl_->substeps = settings.substeps;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
 }
 World::~World() = default;
@@ -46,8 +66,12 @@ World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step(double dt) {
   if (!(dt > 0) || !std::isfinite(dt)) refuse("dt must be positive and finite, got ", dt);
+  if (dt / impl_->substeps < shortest_substep(impl_->precision))
+    refuse("dt ", dt, " s in ", impl_->substeps, " substeps is too short for ", to_string(impl_->precision),
+           ": a substep takes at least ", shortest_substep(impl_->precision), " s");
   const StepReport report = impl_->step->run(dt);
   impl_->time += dt;
+  impl_->step->rethrow_executor_failure();
   return report;
 }
 
@@ -69,6 +93,10 @@ void World::set_force(std::uint32_t particle, Vec3 force) {
 void World::move_anchor(std::uint32_t particle, Vec3 target) {
   impl_->require(particle, true, "only fixed particles are moved as anchors");
   if (!is_finite(target)) refuse("particle ", particle, ": target is not finite");
+  const double most = farthest_coordinate(impl_->precision);
+  if (std::max({std::abs(target.x), std::abs(target.y), std::abs(target.z)}) > most)
+    refuse("particle ", particle, ": target is too far for ", to_string(impl_->precision), ", at most ", most,
+           " m from the origin");
   impl_->step->move_anchor(particle, target);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "threads/flush_denormals.hpp"
 
@@ -42,9 +43,18 @@ void Team::lead_erased(Executor* executor, Program program, void* context) {
   finished_.store(false, std::memory_order_relaxed);
   helpers_.store(0, std::memory_order_relaxed);
   active_ = true;
-  executor->run(
-      size_, [](void* team, unsigned) { static_cast<Team*>(team)->task(); }, this);
+  try {
+    executor->run(
+        size_, [](void* team, unsigned) { static_cast<Team*>(team)->task(); }, this);
+  } catch (...) {
+    failure_ = std::current_exception();
+    if (!has_leader_.load(std::memory_order_acquire)) task();  // the program runs all the same, alone
+  }
   active_ = false;
+}
+
+void Team::rethrow_failure() {
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void Team::task() {

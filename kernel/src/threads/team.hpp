@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <memory>
 
 #include "plumb/executor.hpp"
@@ -31,6 +32,9 @@ class Team {
     lead_erased(
         executor, [](void* context) { (*static_cast<P*>(context))(); }, &program);
   }
+
+  /// Throws what the executor threw in the last lead(), in which the program ran all the same.
+  void rethrow_failure();
 
   /// Inside lead(): calls f(part) for every part in [0, parts()), in parallel, and returns when all are done.
   template <class F>
@@ -78,6 +82,7 @@ class Team {
   };
 
   unsigned size_;
+  std::exception_ptr failure_;
   bool active_ = false;
   std::unique_ptr<Lane[]> lanes_;
   Program program_ = nullptr;

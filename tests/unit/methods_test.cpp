@@ -1,0 +1,200 @@
+// The table of methods: what each reads, refuses and why, and that a new one is one row.
+
+#include "step/methods.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "plumb/plumb.hpp"
+#include "relax/relax_solver.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/spec.hpp"
+#include "support/limbs.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+enum class Touch : std::uint8_t { nothing, plane, others };
+
+/// Gives every rod a shape, and something to touch: a plane just below, or a ball beside it.
+Scene with_touch(Scene scene, Touch touch) {
+  if (touch == Touch::nothing) return scene;
+  for (std::size_t i = 0; i < scene.rods.size() && scene.bodies.empty() && scene.capsules.size() < 40; ++i)
+    if (!scene.particles[scene.rods[i].a].fixed || !scene.particles[scene.rods[i].b].fixed)
+      scene.capsules.push_back(
+          {.a = point_at(scene.rods[i].a), .b = point_at(scene.rods[i].b), .radius = 0.005});
+  Vec3 low = scene.particles.front().position, high = low;
+  for (const Particle& particle : scene.particles) {
+    low = {std::min(low.x, particle.position.x), std::min(low.y, particle.position.y), 0};
+    high = {std::max(high.x, particle.position.x), high.y, 0};
+  }
+  if (touch == Touch::plane)
+    scene.planes.push_back({.offset = low.y - 0.05});
+  else
+    test::add_ball(scene, {0.5 * (low.x + high.x), low.y - 0.3, 0}, 0.2, 1);
+  return scene;
+}
+
+struct Shape {
+  const char* name;
+  Scene scene;
+};
+
+std::vector<Shape> shapes() {
+  return {{"chain", scenes::make_chain(12)},
+          {"net", scenes::make_net(5, 4)},
+          {"tree with mass", scenes::make_tree()},
+          {"humanoid", scenes::load_scene("humanoid:body=thin")}};
+}
+
+/// Runs a cell of the matrix; empty, or the reason of its refusal.
+std::string refusal(const Scene& scene, const Settings& settings) {
+  try {
+    World world(scene, settings);
+    for (int i = 0; i < 3; ++i) world.step(1.0 / 60);
+    EXPECT_TRUE(test::all_finite(world));
+    return {};
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+// Every method, precision, gradient, accuracy and thing to touch, with every shape of scene: a cell runs, or
+// is refused for a reason that the documentation states (kernel/LIMITS.md).
+TEST(Methods, RunOrRefuseEveryCombinationForAReason) {
+  int cells = 0, refused = 0;
+  for (const Shape& shape : shapes())
+    for (const Touch touch : {Touch::nothing, Touch::plane, Touch::others}) {
+      const Scene scene = with_touch(shape.scene, touch);
+      for (const Method method : {Method::relax, Method::direct, Method::automatic})
+        for (const Precision precision : {Precision::single, Precision::double_})
+          for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_})
+            for (const bool controlled : {false, true}) {
+              Settings settings{.method = method, .precision = precision, .gradient = gradient, .threads = 1};
+              if (controlled) settings.accuracy = 1e-2;
+              const std::string reason = refusal(scene, settings);
+              ++cells;
+              if (reason.empty()) continue;
+              ++refused;
+              // Joints are for direct solves along old gradients alone.
+              EXPECT_STREQ(shape.name, "humanoid") << reason;
+              EXPECT_TRUE(method == Method::relax || gradient != Gradient::old) << reason;
+              EXPECT_NE(reason.find("joints"), std::string::npos) << reason;
+            }
+    }
+  RecordProperty("cells", cells);
+  RecordProperty("refused", refused);
+  EXPECT_EQ(cells, 432);
+  EXPECT_EQ(refused, 84);
+  EXPECT_LE(refused, cells / 5);
+}
+
+// A setting that differs from its default and that the method does not read is refused by its name.
+TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
+  const auto set = [](detail::Reads id) {
+    Settings s;
+    switch (id) {
+      case detail::Reads::precision:
+        s.precision = Precision::single;
+        break;
+      case detail::Reads::gradient:
+        s.gradient = Gradient::old;
+        break;
+      case detail::Reads::mass:
+        s.mass = MassModel::lumped;
+        break;
+      case detail::Reads::weights:
+        s.weights = Weights::equal;
+        break;
+      case detail::Reads::order:
+        s.order = SweepOrder::jacobi;
+        break;
+      case detail::Reads::omega:
+        s.omega = 1.5;
+        break;
+      case detail::Reads::time_order:
+        s.time_order = 4, s.gradient = Gradient::old;
+        break;
+      case detail::Reads::accuracy:
+        s.accuracy = 1e-3;
+        break;
+      case detail::Reads::sweeps:
+        s.stop.sweeps = 3;
+        break;
+      case detail::Reads::tolerance:
+        s.stop.tolerance = 1e-3;
+        break;
+      case detail::Reads::budget_us:
+        s.stop.budget_us = 10.0;
+        break;
+      case detail::Reads::integrator:
+        s.integrator = Integrator::rk2;
+        break;
+      case detail::Reads::springs:
+        s.springs.stiffness = 7;
+        break;
+      case detail::Reads::multipliers:
+        s.multipliers.baumgarte_rate = 7;
+        break;
+      case detail::Reads::sleep:
+        s.sleep = false;
+        break;
+      case detail::Reads::layout:
+        s.layout = LayoutChoice::soa;
+        break;
+    }
+    return s;
+  };
+  const Scene scene = scenes::make_chain(3);
+  for (const detail::MethodRow& method : detail::method_rows())
+    for (const detail::SettingRow& setting : detail::setting_rows()) {
+      if (contains(method.reads, setting.id)) continue;
+      Settings settings = set(setting.id);
+      if (setting.id == detail::Reads::time_order && !contains(method.reads, detail::Reads::gradient))
+        settings.gradient.reset();
+      settings.method = method.method;
+      const std::string reason = refusal(scene, settings);
+      EXPECT_NE(reason.find(setting.name), std::string::npos) << method.name << ": " << reason;
+    }
+}
+
+TEST(Methods, AutomaticRefusesWhatNoIslandReads) {
+  Settings settings;
+  settings.stop.sweeps = 3;
+  EXPECT_NE(refusal(scenes::make_chain(3), settings).find("sweeps"), std::string::npos);
+  EXPECT_EQ(refusal(scenes::make_net(20, 20), settings), "");
+}
+
+// Worlds refuse what would change nothing, too.
+TEST(Methods, WorldsRefuseRulesThatNothingReads) {
+  World world(scenes::make_chain(3), {.method = Method::direct});
+  EXPECT_THROW(world.set_weights(Weights::equal), InputError);
+  EXPECT_THROW(world.set_stop_rule({.sweeps = 3}), InputError);
+}
+
+// A new method is one row: here one under another number that relaxes.
+TEST(Methods, ARowIsAllThatANewMethodNeeds) {
+  const auto mine = static_cast<Method>(77);
+  detail::register_method({.method = mine,
+                           .name = "mine",
+                           .moves = "particles and rods",
+                           .reads = detail::Reads::sweeps | detail::Reads::accuracy,
+                           .make = detail::make_relax_solvers});
+  const Scene scene = scenes::make_chain(5);
+  Settings settings{.method = mine, .threads = 1}, relax{.method = Method::relax, .threads = 1};
+  World world(scene, settings), twin(scene, relax);
+  test::run(world, 1.0 / 60, 10);
+  test::run(twin, 1.0 / 60, 10);
+  EXPECT_EQ(world.state_hash(), twin.state_hash());
+  EXPECT_EQ(to_string(mine), "mine");
+  settings.omega = 1.5;
+  EXPECT_NE(refusal(scene, settings).find("mine"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumb
