@@ -1,7 +1,8 @@
 // A pendulum of 1 m let go from the side: after 0.1 s it has fallen about g t^2/2.
+#include <plumb/plumb.hpp>
+
 #include <cmath>
 #include <cstdio>
-#include <plumb/plumb.hpp>
 #include <string>
 
 int main() {
@@ -9,14 +10,10 @@ int main() {
   scene.particles.push_back({.position = {0, 0, 0}, .velocity = {}, .mass = 0, .fixed = true});
   scene.particles.push_back({.position = {1, 0, 0}, .velocity = {}, .mass = 1});
   scene.rods.push_back({.a = 0, .b = 1});
-  plumb::World world(
-      scene, {.method = Method::relax, .gradient = plumb::Gradient::old, .substeps = 8, .threads = 2});
+  plumb::World world(scene, {.gradient = plumb::Gradient::old, .substeps = 8});
   for (int frame = 0; frame < 6; ++frame) world.step(1.0 / 60);
   const plumb::Vec3 tip = world.position(1);
-  std::printf("plumb %s, %s: tip at %g %g\n", std::string(plumb::version()).c_str(),
-              std::string(plumb::to_string(world.info().isa)).c_str(), tip.x, tip.y);
+  std::printf("%s: tip at %g %g\n", std::string(plumb::to_string(world.info().isa)).c_str(), tip.x, tip.y);
   const bool fell = std::abs(tip.y + 9.81 * 0.01 / 2) < 1e-3 && std::abs(plumb::norm(tip) - 1) < 1e-6;
-  const std::string headers = std::to_string(PLUMB_VERSION_MAJOR) + "." +
-                              std::to_string(PLUMB_VERSION_MINOR) + "." + std::to_string(PLUMB_VERSION_PATCH);
-  return fell && plumb::version() == headers ? 0 : 1;
+  return fell ? 0 : 1;
 }
