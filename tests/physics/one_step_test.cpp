@@ -93,7 +93,8 @@ Scene hanging(std::uint32_t links) {
   return scene;
 }
 
-// A twin that is told of the same force before every step never stands still. What both differ by is rounding.
+// A twin that is told of the same force before every step never stands still. What both differ by is
+// rounding.
 TEST(OneStep, WhatHangsStillFallsAsleepWhereItWouldStay) {
   for (const Method method : {Method::direct, Method::automatic, Method::relax}) {
     const std::uint32_t links = method == Method::relax ? 10 : 1000;

@@ -92,8 +92,8 @@ bool ClusterStepper::composes(const Surroundings& surroundings, const ClusterRul
   return state.linkage->shapes().empty() || !surroundings.reach_into(reach(state, top_speed(state), h));
 }
 
-/// One substep composed of shares, some of them backwards. Rows that push (limits, drives, friction of joints)
-/// are not to be taken backwards: then all is put back, and false is returned.
+/// One substep composed of shares, some of them backwards. Rows that push (limits, drives, friction of
+/// joints) are not to be taken backwards: then all is put back, and false is returned.
 bool ClusterStepper::substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h,
                                        StepReport& report) {
   LinkageState& state = *islands_[0].state;

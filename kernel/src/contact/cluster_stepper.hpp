@@ -175,8 +175,8 @@ class ClusterStepper {
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;
   bool woken_ = false, all_near_ = false;
-  bool is_composed_ = false;     ///< the substep is a share of a composed one
-  LinkageMotion before_shares_;  ///< what a composed substep takes back
+  bool is_composed_ = false;                  ///< the substep is a share of a composed one
+  LinkageMotion before_shares_;               ///< what a composed substep takes back
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
   double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits

@@ -1,8 +1,7 @@
 // A pendulum of 1 m let go from the side: after 0.1 s it has fallen about g t^2/2.
-#include <plumb/plumb.hpp>
-
 #include <cmath>
 #include <cstdio>
+#include <plumb/plumb.hpp>
 #include <string>
 
 int main() {

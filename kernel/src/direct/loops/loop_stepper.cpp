@@ -318,8 +318,7 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Ste
   return std::numeric_limits<double>::infinity();
 }
 
-void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work,
-                             StepReport& counters) const {
+void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const {
   ++counters.unsolved;
   begin(state, h, Gradient::new_, work);
   measure_rods(state, work);

@@ -99,8 +99,7 @@ class LoopStepper {
   bool iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
                StepReport& counters) const;
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
-  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
-             StepReport& counters) const;
+  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, StepReport& counters) const;
   void compromise(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const;
   /// Returns the estimate.
   double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;

@@ -4,10 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "plumb/world.hpp"
-
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/rod_lines.hpp"
+#include "plumb/world.hpp"
 
 namespace plumb::detail {
 

@@ -5,8 +5,8 @@
 namespace plumb::detail {
 
 /// How one long line that hangs from a fixed particle is cut into segments of equal length that lie side by
-/// side in lanes: node i is entry i mod s of lane i / s. See simd/tree/segment_lanes.hpp. What happens rarely is
-/// done on the line as a whole, a tree alone.
+/// side in lanes: node i is entry i mod s of lane i / s. See simd/tree/segment_lanes.hpp. What happens rarely
+/// is done on the line as a whole, a tree alone.
 class LineSegments {
  public:
   /// Whether a tree is such a line and long enough for segments to pay.
