@@ -11,7 +11,7 @@ constexpr double sleep_time = 0.5;
 }  // namespace
 
 void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, Precision precision) {
-  relative_speed_ = precision == Precision::single ? 1e-5 : 1e-10;
+  relative_speed_ = precision == Precision::single ? 1e-4 : 1e-10;
   for (std::uint32_t s = 0; s < solvers.size(); ++s) {
     first_task_.push_back(static_cast<std::uint32_t>(tasks_.size()));
     if (solvers[s]->has_changing_pieces()) continue;
