@@ -112,6 +112,7 @@ class SpringRods final : public SpringSystem {
     std::vector<double> inverse_masses = lumped_masses(scene());
     for (double& mass : inverse_masses) mass = 1 / mass;
     std::vector<Vec3> velocities;
+    velocities.reserve(particles.size());
     for (const Particle& particle : particles)
       velocities.push_back(particle.fixed ? Vec3{} : particle.velocity);
     project_velocities(scene(), inverse_masses, velocities);

@@ -96,7 +96,9 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
                              const layouts::Tree& tree, const TreeMembers& members) {
   const std::uint32_t nodes = tree.nodes();
   Masses masses(nodes, tree.pins.size());
-  auto& [mass, least, first_moment, coupling, pin_coupling] = masses;
+  // Names of their own, not bindings: clang 14 lets no lambda take those.
+  std::vector<double>&mass = masses.mass, &least = masses.least, &first_moment = masses.first_moment;
+  std::vector<double>&coupling = masses.coupling, &pin_coupling = masses.pin_coupling;
   // Adds the rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
   const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples,
                            bool other_moves) {
