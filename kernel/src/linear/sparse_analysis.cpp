@@ -71,9 +71,12 @@ std::vector<Index> postorder(const std::vector<Index>& parent) {
   return order;
 }
 
-double operations_of(double pivots, double rows) {
+double operations_of(std::size_t pivots, std::size_t rows) {
   double sum = 0;
-  for (double k = 0; k < pivots; ++k) sum += (rows - k) * (rows - k);
+  for (std::size_t k = 0; k < pivots; ++k) {
+    const auto left = static_cast<double>(rows - k);
+    sum += left * left;
+  }
   return sum;
 }
 
@@ -130,7 +133,7 @@ double SparseAnalysis::estimate(const SparsePattern& pattern) {
   const Symbolic s = analyse(pattern);
   double sum = 0;
   for (Index i = 0; i < s.order.size(); ++i) {
-    double rows = pattern.size[s.order[i]];
+    std::size_t rows = pattern.size[s.order[i]];
     for (const Index j : s.below[i]) rows += pattern.size[s.order[j]];
     sum += operations_of(pattern.size[s.order[i]], rows);
   }
