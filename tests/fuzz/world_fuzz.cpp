@@ -1,8 +1,11 @@
-// Small worlds: an InputError, or a state that stays finite, the same with every instruction set.
+// Small worlds: an InputError, or a state that stays finite, the same with every instruction set. With
+// PLUMB_FUZZ_PRINT in the environment, each world is printed before it is made.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
+#include <string>
 
 #include "fuzz/random_world.hpp"
 #include "plumb/plumb.hpp"
@@ -12,11 +15,31 @@ namespace {
 
 using namespace plumb;
 
-[[noreturn]] void fail(const fuzz::RandomWorld& random, const char* what) {
-  std::fprintf(stderr, "%s\nmethod %s, precision %s, dt %.17g, %d steps\n%s\n", what,
-               std::string(to_string(random.settings.method)).c_str(),
-               std::string(to_string(random.settings.precision)).c_str(), random.dt, random.steps,
+void print(const fuzz::RandomWorld& random) {
+  const Settings& s = random.settings;
+  const auto text = [](auto value) { return std::string(to_string(value)); };
+  const auto or_none = [](const std::optional<double>& value) {
+    return value ? std::to_string(*value) : "none";
+  };
+  std::fprintf(stderr,
+               "method=%s precision=%s gradient=%s mass=%s weights=%s order=%s omega=%.17g substeps=%u\n",
+               text(s.method).c_str(), text(s.precision).c_str(),
+               s.gradient ? text(*s.gradient).c_str() : "none", s.mass ? text(*s.mass).c_str() : "none",
+               text(s.weights).c_str(), text(s.order).c_str(), s.omega, s.substeps);
+  std::fprintf(
+      stderr,
+      "time_order=%u accuracy=%s sweeps=%u tolerance=%s springs=%s integrator=%s layout=%s sleep=%d\n",
+      s.time_order, or_none(s.accuracy).c_str(), s.stop.sweeps, or_none(s.stop.tolerance).c_str(),
+      text(s.springs.model).c_str(), s.integrator ? text(*s.integrator).c_str() : "none",
+      text(s.layout).c_str(), s.sleep);
+  std::fprintf(stderr, "%d steps of %.17g s; before the second, particle %u is pushed by (%g, %g, %g)\n%s\n",
+               random.steps, random.dt, random.pushed, random.push.x, random.push.y, random.push.z,
                scenes::format_scene(random.scene).c_str());
+}
+
+[[noreturn]] void fail(const fuzz::RandomWorld& random, const char* what) {
+  std::fprintf(stderr, "%s\n", what);
+  print(random);
   std::abort();
 }
 
@@ -47,6 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const fuzz::RandomWorld random = fuzz::make_random_world(data, size);
     if (random.pushed >= random.scene.particles.size()) return 0;
+    if (std::getenv("PLUMB_FUZZ_PRINT") != nullptr) print(random);
     if (run(random, Isa::scalar) != run(random, best_isa())) fail(random, "instruction sets do not agree");
   } catch (const InputError&) {
   }

@@ -106,10 +106,10 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     const RodMass m = rod_mass(scene, rod, model);
     const bool is_a = scene.rods[rod].a == members.vertices[vertex];
     const double own = is_a ? m.aa : m.bb, other = is_a ? m.bb : m.aa;
-    mass[i] += own;
+    masses.mass[i] += own;
     // [aa ab; ab bb] lies above its diagonal less |ab| sqrt(aa/bb) and |ab| sqrt(bb/aa).
-    least[i] += other_moves && m.ab != 0 ? own - std::abs(m.ab) * std::sqrt(own / other) : own;
-    first_moment[i] += own + m.ab;
+    masses.least[i] += other_moves && m.ab != 0 ? own - std::abs(m.ab) * std::sqrt(own / other) : own;
+    masses.first_moment[i] += own + m.ab;
     couples = m.ab;
     return rod_length(scene, rod) * rod_length(scene, rod);
   };
