@@ -19,7 +19,7 @@ int main() {
       if (row + 1 < side) scene.rods.push_back({.a = here, .b = here + side, .length = 0.1});
     }
 
-  plumb::World world(scene, {.substeps = 8, .stop = {.sweeps = 50}});
+  plumb::World world(scene, {.method = plumb::Method::relax, .substeps = 8, .stop = {.sweeps = 50}});
   for (int frame = 0; frame < 10 * 60; ++frame) world.step(1.0 / 60);
 
   std::uint32_t lowest = 0;
