@@ -129,6 +129,10 @@ struct Settings {
   /// Largest growth of the estimated error per second, as a share of the scene's diagonal. It picks substeps,
   /// for direct and for springs with adaptive_implicit_euler.
   std::optional<double> accuracy{};
+  /// Most work of an island in a step: Newton steps, sweeps and substeps, those of repeated tries included.
+  /// An island that reaches it takes the rest as it comes, uncut and inaccurate, and is counted
+  /// (StepReport::capped_steps). Substeps and sweeps that are asked for by number are always taken.
+  std::uint64_t most_work = 20'000;
   StopRule stop{};                         ///< When relaxation stops sweeping.
   std::optional<Integrator> integrator{};  ///< None: semi_implicit_euler for springs, else rk4.
   SpringSettings springs{};                ///< What method springs uses.

@@ -259,7 +259,7 @@ double ClusterStepper::sweep_velocities() {
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::looks>();
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::pushes>();
 
-bool ClusterStepper::solve_positions(StepReport& report) {
+bool ClusterStepper::solve_positions(Tally& report) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.sides.empty()) see(island, island.d);

@@ -47,7 +47,7 @@ Bounds reach(const LinkageState& state, double speed, double dt) {
 }
 
 void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-                          const ClusterRules& rules, double dt, StepReport& report) {
+                          const ClusterRules& rules, double dt, Tally& report) {
   const std::uint32_t substeps = rules.substeps;
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
@@ -56,11 +56,11 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
   double left = dt;
-  const double least = dt / most_cuts;
   shortest_ = dt / most_guards;
   recovery_rate_ = taken_back * substeps / dt;
   tight_ = false;
   while (left > 1e-12 * dt) {
+    const double least = report.is_spent() ? dt / substeps : dt / most_cuts;
     const double longest = std::max(std::min(dt / substeps, longest_substep(dt)), least);
     double h = left / std::ceil(left / longest - 1e-9);
     if (composes(surroundings, rules, h) && substep_in_shares(surroundings, rules.time_order, h, report)) {
@@ -95,7 +95,7 @@ bool ClusterStepper::composes(const Surroundings& surroundings, const ClusterRul
 /// One substep composed of shares, some of them backwards. Rows that push (limits, drives, friction of
 /// joints) are not to be taken backwards: then all is put back, and false is returned.
 bool ClusterStepper::substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h,
-                                       StepReport& report) {
+                                       Tally& report) {
   LinkageState& state = *islands_[0].state;
   before_shares_ = state.motion();
   is_composed_ = true;
@@ -134,7 +134,7 @@ double ClusterStepper::longest_substep(double most) const {
 }
 
 // Back to where it was before the substep, for good.
-void ClusterStepper::freeze(Island& island, StepReport& report) {
+void ClusterStepper::freeze(Island& island, Tally& report) {
   LinkageState& state = *island.state;
   std::swap(state.x, island.there);
   std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
@@ -183,7 +183,7 @@ void ClusterStepper::start(Island& island, double h) {
   for (std::uint32_t i = 0; i < movable; ++i) island.d[i] = linkage.taken(right, i);
 }
 
-bool ClusterStepper::substep(const Surroundings& surroundings, double h, StepReport& report) {
+bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& report) {
   all_near_ = false;
   still_ = least_still;
   for (std::uint32_t i = 0; i < count_; ++i)
@@ -231,7 +231,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, StepRep
   return true;
 }
 
-bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, StepReport& report) {
+bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, Tally& report) {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) start(islands_[i], h);
   do {

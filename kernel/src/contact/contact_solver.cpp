@@ -137,7 +137,7 @@ std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
 }
 
 double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
-                              StepReport& report) {
+                              Tally& report) {
   steppers_[part].step(cluster(piece), surroundings_, {count, time_order_}, h * count, report);
   return 0;
 }

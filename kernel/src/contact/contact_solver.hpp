@@ -66,8 +66,7 @@ class ContactSolver final : public Solver {
   void begin_step(double dt, Team& team) override;
   /// Instead of begin_step(), if no island is awake.
   void clear_pieces() { pieces_.clear(); }
-  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
-                 StepReport& report) override;
+  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& report) override;
   void end_piece(std::uint32_t piece, double dt) override;
   void end_step(StepReport& report) override;
 

@@ -41,6 +41,7 @@ void validate(const Settings& settings) {
   if (settings.substeps == 0 || settings.substeps > most_substeps) {
     refuse("substeps must be from 1 to ", most_substeps, ", got ", settings.substeps);
   }
+  if (settings.most_work == 0) refuse("most work must be at least 1, got 0");
   validate(settings.stop);
   if (settings.isa) validate_isa(*settings.isa);
   if (settings.accuracy && !(*settings.accuracy > 0 && std::isfinite(*settings.accuracy)))

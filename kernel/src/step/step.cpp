@@ -37,6 +37,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       anchors_(scene, compiled_.solvers.size()),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
+  rules_.most_work = settings.most_work;
   // One particle alone has no length for an error to be relative to.
   const double diagonal = bounding_diagonal(scene);
   if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
