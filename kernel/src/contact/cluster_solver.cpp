@@ -304,7 +304,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
       if (!island.sides.empty()) see(island, island.d);
     }
     if (worst <= exactness &&
-        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
+        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }

@@ -36,7 +36,14 @@ double top_speed(const LinkageState& state) {
   return std::sqrt(square);
 }
 
-Bounds reach(const LinkageState& state, double speed, double dt) {
+ContactSettings scaled(ContactSettings settings) {
+  for (double* const each :
+       {&settings.margin, &settings.slop, &settings.bounce_speed, &settings.tolerance, &settings.sleep_speed})
+    *each *= settings.length_scale;
+  return settings;
+}
+
+Bounds reach(const LinkageState& state, double speed, double dt, double margin) {
   double pull = 0;
   for (const Vec3 force : state.force) pull += norm(force);
   double fall = 0.5 * pull / state.linkage->mass() * dt * dt;
@@ -57,7 +64,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   }
   double left = dt;
   shortest_ = dt / most_guards;
-  recovery_rate_ = taken_back * substeps / dt;
+  recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = false;
   while (left > 1e-12 * dt) {
     const double least = report.is_spent() ? dt / substeps : dt / most_cuts;
@@ -89,7 +96,8 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
 bool ClusterStepper::composes(const Surroundings& surroundings, const ClusterRules& rules, double h) const {
   if (rules.time_order == 2 || count_ != 1 || !islands_[0].awake) return false;
   const LinkageState& state = *islands_[0].state;
-  return state.linkage->shapes().empty() || !surroundings.reach_into(reach(state, top_speed(state), h));
+  return state.linkage->shapes().empty() ||
+         !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin));
 }
 
 /// One substep composed of shares, some of them backwards. Rows that push (limits, drives, friction of
@@ -185,10 +193,10 @@ void ClusterStepper::start(Island& island, double h) {
 
 bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& report) {
   all_near_ = false;
-  still_ = least_still;
+  still_ = least_still * settings_.length_scale;
   for (std::uint32_t i = 0; i < count_; ++i)
-    still_ = std::max(
-        still_, (tight_ ? tighter : 1) * still * 0.5 * h * h * norm(islands_[i].state->linkage->gravity()));
+    still_ = std::max(still_, (tight_ ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
+                                  norm(islands_[i].state->linkage->gravity()));
   if (!find_positions(surroundings, h, report)) return false;
   if (is_contact_missed()) {
     all_near_ = true;

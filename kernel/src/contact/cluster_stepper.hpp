@@ -12,6 +12,9 @@
 
 namespace plumb::detail {
 
+/// The settings with their length scale in all lengths and speeds.
+ContactSettings scaled(ContactSettings settings);
+
 /// How a cluster's steps are cut.
 struct ClusterRules {
   std::uint32_t substeps = 1;    ///< of a step, at least
@@ -30,7 +33,9 @@ struct ClusterRules {
 /// whole, which keeps momentum and angular momentum; in free flight what it would lose is given back.
 class ClusterStepper {
  public:
-  explicit ClusterStepper(Isa isa) : kernels_(&simd::kkt_kernels(isa)) {}
+  /// The settings are scaled already (scaled()).
+  ClusterStepper(Isa isa, const ContactSettings& settings)
+      : kernels_(&simd::kkt_kernels(isa)), settings_(settings) {}
 
   /// Islands that sleep may be in the cluster: they are woken if something pushes them.
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
@@ -169,6 +174,7 @@ class ClusterStepper {
   void keep_contacts(double h);
 
   const simd::KktKernels* kernels_;
+  ContactSettings settings_;
   std::vector<Island> islands_;
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;

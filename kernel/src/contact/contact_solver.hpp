@@ -114,6 +114,8 @@ class ContactSolver final : public Solver {
 
   Isa isa_;
   bool sleep_;
+  double sleep_time_;         ///< s
+  ContactSettings settings_;  ///< scaled
   std::uint32_t time_order_;
   Surroundings surroundings_;
   std::vector<std::unique_ptr<Linkage>> linkages_;
