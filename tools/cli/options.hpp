@@ -15,11 +15,10 @@ namespace plumb::tools {
 Option add_words(Command& command, const std::string& name, const std::vector<std::string>& words, Take take,
                  const std::string& help);
 
-/// An option whose words are the names of enum values, for an Enum or an optional one.
+/// Adds an option whose words are the names of enum values. The target is an Enum or an optional one.
 template <class Enum, class Target>
-Option add_choice(Command& command, const std::string& name, Target& target,
-                  std::initializer_list<Enum> values, const std::string& help) {
-  const std::vector<Enum> list(values);
+Option add_choice(Command& command, const std::string& name, Target& target, const std::vector<Enum>& list,
+                  const std::string& help) {
   std::vector<std::string> words;
   for (const Enum value : list) words.emplace_back(to_string(value));
   const auto take = [list, &target](const std::string& word) {
@@ -30,6 +29,11 @@ Option add_choice(Command& command, const std::string& name, Target& target,
   if constexpr (std::is_same_v<Enum, Target>)
     return add_words(command, name, words, take, help + " [" + std::string(to_string(target)) + "]");
   return add_words(command, name, words, take, help);
+}
+template <class Enum, class Target>
+Option add_choice(Command& command, const std::string& name, Target& target,
+                  std::initializer_list<Enum> values, const std::string& help) {
+  return add_choice(command, name, target, std::vector<Enum>(values), help);
 }
 
 /// A whole number.
@@ -50,6 +54,9 @@ void add_layout_options(Command& command, Settings& settings);
 /// --method, --substeps, --sweeps, --tolerance, --budget-us, --order, --omega, --weights, --gradient, --mass:
 /// how it is solved.
 void add_solver_options(Command& command, Settings& settings);
+
+/// Lists methods and what they move, a line each. Help texts end with all those of the kernel's table.
+std::string methods_help(const std::vector<MethodInfo>& methods = all_methods());
 
 /// The scene argument, with its help.
 Option add_scene(Command& command, std::string& spec);

@@ -153,12 +153,13 @@ void add_run_command(Command& plumb) {
   command.set_footer(
       "Examples:\n"
       "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
-      "  plumb run thesis5 --sweeps 1000\n"
+      "  plumb run thesis5 --method relax --sweeps 1000\n"
       "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
-      "  plumb run chain:end_mass=10 --substeps 8 --gradient mid --tolerance 1e-6 --report r.json\n"
+      "  plumb run chain:end_mass=10 --method relax --substeps 8 --gradient mid --tolerance 1e-6 --report "
+      "r.json\n"
       "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
       "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
-      generators_help());
+      methods_help() + "\n" + generators_help());
   command.set_action([options] { return run(*options); });
 }
 

@@ -52,13 +52,19 @@ const double targets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
 constexpr double clearly = 1.1;
 
 const char* color_of(const std::string& family) {
-  static const std::pair<const char*, const char*> colors[] = {
-      {"auto", "#000000"},        {"direct", "#d1495b"},
-      {"relax", "#1f5fa8"},       {"over-relaxed", "#66a3dd"},
-      {"springs", "#2a9d5c"},     {"implicit-springs", "#8fd19e"},
-      {"multipliers", "#e09f3e"}, {"featherstone", "#8e44ad"},
-      {"Bullet soft", "#a8a8a8"}, {"Bullet multibody", "#5f5f5f"},
-      {"MuJoCo", "#9c6b4a"},      {"Simbody", "#c08497"}};
+  static const std::pair<const char*, const char*> colors[] = {{"auto", "#000000"},
+                                                               {"direct", "#d1495b"},
+                                                               {"relax", "#1f5fa8"},
+                                                               {"over-relaxed", "#66a3dd"},
+                                                               {"jacobi", "#8c564b"},
+                                                               {"springs", "#2a9d5c"},
+                                                               {"implicit-springs", "#8fd19e"},
+                                                               {"multipliers", "#e09f3e"},
+                                                               {"featherstone", "#8e44ad"},
+                                                               {"Bullet soft", "#a8a8a8"},
+                                                               {"Bullet multibody", "#5f5f5f"},
+                                                               {"MuJoCo", "#9c6b4a"},
+                                                               {"Simbody", "#c08497"}};
   for (const auto& [name, color] : colors)
     if (family == name) return color;
   return "#888888";
@@ -109,7 +115,7 @@ Table target_table(const Result& result) {
 
 /// The points of a family that none of its own dominates.
 Series series_of(const Result& result, const std::string& family) {
-  const auto& own_families = frontier::all_families();
+  const auto own_families = frontier::all_families();
   const bool is_own = std::find(own_families.begin(), own_families.end(), family) != own_families.end();
   Series series{.name = family, .color = color_of(family), .dashed = !is_own};
   std::vector<const Point*> own;
@@ -333,8 +339,7 @@ void add_frontier_command(Command& plumb) {
       "Some of the scenes, separated by commas [all]");
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.families = families_named(text); },
-      "Some of auto|direct|relax|over-relaxed|jacobi|springs|implicit-springs|multipliers|featherstone "
-      "[all]");
+      "Some of " + scenes::joined(frontier::all_families(), "|") + " [all]");
   add_seconds(command, "--path-seconds", o.limits.path_s,
               "Wall-clock time for settings from coarse to fine [0.1]");
   add_seconds(command, "--repeat-seconds", o.limits.contest_s,

@@ -35,8 +35,12 @@ struct Point {
   std::string picked{};       ///< What method auto picked.
 };
 
-/// The families' names, in the order in which they are drawn.
-const std::vector<std::string>& all_families();
+/// The families into which the ways to set a method are sorted. Most methods are one family of their own
+/// name.
+std::vector<std::string> families_of(Method method);
+
+/// The families of all methods in the kernel's table, in the order in which they are drawn.
+std::vector<std::string> all_families();
 
 /// Every path of a family through a problem.
 std::vector<Path> paths_of(const std::string& family, const Problem& problem);

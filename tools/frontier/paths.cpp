@@ -149,13 +149,24 @@ std::vector<Path> reduced(const std::string& family) {
   return out;
 }
 
+/// The path of a method about which only its row in the table is known.
+std::vector<Path> plain(const std::string& family, Method method) {
+  return {{.family = family, .settings = {.method = method, .threads = 1}, .refine = double_substeps}};
+}
+
 }  // namespace
 
-const std::vector<std::string>& all_families() {
-  static const std::vector<std::string> list{
-      "auto",    "direct",           "relax",       "over-relaxed", "jacobi",
-      "springs", "implicit-springs", "multipliers", "featherstone"};
-  return list;
+std::vector<std::string> families_of(Method method) {
+  if (method == Method::relax) return {"relax", "over-relaxed", "jacobi"};
+  if (method == Method::springs) return {"springs", "implicit-springs"};
+  return {std::string(to_string(method))};
+}
+
+std::vector<std::string> all_families() {
+  std::vector<std::string> out;
+  for (const MethodInfo& info : all_methods())
+    for (const std::string& family : families_of(info.method)) out.push_back(family);
+  return out;
 }
 
 std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
@@ -168,6 +179,8 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "implicit-springs") return sprung(family, problem, {Integrator::implicit_euler});
   if (family == "multipliers") return multiplied(family);
   if (family == "featherstone") return problem.is_tree ? reduced(family) : std::vector<Path>{};
+  for (const MethodInfo& info : all_methods())
+    if (info.name == family) return plain(family, info.method);
   throw std::logic_error("no family " + family);
 }
 

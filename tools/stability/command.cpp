@@ -207,11 +207,11 @@ void add_stability_command(Command& plumb) {
       "A few seconds: every other ratio, up to 100 links, three steps, two simulated seconds");
   command.add_flag("--full", o.grid.full, "Every combination, not only the two planes drawn: many minutes")
       .excludes(quick);
+  std::string words;
+  for (const StabilityMethod& method : scenes::all_stability_methods()) append_item(words, method.name, "|");
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.grid.methods = parse_methods(text); },
-      "Of relax-old|relax-mid|relax-new|relax-jacobi|direct-old|direct-mid|direct-new|auto, separated by "
-      "commas "
-      "[all but auto]");
+      "Of " + words + ", separated by commas [all but auto]");
   add_list(command, "--ratios", o.grid.ratios, scenes::parse_number<double>,
            "Mass of the last particle to that of each other [1,10,...,1e6]");
   add_list(command, "--links", o.grid.links, scenes::parse_number<std::uint32_t>,

@@ -14,6 +14,13 @@ inline void append_item(std::string& list, std::string_view item, std::string_vi
   list += item;
 }
 
+/// Joins items into one list.
+inline std::string joined(const std::vector<std::string>& items, std::string_view separator = ", ") {
+  std::string list;
+  for (const std::string& item : items) append_item(list, item, separator);
+  return list;
+}
+
 /// The items of a list such as "a,b": one for an empty text, and none after a comma that ends it.
 inline std::vector<std::string> split_list(std::string_view list) {
   std::vector<std::string> out;
