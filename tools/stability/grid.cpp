@@ -10,6 +10,7 @@
 #include "scenes/basics/numbers.hpp"
 #include "scenes/basics/require.hpp"
 #include "scenes/generators/generators.hpp"
+#include "scenes/runs/counters.hpp"
 
 namespace plumb::scenes {
 namespace {
@@ -158,9 +159,10 @@ StabilityResult measure_stability(const StabilityCase& cell, std::uint32_t sweep
 
 std::string stability_csv(const std::vector<StabilityResult>& results) {
   std::string csv =
-      "method,ratio,links,dt_s,frames,frames_asked,outcome,stretch_max,energy_drift,energy_gain,newton,"
-      "halvings,"
-      "fallbacks,unsolved,mid_guarded,frozen_islands,ms_per_simulated_s\n";
+      "method,ratio,links,dt_s,frames,frames_asked,outcome,stretch_max,energy_drift,energy_gain,"
+      "ms_per_simulated_s";
+  for (const Counter& counter : counters()) append_item(csv, flat_name(counter), ",");
+  csv += "\n";
   for (const StabilityResult& r : results) {
     std::string line = r.cell.method.name;
     append_item(line, short_number(r.cell.ratio, 9), ",");
@@ -171,11 +173,8 @@ std::string stability_csv(const std::vector<StabilityResult>& results) {
     append_item(line, to_string(r.outcome), ",");
     for (const double v : {r.stretch_max, r.energy_drift, r.energy_gain})
       append_item(line, short_number(v), ",");
-    const StepReport& t = r.total;
-    for (const std::uint64_t n :
-         {t.newton, t.halvings, t.fallbacks, t.unsolved, t.mid_guarded, std::uint64_t{t.frozen_islands}})
-      append_item(line, std::to_string(n), ",");
     append_item(line, short_number(r.ms_per_s()), ",");
+    for (const Counter& counter : counters()) append_item(line, text_of(counter, r.total), ",");
     csv += line + "\n";
   }
   return csv;
