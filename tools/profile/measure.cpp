@@ -63,7 +63,8 @@ class Stopwatch {
     Counts counts;
   };
   Reading run(const WorkPlan& plan) {
-    world_.set_stop_rule(plan.settings.stop);
+    // Only relaxation takes its length from sweeps; a world of method direct refuses the rule.
+    if (plan.settings.method == Method::relax) world_.set_stop_rule(plan.settings.stop);
     Reading out;
     if (counters_) counters_->start();
     const auto start = std::chrono::steady_clock::now();
