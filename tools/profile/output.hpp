@@ -36,6 +36,6 @@ scenes::Json profile_json(const Profile& profile);
 enum class MissKind : std::uint8_t { l1d_read, ll };
 /// Bars of misses per projection by scene, size and layout, as SVG text; empty if no row has that count.
 /// Throws InputError if gnuplot fails.
-std::string draw_misses(const Profile& profile, MissKind kind);
+std::string draw_misses(const Profile& profile, MissKind kind, SweepOrder order);
 
 }  // namespace plumb::tools

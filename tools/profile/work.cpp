@@ -99,17 +99,19 @@ void append_relaxed(std::vector<ProfileCase>& cases, const CaseChoice& choice) {
     for (const SceneSize size : sizes_of(choice)) {
       const Spec spec = spec_of(shape, share * rods_of(choice, size, bytes_of(shape)), size);
       const double sweeps = std::ceil(least_units / sweeps_together / spec.rods) * sweeps_together;
-      for (const LayoutChoice layout : layouts_of(choice, shape, size)) {
-        ProfileCase one{shape, size, {.scene = spec.text, .settings = {}}};
-        Settings& s = one.plan.settings;
-        s.method = Method::relax;
-        s.precision = choice.precision;
-        s.layout = layout;
-        s.isa = choice.isa;
-        s.threads = 1;
-        s.stop.sweeps = static_cast<std::uint32_t>(sweeps);
-        cases.push_back(one);
-      }
+      for (const SweepOrder order : choice.orders)
+        for (const LayoutChoice layout : layouts_of(choice, shape, size)) {
+          ProfileCase one{shape, size, {.scene = spec.text, .settings = {}}};
+          Settings& s = one.plan.settings;
+          s.method = Method::relax;
+          s.precision = choice.precision;
+          s.order = order;
+          s.layout = layout;
+          s.isa = choice.isa;
+          s.threads = 1;
+          s.stop.sweeps = static_cast<std::uint32_t>(sweeps);
+          cases.push_back(one);
+        }
     }
   }
 }
@@ -189,7 +191,10 @@ std::vector<std::string> worker_arguments(const WorkPlan& plan) {
   add("--threads", std::to_string(s.threads));
   add("--frames", std::to_string(plan.frames));
   add("--dt", dt);
-  if (s.method == Method::relax) add("--sweeps", std::to_string(s.stop.sweeps));
+  if (s.method == Method::relax) {
+    add("--sweeps", std::to_string(s.stop.sweeps));
+    add("--order", std::string(to_string(s.order)));
+  }
   if (s.isa) add("--isa", std::string(to_string(*s.isa)));
   if (s.gradient) add("--gradient", std::string(to_string(*s.gradient)));
   return out;

@@ -56,6 +56,7 @@ struct CaseChoice {
   Precision precision = Precision::single;
   Isa isa = Isa::scalar;
   bool quick = false;  ///< no scenes between the two caches, fewer layouts, smaller scenes outside both
+  std::vector<SweepOrder> orders = {SweepOrder::gauss_seidel, SweepOrder::jacobi};
 };
 
 /// Every case, layouts innermost, so that cases of the same scene follow one another; method direct last.

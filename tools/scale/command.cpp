@@ -26,6 +26,10 @@ bool has(const std::vector<Method>& methods, Method method) {
   return std::find(methods.begin(), methods.end(), method) != methods.end();
 }
 
+std::string name_of_method(Method method) {
+  return std::string(to_string(method));
+}
+
 ScaleResults measure(const ScaleOptions& options) {
   ScaleResults results;
   Progress progress("measuring", options.quiet);
@@ -143,14 +147,11 @@ std::vector<std::uint32_t> parse_links(const std::string& text) {
 
 std::vector<Method> parse_methods(const std::string& text) {
   std::vector<Method> out;
-  const std::vector<Method> all = ScaleOptions{}.methods;
-  for (const std::string& item : scenes::split_list(text)) {
-    std::string known;
-    for (const Method method : all) scenes::append_item(known, to_string(method));
-    const auto it =
-        std::find_if(all.begin(), all.end(), [&](Method method) { return to_string(method) == item; });
-    if (it == all.end()) throw BadValue("'" + item + "' is not one of " + known);
-    if (!has(out, *it)) out.push_back(*it);
+  try {
+    for (const Method method : scenes::named(text, methods_of_table(), name_of_method))
+      if (!has(out, method)) out.push_back(method);
+  } catch (const std::invalid_argument& error) {
+    throw BadValue(error.what());
   }
   return out;
 }
@@ -179,9 +180,11 @@ void add_scale_command(Command& plumb) {
         o.path_s = 0.05;
       },
       "Ten seconds: fewer lengths, shorter repetitions");
+  std::string methods;
+  for (const Method method : o.methods) scenes::append_item(methods, to_string(method), "|");
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.methods = parse_methods(text); },
-      "Of relax|direct|springs|multipliers|featherstone|auto, separated by commas [all]");
+      "Of " + methods + ", separated by commas [all]");
   add_links(command, "--links", o.links, "Lengths of chain [1,2,5,10,...,1000000]");
   add_links(command, "--error-links", o.error_links, "Lengths at equal error [5,20,100,1000]");
   add_positive(command, "--target", o.target,
@@ -197,6 +200,13 @@ void add_scale_command(Command& plumb) {
         o.precisions = {word == "float" ? Precision::single : Precision::double_};
       },
       "Arithmetic of relaxation [both]");
+  add_words(
+      command, "--order", {"gauss-seidel", "jacobi", "both"},
+      [&o](const std::string& word) {
+        if (word == "both") return;
+        o.orders = {word == "jacobi" ? SweepOrder::jacobi : SweepOrder::gauss_seidel};
+      },
+      "Order of relaxation's sweeps [both]");
   command.add_option("--out", "DIR", o.out, "Write a page with charts, JSON and CSV into this folder");
   command.add_flag("--quiet", o.quiet, "No progress bar");
   command.set_footer(

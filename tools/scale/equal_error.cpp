@@ -24,17 +24,11 @@ struct Tried {
   frontier::Point point;
 };
 
-std::vector<std::string> families_of(Method method) {
-  if (method == Method::relax) return {"relax", "over-relaxed"};
-  if (method == Method::springs) return {"springs", "implicit-springs"};
-  return {std::string(to_string(method))};
-}
-
 std::optional<Cheapest> find_cheapest(const frontier::Problem& problem, Method method, double target,
                                       double path_s) {
   std::vector<Tried> found;
   double best_ms = std::numeric_limits<double>::infinity();
-  for (const std::string& family : families_of(method))
+  for (const std::string& family : frontier::families_of(method))
     for (frontier::Path path : frontier::paths_of(family, problem)) {
       const auto start = Clock::now();
       do {

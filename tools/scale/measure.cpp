@@ -60,6 +60,12 @@ bool is_lively(const Scene& scene, const World& world, const std::vector<Vec3>& 
 
 }  // namespace
 
+std::vector<Method> methods_of_table() {
+  std::vector<Method> out;
+  for (const MethodInfo& info : all_methods()) out.push_back(info.method);
+  return out;
+}
+
 std::vector<ScaleSeries> all_series(const ScaleOptions& options) {
   std::vector<ScaleSeries> out;
   for (const Method method : options.methods) {
@@ -67,9 +73,11 @@ std::vector<ScaleSeries> all_series(const ScaleOptions& options) {
       out.push_back({.method = method});
       continue;
     }
-    for (const Precision precision : options.precisions)
-      for (const bool all_threads : {false, true})
-        out.push_back({.method = method, .precision = precision, .all_threads = all_threads});
+    for (const SweepOrder order : options.orders)
+      for (const Precision precision : options.precisions)
+        for (const bool all_threads : {false, true})
+          out.push_back(
+              {.method = method, .order = order, .precision = precision, .all_threads = all_threads});
   }
   return out;
 }
@@ -77,11 +85,12 @@ std::vector<ScaleSeries> all_series(const ScaleOptions& options) {
 std::string name_of(const ScaleSeries& series) {
   std::string name(to_string(series.method));
   if (series.method != Method::relax) return name;
+  if (series.order == SweepOrder::jacobi) name += ", " + std::string(to_string(series.order));
   return name + ", " + std::string(to_string(series.precision)) + (series.all_threads ? ", threads" : "");
 }
 
 Settings settings_of(const ScaleSeries& series, const ScaleOptions& options) {
-  Settings settings{.method = series.method, .precision = series.precision};
+  Settings settings{.method = series.method, .precision = series.precision, .order = series.order};
   settings.threads = series.all_threads ? 0 : 1;
   if (series.method == Method::relax) settings.stop.sweeps = options.sweeps;
   if (series.method == Method::springs) {
@@ -96,8 +105,8 @@ Settings settings_of(const ScaleSeries& series, const ScaleOptions& options) {
 std::string describe(const Settings& settings) {
   switch (settings.method) {
     case Method::relax:
-      return std::to_string(settings.stop.sweeps) + " sweeps, gradient " +
-             std::string(to_string(gradient_of(settings)));
+      return std::to_string(settings.stop.sweeps) + " sweeps, " + std::string(to_string(settings.order)) +
+             ", gradient " + std::string(to_string(gradient_of(settings)));
     case Method::direct:
       return "gradient " + std::string(to_string(gradient_of(settings)));
     case Method::springs:

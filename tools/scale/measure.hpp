@@ -16,9 +16,11 @@ namespace plumb::tools {
 constexpr double scale_frame = 1.0 / 60;  ///< s
 constexpr int scale_frames = 60;          ///< of a timed second
 
+/// All methods, as the kernel's table lists them.
+std::vector<Method> methods_of_table();
+
 struct ScaleOptions {
-  std::vector<Method> methods = {Method::relax,       Method::direct,       Method::springs,
-                                 Method::multipliers, Method::featherstone, Method::automatic};
+  std::vector<Method> methods = methods_of_table();
   std::vector<std::uint32_t> links = {1,    2,    5,     10,    20,    50,     100,    200,    500,    1000,
                                       2000, 5000, 10000, 20000, 50000, 100000, 200000, 500000, 1000000};
   std::uint32_t sweeps = 5;  ///< of relaxation, a frame
@@ -26,6 +28,7 @@ struct ScaleOptions {
   double seconds = 0.02;  ///< of stepping, at least, in a repetition
   double cell_s = 0.6;    ///< of stepping a chain for the first time; what needs more ends a series
   std::vector<Precision> precisions = {Precision::single, Precision::double_};  ///< of relaxation
+  std::vector<SweepOrder> orders = {SweepOrder::gauss_seidel, SweepOrder::jacobi};
   double target = 0.01;  ///< position error at equal error, relative to the scene's diagonal
   std::vector<std::uint32_t> error_links = {5, 20, 100, 1000};  ///< lengths at equal error
   std::uint32_t most_fine = 300;  ///< links of a chain of 1 m: the truth of shorter ones takes minutes
@@ -34,10 +37,11 @@ struct ScaleOptions {
   bool quiet = false;
 };
 
-/// What is drawn as one line: relaxation in each precision, on one thread and on all; every other method in
-/// double on one.
+/// A series is what is drawn as one line. Relaxation has one for each order of a sweep and each precision, on
+/// one thread and on all. Every other method has one, in double on one thread.
 struct ScaleSeries {
   Method method = Method::relax;
+  SweepOrder order = SweepOrder::gauss_seidel;
   Precision precision = Precision::double_;
   bool all_threads = false;
 

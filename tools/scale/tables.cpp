@@ -94,12 +94,13 @@ Table slope_table(const ScaleOptions& options, const ScaleResults& results) {
 }
 
 Table relax_table(const ScaleResults& results) {
-  Table table({"links", "arithmetic", "threads", "frames/s", "µs a frame", "median", "ns per rod",
+  Table table({"links", "order", "arithmetic", "threads", "frames/s", "µs a frame", "median", "ns per rod",
                "stretch RMS", "stretch max"});
   for (const ScaleCell& r : results.cells) {
     if (r.series.method != Method::relax || !r.measured()) continue;
-    table.add_row({std::to_string(r.links), std::string(to_string(r.series.precision)),
-                   std::to_string(r.threads), plain_number(r.frames_per_s()), plain_number(1e6 * r.least_s),
+    table.add_row({std::to_string(r.links), std::string(to_string(r.series.order)),
+                   std::string(to_string(r.series.precision)), std::to_string(r.threads),
+                   plain_number(r.frames_per_s()), plain_number(1e6 * r.least_s),
                    plain_number(1e6 * r.median_s), plain_number(r.ns_per_rod()),
                    is_whole(r) ? plain_number(100 * r.stretch.rms) + " %" : dash,
                    is_whole(r) ? plain_number(100 * r.stretch.max) + " %" : dash});
