@@ -1,4 +1,5 @@
-// plumb profile: bytes and cache misses of a rod's projection, by layout, shape and size.
+// plumb profile measures bytes and cache misses of a rod's projection, by layout, shape, size and order of a
+// sweep.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -25,15 +26,15 @@ struct ProfileOptions {
   std::vector<SweepOrder> orders = {SweepOrder::gauss_seidel, SweepOrder::jacobi};
   std::string out = "out";
   bool quiet = false;
-  std::string typed;  ///< what of the command line the page repeats
+  std::string typed;  ///< Options that the page repeats, as the user typed them.
 };
 
-/// The second level is the last that a core has to itself. A scene outside a third one has millions of rods,
-/// and setting it up under cachegrind takes minutes, again for every row.
+/// A core has the second level to itself, so simulations end there. A scene outside a third level has
+/// millions of rods, and setting it up under cachegrind takes minutes for every row.
 constexpr unsigned last_level_simulated = 2;
 constexpr unsigned last_level_counted = 9;
 
-/// valgrind knows no AVX-512.
+/// Returns the instruction set that can be measured: valgrind knows no AVX-512.
 Isa isa_for(Way way) {
   return way == Way::cachegrind ? std::min(best_isa(), Isa::avx2) : best_isa();
 }
@@ -125,7 +126,7 @@ int work(const WorkPlan& plan) {
   return fine;
 }
 
-/// The part that is run under cachegrind.
+/// Adds the command that is run under cachegrind.
 void add_worker(Command& profile_command) {
   Command command = profile_command.add_command(
       "worker", "Step one scene and print what was done, in JSON: what profile runs under cachegrind");

@@ -21,14 +21,14 @@ bool is_relaxed(const ProfileRow& row) {
   return row.profile_case.plan.settings.method == Method::relax;
 }
 
-/// Bytes that misses move into the last cache looked at, per unit: whole lines.
+/// Returns the bytes that misses move into the last cache looked at, per unit. Misses move whole lines.
 std::optional<double> ll_bytes(const ProfileRow& row, const CachePair& caches) {
   if (!row.counts.ll_misses) return {};
   // Less than a thousandth of a miss is the noise of start-up, and may be below zero.
   return std::abs(*row.counts.ll_misses) < 5e-4 ? 0 : *row.counts.ll_misses * caches.last.line;
 }
 
-/// The caches that counts are of.
+/// Returns the caches that the counts are about.
 const CachePair& counted_caches(const Profile& profile) {
   return profile.way == Way::cachegrind ? profile.simulated : profile.caches;
 }
@@ -86,7 +86,7 @@ std::string count_cell(const std::optional<double>& value) {
 
 std::string number_cell(const std::optional<double>& value) {
   if (!value) return not_available;
-  // Start-up differs by a few misses from run to run; divided by many units that is no number to read.
+  // Start-up differs by a few misses from run to run. Divided by many units that is no number to read.
   return *value < 5e-4 && *value > -5e-4 ? count_cell(value) : scenes::plain_number(*value);
 }
 
@@ -174,7 +174,7 @@ std::string profile_csv(const Profile& profile) {
       "instructions,cycles,l1d_read_misses,l1d_write_misses,ll_misses\n";
   for (const ProfileRow& row : profile.rows) {
     const Settings& settings = row.profile_case.plan.settings;
-    // The scene has commas of its own.
+    // The scene is quoted because it has commas of its own.
     std::string line(to_string(profile.way));
     for (const std::string& item :
          {std::string(to_string(settings.method)), std::string(to_string(gradient_of(settings))),

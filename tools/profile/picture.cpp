@@ -13,7 +13,7 @@ namespace {
 constexpr const char* layouts[] = {"aos", "soa", "aosoa"};
 constexpr const char* colors[] = {"#d1495b", "#edae49", "#1f5fa8"};
 
-/// The group of bars of a shape and size: their heights by layout.
+/// A group holds the bars of a shape and size, with their heights by layout.
 struct Group {
   std::string name;
   std::map<std::string, double> height;

@@ -1,5 +1,5 @@
-// plumb scale: frames a second against links for every method, the thesis's figures 4.7 and 4.8, and what
-// each method costs at equal error.
+// plumb scale measures frames per second against links for every method, as in the thesis's figures 4.7
+// and 4.8. It also measures what each method costs at equal error.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -34,7 +34,8 @@ ScaleResults measure(const ScaleOptions& options) {
   ScaleResults results;
   Progress progress("measuring", options.quiet);
   std::uint64_t done = 0;
-  const std::uint64_t search = 5 * 2;  // what a search at equal error takes, in cells, about
+  // A search at equal error takes about as long as this many cells. The progress bar needs no more.
+  const std::uint64_t search = 5 * 2;
   const std::uint64_t all =
       all_series(options).size() * options.links.size() + search * options.error_links.size();
   results.cells = measure_cells(options, [&] { progress.show(++done, all); });
@@ -169,7 +170,7 @@ void add_scale_command(Command& plumb) {
       plumb.add_command("scale", "Measure frames a second against links (thesis figures 4.7 and 4.8)");
   auto options = std::make_shared<ScaleOptions>();
   ScaleOptions& o = *options;
-  // Before the lists, so that these can still be given.
+  // It is declared before the lists, so that these can still be given.
   command.add_flag(
       "--quick",
       [&o] {

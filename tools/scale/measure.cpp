@@ -18,18 +18,18 @@ using scenes::Clock;
 using scenes::seconds_since;
 
 constexpr std::uint32_t most_substeps = 64;
-/// Fewer say too little of the mean over a second.
+/// Fewer frames say too little of the mean over a second.
 constexpr int least_frames = 10;
 
-/// What a second of stepping came to.
+/// What came of stepping a simulated second.
 struct Second {
   double stepping_s = 0;
   int frames = 0;
   CellOutcome outcome = CellOutcome::measured;
 };
 
-/// Steps a second, or as much of it as the cap lets, and looks at the clock after every frame only if chains
-/// are so long that it costs nothing.
+/// Steps a second, or as much of it as `cap_s` of wall-clock time allows. It reads the clock after every
+/// frame only where chains are so long that reading costs nothing.
 Second step_second(World& world, double cap_s) {
   Second out;
   const auto start = Clock::now();
@@ -45,8 +45,8 @@ Second step_second(World& world, double cap_s) {
   return out;
 }
 
-/// A chain at rest can win no energy, in truth; one that won more than falling through its whole length gives
-/// is moved no more.
+/// Whether a chain gained more energy than falling through its whole length gives. A chain that starts at
+/// rest gains none in truth, so such a state counts as broken.
 bool is_lively(const Scene& scene, const World& world, const std::vector<Vec3>& positions) {
   std::vector<Vec3> velocities(positions.size());
   world.copy_velocities(velocities);
@@ -131,7 +131,7 @@ ScaleCell measure_cell(const ScaleSeries& series, std::uint32_t links, const Set
       .series = series, .links = links, .sweeps = settings.stop.sweeps, .substeps = settings.substeps};
   const auto start = Clock::now();
   const Scene scene = scenes::make_chain(links);
-  std::vector<double> times;  // s of a frame
+  std::vector<double> times;  // Times of a frame, in s.
   do {
     double stepping_s = 0;
     std::uint64_t frames = 0;
@@ -181,7 +181,7 @@ std::vector<ScaleCell> measure_cells(const ScaleOptions& options, const std::fun
       if (cap.allows(links)) {
         double first_s = 0;
         cell = measure_cell(series, links, settings, options, first_s);
-        // Longer chains will not do with less.
+        // Longer chains do not hold with fewer substeps.
         while (cell.outcome == CellOutcome::broke && settings.substeps < most_substeps) {
           settings.substeps *= 2;
           cell = measure_cell(series, links, settings, options, first_s);

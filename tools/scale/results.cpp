@@ -13,7 +13,7 @@ using scenes::short_number;
 
 namespace {
 
-/// Only sweeps have a number and an order.
+/// Whether the cell is relaxed: only sweeps have a number and an order.
 bool is_relaxed(const ScaleCell& cell) {
   return cell.series.method == Method::relax;
 }
