@@ -1,4 +1,4 @@
-// plumb info: what a scene holds and how a world lays it out.
+// plumb info shows what a scene holds and how a world lays it out.
 #include <algorithm>
 #include <cstdio>
 #include <limits>
@@ -30,7 +30,7 @@ struct InfoOptions {
 
 struct SceneFacts {
   std::uint64_t fixed = 0;
-  double least_mass = std::numeric_limits<double>::infinity();  ///< kg, of movable particles
+  double least_mass = std::numeric_limits<double>::infinity();  ///< Least mass of movable particles, in kg.
   double most_mass = 0;
 };
 
@@ -79,7 +79,7 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
   std::fputs(table.to_text().c_str(), stdout);
 }
 
-/// The methods that may move the scene. Those that move no joints are left out where it has some.
+/// Returns the methods that may move the scene. Those that move no joints are left out where it has some.
 std::vector<MethodInfo> methods_for(const Scene& scene) {
   std::vector<MethodInfo> out = all_methods();
   if (is_articulated(scene)) std::erase_if(out, [](const MethodInfo& m) { return !m.moves_joints; });
@@ -109,7 +109,7 @@ int info(const InfoOptions& options) {
   Settings automatic = options.settings;
   automatic.method = Method::automatic;
   automatic.layout = LayoutChoice::automatic;
-  // Layouts are those of relaxation, which knows no bodies, joints or shapes.
+  // The layouts are those of relaxation, which knows no bodies, joints or shapes.
   const World world(scene, is_articulated(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {

@@ -13,7 +13,7 @@ namespace {
 
 using scenes::append_item;
 
-/// The cap on sweeps when a tolerance or a budget is to stop them.
+/// Most sweeps where a tolerance or a budget is to stop them.
 constexpr std::uint32_t sweeps_when_stopped_otherwise = 10000;
 
 Option add_number(Command& command, const std::string& name, const std::string& unit,
@@ -75,7 +75,7 @@ void add_sweep_options(Command& command, Settings& settings) {
              "Share of a correction each end takes: by inverse mass or half each");
 }
 
-/// The names of the methods that read a setting, as the kernel's table says.
+/// Returns the names of the methods that read a setting, as the kernel's table says.
 std::string readers_of(std::string_view setting) {
   std::string out;
   for (const MethodInfo& info : all_methods())

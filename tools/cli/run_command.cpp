@@ -1,4 +1,4 @@
-// plumb run: simulate a scene, say how fast and how wrong.
+// plumb run simulates a scene and says how fast and how wrong.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -26,8 +26,8 @@ struct RunOptions {
   std::string trajectory;
   std::string truth;
   std::string report;
-  std::string vtk;   ///< folder
-  std::string gltf;  ///< file
+  std::string vtk;   ///< Folder for VTK files.
+  std::string gltf;  ///< File for the glTF animation.
   bool quiet = false;
 };
 
@@ -37,8 +37,8 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return !b.empty() && weakly_canonical(absolute(a)) == weakly_canonical(absolute(b));
 }
 
-/// Every file that a run writes frame by frame. All are opened before the work: a folder that cannot be
-/// written is better known then.
+/// Writes every file that a run fills frame by frame. All are opened before the work, since a folder that
+/// cannot be written is better known then.
 class SavedFrames {
  public:
   SavedFrames(const RunOptions& options, const Scene& scene) : binary_(options.gltf.ends_with(".glb")) {

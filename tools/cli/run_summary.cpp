@@ -93,7 +93,7 @@ void print_errors(const RunResult& result) {
   }
 }
 
-/// What was wrong with the scene at first.
+/// Prints what was wrong with the scene at first.
 void print_start(const WorldInfo& info) {
   if (info.projected_position > 0) {
     print_line("start", "rods did not start at their lengths; particles moved by at most " +

@@ -1,4 +1,4 @@
-// plumb frontier: run time against error, every method on the same scenes.
+// plumb frontier measures run time against error, with every method on the same scenes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -48,7 +48,7 @@ struct Result {
 
 const double targets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
 
-/// Where another one takes less: by so much, or it is noise.
+/// A method counts as faster if the other takes this many times as long. Less is noise.
 constexpr double clearly = 1.1;
 
 const char* color_of(const std::string& family) {
@@ -86,7 +86,7 @@ std::vector<std::string> families_in(const std::vector<Point>& points) {
   return out;
 }
 
-/// One row per target that anything meets: what each family takes for it.
+/// Returns a row for each target that anything meets, with what each family takes for it.
 Table target_table(const Result& result) {
   const std::vector<std::string> families = families_in(result.points);
   std::vector<std::string> header{"error at most"};
@@ -113,7 +113,7 @@ Table target_table(const Result& result) {
   return table;
 }
 
-/// The points of a family that none of its own dominates.
+/// Returns the points of a family that none of its own dominates.
 Series series_of(const Result& result, const std::string& family) {
   const auto own_families = frontier::all_families();
   const bool is_own = std::find(own_families.begin(), own_families.end(), family) != own_families.end();
@@ -149,7 +149,7 @@ Chart chart_of(const Result& result) {
   return chart;
 }
 
-/// The families on the front, from the fastest to the nearest, each as often as it comes again.
+/// Names the families on the front, from the fastest to the nearest, each as often as it comes again.
 std::string places_of(const Result& result) {
   std::vector<const Point*> front;
   for (const Point& point : result.points)
@@ -169,7 +169,7 @@ bool is_of_plumb(const std::string& family) {
   return family == "auto" || family == "direct" || family == "relax" || family == "over-relaxed";
 }
 
-/// Targets at which another family or library is clearly faster than plumb's own.
+/// Names the targets at which another family or library is clearly faster than plumb's own.
 std::string lost_of(const Result& result) {
   std::string out;
   for (const double target : targets) {

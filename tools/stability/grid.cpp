@@ -15,7 +15,7 @@
 namespace plumb::scenes {
 namespace {
 
-constexpr double rod_length = 0.1;  // m
+constexpr double rod_length = 0.1;  // Length of a rod, in m.
 constexpr std::uint32_t most_links = 10'000'000;
 
 template <class T>
@@ -41,7 +41,7 @@ void require_grid(const StabilityGrid& grid) {
   require_one_of(grid.links, grid.at_links, "links");
 }
 
-/// Written so that a value that is not a number wins and stays.
+/// Keeps the larger value. It is written so that a value that is not a number wins and stays.
 void keep_largest(double& largest, double value) {
   if (!(value <= largest) && !std::isnan(largest)) largest = value;
 }
@@ -115,7 +115,7 @@ Outcome judge(const StabilityResult& result) {
   if (!result.finite) return Outcome::not_finite;
   if (result.total.frozen_islands > 0) return Outcome::frozen;
   if (result.total.unsolved > 0) return Outcome::unsolved;
-  // Negated, so that what overflowed counts too.
+  // The comparisons are negated, so that what overflowed counts too.
   if (!(result.stretch_max <= most_stretch)) return Outcome::stretched;
   if (!(result.energy_gain <= most_gain)) return Outcome::gained_energy;
   return result.frames < result.cell.frames ? Outcome::too_slow : Outcome::survived;
