@@ -27,7 +27,7 @@ class BadValue : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An option of a command, for what is asked of it after it was declared.
+/// An option belongs to a command and answers what is asked of it after it was declared.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -42,8 +42,8 @@ class Option {
   CLI::Option* option_;
 };
 
-/// A command that declares itself. Help shows options in the order in which they are declared, and their
-/// values are taken in that order too.
+/// A command declares itself through this. Help shows options in the order in which they are declared, and
+/// their values are taken in that order too.
 class Command {
  public:
   Command(CLI::App* app, Action* chosen) : app_(app), chosen_(chosen) {}
@@ -75,7 +75,7 @@ class Command {
   Action* chosen_;  ///< Action of the command line that was chosen.
 };
 
-/// The whole command line.
+/// This is the whole command line.
 class CommandLine {
  public:
   CommandLine(const std::string& name, const std::string& about, const std::string& version,

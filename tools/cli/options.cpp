@@ -13,7 +13,7 @@ namespace {
 
 using scenes::append_item;
 
-/// Most sweeps where a tolerance or a budget is to stop them.
+/// This is the cap on sweeps where a tolerance or a budget is to stop them.
 constexpr std::uint32_t sweeps_when_stopped_otherwise = 10000;
 
 Option add_number(Command& command, const std::string& name, const std::string& unit,

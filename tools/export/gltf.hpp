@@ -10,10 +10,10 @@
 
 namespace plumb::tools {
 
-/// An animation as glTF 2.0, which Blender, three.js and game engines open. Capsules, rods without one and
-/// loose particles have a node each. Its translation and rotation change over time, and +y points from its
-/// first end to its second. Nodes of rods also have a scale, since rods may stretch. All share a cylinder and
-/// a ball of radius and length one. Planes and boxes are nodes that do not move.
+/// This writes an animation as glTF 2.0, which Blender, three.js and game engines open. Capsules, rods
+/// without one and loose particles have a node each. Its translation and rotation change over time, and +y
+/// points from its first end to its second. Nodes of rods also have a scale, since rods may stretch. All
+/// share a cylinder and a ball of radius and length one. Planes and boxes are nodes that do not move.
 class GltfAnimation {
  public:
   /// Keeps a reference to the scene, which must outlive the animation.

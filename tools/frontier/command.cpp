@@ -40,7 +40,7 @@ struct FrontierOptions {
   bool quiet = false;
 };
 
-/// A scene and what was measured on it.
+/// A result has a scene and what was measured on it.
 struct Result {
   Problem problem;
   std::vector<Point> points;

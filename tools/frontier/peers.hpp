@@ -16,7 +16,7 @@ inline constexpr std::string_view csv_header =
 
 std::string csv_row(const std::string& scene, const Point& point);
 
-/// A point and the name of its scene.
+/// It has a point and the name of its scene.
 struct PeerPoint {
   std::string scene{};
   Point point{};

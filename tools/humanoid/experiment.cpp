@@ -17,8 +17,8 @@ namespace {
 using scenes::BodyType;
 using scenes::inch;
 
-/// Change of velocity in a frame that counts as an impact, in m/s. Rounding is far below it, and any real
-/// impact is far above.
+/// A change of velocity in a frame that is larger counts as an impact, in m/s. Rounding is far below it, and
+/// any real impact is far above.
 constexpr double least_kick = 1e-6;
 
 double kick(const Instant& before, const Instant& after, Vec3 gravity) {
@@ -26,7 +26,7 @@ double kick(const Instant& before, const Instant& after, Vec3 gravity) {
   return norm(change - (after.t - before.t) * gravity);
 }
 
-/// Facts of a scene that do not change: the ball's number and the masses.
+/// These facts of a scene do not change: the ball's number and the masses.
 struct Parts {
   explicit Parts(const Scene& scene) : ball(static_cast<std::uint32_t>(scene.particles.size()) - 1) {
     for (const double m : lumped_masses(scene)) mass += m;
@@ -35,7 +35,7 @@ struct Parts {
   double mass = 0;  ///< Mass of body and ball, in kg.
 };
 
-/// Energies of body and ball apart, in J. `total` is their energy together.
+/// This holds the energies of body and ball apart, in J. `total` is their energy together.
 Instant instant_of(const Scene& scene, const Parts& parts, const Frame& frame, double total) {
   const double ball_mass = scene.particles[parts.ball].mass;
   const Vec3 ball = frame.positions[parts.ball], velocity = frame.velocities[parts.ball];

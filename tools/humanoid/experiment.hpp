@@ -15,7 +15,7 @@
 /// it moves and what energy it receives.
 namespace plumb::tools {
 
-/// What is thrown at whom, and how long it is followed.
+/// A run says what is thrown at whom, and how long it is followed.
 struct HumanoidRun {
   scenes::HumanoidShape figure{.body = scenes::BodyType::medium};
   scenes::Ball ball;
@@ -97,7 +97,7 @@ struct HumanoidCase {
 /// in 4.14 the first.
 std::vector<HumanoidCase> thesis_cases(const HumanoidRun& usual);
 
-/// Medians over three seeds, and the same in steps an eighth as long.
+/// A measure holds medians over three seeds, and the same in steps an eighth as long.
 struct HumanoidMeasure {
   double distance = 0;
   /// Time from the impact to rest, in s; none if most are not at rest in time.

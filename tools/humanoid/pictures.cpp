@@ -18,14 +18,14 @@ using scenes::short_number;
 // Sizes are in pixels.
 constexpr double width = 960, left = 10, right = 10, between = 8, title_height = 26, below = 30;
 constexpr double highest_panel = 220;
-/// Margin around what is drawn, in m.
+/// This margin surrounds what is drawn, in m.
 constexpr double margin = 0.15;
 
 constexpr const char* ball_color = "#d1495b";
 constexpr const char* near_color = "#1f5fa8";
 constexpr const char* far_color = "#8fb3dc";
 
-/// A rectangle in the plane of the picture, in m.
+/// A box is a rectangle in the plane of the picture, in m.
 struct Window {
   double left = 0, right = 0, top = 0;
   double width() const { return right - left; }

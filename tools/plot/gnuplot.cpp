@@ -16,7 +16,8 @@ extern char** environ;
 namespace plumb::tools {
 namespace {
 
-/// A new folder under the system's temporary one. It is removed with all its files at the end of the block.
+/// This makes a new folder under the system's temporary one. It is removed with all its files at the end of
+/// the block.
 class ScratchFolder {
  public:
   ScratchFolder() {

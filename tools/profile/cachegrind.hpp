@@ -12,7 +12,7 @@
 
 namespace plumb::tools {
 
-/// Totals of a whole program run by event, as cachegrind spells events: Ir, D1mr, DLmw and others. Only
+/// Totals belong to a whole program run. Events are spelt as cachegrind does: Ir, D1mr, DLmw and others. Only
 /// events that it counted are there.
 using CachegrindTotals = std::map<std::string, std::uint64_t, std::less<>>;
 

@@ -15,7 +15,7 @@ struct Cache {
   unsigned line = 0;  ///< Length of a line, in bytes.
 };
 
-/// The first data cache and the last cache that is looked at.
+/// A pair holds the first data cache and the last cache that is looked at.
 struct CachePair {
   Cache first, last;
   /// Whether these are common sizes, since the system does not tell those of this machine.

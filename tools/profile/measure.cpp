@@ -17,7 +17,8 @@ constexpr Field fields[] = {&Counts::instructions, &Counts::cycles, &Counts::l1d
                             &Counts::l1d_write_misses, &Counts::ll_misses};
 
 constexpr int repetitions = 5;
-/// Units of the shorter run in this process. It takes a millisecond or more, which interrupts disturb little.
+/// The shorter run in this process does at least so many units. It takes a millisecond or more, which
+/// interrupts disturb little.
 constexpr double least_timed_units = 1e6;
 
 std::optional<double> median(std::vector<double> values) {

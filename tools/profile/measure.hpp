@@ -12,8 +12,8 @@
 
 namespace plumb::tools {
 
-/// Counts of a run, or of a unit: a projection (method relax), or a rod in a Newton step (method direct). A
-/// count is none where the way of measuring does not give it.
+/// These are counts of a run, or of a unit: a projection (method relax), or a rod in a Newton step (method
+/// direct). A count is none where the way of measuring does not give it.
 struct Counts {
   std::optional<double> instructions{}, cycles{};
   std::optional<double> l1d_read_misses{}, l1d_write_misses{};
@@ -37,7 +37,7 @@ std::optional<double> measurable_cost(std::optional<double> ns);
 enum class Way : std::uint8_t { counters, cachegrind, none };
 std::string_view to_string(Way);
 
-/// Means of measuring that this machine has.
+/// A machine has these means of measuring.
 struct Means {
   bool miss_counters = false;  ///< Whether at least one of the two counters of misses is there.
   std::string refusals;        ///< Reasons why counters are not there.

@@ -15,7 +15,7 @@ enum class HardwareEvent : std::uint8_t { instructions, cycles, l1d_read_misses,
 inline constexpr std::size_t hardware_events = 4;
 std::string_view to_string(HardwareEvent);
 
-/// What a counter showed, and for how long (ns) it was asked to count and did, as Linux gives it.
+/// This is what a counter showed, and for how long (ns) it was asked to count and did, as Linux gives it.
 struct CounterValue {
   std::uint64_t count = 0, enabled_ns = 0, running_ns = 0;
 };

@@ -15,15 +15,15 @@ namespace {
 /// Sweeps are pipelined eight at a time through chains and nets. A count that is no multiple of eight would
 /// mix passes of different depth.
 constexpr double sweeps_together = 8;
-/// Least units of the shorter of two runs. Start-up differs by some hundred misses from run to run, which
-/// then does not show in the third decimal.
+/// The shorter of two runs does at least so many units. Start-up differs by some hundred misses from run to
+/// run, which then does not show in the third decimal.
 constexpr double least_units = 2e5;
 
 constexpr std::uint32_t links_of_ensemble = 32;
 constexpr std::uint32_t links_in_first_cache = 8;
 constexpr std::uint32_t lanes = 16;
 
-/// Bytes that a rod takes in float.
+/// A rod takes so many bytes in float.
 struct RodBytes {
   double state;  ///< Bytes of state and rods in the largest layout.
   double swept;  ///< Bytes of these that a sweep touches in the smallest layout.
@@ -51,7 +51,7 @@ double rods_of(const CaseChoice& choice, SceneSize size, const RodBytes& bytes) 
   return (choice.quick ? 1.4 : 2.5) * last / bytes.swept;
 }
 
-/// A scene by its parameters, and how many rods it has.
+/// A spec names a scene by its parameters, and says how many rods it has.
 struct Spec {
   std::string text;
   double rods = 0;

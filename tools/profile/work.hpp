@@ -16,13 +16,13 @@ enum class SceneSize : std::uint8_t { first_cache, last_cache, beyond };
 /// A plan is a run whose counts are looked at.
 struct WorkPlan {
   std::string scene;  ///< Scene, as load_scene() reads it.
-  /// Settings. Under method relax Settings::stop.sweeps is the number of sweeps in a step.
+  /// Settings of the world. Under method relax Settings::stop.sweeps is the number of sweeps in a step.
   Settings settings;
   std::uint32_t frames = 1;
   double dt = 1.0 / 60;  ///< Length of a frame, in s.
 };
 
-/// What a run did, in the units that counts are divided by.
+/// A run did so much, in the units that counts are divided by.
 struct WorkDone {
   std::uint64_t projections = 0;  ///< Projections of rods, under method relax.
   std::uint64_t rod_newtons = 0;  ///< Newton steps of a tree times its rods, under method direct.

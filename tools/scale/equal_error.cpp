@@ -18,7 +18,7 @@ using scenes::seconds_since;
 constexpr double nearly = 1.3;
 constexpr int most_repetitions = 10;
 
-/// Settings that met the target, and the path by which they are run again.
+/// These settings met the target, and the path runs them again.
 struct Tried {
   frontier::Path path;
   frontier::Point point;

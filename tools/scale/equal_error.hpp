@@ -16,7 +16,7 @@ namespace plumb::tools {
 enum class ChainFamily : std::uint8_t { equal_links, equal_length };
 std::string chain_spec(ChainFamily family, std::uint32_t links);
 
-/// The cheapest setting found that meets a target.
+/// This is the cheapest setting found that meets a target.
 struct Cheapest {
   std::string setting{};
   double ms = 0;     ///< Time of stepping per simulated second, in ms: the least of several runs.

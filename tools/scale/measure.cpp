@@ -21,7 +21,7 @@ constexpr std::uint32_t most_substeps = 64;
 /// Fewer frames say too little of the mean over a second.
 constexpr int least_frames = 10;
 
-/// What came of stepping a simulated second.
+/// This is what came of stepping a simulated second.
 struct Second {
   double stepping_s = 0;
   int frames = 0;

@@ -13,7 +13,7 @@
 /// one fixed end. The mass of the last particle, the number of links and the step vary.
 namespace plumb::scenes {
 
-/// A way to solve, as the grid names it: "relax-mid", "direct-old" and others.
+/// A method is a way to solve, as the grid names it: "relax-mid", "direct-old" and others.
 struct StabilityMethod {
   std::string name;
   Method method = Method::relax;
@@ -63,14 +63,15 @@ enum class Outcome : std::uint8_t {
 };
 std::string_view to_string(Outcome outcome);
 
-/// Largest strain of a cell that survives. Chains are of some use up to there, and the measured strain tells
-/// more.
+/// A cell that survives has at most this strain. Chains are of some use up to there, and the measured strain
+/// tells more.
 inline constexpr double most_stretch = 0.5;
-/// Largest gain of energy, relative to energy_range(). Falling through the whole chain gives as much.
+/// A cell that survives gains at most this energy, relative to energy_range(). Falling through the whole
+/// chain gives as much.
 inline constexpr double most_gain = 1;
 
-/// What became of a cell. Strain and energy are over the ends of the frames done. Energy is relative to
-/// energy_range(). Both are NaN or infinite if the state was.
+/// A result says what became of a cell. Strain and energy are over the ends of the frames done. Energy is
+/// relative to energy_range(). Both are NaN or infinite if the state was.
 struct StabilityResult {
   StabilityCase cell;
   Outcome outcome = Outcome::survived;

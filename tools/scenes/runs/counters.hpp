@@ -9,8 +9,8 @@
 #include "plumb/world.hpp"
 #include "scenes/basics/json.hpp"
 
-/// The one list of StepReport's counters. Reports, CSV files and summaries loop over it, so that a new
-/// counter is a member of StepReport and one row in counters.cpp.
+/// This is the one list of StepReport's counters. Reports, CSV files and summaries loop over it, so that a
+/// new counter is a member of StepReport and one row in counters.cpp.
 namespace plumb::scenes {
 
 /// A counter says where StepReport holds a number and how outputs call it.

@@ -5,7 +5,7 @@
 namespace plumb::scenes {
 namespace {
 
-/// Null where nothing can touch.
+/// Returns null where nothing can touch.
 Json contact_json(const RunResult& result) {
   if (result.info.linkages == 0) return nullptr;
   Json json;
@@ -21,7 +21,7 @@ Json skipped_json(const RunResult& result) {
   return json;
 }
 
-/// The method that was asked for, or what `auto` picked, if it picked the same for all.
+/// Returns the method that was asked for, or what `auto` picked, if it picked the same for all.
 Method method_of(const RunPlan& plan, const RunResult& result) {
   const Method asked = plan.settings.method;
   return asked != Method::automatic      ? asked
