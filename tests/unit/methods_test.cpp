@@ -147,6 +147,9 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
       case detail::Reads::layout:
         s.layout = LayoutChoice::soa;
         break;
+      case detail::Reads::contact:
+        s.contact.margin = 1e-3;
+        break;
     }
     return s;
   };

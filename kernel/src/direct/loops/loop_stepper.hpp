@@ -81,7 +81,7 @@ class LoopStepper {
   /// it was not solved.
   /// Allocates nothing, but the first time that gradient old with lumped masses falls back or lines do not
   /// lead to a solution.
-  double advance(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const;
+  double advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
   /// How many pieces a substep is cut into. Each piece has all shares.
   std::uint32_t cuts(const LoopState& state, double h) const;
@@ -97,10 +97,10 @@ class LoopStepper {
   void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// Newton with the factor of an earlier substep or not; if it does not converge, mu is as it was.
   bool iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
-               StepReport& counters) const;
+               Tally& counters) const;
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
-  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, StepReport& counters) const;
-  void compromise(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const;
+  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
+  void compromise(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
   /// Returns the estimate.
   double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// What a part of a substep may try, and what all parts so far came to.
@@ -111,7 +111,7 @@ class LoopStepper {
     double error = 0;          ///< m
   };
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
-                    StepReport& counters) const;
+                    Tally& counters) const;
   void project(LoopState& state, double kick, LoopWorkspace& work) const;
 
   Gradient gradient_;

@@ -6,7 +6,7 @@
 
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/rod_lines.hpp"
-#include "plumb/world.hpp"
+#include "solver/tally.hpp"
 
 namespace plumb::detail {
 
@@ -56,7 +56,7 @@ constexpr double coarsest_line_tolerance = 1e-2;
 /// most `tolerance`. Of the matrix only F W Fᵀ is kept, F the directions of forces: symmetric and definite,
 /// without the geometric term. What that leaves falls by the turn of rods in a substep every time.
 LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double tolerance,
-                             LoopWorkspace& work, StepReport& counters);
+                             LoopWorkspace& work, Tally& counters);
 
 /// As project_delta(). False if stalled: work.delta has got its kick then, and still pulls on rods.
 bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work);
