@@ -93,6 +93,7 @@ TEST(Report, HasEveryField) {
                                                  "largest_gap",
                                                  "rms_gap",
                                                  "inaccurate_steps",
+                                                 "capped_steps",
                                                  "contact"}));
   EXPECT_EQ(keys(report["settings"]),
             (std::set<std::string>{
