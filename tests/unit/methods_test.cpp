@@ -166,6 +166,23 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
     }
 }
 
+// The public list is the table itself, so that programs and the command name the same methods.
+TEST(Methods, AreListedAsTheTableHasThem) {
+  const std::vector<MethodInfo> listed = all_methods();
+  ASSERT_EQ(listed.size(), detail::method_rows().size());
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    const detail::MethodRow& row = detail::method_rows()[i];
+    EXPECT_EQ(listed[i].method, row.method);
+    EXPECT_EQ(listed[i].name, row.name);
+    EXPECT_EQ(listed[i].name, to_string(row.method));
+    EXPECT_FALSE(listed[i].moves.empty());
+    for (const detail::SettingRow& setting : detail::setting_rows())
+      EXPECT_EQ(std::count(listed[i].reads.begin(), listed[i].reads.end(), setting.name),
+                contains(row.reads, setting.id))
+          << row.name << ", " << setting.name;
+  }
+}
+
 TEST(Methods, AutomaticRefusesWhatNoIslandReads) {
   Settings settings;
   settings.stop.sweeps = 3;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "plumb/export.hpp"
 #include "plumb/scene.hpp"
@@ -19,6 +20,20 @@ class Executor;
 /// with: stiff springs (§3.3), Lagrange multipliers (§3.4) and Featherstone's articulated bodies (§3.5). They
 /// run in double on one thread, and need plumb::reference and register_reference_methods().
 enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
+
+/// What the table of methods says of one of them.
+struct MethodInfo {
+  Method method = Method::automatic;  ///< The method.
+  std::string_view name{};            ///< Its name, as the command and its reports spell it.
+  std::string_view moves{};           ///< What it moves, in words.
+  bool moves_joints = false;          ///< Whether it moves bodies, joints, and shapes that touch.
+  /// Names of the settings that it reads, of those that not every method reads.
+  std::vector<std::string_view> reads{};
+};
+
+/// All methods of this program, in the order of Method. Those of plumb::reference are among them once they
+/// are registered.
+PLUMB_API std::vector<MethodInfo> all_methods();
 
 /// Where on the way from the old to the new configuration a correction's direction is taken.
 ///

@@ -98,3 +98,18 @@ void register_method(const MethodRow& row) {
 }
 
 }  // namespace plumb::detail
+
+namespace plumb {
+
+std::vector<MethodInfo> all_methods() {
+  std::vector<MethodInfo> out;
+  for (const detail::MethodRow& row : detail::method_rows()) {
+    out.push_back(
+        {.method = row.method, .name = row.name, .moves = row.moves, .moves_joints = row.moves_joints});
+    for (const detail::SettingRow& setting : detail::setting_rows())
+      if (contains(row.reads, setting.id)) out.back().reads.push_back(setting.name);
+  }
+  return out;
+}
+
+}  // namespace plumb
