@@ -75,6 +75,21 @@ void add_sweep_options(Command& command, Settings& settings) {
              "Share of a correction each end takes: by inverse mass or half each");
 }
 
+void add_bounds(Command& command, Settings& settings) {
+  const auto take_work = [&settings](const std::string& text) {
+    const auto value = scenes::parse_number<std::uint64_t>(text);
+    if (!value) throw BadValue("'" + text + "' is not a whole number");
+    settings.most_work = *value;
+  };
+  command.add_option("--most-work", "N", take_work,
+                     "Newton steps, sweeps and substeps of an island in a frame, at most, beyond those that "
+                     "are asked for [20000]");
+  add_seconds(command, "--sleep-time", settings.sleep_time,
+              "Time that an island is at rest before it sleeps, s [0.5]");
+  add_positive(command, "--length-scale", settings.contact.length_scale,
+               "Size of the things that touch, m: lengths and speeds of contact are in proportion [1]");
+}
+
 /// Returns the names of the methods that read a setting, as the kernel's table says.
 std::string readers_of(std::string_view setting) {
   std::string out;
@@ -173,6 +188,7 @@ void add_solver_options(Command& command, Settings& settings) {
       command, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
       "Methods direct and auto, and springs by adaptive-implicit-euler: choose substeps so that the error "
       "grows by at most this share of the scene a second");
+  add_bounds(command, settings);
   add_sweep_options(command, settings);
   add_choice(command, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
              "Where a correction's direction is taken [mid; relax: new]");

@@ -53,6 +53,8 @@ class ControlledPiece {
     if (solver_.try_calm_step(piece_, dt / control.least, control.least, control.allowed, part_, report))
       return;
     double error = 0, h = dt;
+    const std::uint64_t most_work = report.most_work;
+    report.most_work /= 2;  // the rest is for equal substeps, if no attempt ends
     const bool done = control.step(
         dt, solver_.best_substep(piece_), report,
         [&](double length, std::uint32_t substeps, Tally& of_attempt) {
@@ -62,7 +64,11 @@ class ControlledPiece {
           return result;
         },
         [&] { solver_.restore(piece_, Saved::step); });
-    if (!done) solver_.advance(piece_, dt / rules.substeps, rules.substeps, part_, report);
+    report.most_work = most_work;
+    if (!done) {
+      report.capped_steps = 1;
+      solver_.advance(piece_, dt / rules.substeps, rules.substeps, part_, report);
+    }
     solver_.end_controlled_step(piece_, error, h, dt / control.least, control.allowed, part_);
   }
 
@@ -106,7 +112,7 @@ void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRul
     ControlledPiece(solver, piece, part).step(dt, rules, tally);
   else
     solver.advance(piece, dt / rules.substeps, rules.substeps, part, tally);
-  if (tally.is_spent()) ++tally.capped_steps;
+  if (tally.is_spent()) tally.capped_steps = 1;
   report += tally;
 }
 
