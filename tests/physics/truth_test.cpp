@@ -11,7 +11,7 @@
 #include "scenes/generators/generators.hpp"
 #include "support/planar_chain.hpp"
 #include "support/truths.hpp"
-#include "truth/time/integrator.hpp"
+#include "truth/integrators/integrator.hpp"
 
 namespace plumb::truth {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "plumb/error.hpp"
 #include "scenes/basics/numbers.hpp"
-#include "truth/time/integrator.hpp"
+#include "truth/integrators/integrator.hpp"
 
 namespace plumb::truth {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "truth/time/taylor.hpp"
+#include "truth/integrators/taylor.hpp"
 
 namespace plumb::truth {
 

@@ -1,4 +1,4 @@
-#include "truth/time/integrator.hpp"
+#include "truth/integrators/integrator.hpp"
 
 #include <algorithm>
 #include <limits>

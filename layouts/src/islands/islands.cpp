@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "unset.hpp"
+#include "../unset.hpp"
 
 namespace plumb::layouts {
 namespace {

@@ -1,4 +1,4 @@
-#include "truth/time/taylor.hpp"
+#include "truth/integrators/taylor.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "unset.hpp"
+#include "../unset.hpp"
 
 namespace plumb::layouts {
 namespace {

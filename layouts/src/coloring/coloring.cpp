@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "unset.hpp"
+#include "../unset.hpp"
 
 namespace plumb::layouts {
 namespace {
