@@ -289,9 +289,9 @@ TEST_F(Allocations, AreNoneInStepsOfMultipliersAndFeatherstone) {
     }
 }
 
-// Limbs that touch: once a scene has been as lively as it gets. Contacts come and go, and groups of islands
-// with them; what they need is kept, but a new most takes memory.
-TEST_F(Allocations, AreNoneInStepsOfLimbsOnceWarm) {
+// Figures that touch: once a scene has been as lively as it gets. Contacts come and go, and clusters of
+// islands with them; what they need is kept, but a new most takes memory.
+TEST_F(Allocations, AreNoneInStepsOfFiguresOnceWarm) {
   for (const char* spec : {"humanoid:body=medium", "stick_box", "drop", "crowd:humanoids=16,hit=8,body=thin"})
     for (const bool sleep : {false, true}) {
       Scene scene = scenes::load_scene(spec);

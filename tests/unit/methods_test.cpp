@@ -13,7 +13,7 @@
 #include "relax/relax_solver.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

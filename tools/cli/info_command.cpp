@@ -89,7 +89,7 @@ int info(const InfoOptions& options) {
   automatic.method = Method::automatic;
   automatic.layout = LayoutChoice::automatic;
   // Layouts are those of relaxation, which knows no bodies, joints or shapes.
-  const World world(scene, is_articulated(scene) ? automatic : options.settings);
+  const World world(scene, has_more_than_rods(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {
     scenes::Json json{{"scene", options.scene}};

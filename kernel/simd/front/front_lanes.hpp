@@ -12,7 +12,7 @@ namespace {
 /// once.
 constexpr std::uint32_t panel = 32;
 /// Rows that share what is read of the pivots.
-constexpr std::uint32_t row_group = 4;
+constexpr std::uint32_t shared_rows = 4;
 
 template <class V>
 constexpr std::uint32_t width = sizeof(V) / sizeof(double);
@@ -113,11 +113,11 @@ std::uint32_t eliminate(const FrontView& front, double* block, const double* sma
       for (std::uint32_t i = k + 1; i < end; ++i) lower[i] = own[k - begin][i - begin];
     }
     std::uint32_t row = end;
-    for (; row + row_group <= front.rows; row += row_group) {
+    for (; row + shared_rows <= front.rows; row += shared_rows) {
       for (at = rest; at + 2 * width<V> <= front.stride; at += 2 * width<V>)
-        subtract_product<V, row_group, 2>(front, block, begin, end, row, at);
+        subtract_product<V, shared_rows, 2>(front, block, begin, end, row, at);
       for (; at < front.stride; at += width<V>)
-        subtract_product<V, row_group, 1>(front, block, begin, end, row, at);
+        subtract_product<V, shared_rows, 1>(front, block, begin, end, row, at);
     }
     for (; row < front.rows; ++row)
       for (at = rest; at < front.stride; at += width<V>)

@@ -51,12 +51,12 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
               (u + guess * at.get3(tree.acceleration, 3 * i)) +
                   guess_before * at.get3(tree.acceleration_before, 3 * i));
     Vec<V> load = at.get(tree.node, node * i) * u + kick * at.get3(tree.force, 3 * i);
-    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+    for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
       if (tree.guesses_multipliers)
-        guess_multiplier(at, scale, scale_before, tree.pin_mu, tree.pin_mu_before, k);
-      if constexpr (coupled) load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
-      prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
-                     tree.pin_rod, k);
+        guess_multiplier(at, scale, scale_before, tree.tie_mu, tree.tie_mu_before, k);
+      if constexpr (coupled) load = load + at.get(tree.tie, tie * k) * at.get3(tree.tie_u, 3 * k);
+      prepare_rod<V>(at, place(tree.tie_x, 3 * k), place(tree.x, 3 * i), place(tree.tie_length2, k),
+                     tree.tie_rod, k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
@@ -90,8 +90,8 @@ PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane
     V pull = carried;
     carried = V(0);
     if (tree.below_slot[i] != no_slot) pull = pull + at.get(tree.below, tree.below_slot[i] * below);
-    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
-      pull = pull + magnitude(at.get(tree.pin_mu, k));
+    for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
+      pull = pull + magnitude(at.get(tree.tie_mu, k));
     if (i > 0) {
       const std::size_t p = tree.parent[i];
       const V own = magnitude(at.get(tree.mu, i));

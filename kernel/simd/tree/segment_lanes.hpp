@@ -2,7 +2,7 @@
 // Wang 1981; SPIKE, Polizzi and Sameh 2006). Included after line_lanes.hpp.
 //
 // Lane l holds nodes l s to l s + s - 1. Its rod 0 leads to the last node of lane l - 1, in lane 0 to the
-// fixed end, and stands where a line keeps its pin. All but the last rod of a segment are eliminated in every
+// fixed end, and stands where a line keeps its tie. All but the last rod of a segment are eliminated in every
 // lane at once, in terms of the last rod's nu and of that of the lane before,
 //
 //   nu_k = alpha_k + beta_k nu_last + gamma_k nu_last_before,
@@ -85,7 +85,7 @@ constexpr std::size_t segment_fields = 3;
 
 template <class V, class T, class At>
 PLUMB_INLINE void put_segment_ends(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends) {
-  const LineRod<V> first = line_pin<V>(tree, at, 0, true, T(1));
+  const LineRod<V> first = line_tie<V>(tree, at, 0, true, T(1));
   const std::size_t s = tree.nodes - 1;
   ends.first_d.put(at.lane, first.d);
   ends.first_mu.put(at.lane, first.mu);
@@ -109,7 +109,7 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
   const std::size_t s = tree.nodes, lane = at.lane;
   const V zero(0);
   LineRod<V> last{ends.last_d.template from_before<V>(lane), zero, zero},
-      rod = line_pin<V>(tree, at, 0, true, T(1));
+      rod = line_tie<V>(tree, at, 0, true, T(1));
   LineNode<V> from{{zero, zero, zero},
                    ends.last_delta.template from_before<V>(lane),
                    ends.last_w.template from_before<V>(lane)};
@@ -202,10 +202,10 @@ PLUMB_INLINE void substitute_segment(const TreeView<T>& tree, const At& at, cons
   Vec<V> d = ends.first_d.template from_after<V>(at.lane);
   for (std::size_t k = tree.nodes; k-- > 0;) {
     const V nu_before = k + 1 == tree.nodes ? own : segment_nu(tree, at, k, own, before);
-    T* const multipliers = k == 0 ? tree.pin_mu : tree.mu;
+    T* const multipliers = k == 0 ? tree.tie_mu : tree.mu;
     const V mu_before = at.get(multipliers, k) + nu_before;
     at.put(multipliers, k, mu_before);
-    const Vec<V> d_before = k == 0 ? at.get3(tree.pin_rod, 0) : at.get3(tree.rod, tree_fields::rod * k);
+    const Vec<V> d_before = k == 0 ? at.get3(tree.tie_rod, 0) : at.get3(tree.rod, tree_fields::rod * k);
     const V w = at.get(tree.node, tree_fields::node * k + 3);
     const Vec<V> change = w * (nu_before * d_before - nu * d);
     sum = sum + dot(change, change);
@@ -226,7 +226,7 @@ PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_
   for_lanes([&](const auto& at) { put_last_delta<V>(tree, at, ends); });
   for (std::size_t c = 0; c < 3; ++c) {
     Neighbors<T>& component = c == 0 ? ends.last_delta.x : c == 1 ? ends.last_delta.y : ends.last_delta.z;
-    component.values[0] = tree.pin_delta[c * logical_width<T>];
+    component.values[0] = tree.tie_delta[c * logical_width<T>];
   }
   for_lanes([&](const auto& at) { eliminate_segment<V>(tree, at, ends, rows); });
   for_lanes([&](const auto& at) { close_separator<V>(tree, at, ends, rows); });

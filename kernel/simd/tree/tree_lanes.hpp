@@ -13,7 +13,7 @@
 //   K_p    += (kappa u + a) (b + kappa w)^T / s - kappa^2 H
 //   r_p    -= (kappa u + a) (c - b.q) / s + kappa q
 //
-// A pin is the same with delta_p = 0: it takes a rank from H.
+// A tie is the same with delta_p = 0: it takes a rank from H.
 
 #include "simd/tree/lane_math.hpp"
 
@@ -56,27 +56,27 @@ PLUMB_INLINE NodeBlock<V> empty_block() {
   return {{none, none, none}, none, zero};
 }
 
-/// A node with everything below it and its own pins eliminated: delta_i = q + H f for a force f from above.
+/// A node with everything below it and its own ties eliminated: delta_i = q + H f for a force f from above.
 template <class V>
 struct Free {
   Mat<V> h;  ///< columns
   Vec<V> q;
-  V residual;  ///< sum over its pins of C^2
+  V residual;  ///< sum over its ties of C^2
 };
 
 template <bool linear, class V, class T, class At>
 PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_t i, NodeBlock<V> block,
                                const Vec<V>& delta, V theta) {
   using namespace tree_fields;
-  for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+  for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
     if constexpr (!linear) {
-      const Vec<V> a = at.get3(tree.pin_rod, k * rod) + theta * (delta - at.get3(tree.pin_delta, 3 * k));
-      const V mu = at.get(tree.pin_mu, k);
-      block.r = block.r + mu * a - at.get(tree.pin, k * pin) * at.get3(tree.pin_delta, 3 * k);
+      const Vec<V> a = at.get3(tree.tie_rod, k * rod) + theta * (delta - at.get3(tree.tie_delta, 3 * k));
+      const V mu = at.get(tree.tie_mu, k);
+      block.r = block.r + mu * a - at.get(tree.tie, k * tie) * at.get3(tree.tie_delta, 3 * k);
       block.diagonal = block.diagonal - theta * mu;
     } else {
       block.r =
-          block.r + at.get(tree.pin, k * pin) * (at.get3(tree.pin_u, 3 * k) - at.get3(tree.pin_delta, 3 * k));
+          block.r + at.get(tree.tie, k * tie) * (at.get3(tree.tie_u, 3 * k) - at.get3(tree.tie_delta, 3 * k));
     }
   }
   block.rows.v0.x = block.rows.v0.x + block.diagonal;
@@ -87,25 +87,25 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   node.q = multiply(node.h, block.r);
   node.residual = V(0);
   const V size = trace(node.h);
-  for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
-    const Vec<V> d = at.get3(tree.pin_rod, k * rod), e = delta - at.get3(tree.pin_delta, 3 * k);
+  for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
+    const Vec<V> d = at.get3(tree.tie_rod, k * rod), e = delta - at.get3(tree.tie_delta, 3 * k);
     Vec<V> a = d, b = d;
     V c = dot(d, e);
     if constexpr (!linear) {
       a = d + theta * e;
       b = d + e;
-      c = at.get(tree.pin_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
+      c = at.get(tree.tie_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
       node.residual = node.residual + c * c;
     }
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
-    const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.pin, k * pin + 1) * size) * dot(b, b));
+    const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.tie, k * tie + 1) * size) * dot(b, b));
     const V rho = (V(0) - c - dot(b, node.q)) * over;
     const Vec<V> y = over * w;
     node.q = node.q + rho * u;
     node.h = {node.h.v0 - y.x * u, node.h.v1 - y.y * u, node.h.v2 - y.z * u};
-    at.put3(tree.pin_elimination, k * pin_elimination, a);
-    at.put3(tree.pin_elimination, k * pin_elimination + 3, y);
-    at.put(tree.pin_elimination, k * pin_elimination + 6, rho);
+    at.put3(tree.tie_elimination, k * tie_elimination, a);
+    at.put3(tree.tie_elimination, k * tie_elimination + 3, y);
+    at.put(tree.tie_elimination, k * tie_elimination + 6, rho);
   }
   return node;
 }
@@ -147,16 +147,16 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
 }
 
 /// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. To
-/// `residual` are added the C^2 of its rod and its pins. All is passed by reference: copies of blocks would
+/// `residual` are added the C^2 of its rod and its ties. All is passed by reference: copies of blocks would
 /// go through memory.
 template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
                                  NodeBlock<V>& block, V& residual) {
   using namespace tree_fields;
   const auto [a, b, c, kappa, mu] = rod_equation<linear, plain>(tree, at, i, block, theta);
-  if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
-    at.put3(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 7, a);
-    at.put(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 10, kappa);
+  if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
+    at.put3(tree.tie_elimination, tree.tie_begin[i] * tie_elimination + 7, a);
+    at.put(tree.tie_elimination, tree.tie_begin[i] * tie_elimination + 10, kappa);
   }
   const Vec<V> delta = at.get3(tree.delta, 3 * i);
   const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
@@ -189,7 +189,7 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   block.diagonal = V(0) - theta * mu;
 }
 
-/// Tips to root. `plain`: lumped masses and at most one pin, so that no rod can be redundant.
+/// Tips to root. `plain`: lumped masses and at most one tie, so that no rod can be redundant.
 template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   using namespace tree_fields;
@@ -225,17 +225,17 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   return root.q;
 }
 
-/// Multipliers of a node's pins, the last eliminated first. `f` is the force from above.
+/// Multipliers of a node's ties, the last eliminated first. `f` is the force from above.
 template <class V, class T, class At>
-PLUMB_INLINE void pull_pins(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active) {
+PLUMB_INLINE void pull_ties(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active) {
   using namespace tree_fields;
-  for (std::size_t k = tree.pin_begin[i + 1]; k-- > tree.pin_begin[i];) {
-    const Vec<V> a = at.get3(tree.pin_elimination, k * pin_elimination);
-    const Vec<V> y = at.get3(tree.pin_elimination, k * pin_elimination + 3);
-    const V nu = at.get(tree.pin_elimination, k * pin_elimination + 6) - dot(y, f);
+  for (std::size_t k = tree.tie_begin[i + 1]; k-- > tree.tie_begin[i];) {
+    const Vec<V> a = at.get3(tree.tie_elimination, k * tie_elimination);
+    const Vec<V> y = at.get3(tree.tie_elimination, k * tie_elimination + 3);
+    const V nu = at.get(tree.tie_elimination, k * tie_elimination + 6) - dot(y, f);
     f = f + nu * a;
-    const V mu = at.get(tree.pin_mu, k);
-    at.put(tree.pin_mu, k, select_nonzero(active, mu + nu, mu));
+    const V mu = at.get(tree.tie_mu, k);
+    at.put(tree.tie_mu, k, select_nonzero(active, mu + nu, mu));
   }
 }
 
@@ -251,7 +251,7 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
              select_nonzero(active, now.z, old.z)});
     at.put3(tree.elimination, i * elimination + 9, change);  // where children with an other number find it
   };
-  if constexpr (!linear) pull_pins(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active);
+  if constexpr (!linear) pull_ties(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active);
   update(0, root);
   V sum = dot(root, root);
   Vec<V> last = root;
@@ -263,11 +263,11 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
     const Vec<V> change = at.get3(tree.elimination, f + 9) + multiply(columns, above);
     if constexpr (!linear) {
       const V nu = at.get(tree.elimination, f + 15) + dot(at.get3(tree.elimination, f + 12), above);
-      if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
-        const std::size_t first = tree.pin_begin[i] * pin_elimination;
-        pull_pins(
+      if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
+        const std::size_t first = tree.tie_begin[i] * tie_elimination;
+        pull_ties(
             tree, at, i,
-            nu * at.get3(tree.pin_elimination, first + 7) - at.get(tree.pin_elimination, first + 10) * above,
+            nu * at.get3(tree.tie_elimination, first + 7) - at.get(tree.tie_elimination, first + 10) * above,
             active);
       }
       const V mu = at.get(tree.mu, i);

@@ -36,7 +36,7 @@ template <class V>
 inline V larger(V a, V b) {
   return a > b ? a : b;
 }
-/// 1/s, or 0 if |s| is not above `floor`: a rod or pin that others make redundant then pulls nothing.
+/// 1/s, or 0 if |s| is not above `floor`: a rod or tie that others make redundant then pulls nothing.
 template <class V>
 inline V reciprocal_or_zero(V s, V floor) {
   return std::abs(s) > floor ? 1 / s : 0;

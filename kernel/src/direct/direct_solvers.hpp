@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "solver/island_groups.hpp"
+#include "solver/island_sets.hpp"
 #include "solver/made_solver.hpp"
 
 namespace plumb::detail {
@@ -19,10 +19,10 @@ struct DirectRules {
 };
 
 /// Makes the solvers of islands of particles and rods: lane groups of equal trees, and islands with loops one
-/// by one. `groups` lists the islands, those with equal graphs together. Positions are projected so that rods
+/// by one. `sets` lists the islands, those with equal graphs together. Positions are projected so that rods
 /// start at their lengths; a first substep would do that by a velocity, the greater the shorter it is. Then
 /// velocities are projected so that nothing pulls on a rod.
-std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandSets& sets,
                                             const Settings& settings, const DirectRules& rules,
                                             StartReport& report);
 

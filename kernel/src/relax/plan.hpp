@@ -7,7 +7,7 @@
 #include "plumb/layouts/packing.hpp"
 #include "plumb/settings.hpp"
 #include "relax/constants.hpp"
-#include "solver/island_groups.hpp"
+#include "solver/island_sets.hpp"
 
 namespace plumb::detail {
 
@@ -25,7 +25,7 @@ void require_addressable(std::uint64_t particles, std::uint64_t rods);
 ///   anything else         records, array of structures
 /// A `layout` other than automatic asks every shape for that layout. `common[rod]` marks rods that weigh the
 /// same. Throws InputError if a block would be too large (see require_addressable()).
-std::vector<layouts::Packing> plan_blocks(const IslandGroups& groups, LayoutChoice layout,
+std::vector<layouts::Packing> plan_blocks(const IslandSets& sets, LayoutChoice layout,
                                           std::span<const std::uint8_t> common, std::uint32_t lanes,
                                           std::uint32_t element_bytes);
 

@@ -125,7 +125,7 @@ class Substep {
       stopped(StoppedBy::sweeps, stop.sweeps);
       return;
     }
-    // |C|/L^2 = |(1 + stretch)^2 - 1|; the compressed side is the stricter one.
+    // |C|/L^2 = |(1 + strain)^2 - 1|; the compressed side is the stricter one.
     const double bound = stop.tolerance ? *stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)) : 0;
     const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                              std::chrono::duration<double, std::micro>(settings_.budget_us));

@@ -6,7 +6,7 @@
 
 #include "relax/block.hpp"
 #include "relax/relax.hpp"
-#include "solver/island_groups.hpp"
+#include "solver/island_sets.hpp"
 #include "solver/made_solver.hpp"
 #include "solver/solver.hpp"
 #include "time/verlet.hpp"
@@ -123,7 +123,7 @@ extern template class RelaxSolver<double>;
 
 /// Makes the blocks of islands that relaxation moves. Velocities are projected so that none pulls on a rod.
 /// Throws InputError on numbers that the precision is too coarse for.
-std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets& sets,
                                            const Settings& settings, StartReport& report);
 
 }  // namespace plumb::detail

@@ -58,9 +58,9 @@ struct LoopMotion {
   std::vector<Vec3> fixed_last_velocity;  ///< m/s, per fixed vertex
   /// Where errors are estimated: m/s^2, 3 per node, of the last two substeps, rods included.
   std::vector<double> acceleration, acceleration_before;
-  std::uint32_t known = 0;      ///< substeps taken, up to the two that accelerations are from
-  std::uint32_t calm = 0;       ///< substeps to be taken with gradient new
-  std::uint32_t next_calm = 0;  ///< how many that will be the next time
+  std::uint32_t known = 0;        ///< substeps taken, up to the two that accelerations are from
+  std::uint32_t damped = 0;       ///< substeps to be taken with gradient new
+  std::uint32_t next_damped = 0;  ///< how many that will be the next time
   /// s: longer substeps are cut before they are tried.
   double longest = std::numeric_limits<double>::infinity();
   double u_step = 0;   ///< s

@@ -23,8 +23,8 @@ constexpr int most_attempts = 256;  ///< of one substep, all halves together
 constexpr double regrowth = 1.1;
 /// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
 /// there is little hope that what did not work then works now. Twice as many each time it does not.
-constexpr std::uint32_t calm_substeps = 16, most_calm_substeps = 1024;
-constexpr int calm_halvings = 1;
+constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
+constexpr int damped_halvings = 1;
 
 /// Of what loads do in a substep: how much rods may add before a solution is taken for one of rounding only.
 constexpr double energy_tolerance = 1e-6;
@@ -56,10 +56,10 @@ constexpr double hopeless_change = 30;
 constexpr double compromise_softness = 1e-5, compromise_change = 1e-9;
 constexpr int compromise_iterations = 60;
 
-void calm_down(LoopState& state) {
-  state.next_calm = std::max(state.next_calm, calm_substeps);
-  state.calm = state.next_calm;
-  state.next_calm = std::min(2 * state.next_calm, most_calm_substeps);
+void damp_from_now(LoopState& state) {
+  state.next_damped = std::max(state.next_damped, damped_substeps);
+  state.damped = state.next_damped;
+  state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
 }
 
 /// How many times u goes into a substep, and force (s^2).
@@ -266,7 +266,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
 
 bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                                StepReport& counters) const {
-  const Gradient wanted = state.calm > 0 ? Gradient::new_ : gradient_;
+  const Gradient wanted = state.damped > 0 ? Gradient::new_ : gradient_;
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
     if (solve(state, h, gradient, work, counters)) {
@@ -287,34 +287,34 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
 }
 
 std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
-  if (state.calm > 0) return 1;  // gradient new, which is hardly ever halved
+  if (state.damped > 0) return 1;  // gradient new, which is hardly ever halved
   return pieces_of(largest_share_ * h / state.longest);
 }
 
 double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const {
   work.saved = state.motion();
-  const bool is_calm = state.calm > 0;
-  Attempts attempts{.halvings = is_calm ? calm_halvings : most_halvings, .left = 0};
+  const bool is_damped = state.damped > 0;
+  Attempts attempts{.halvings = is_damped ? damped_halvings : most_halvings, .left = 0};
   const std::uint32_t count = cuts(state, h);
   bool solved = true;
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_) {
-      attempts.left = is_calm ? 3 * calm_halvings : most_attempts;
+      attempts.left = is_damped ? 3 * damped_halvings : most_attempts;
       solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
     }
   if (solved) {
     state.longest = attempts.shortest_half > 0 ? attempts.shortest_half : regrowth * state.longest;
     if (attempts.fell_back)
-      calm_down(state);
-    else if (state.calm > 0)
-      --state.calm;
+      damp_from_now(state);
+    else if (state.damped > 0)
+      --state.damped;
     else
-      state.next_calm /= 2;
+      state.next_damped /= 2;
     return attempts.error;
   }
   state.motion() = work.saved;
   compromise(state, h, work, counters);
-  calm_down(state);
+  damp_from_now(state);
   return std::numeric_limits<double>::infinity();
 }
 

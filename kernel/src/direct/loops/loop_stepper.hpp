@@ -64,10 +64,10 @@ class LoopStepper {
  public:
   LoopStepper(Gradient gradient, double drag, std::uint32_t time_order = 2);
 
-  /// Stretch (|C|/L^2, L^2 the island's mean) that substeps solved by lines may leave; gradient mid's are
+  /// Strain (|C|/L^2, L^2 the island's mean) that substeps solved by lines may leave; gradient mid's are
   /// always solved to rounding, which is how they keep energy.
-  void set_line_tolerance(double stretch) {
-    line_tolerance_ = std::clamp(stretch, finest_line_tolerance, coarsest_line_tolerance);
+  void set_line_tolerance(double strain) {
+    line_tolerance_ = std::clamp(strain, finest_line_tolerance, coarsest_line_tolerance);
   }
 
   /// Whether the systems of this stepper couple the ends of rods.

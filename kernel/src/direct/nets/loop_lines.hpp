@@ -46,7 +46,7 @@ enum class LineOutcome : std::uint8_t {
   stalled    ///< conjugate gradients do not get there: rods are redundant, or lines mean nothing
 };
 
-/// What lines leave of |C|/L² of a rod (its stretch), and of a displacement relative to a rod, L² the mean of
+/// What lines leave of |C|/L² of a rod (its strain), and of a displacement relative to a rod, L² the mean of
 /// the island, where rounding is the limit.
 constexpr double finest_line_tolerance = 1e-11;
 /// And at most: with more, iterations would be left out that multipliers must not be extrapolated without.

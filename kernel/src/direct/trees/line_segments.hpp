@@ -17,7 +17,7 @@ class LineSegments {
   std::uint32_t length() const { return length_; }
   std::uint32_t entry(std::uint32_t node) const { return node % length_; }
   std::uint32_t lane(std::uint32_t node) const { return node / length_; }
-  /// Whether a node is the first of its segment: the rod to the node before stands where pins do.
+  /// Whether a node is the first of its segment: the rod to the node before stands where ties do.
   bool begins(std::size_t node) const { return node % length_ == 0; }
 
   template <class T>
@@ -33,7 +33,7 @@ class LineSegments {
   void scatter_nodes(const layouts::AlignedBuffer<T>& whole, layouts::AlignedBuffer<T>& segments) const;
 
   /// Before prepare: puts the beginning of every lane's first rod, the last node of the lane before, where
-  /// its pin is. After it: takes away rods beyond the end of the line.
+  /// its tie is. After it: takes away rods beyond the end of the line.
   template <class T>
   void link(TreeState<T>& segments) const;
   template <class T>

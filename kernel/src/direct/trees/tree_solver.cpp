@@ -52,7 +52,7 @@ void TreeSolver<T>::finish_layout() {
         std::make_unique<Line>(Line{segments, std::move(state_), TreeWorkspace<T>(*cut.topology, cut.lanes)});
     state_ = std::move(cut);
   }
-  pins_begin_ = state_.topology->nodes * state_.lanes;
+  ties_begin_ = state_.topology->nodes * state_.lanes;
   velocity_ = layouts::AlignedBuffer<T>(state_.u.size());
   if (!kind_->rules.controlled) return;
   for (auto& saved : saved_) saved = std::make_unique<TreeState<T>>(state_.topology, state_.lanes);
@@ -66,13 +66,13 @@ Slot TreeSolver<T>::node_slot(std::uint32_t node, std::uint32_t lane) const {
 }
 
 template <class T>
-Slot TreeSolver<T>::pin_slot(std::uint32_t pin, std::uint32_t lane) const {
-  return pins_begin_ + pin * state_.lanes + lane;
+Slot TreeSolver<T>::tie_slot(std::uint32_t tie, std::uint32_t lane) const {
+  return ties_begin_ + tie * state_.lanes + lane;
 }
 
 template <class T>
 auto TreeSolver<T>::place_of(Slot slot) const -> Place {
-  const Slot at = is_pin(slot) ? slot - pins_begin_ : slot;
+  const Slot at = is_tie(slot) ? slot - ties_begin_ : slot;
   return {at / state_.lanes, at % state_.lanes};
 }
 
@@ -250,14 +250,14 @@ double TreeSolver<T>::size(std::uint32_t) const {
 template <class T>
 Vec3 TreeSolver<T>::position(Slot slot) const {
   const Place place = place_of(slot);
-  if (!is_pin(slot)) return state_.position(place.node, place.lane);
-  const auto at = [&](std::uint32_t c) { return state_.pin_x[state_.at(3 * place.node + c, place.lane)]; };
+  if (!is_tie(slot)) return state_.position(place.node, place.lane);
+  const auto at = [&](std::uint32_t c) { return state_.tie_x[state_.at(3 * place.node + c, place.lane)]; };
   return {at(0), at(1), at(2)};
 }
 
 template <class T>
 Vec3 TreeSolver<T>::velocity(Slot slot) const {
-  if (is_pin(slot)) return {};
+  if (is_tie(slot)) return {};
   find_velocities();
   const Place place = place_of(slot);
   const auto at = [&](std::uint32_t c) {
@@ -269,7 +269,7 @@ Vec3 TreeSolver<T>::velocity(Slot slot) const {
 template <class T>
 void TreeSolver<T>::add_to_hash(Slot slot, StateHash& hash) const {
   hash.add<double>(position(slot));
-  if (is_pin(slot)) return;
+  if (is_tie(slot)) return;
   const Place place = place_of(slot);
   for (std::uint32_t c = 0; c < 3; ++c)
     hash.add(static_cast<double>(state_.u[state_.at(3 * place.node + c, place.lane)]));
@@ -352,14 +352,14 @@ void TreeSolver<T>::set_away(Slot slot, bool away) {
 template <class T>
 void TreeSolver<T>::move_anchor(Slot slot, const AnchorMove& move) {
   const Place place = place_of(slot);
-  state_.pin_velocity[state_.at(place.node, place.lane)] = move.velocity();
-  state_.pins_move = true;
+  state_.tie_velocity[state_.at(place.node, place.lane)] = move.velocity();
+  state_.ties_move = true;
 }
 
 template <class T>
 void TreeSolver<T>::begin_anchors() {
-  anchors_changed_ = state_.pins_move && !std::equal(state_.pin_velocity.begin(), state_.pin_velocity.end(),
-                                                     state_.pin_last_velocity.begin(), [](Vec3 a, Vec3 b) {
+  anchors_changed_ = state_.ties_move && !std::equal(state_.tie_velocity.begin(), state_.tie_velocity.end(),
+                                                     state_.tie_last_velocity.begin(), [](Vec3 a, Vec3 b) {
                                                        return norm(a - b) <= unchanged * norm(a);
                                                      });
 }
@@ -367,20 +367,20 @@ void TreeSolver<T>::begin_anchors() {
 template <class T>
 void TreeSolver<T>::end_anchors() {
   anchors_changed_ = false;
-  if (!state_.pins_move) return;
-  state_.pins_move =
-      std::any_of(state_.pin_velocity.begin(), state_.pin_velocity.end(), [](Vec3 v) { return v != Vec3{}; });
-  state_.pin_last_velocity = state_.pin_velocity;
-  std::fill(state_.pin_velocity.begin(), state_.pin_velocity.end(), Vec3{});
-  std::fill_n(state_.pin_delta.data(), state_.pin_delta.size(), T(0));
-  std::fill_n(state_.pin_u.data(), state_.pin_u.size(), T(0));
+  if (!state_.ties_move) return;
+  state_.ties_move =
+      std::any_of(state_.tie_velocity.begin(), state_.tie_velocity.end(), [](Vec3 v) { return v != Vec3{}; });
+  state_.tie_last_velocity = state_.tie_velocity;
+  std::fill(state_.tie_velocity.begin(), state_.tie_velocity.end(), Vec3{});
+  std::fill_n(state_.tie_delta.data(), state_.tie_delta.size(), T(0));
+  std::fill_n(state_.tie_u.data(), state_.tie_u.size(), T(0));
 }
 
 template <class T>
 void TreeSolver<T>::place_anchor(Slot slot, Vec3 target) {
   const Place place = place_of(slot);
   const double at[3] = {target.x, target.y, target.z};
-  for (std::uint32_t c = 0; c < 3; ++c) state_.pin_x[state_.at(3 * place.node + c, place.lane)] = at[c];
+  for (std::uint32_t c = 0; c < 3; ++c) state_.tie_x[state_.at(3 * place.node + c, place.lane)] = at[c];
 }
 
 // --- Reports
@@ -388,7 +388,7 @@ void TreeSolver<T>::place_anchor(Slot slot, Vec3 target) {
 template <class T>
 void TreeSolver<T>::describe(WorldInfo& info) const {
   const TreeTopology& tree = line_ ? *line_->whole.topology : *state_.topology;
-  info.direct_rods += (line_ ? 1 : state_.trees) * (tree.nodes - 1 + tree.pins);
+  info.direct_rods += (line_ ? 1 : state_.trees) * (tree.nodes - 1 + tree.ties);
   info.changes_gradient = info.changes_gradient || (kind_->calm_stepper && !line_);
 }
 

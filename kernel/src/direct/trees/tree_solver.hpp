@@ -12,7 +12,7 @@ namespace plumb::detail {
 
 /// A lane group: equal trees side by side, or one tree alone; a long line alone is cut into segments.
 ///
-/// Slots of movable particles number state.x by triples, and pins follow.
+/// Slots of movable particles number state.x by triples, and ties follow.
 template <class T>
 class TreeSolver final : public Solver {
  public:
@@ -24,7 +24,7 @@ class TreeSolver final : public Solver {
   /// Once all lanes are filled: cuts a long line, and allocates what an accuracy needs.
   void finish_layout();
   Slot node_slot(std::uint32_t node, std::uint32_t lane) const;
-  Slot pin_slot(std::uint32_t pin, std::uint32_t lane) const;
+  Slot tie_slot(std::uint32_t tie, std::uint32_t lane) const;
 
   /// Brings rods to their lengths by one step too short for loads to act. Returns the number of trees for
   /// which that cannot be solved; they stay as they are.
@@ -84,7 +84,7 @@ class TreeSolver final : public Solver {
   };
 
   Place place_of(Slot slot) const;
-  bool is_pin(Slot slot) const { return slot >= pins_begin_; }
+  bool is_tie(Slot slot) const { return slot >= ties_begin_; }
   double advance_one(double h, unsigned part, StepReport& report);
   void find_velocities() const;
   void keep_velocities(std::uint32_t lane);
@@ -92,7 +92,7 @@ class TreeSolver final : public Solver {
   std::shared_ptr<TreeKind<T>> kind_;
   mutable TreeState<T> state_;
   mutable std::unique_ptr<Line> line_;
-  std::uint32_t pins_begin_ = 0;                ///< the first slot of a pin
+  std::uint32_t ties_begin_ = 0;                ///< the first slot of a tie
   mutable layouts::AlignedBuffer<T> velocity_;  ///< m/s, 3 per node; at the end of the last step if known
   mutable bool velocities_known_ = false;
   bool anchors_changed_ = false;

@@ -16,11 +16,11 @@ namespace plumb::detail {
 struct TreeTopology {
   explicit TreeTopology(const layouts::Tree& tree);
 
-  std::uint32_t nodes, pins;
-  std::vector<std::uint32_t> parent, pin_begin, below_slot;
+  std::uint32_t nodes, ties;
+  std::vector<std::uint32_t> parent, tie_begin, below_slot;
   std::uint32_t below_slots = 0;
-  bool is_line = false;                  ///< one node after the other, with at most one pin at either end
-  std::vector<std::uint8_t> holds_pins;  ///< per node: whether it or something below it is pinned
+  bool is_line = false;                  ///< one node after the other, with at most one tie at either end
+  std::vector<std::uint8_t> holds_ties;  ///< per node: whether it or something below it is tied
 };
 
 /// Which particles and rods of the scene a tree is made of.
@@ -61,19 +61,19 @@ struct TreeState {
   std::uint32_t lanes;
   std::uint32_t trees;             ///< lanes that are not idle
   std::vector<std::uint8_t> idle;  ///< per lane
-  layouts::AlignedBuffer<T> node, pin, u, acceleration, acceleration_before, force, pin_delta, pin_u, mu,
-      pin_mu, mu_before, pin_mu_before;
-  layouts::AlignedBuffer<double> length2, pin_length2, x, pin_x, weight;  ///< weight: gravity per node, N
+  layouts::AlignedBuffer<T> node, tie, u, acceleration, acceleration_before, force, tie_delta, tie_u, mu,
+      tie_mu, mu_before, tie_mu_before;
+  layouts::AlignedBuffer<double> length2, tie_length2, x, tie_x, weight;  ///< weight: gravity per node, N
   std::vector<double> mass_unit;                                          ///< kg, per lane
   std::vector<double> scale2;  ///< m^2, per lane: mean squared length of a rod
   std::vector<double> u_step,
       u_step_before;  ///< s, per lane: of the last substep and the one before; 0: a velocity
   std::vector<double> mu_kick,
       mu_kick_before;  ///< s^2, per lane: kicks with which mu and mu_before were found; 0: unknown
-  /// m/s, per pin and lane: of fixed ends, in this step and in the last substep.
-  std::vector<Vec3> pin_velocity, pin_last_velocity;
+  /// m/s, per tie and lane: of fixed ends, in this step and in the last substep.
+  std::vector<Vec3> tie_velocity, tie_last_velocity;
   std::vector<std::uint8_t> known;  ///< per lane: substeps taken, up to the two that accelerations are from
-  bool pins_move = false;
+  bool ties_move = false;
   bool is_coupled = false;  ///< some rod's mass acts on both its ends at once
   double frequency2 = 0;  ///< 1/s^2, of the fastest transverse wave of all lanes, squared; gradient old only
   std::vector<std::uint8_t> smooth;  ///< per lane: whether the last acceleration foretells the next
@@ -86,7 +86,7 @@ struct TreeState {
 };
 
 /// The fields of a state that substeps change, beside the same of another: f(field, other's) of those with
-/// numbers for every node and of those with one a lane, f(field, pins' field, other's, other's) of
+/// numbers for every node and of those with one a lane, f(field, ties' field, other's, other's) of
 /// multipliers.
 template <class State, class Other, class F>
 void for_node_motion(State& state, Other& other, F&& f) {
@@ -97,8 +97,8 @@ void for_node_motion(State& state, Other& other, F&& f) {
 }
 template <class State, class Other, class F>
 void for_rod_motion(State& state, Other& other, F&& f) {
-  f(state.mu, state.pin_mu, other.mu, other.pin_mu);
-  f(state.mu_before, state.pin_mu_before, other.mu_before, other.pin_mu_before);
+  f(state.mu, state.tie_mu, other.mu, other.tie_mu);
+  f(state.mu_before, state.tie_mu_before, other.mu_before, other.tie_mu_before);
 }
 template <class State, class Other, class F>
 void for_lane_motion(State& state, Other& other, F&& f) {
@@ -113,9 +113,9 @@ void for_lane_motion(State& state, Other& other, F&& f) {
 template <class State, class Other, class F>
 void for_motion(State& state, Other& other, F&& f) {
   for_node_motion(state, other, f);
-  for_rod_motion(state, other, [&f](auto& rods, auto& pins, auto& other_rods, auto& other_pins) {
+  for_rod_motion(state, other, [&f](auto& rods, auto& ties, auto& other_rods, auto& other_ties) {
     f(rods, other_rods);
-    f(pins, other_pins);
+    f(ties, other_ties);
   });
   for_lane_motion(state, other, f);
 }
@@ -127,7 +127,7 @@ struct TreeWorkspace {
 
   simd::TreeView<T> view(TreeState<T>& state);
 
-  layouts::AlignedBuffer<T> delta, velocity, load, rod, pin_rod, elimination, pin_elimination, below, active,
+  layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
       u_before, inverse_kick, push, jolt;
   bool guesses = true;             ///< displacements, from accelerations; lines find theirs from multipliers

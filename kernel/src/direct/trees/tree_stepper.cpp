@@ -72,32 +72,32 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
     work.mu_scale_before[lane] = static_cast<T>(scale_before);
     work.active[lane] = state.idle[lane] ? T(0) : T(1);
   }
-  if (state.pins_move) set_pin_displacements(state, h, work);
+  if (state.ties_move) set_tie_displacements(state, h, work);
   work.guesses = !is_line(state, gradient);
   work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
 }
 
 template <class T>
-void TreeStepper<T>::put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const {
+void TreeStepper<T>::put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const {
   const std::size_t lanes = state.lanes, first = i / lanes * 3 * lanes + i % lanes;
-  state.pin_delta[first] = static_cast<T>(delta.x);
-  state.pin_delta[first + lanes] = static_cast<T>(delta.y);
-  state.pin_delta[first + 2 * lanes] = static_cast<T>(delta.z);
-  state.pin_u[first] = static_cast<T>(u.x);
-  state.pin_u[first + lanes] = static_cast<T>(u.y);
-  state.pin_u[first + 2 * lanes] = static_cast<T>(u.z);
+  state.tie_delta[first] = static_cast<T>(delta.x);
+  state.tie_delta[first + lanes] = static_cast<T>(delta.y);
+  state.tie_delta[first + 2 * lanes] = static_cast<T>(delta.z);
+  state.tie_u[first] = static_cast<T>(u.x);
+  state.tie_u[first + lanes] = static_cast<T>(u.y);
+  state.tie_u[first + 2 * lanes] = static_cast<T>(u.z);
 }
 
 template <class T>
-void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
+void TreeStepper<T>::set_tie_displacements(TreeState<T>& state, double h,
                                            const TreeWorkspace<T>& work) const {
-  for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
+  for (std::size_t i = 0; i < state.tie_velocity.size(); ++i) {
     // What comes before goes into the load as the tree's own u does, drag included.
     const std::size_t lane = i % state.lanes;
     const double ratio = static_cast<double>(work.ratio[lane]), step = state.u_step[lane];
-    put_pins(state, i, h * state.pin_velocity[i],
-             ratio * (step != 0 ? step : 1) * state.pin_last_velocity[i]);
+    put_ties(state, i, h * state.tie_velocity[i],
+             ratio * (step != 0 ? step : 1) * state.tie_last_velocity[i]);
   }
 }
 
@@ -144,11 +144,11 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
     state.mu_kick_before[lane] = state.mu_kick[lane];
     state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
     state.known[lane] = static_cast<std::uint8_t>(std::min(state.known[lane] + 1, 2));
-    if (!state.pins_move) continue;
-    for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
-      state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
-    for (std::size_t i = lane; i < state.pin_velocity.size(); i += state.lanes)
-      state.pin_last_velocity[i] = state.pin_velocity[i];
+    if (!state.ties_move) continue;
+    for (std::size_t i = lane; i < state.tie_x.size(); i += state.lanes)
+      state.tie_x[i] += static_cast<double>(state.tie_delta[i]);
+    for (std::size_t i = lane; i < state.tie_velocity.size(); i += state.lanes)
+      state.tie_last_velocity[i] = state.tie_velocity[i];
   }
   kernels(state).advance(work.view(state));
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
@@ -159,8 +159,8 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
 template <class T>
 void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane) const {
   for (std::size_t i = lane; i < state.mu.size(); i += state.lanes) state.mu[i] = state.mu_before[i];
-  for (std::size_t i = lane; i < state.pin_mu.size(); i += state.lanes)
-    state.pin_mu[i] = state.pin_mu_before[i];
+  for (std::size_t i = lane; i < state.tie_mu.size(); i += state.lanes)
+    state.tie_mu[i] = state.tie_mu_before[i];
   state.mu_kick_before[lane] = 0;  // those before the last are overwritten
 }
 
@@ -320,18 +320,18 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
 }
 
 template <class T>
-void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity,
+void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity,
                              TreeWorkspace<T>& work) const {
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
   simd::TreeView<T> view = work.view(state);
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
-  for (std::size_t i = 0; i < pin_velocity.size(); ++i)
-    put_pins(state, i, pin_velocity[i], state.pin_last_velocity[i]);
+  for (std::size_t i = 0; i < tie_velocity.size(); ++i)
+    put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
   kernels(state).prepare(view);
   std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
   kernels(state).project(view);
-  std::fill_n(state.pin_delta.data(), state.pin_delta.size(), T(0));
-  std::fill_n(state.pin_u.data(), state.pin_u.size(), T(0));
+  std::fill_n(state.tie_delta.data(), state.tie_delta.size(), T(0));
+  std::fill_n(state.tie_u.data(), state.tie_u.size(), T(0));
 }
 
 template <class T>
@@ -350,9 +350,9 @@ void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& w
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
-  project(state, state.pin_velocity, work);
+  project(state, state.tie_velocity, work);
   take_finite(state, work, state.u);
-  state.pin_last_velocity = state.pin_velocity;
+  state.tie_last_velocity = state.tie_velocity;
 }
 
 template <class T>
@@ -372,7 +372,7 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     work.active[lane] = displacements ? T(1) : T(0);
   }
   if (any) {
-    project(state, state.pin_last_velocity, work);
+    project(state, state.tie_last_velocity, work);
     take_finite(state, work, work.velocity);
   }
 }

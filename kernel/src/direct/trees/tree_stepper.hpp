@@ -87,10 +87,10 @@ class TreeStepper {
                      StepReport& counters) const;
   bool advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work, StepReport& counters) const;
   /// Of this substep and the one before.
-  void set_pin_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
-  void put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
-  /// work.velocity onto what no rod resists when fixed ends go at pin_velocity, into work.delta.
-  void project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity, TreeWorkspace<T>& work) const;
+  void set_tie_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
+  void put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
+  /// work.velocity onto what no rod resists when fixed ends go at tie_velocity, into work.delta.
+  void project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity, TreeWorkspace<T>& work) const;
   /// What was projected, where it could be.
   void take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
                    layouts::AlignedBuffer<T>& to) const;
