@@ -75,7 +75,7 @@ std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets&
   rules->verlet = {settings.gradient.value_or(Gradient::new_), scene.drag};
   rules->gravity = scene.gravity;
   rules->constants = make_constants(scene);
-  rules->shared_rods = sharing_thresholds.rods;
+  rules->shared_rods = thresholds_of(settings.executor).rods;
   rules->initial_velocities.resize(scene.particles.size());
   const Scene part = relaxed_part(scene, sets);
   rules->relaxed_rods = static_cast<std::uint32_t>(part.rods.size());
