@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "determinism/scenes.hpp"
+#include "plumb/executor.hpp"
+#include "plumb/executor.hpp"
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
