@@ -4,7 +4,7 @@
 namespace plumb::simd {
 namespace {
 
-/// The vector from `from` to `to` and the violation of its length, made in double.
+/// A rod goes from `from` to `to` (m) and violates its length by C (m²). Both are made in double.
 template <class V>
 struct RodVector {
   Vec<V> d;
@@ -35,6 +35,7 @@ PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, const V& scale_
   at.put(mu, i, scale * last + scale_before * before);
 }
 
+/// Does what TreeKernels::prepare() says, with masses that couple the ends of rods or without.
 template <bool coupled, class V, std::size_t lanes, class T>
 PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
@@ -79,13 +80,14 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
     prepare_nodes<false, V, lanes>(tree, lane);
 }
 
+/// Does what TreeKernels::find_stiffness() says, from the tips to the root.
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
   const At<V, T, lanes> at{lane};
   const auto magnitude = [](const V& mu) { return larger(mu, V(0) - mu); };
   for (std::size_t slot = 0; slot < tree.below_slots; ++slot) at.put(tree.below, slot * below, V(0));
-  V largest(0), carried(0);  // carried: from i + 1 if i is its parent
+  V largest(0), carried(0);  // carried comes from i + 1 if i is its parent
   for (std::size_t i = tree.nodes; i-- > 0;) {
     V pull = carried;
     carried = V(0);
@@ -108,6 +110,7 @@ PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane
   at.put(tree.stiffness, 0, largest);
 }
 
+/// Does what TreeKernels::advance() says.
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};

@@ -1,9 +1,10 @@
-// Newton on one long line cut into as many segments as a logical vector has lanes (partitioned elimination,
-// Wang 1981; SPIKE, Polizzi and Sameh 2006). Included after line_lanes.hpp.
+// These loops take Newton steps on a long line cut into as many segments as a logical vector has
+// lanes (partitioned elimination, Wang 1981; SPIKE, Polizzi and Sameh 2006). This file is included after
+// line_lanes.hpp.
 //
-// Lane l holds nodes l s to l s + s - 1. Its rod 0 leads to the last node of lane l - 1, in lane 0 to the
-// fixed end, and stands where a line keeps its tie. All but the last rod of a segment are eliminated in every
-// lane at once, in terms of the last rod's nu and of that of the lane before,
+// Lane l holds nodes l s to l s + s - 1. Its rod 0 stands where a line keeps its tie. It leads to the last
+// node of lane l - 1, and in lane 0 to the fixed end. All but the last rod of a segment are eliminated in
+// every lane at once, in terms of the last rod's nu and of that of the lane before,
 //
 //   nu_k = alpha_k + beta_k nu_last + gamma_k nu_last_before,
 //
@@ -12,7 +13,8 @@
 namespace plumb::simd {
 namespace {
 
-/// A number per lane with room for a neighbour at either end, to read a vector shifted by one lane.
+/// Every lane has a number here, and there is room for a neighbour at either end, to read a vector shifted by
+/// one lane.
 template <class T>
 struct Neighbors {
   static constexpr std::size_t lanes = logical_width<T>;
@@ -65,7 +67,7 @@ struct NeighborVec {
   }
 };
 
-/// What lanes tell each other.
+/// This is what lanes tell each other.
 template <class T>
 struct SegmentEnds {
   NeighborVec<T> first_d, last_d, last_delta;
@@ -74,7 +76,7 @@ struct SegmentEnds {
   Neighbors<T> nu_first, nu_last;
 };
 
-/// The row of the last rod of every lane.
+/// These are the rows of the last rods of all lanes, one tridiagonal system.
 template <class T>
 struct Separators {
   alignas(64) T below[logical_width<T>], diagonal[logical_width<T>], above[logical_width<T>],
@@ -153,7 +155,7 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
   ends.gamma.put(lane, gamma);
 }
 
-/// What is left once a lane's own rods and the first of the next are expressed by separators.
+/// Makes the rows that are left once a lane's own rods and the first of the next are expressed by separators.
 template <class V, class T, class At>
 PLUMB_INLINE void close_separator(const TreeView<T>& tree, const At& at, const SegmentEnds<T>& ends,
                                   Separators<T>& rows) {
@@ -217,7 +219,7 @@ PLUMB_INLINE void substitute_segment(const TreeView<T>& tree, const At& at, cons
   at.put(tree.change, 0, sum);
 }
 
-/// `for_lanes(f)` calls f(at) for every machine vector of the logical one.
+/// Takes a Newton step. `for_lanes(f)` calls f(at) for every machine vector of the logical one.
 template <class V, class T, class ForLanes>
 PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_lanes) {
   SegmentEnds<T> ends;

@@ -1,31 +1,33 @@
-// The body of every loop in tree_kernels.hpp, for V = T (one lane after the other, the oracle) and for a
-// whole logical vector of lanes. V needs + - * / and the functions load, store, select_nonzero of its header.
+// This is the body of Newton's method on trees, for V = T (one lane after the other, the oracle) and for
+// vectors of lanes. V needs + - * /, and the file before this one defines load, store, select_nonzero and the
+// like.
 //
-// Node i with the rod to its parent p, everything below i eliminated:
+// Once everything below node i is eliminated, i and the rod to its parent p have the equations
 //
 //   K delta_i + kappa delta_p - a nu = r        b . (delta_i - delta_p) = c
 //
-// with a = d + theta e where the force points, b = d + e the gradient of C at the iterate, e = delta_i -
-// delta_p, K a 3x3 block. With H = K^-1, q = H r, u = H a, w = H^T b, s = b . u:
+// Here e = delta_i - delta_p, and K is a block of 3 x 3. The force points along a = d + theta e, and b = d +
+// e is the gradient of C at the iterate. With H = K^-1, q = H r, u = H a, w = H^T b, s = b . u the equations
+// become
 //
 //   nu      = (c - b.q + (b + kappa w) . delta_p) / s
 //   delta_i = q + nu u - kappa H delta_p
 //   K_p    += (kappa u + a) (b + kappa w)^T / s - kappa^2 H
 //   r_p    -= (kappa u + a) (c - b.q) / s + kappa q
 //
-// A tie is the same with delta_p = 0: it takes a rank from H.
+// A tie has the same equations with delta_p = 0. It takes a rank from H.
 
 #include "simd/tree/lane_math.hpp"
 
 namespace plumb::simd {
 namespace {
 
-/// The block of a node while what is below it is added up.
+/// A node has this block while what is below it is added up.
 template <class V>
 struct NodeBlock {
   Mat<V> rows;
   Vec<V> r;
-  V diagonal;  ///< added to all three of the diagonal
+  V diagonal;  ///< It is added to all three numbers of the diagonal.
 };
 
 template <class V, class T, class At>
@@ -56,14 +58,16 @@ PLUMB_INLINE NodeBlock<V> empty_block() {
   return {{none, none, none}, none, zero};
 }
 
-/// A node with everything below it and its own ties eliminated: delta_i = q + H f for a force f from above.
+/// A node whose ties and everything below it are eliminated has delta_i = q + H f for a force f from above.
 template <class V>
 struct Free {
-  Mat<V> h;  ///< columns
+  Mat<V> h;  ///< H is kept by columns.
   Vec<V> q;
-  V residual;  ///< sum over its ties of C^2
+  V residual;  ///< It is the sum of C^2 over its ties.
 };
 
+/// Eliminates the ties of node i one after the other. `linear` leaves theta and C out, as projections of
+/// velocities do.
 template <bool linear, class V, class T, class At>
 PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_t i, NodeBlock<V> block,
                                const Vec<V>& delta, V theta) {
@@ -110,7 +114,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   return node;
 }
 
-/// The rod to the parent has a force along a, the gradient b and the violation c; kappa couples its ends and
+/// The rod to the parent has a force along a, the gradient b and the violation c. kappa couples its ends, and
 /// mu is its multiplier.
 template <class V>
 struct RodEquation {
@@ -146,9 +150,9 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   return own;
 }
 
-/// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. To
-/// `residual` are added the C^2 of its rod and its ties. All is passed by reference: copies of blocks would
-/// go through memory.
+/// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. The C^2 of
+/// its rod and its ties are added to `residual`. All is passed by reference, since copies of blocks would go
+/// through memory.
 template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
                                  NodeBlock<V>& block, V& residual) {
@@ -170,7 +174,7 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   const Vec<V> n = over * (b + kappa * w);
   const Vec<V> q = node.q + rho * u;
 
-  // delta_i = P delta_p + q with P = u n^T - kappa H, by columns.
+  // What is kept is delta_i = P delta_p + q with P = u n^T - kappa H by columns.
   const std::size_t f = i * elimination;
   const Mat<V> columns{n.x * u - kappa * node.h.v0, n.y * u - kappa * node.h.v1, n.z * u - kappa * node.h.v2};
   at.put3(tree.elimination, f, columns.v0);
@@ -180,7 +184,7 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   at.put3(tree.elimination, f + 12, n);
   at.put(tree.elimination, f + 15, rho);
 
-  // What is above adds to its own: kappa P + a n^T, -(kappa q + (rho + mu) a).
+  // The parent adds kappa P + a n^T to its block and -(kappa q + (rho + mu) a) to its right-hand side.
   block.rows.v0 = kappa * Vec<V>{columns.v0.x, columns.v1.x, columns.v2.x} + a.x * n;
   block.rows.v1 = kappa * Vec<V>{columns.v0.y, columns.v1.y, columns.v2.y} + a.y * n;
   block.rows.v2 = kappa * Vec<V>{columns.v0.z, columns.v1.z, columns.v2.z} + a.z * n;
@@ -189,13 +193,14 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   block.diagonal = V(0) - theta * mu;
 }
 
-/// Tips to root. `plain`: lumped masses and at most one tie, so that no rod can be redundant.
+/// Eliminates all nodes from the tips to the root and returns the root's displacement. `plain` trees have
+/// lumped masses and at most one tie, so that no rod can be redundant.
 template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   using namespace tree_fields;
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
     at.put(tree.below, slot, V(0));
-  NodeBlock<V> carried = empty_block<V>();  // from i + 1 if i is its parent
+  NodeBlock<V> carried = empty_block<V>();  // it comes from i + 1 if i is its parent
   V residual(0);
   for (std::size_t i = tree.nodes; i-- > 1;) {
     const std::size_t p = tree.parent[i];
@@ -225,7 +230,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   return root.q;
 }
 
-/// Multipliers of a node's ties, the last eliminated first. `f` is the force from above.
+/// Adds to the multipliers of a node's ties, the last eliminated first. `f` is the force from above.
 template <class V, class T, class At>
 PLUMB_INLINE void pull_ties(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active) {
   using namespace tree_fields;
@@ -239,7 +244,7 @@ PLUMB_INLINE void pull_ties(const TreeView<T>& tree, const At& at, std::size_t i
   }
 }
 
-/// Root to tips: adds the solution to delta and mu.
+/// Goes from the root to the tips and adds the solution to delta and mu.
 template <bool linear, class V, class T, class At>
 PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>& root) {
   using namespace tree_fields;
@@ -249,7 +254,7 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
     at.put3(tree.delta, 3 * i,
             {select_nonzero(active, now.x, old.x), select_nonzero(active, now.y, old.y),
              select_nonzero(active, now.z, old.z)});
-    at.put3(tree.elimination, i * elimination + 9, change);  // where children with an other number find it
+    at.put3(tree.elimination, i * elimination + 9, change);  // children that do not follow find it here
   };
   if constexpr (!linear) pull_ties(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active);
   update(0, root);

@@ -16,8 +16,9 @@ using layouts::lane_width;
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
 
-/// Whether fixed points may hold a node other than the root for good, by three ties or, in a plane, by two.
-/// Elimination from the tips would divide by zero at its rod to the parent; the solver for loops does not.
+/// Says whether fixed points may hold a node other than the root for good, by three ties or, in a plane, by
+/// two. Elimination from the tips would divide by zero at its rod to the parent; the solver for loops does
+/// not.
 bool is_held_below_root(const layouts::Tree& tree) {
   for (std::uint32_t i = 1; i < tree.nodes(); ++i)
     if (tree.tie_begin[i + 1] - tree.tie_begin[i] > 1) return true;

@@ -9,11 +9,11 @@
 
 namespace plumb::detail {
 
-/// How a set of islands is solved directly.
+/// These rules say how a set of islands is solved directly.
 struct DirectRules {
   Gradient gradient = Gradient::mid;
   std::uint32_t time_order = 2;
-  bool changes_gradient = false;  ///< trees may take gradient mid while they move calmly
+  bool changes_gradient = false;  ///< Trees may take gradient mid while they are calm.
 
   bool operator==(const DirectRules&) const = default;
 };

@@ -14,9 +14,9 @@
 namespace plumb::detail {
 namespace {
 
-/// Shortest rod (m) whose length is kept to rounding: what is left of a violation is some epsilon of L^2,
-/// which must not be flushed to zero. 3.2e-16 m in float (at 1e-17 m rods are off by 1e-4, at 1e-19 m they
-/// break), 1.0e-146 m in double.
+/// Returns the shortest rod (m) whose length is kept to rounding. What is left of a violation is some epsilon
+/// of L^2, which must not be flushed to zero. It is 3.2e-16 m in float and 1.0e-146 m in double. Float rods
+/// of 1e-17 m are off by 1e-4, and of 1e-19 m they break.
 template <class T>
 double shortest_rod() {
   return std::sqrt(static_cast<double>(std::numeric_limits<T>::min()) / std::numeric_limits<T>::epsilon());
@@ -34,7 +34,7 @@ void require_representable(const Scene& scene, Precision precision) {
              shortest_rod<T>(), " m");
 }
 
-/// A scene's particles and those of its rods that relaxation moves.
+/// Returns a scene's particles and those of its rods that relaxation moves.
 Scene relaxed_part(const Scene& scene, const IslandSets& sets) {
   Scene out;
   out.particles = scene.particles;

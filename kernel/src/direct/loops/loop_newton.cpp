@@ -17,7 +17,7 @@ void add(double* to, Vec3 v) {
   to[2] += v.z;
 }
 
-/// A rod's directions at the present delta: of its force, of the gradient of C; and C.
+/// At the present delta a rod has the direction of its force, the gradient of C (both m), and C (m²).
 struct RodTerms {
   Vec3 force, gradient;
   double c;

@@ -8,10 +8,10 @@ namespace {
 
 using namespace simd;
 
-/// Nodes per lane from which segments are faster than the line as a whole.
+/// From so many nodes per lane on, segments are faster than the line as a whole.
 constexpr std::uint32_t shortest_segment = 4;
 
-/// The topology of a segment: a line with a tie at its first node.
+/// Returns the topology of a segment, a line with a tie at its first node.
 layouts::Tree segment_tree(std::uint32_t nodes) {
   layouts::Tree tree;
   for (std::uint32_t i = 0; i < nodes; ++i) {

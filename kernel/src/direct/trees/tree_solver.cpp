@@ -15,12 +15,12 @@ constexpr double unchanged = 1e-9;
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
 
-/// s, of the step that brings rods to their lengths: too short for loads to act.
+/// The step that brings rods to their lengths takes so many seconds, too short for loads to act.
 constexpr double projection_step = 1e-9;
 
-/// A tree is calm once gradient mid would need no more substeps than a step has at least: if mid would make
-/// this share of the error allowed in so many steps in turn. Found on chains with end masses of 1 to 10,000
-/// (at rest, swinging and whipping) and on trees of rods with mass.
+/// A tree is calm once gradient mid would need no more substeps than a step has at least. That is so if mid
+/// would make this share of the error allowed in so many steps in turn. The numbers were found on chains with
+/// end masses of 1 to 10,000 (at rest, swinging and whipping) and on trees of rods with mass.
 constexpr double calm_rate = 0.3;
 constexpr int calm_after = 2;
 /// Fewer substeps of gradient old than this are no dearer than one of mid, on lines and on other trees.
@@ -87,7 +87,7 @@ std::uint32_t TreeSolver<T>::project_positions() {
   StepReport not_of_a_step;
   stepper.advance(state, projection_step, kind_->crews[0].view(), not_of_a_step);
   std::copy_n(state.x.data(), state.x.size(), before.x.data());
-  state.copy_motion(before);  // but for x
+  state.copy_motion(before);  // all but x goes back
   if (line_) line_->segments.scatter(state, state_);
   return static_cast<std::uint32_t>(not_of_a_step.unsolved);
 }
@@ -191,7 +191,7 @@ bool TreeSolver<T>::try_calm_step(std::uint32_t, double h, std::uint32_t count, 
     return true;
   }
   restore(0, Saved::step);
-  report.newton += attempt.newton;  // the work was done all the same
+  report.newton += attempt.newton;  // that work was done all the same
   ++report.repeated_steps;
   is_calm_ = false;
   calm_steps_ = 0;
@@ -224,7 +224,7 @@ bool TreeSolver<T>::is_slower(std::uint32_t, double speed) const {
     if (state_.idle[lane]) continue;
     const double step = state_.u_step[lane];
     const T most = static_cast<T>(speed * (step != 0 ? step : 1));
-    // From the tips, which move most.
+    // The tips come first, which move most.
     for (std::size_t i = state_.u.size() - state_.lanes + lane; i < state_.u.size(); i -= state_.lanes)
       if (!(std::abs(state_.u[i]) <= most)) return false;
   }
@@ -303,7 +303,7 @@ void TreeSolver<T>::keep_velocities(std::uint32_t lane) {
 
 template <class T>
 double TreeSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) const {
-  double most = 0;  // of squares
+  double most = 0;  // it is the largest square of a speed
   for (std::size_t i = 0; i < slots.size(); ++i) {
     const Place place = place_of(slots[i]);
     const std::size_t at = state_.at(3 * place.node, place.lane), lanes = state_.lanes;

@@ -10,11 +10,12 @@ namespace {
 using layouts::AlignedBuffer;
 using namespace simd;
 
-/// A pivot below this, relative to what it is made of, is rounding: ties make the rod redundant.
+/// A pivot below this, relative to what it is made of, is rounding. Ties then make the rod redundant.
 template <class T>
 constexpr T smallest_pivot = 64 * std::numeric_limits<T>::epsilon();
 
-/// Of a node's mass, what a bound of it is at least: rods whose mass is all in their middle leave none.
+/// A bound of a node's mass is at least this share of it, since rods whose mass is all in their middle leave
+/// none.
 constexpr double least_share = 1e-6;
 
 template <class B>
@@ -81,7 +82,7 @@ struct TreeState<T>::Masses {
       : mass(nodes), least(nodes), first_moment(nodes), coupling(nodes), tie_coupling(ties) {}
 
   std::vector<double> mass, least, first_moment, coupling;
-  std::vector<double> tie_coupling;  ///< by tie
+  std::vector<double> tie_coupling;  ///< It is by tie.
 };
 
 template <class T>
@@ -96,7 +97,7 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
                              const layouts::Tree& tree, const TreeMembers& members) {
   const std::uint32_t nodes = tree.nodes();
   Masses masses(nodes, tree.ties.size());
-  // Names of their own, not bindings: clang 14 lets no lambda take those.
+  // These have names of their own, since clang 14 lets no lambda take bindings.
   std::vector<double>&mass = masses.mass, &least = masses.least, &first_moment = masses.first_moment;
   std::vector<double>&coupling = masses.coupling, &tie_coupling = masses.tie_coupling;
   // Adds the rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.

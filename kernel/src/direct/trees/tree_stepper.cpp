@@ -13,7 +13,7 @@
 namespace plumb::detail {
 using namespace tree_limits;
 
-/// load = ratio M u + kick force; u becomes u_delta delta - u_before ratio u.
+/// With these, load = ratio M u + kick force, and u becomes u_delta delta - u_before ratio u.
 template <class T>
 struct TreeStepper<T>::Coefficients {
   double ratio, kick, u_delta, u_before;
@@ -40,11 +40,12 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
     const double decay = drag_ > 0 ? detail::exp(-drag_ * h / 2) : 1;
     return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
   }
-  if (gradient_ == Gradient::mid) {  // falls back from a velocity in mid-flight, not from a start
+  if (gradient_ == Gradient::mid) {  // it falls back from a velocity in mid-flight, not from a start
     const double decay = drag_ > 0 ? detail::exp(-drag_ * h) : 1;
     return {decay * h, mean_decay(drag_ * h) * h * h, 1, 0};
   }
-  // From the middle of the last substep to that of this one; from its start if u is a velocity.
+  // The time is from the middle of the last substep, or from its end if u is a velocity, to the middle of
+  // this one.
   const double between = (h + last) / 2;
   return {(drag_ > 0 ? detail::exp(-drag_ * between) : 1) * (last != 0 ? h / last : h),
           mean_decay(drag_ * between) * h * between, 1, 0};
@@ -52,14 +53,14 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
 
 template <class T>
 void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const {
-  Coefficients of_lane{};  // mostly the same in all: exp() is dear
+  Coefficients of_lane{};  // it is mostly the same in all, and exp() is dear
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
     if (lane == 0 || state.u_step[lane] != state.u_step[lane - 1])
       of_lane = coefficients(state.u_step[lane], h, gradient);
     const auto& [ratio, kick, u_delta, u_before] = of_lane;
     work.ratio[lane] = static_cast<T>(ratio);
     work.kick[lane] = static_cast<T>(kick);
-    // The acceleration of gradient mid carries an undamped oscillation of period 2h; means of two are free of
+    // The acceleration of gradient mid carries an undamped oscillation of period 2h. Means of two are free of
     // it.
     const bool mean = gradient == Gradient::mid;
     work.guess[lane] = state.smooth[lane] ? static_cast<T>(mean ? kick / 2 : kick) : T(0);
@@ -161,7 +162,7 @@ void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane
   for (std::size_t i = lane; i < state.mu.size(); i += state.lanes) state.mu[i] = state.mu_before[i];
   for (std::size_t i = lane; i < state.tie_mu.size(); i += state.lanes)
     state.tie_mu[i] = state.tie_mu_before[i];
-  state.mu_kick_before[lane] = 0;  // those before the last are overwritten
+  state.mu_kick_before[lane] = 0;  // those before the last are lost
 }
 
 template <class T>
@@ -176,7 +177,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
       ++counters.direct_substeps;
       if (gradient != gradient_) {
         ++counters.fallbacks;
-        // As a velocity, which every gradient can go on from.
+        // u becomes a velocity, which every gradient can go on from.
         for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(state.u[i] / h);
         state.u_step[0] = 0;
       }
@@ -263,7 +264,7 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
     if (advance_halves(alone, h, alone_work, counters)) {
       state.copy_lane(lane, alone, 0);
     } else {
-      state.frequency2 = 0;  // made of multipliers that solve nothing
+      state.frequency2 = 0;  // it was made of multipliers that solve nothing
     }
   }
   return error;
@@ -364,8 +365,8 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     any = any || displacements;
     const T scale = displacements ? static_cast<T>(detail::exp(-drag_ * step / 2) / step) : T(1);
     for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
-    // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
-    // earlier.
+    // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
+    // substep earlier.
     work.kick[lane] = gradient_ == Gradient::old && displacements
                           ? static_cast<T>(mean_decay(drag_ * step / 2) * step / 2)
                           : T(0);
