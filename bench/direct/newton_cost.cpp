@@ -58,7 +58,7 @@ struct Trees {
 class Contestant {
  public:
   virtual ~Contestant() = default;
-  virtual void step(StepReport& counters) = 0;
+  virtual void step(detail::Tally& counters) = 0;
   virtual void call_kernel() = 0;
   /// What repeated calls change for good: multipliers, by rounding.
   virtual void save() = 0;
@@ -98,7 +98,7 @@ class InLanes final : public Contestant {
         alone_(trees_.topology, 1),
         alone_work_(*trees_.topology, 1) {}
 
-  void step(StepReport& counters) override {
+  void step(detail::Tally& counters) override {
     for (TreeState<T>& state : trees_.states)
       stepper_.advance(state, substep, {work_, alone_, alone_work_}, counters);
   }
@@ -148,7 +148,7 @@ class InSegments final : public Contestant {
         work_(*state_.topology, state_.lanes),
         alone_work_(*trees_.topology, 1) {}
 
-  void step(StepReport& counters) override {
+  void step(detail::Tally& counters) override {
     stepper_.advance(segments_, state_, substep, {work_, trees_.states.front(), alone_work_}, counters);
   }
   void call_kernel() override { kernels_.newton_segments(work_.view(state_)); }
@@ -184,7 +184,7 @@ void enter(std::vector<std::unique_ptr<Contestant>>& all, const NewtonCost& cost
 void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
   const FlushDenormals flush;
   constexpr double never = std::numeric_limits<double>::infinity();
-  StepReport ignored;
+  detail::Tally ignored;
   std::vector<int> calls;
   double fastest = never;
   for (auto& one : all) {
@@ -200,7 +200,7 @@ void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
   for (std::uint32_t round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       Contestant& one = *all[i];
-      StepReport counters;
+      detail::Tally counters;
       const double step_s = seconds_of([&] {
         for (int k = 0; k < steps; ++k) one.step(counters);
       });

@@ -22,7 +22,7 @@ ReferenceSolver::ReferenceSolver(const Scene& island, const Settings& settings, 
   system_->place(state_, drive_);
 }
 
-double ReferenceSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) {
+double ReferenceSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {
   const FlushDenormals flush;
   last_ = state_;
   for (std::uint32_t i = 0; i < count; ++i) {

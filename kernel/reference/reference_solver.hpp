@@ -16,7 +16,7 @@ class ReferenceSolver final : public Solver {
   ReferenceSolver(const Scene& island, const Settings& settings, const IslandNames& names, double diagonal);
 
   std::uint32_t islands(std::uint32_t) const override { return 1; }
-  double advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) override;
+  double advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) override;
 
   bool takes_accuracy() const override { return false; }
   double& best_substep(std::uint32_t) override { return best_substep_; }

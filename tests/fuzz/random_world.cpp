@@ -153,8 +153,6 @@ RandomWorld make_random_world(const std::uint8_t* data, std::size_t size) {
   bytes.gives_odd_numbers = rarely(bytes, 4);
   RandomWorld out;
   out.settings = settings(bytes);
-  // No number of substeps is enough for an accuracy under a gravity of 1e30, and a million are tried.
-  if (bytes.gives_odd_numbers) out.settings.accuracy.reset();
   out.dt = rarely(bytes, 10) ? number(bytes, 1e-4, 0.2) : 1.0 / 60;
   out.steps = bytes.ConsumeIntegralInRange(1, 6);
   if (rarely(bytes, 10)) out.scene.gravity = {number(bytes, -10, 10), number(bytes, -10, 10), 0};

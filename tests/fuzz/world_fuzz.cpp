@@ -1,4 +1,5 @@
-// Small worlds: an InputError, or a state that stays finite, the same with every instruction set. With
+// Small worlds: an InputError, or a state that stays finite within bounded work, the same with every
+// instruction set. With
 // PLUMB_FUZZ_PRINT in the environment, each world is printed before it is made.
 #include <cstddef>
 #include <cstdint>
@@ -56,7 +57,9 @@ std::uint64_t run(const fuzz::RandomWorld& random, Isa isa) {
       else
         world.set_force(random.pushed, random.push);
     }
-    world.step(random.dt);
+    const StepReport report = world.step(random.dt);
+    if (report.newton + report.halvings > 2 * settings.most_work * world.info().islands)
+      fail(random, "a step worked more than its settings allow");
     for (std::uint32_t i = 0; i < world.particle_count(); ++i)
       if (!is_finite(world.position(i)) || !is_finite(world.velocity(i)))
         fail(random, "a position or velocity is not finite");

@@ -197,7 +197,7 @@ TEST(Loops, TreesMoveAsTheTreeSolverMovesThem) {
     for (const MassModel mass : {MassModel::lumped, MassModel::consistent}) {
       World world(scene, direct(gradient, 4, mass));
       detail::LoopSolver loops = as_loops(scene, gradient, mass);
-      StepReport report;
+      detail::Tally report;
       for (int step = 0; step < 5; ++step) {
         world.step(1.0 / 60);
         loops.begin_piece(0, 0);

@@ -1,8 +1,7 @@
-// Worlds that the fuzzer found. Those that still misbehave are disabled, and say what they do.
+// Worlds that the fuzzer found: every step must end finite, within the work that the settings allow.
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <string_view>
 
 #include "plumb/plumb.hpp"
@@ -11,20 +10,20 @@
 namespace plumb {
 namespace {
 
-/// Steps a scene and expects a finite state after every step, and `seconds` to be enough for all of them.
-void expect_good_end(const Scene& scene, const Settings& settings, double dt, int steps, double seconds) {
-  const auto start = std::chrono::steady_clock::now();
+/// Steps a scene and expects a finite state after every step. No step may do much more than its most work: a
+/// spent island takes its fewest substeps, which here are few.
+void expect_good_end(const Scene& scene, const Settings& settings, double dt, int steps) {
   World world(scene, settings);
   for (int step = 0; step < steps; ++step) {
     if (step == 1) world.set_force(0, {-1, -1, -1});
-    world.step(dt);
+    const StepReport report = world.step(dt);
+    const std::uint64_t work = report.newton + report.block_sweeps + report.direct_substeps + report.halvings;
+    EXPECT_LT(work, 1.1 * static_cast<double>(settings.most_work * world.info().islands)) << step;
     for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
       EXPECT_TRUE(is_finite(world.position(i))) << "particle " << i << " after step " << step;
       EXPECT_TRUE(is_finite(world.velocity(i))) << "particle " << i << " after step " << step;
     }
   }
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  EXPECT_LT(took.count(), seconds);
 }
 
 // The length of a substep in float would be 0, and a displacement divided by it is not a number.
@@ -37,9 +36,8 @@ TEST(FuzzedWorlds, RefuseAStepOfNoLengthInFloat) {
   }
 }
 
-// A ball a metre deep in the ground, and in a box: no step is accurate, and hundreds of thousands of substeps
-// are tried in each.
-TEST(FuzzedWorlds, DISABLED_StartInTheGroundWithAnAccuracy) {
+// A ball a metre deep in the ground, and in a box: no step is accurate, whatever its substeps.
+TEST(FuzzedWorlds, StartInTheGroundWithAnAccuracy) {
   Scene scene;
   scene.particles.push_back({.position = {-0.5, -1, -0.5}, .velocity = {-0.5, -0.5, -0.5}, .mass = 9.6});
   scene.capsules.push_back(
@@ -47,11 +45,11 @@ TEST(FuzzedWorlds, DISABLED_StartInTheGroundWithAnAccuracy) {
   scene.planes.push_back({.offset = -0.008, .surface = {.friction = 1.4, .restitution = 0.28}});
   scene.boxes.push_back(
       {.center = {-1, -0.25, -0.25}, .half_size = {0.5, 0.2, 0.3}, .surface = {.friction = 1.5}});
-  expect_good_end(scene, {.method = Method::automatic, .accuracy = 1e-2, .threads = 1}, 0.05, 5, 0.1);
+  expect_good_end(scene, {.method = Method::automatic, .accuracy = 1e-2, .threads = 1}, 0.05, 5);
 }
 
-// A block deep in the ground and in a box, with a capsule to a particle far away, takes as long.
-TEST(FuzzedWorlds, DISABLED_StartInTheGroundAndInABox) {
+// A block deep in the ground and in a box, with a capsule to a particle far away, cannot be solved either.
+TEST(FuzzedWorlds, StartInTheGroundAndInABox) {
   constexpr std::string_view json = R"({
   "plumb": 1,
   "particles": [
@@ -82,7 +80,7 @@ TEST(FuzzedWorlds, DISABLED_StartInTheGroundAndInABox) {
 })";
   const Scene scene = scenes::parse_scene(json, "fuzzed");
   expect_good_end(scene, {.method = Method::automatic, .substeps = 4, .sleep = false, .threads = 1}, 1.0 / 60,
-                  5, 1);
+                  5);
 }
 
 }  // namespace

@@ -30,10 +30,10 @@ struct Drifting {
   std::uint32_t substeps = 0;
 
   AccuracyControl::Attempt compare(const AccuracyControl& control, double h, std::uint32_t count) {
-    StepReport counters;
+    Tally counters;
     return control.compare(h, count, true, *this, counters);
   }
-  void advance(double length, std::uint32_t n, StepReport& counted) {
+  void advance(double length, std::uint32_t n, Tally& counted) {
     x += n * (length + c * std::pow(length, order + 1));
     counted.direct_substeps += n;
     substeps += n;
@@ -68,10 +68,10 @@ TEST(AccuracyControl, FindsTheSubstepsThatAnAccuracyTakes) {
   double substep = 0;
   std::uint64_t last = 0;
   for (int step = 0; step < 10; ++step) {
-    StepReport counters;
+    Tally counters;
     control.step(
         1, substep, counters,
-        [&](double h, std::uint32_t count, StepReport& of_attempt) {
+        [&](double h, std::uint32_t count, Tally& of_attempt) {
           of_attempt.substeps += count;
           return drifting.compare(control, h, count);
         },
@@ -82,6 +82,48 @@ TEST(AccuracyControl, FindsTheSubstepsThatAnAccuracyTakes) {
   // c h^4 = 1e-6 m/s at h = 1/31.6 s; a share of 0.7 of that is aimed at.
   EXPECT_GE(last, 32u);
   EXPECT_LE(last, 36u);
+}
+
+TEST(Tally, CountsTheWorkOfTriesThatAreTakenBack) {
+  Tally tally;
+  tally.most_work = 100;
+  tally.newton = 30;
+  Tally tried = tally.begin_try();
+  EXPECT_EQ(tried.most_work, 70u);
+  tried.newton = 20;
+  tried.block_sweeps = 9;
+  tried.direct_substeps = 1;
+  tally.take_back(tried);
+  EXPECT_EQ(tally.newton, 50u);
+  EXPECT_EQ(tally.direct_substeps, 0u);
+  EXPECT_EQ(tally.work(), 60u);
+  tried = tally.begin_try();
+  tried.newton = 40;
+  EXPECT_TRUE(tried.is_spent());
+  tally.keep(tried);
+  EXPECT_TRUE(tally.is_spent());
+}
+
+TEST(AccuracyControl, TakesAllBackOnceTheWorkIsSpent) {
+  const AccuracyControl control{
+      .allowed = 1e-12, .least = 1, .most = 100'000, .order = 2, .by_comparison = true};
+  Drifting drifting{.c = 1, .order = 2};
+  double substep = 0;
+  Tally counters;
+  counters.most_work = 500;
+  int taken_back = 0, attempts = 0;
+  const bool done = control.step(
+      1, substep, counters,
+      [&](double h, std::uint32_t count, Tally& of_attempt) {
+        ++attempts;
+        return control.compare(h, count, true, drifting, of_attempt);
+      },
+      [&] { ++taken_back; });
+  EXPECT_FALSE(done);
+  EXPECT_EQ(taken_back, attempts);
+  EXPECT_EQ(counters.inaccurate_steps, 1u);
+  EXPECT_GE(counters.work(), 500u);
+  EXPECT_LE(counters.work(), 500u + 4u);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(Clusters, AreIslandsThatCanReachEachOther) {
   test::Linkages islands(row_of_balls(4));
   islands.states[3].x[0].x = 10;
   Clusters clusters;
-  clusters.start(islands.states);
+  clusters.start(islands.states, 0);
   EXPECT_EQ(clusters_within(clusters, 0.1), (Lists{{0}, {1}, {2}, {3}}));
   EXPECT_EQ(clusters_within(clusters, 0.45), (Lists{{0, 1, 2}, {3}})) << "0 and 2 through 1";
   EXPECT_EQ(clusters_within(clusters, 10), (Lists{{0, 1, 2, 3}}));
@@ -53,7 +53,7 @@ TEST(Clusters, HoldSleepersNearby) {
   test::Linkages islands(row_of_balls(3));
   islands.states[1].asleep = islands.states[2].asleep = true;
   Clusters clusters;
-  clusters.start(islands.states);
+  clusters.start(islands.states, 0);
   EXPECT_EQ(clusters.awake().size(), 1u);
   EXPECT_EQ(clusters_within(clusters, 0.1), (Lists{{0}}));
   EXPECT_EQ(clusters_within(clusters, 0.85), (Lists{{0, 1}}));
@@ -70,9 +70,9 @@ TEST(Clusters, HoldSleepersNearby) {
 Vec3 velocity_after(const Scene& scene, std::uint32_t substeps, int steps = 1) {
   test::Linkages islands(scene);
   LinkageState* const cluster[] = {&islands.states.front()};
-  ClusterStepper stepper(Isa::scalar);
+  ClusterStepper stepper(Isa::scalar, ContactSettings{});
   const Surroundings around(scene);
-  StepReport report;
+  Tally report;
   for (int i = 0; i < steps; ++i) stepper.step(cluster, around, {.substeps = substeps}, test::frame, report);
   return cluster[0]->v.front();
 }
@@ -88,13 +88,34 @@ TEST(ClusterStepper, FreeFallIsExact) {
   }
 }
 
-// Slower than contact_limits::least_bounce nothing bounces; well above it a ball leaves with its restitution.
+// A rod that spins fast is turned by no more than contact_limits::most_turn in a substep, and a slow one by
+// whole steps.
+TEST(ClusterStepper, CutsStepsOfWhatTurnsFast) {
+  for (const double spin : {1.0, 100.0}) {
+    Scene scene;
+    scene.gravity = {};
+    test::add_capsule_rod(scene, {-0.5, 0, 0}, {0.5, 0, 0}, 1, 0.05);
+    scene.particles[0].velocity = {0, -0.5 * spin, 0};
+    scene.particles[1].velocity = {0, 0.5 * spin, 0};
+    test::Linkages islands(scene);
+    LinkageState* const cluster[] = {&islands.states.front()};
+    ClusterStepper stepper(Isa::scalar, ContactSettings{});
+    Tally report;
+    stepper.step(cluster, Surroundings(scene), {.substeps = 1}, test::frame, report);
+    const double least = spin * test::frame / contact_limits::most_turn;
+    EXPECT_GE(static_cast<double>(report.direct_substeps), least);
+    EXPECT_LE(static_cast<double>(report.direct_substeps), 2 * least + 1);
+  }
+}
+
+// Slower than ContactSettings{}.bounce_speed nothing bounces; well above it a ball leaves with its
+// restitution.
 TEST(ClusterStepper, BouncesFromASpeedOn) {
   for (const double times : {0.5, 4.0}) {
     Scene scene;
     scene.gravity = {};
     scene.planes.push_back({.surface = {.restitution = 1}});
-    const double speed = times * contact_limits::least_bounce;
+    const double speed = times * ContactSettings{}.bounce_speed;
     test::add_ball(scene, {0, 0.1 + 1e-3 * speed, 0}, 0.1, 1, {0, -speed, 0}, {.restitution = 1});
     const double left = velocity_after(scene, 4).y;
     EXPECT_NEAR(left, times < 1 ? 0 : speed, 1e-2 * speed);

@@ -79,5 +79,32 @@ TEST(CommandLine, RefusesWithTheNameOfTheOption) {
   EXPECT_EQ(message_of({}), "no command given; `plumb --help` lists them");
 }
 
+// The words of --method are the rows of the kernel's table, and so are those of the message that refuses one.
+TEST(CommandLine, KnowsTheMethodsOfTheTable) {
+  Settings settings;
+  const auto run_method = [&settings](std::string method) {
+    CommandLine line("plumb", "about", "1", "");
+    Command command = line.top().add_command("run", "Run");
+    add_solver_options(command, settings);
+    command.set_action([] { return 0; });
+    std::string words[] = {"plumb", "run", "--method", std::move(method)};
+    char* argv[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data()};
+    return line.run(4, argv);
+  };
+  std::string list;
+  for (const MethodInfo& info : all_methods()) {
+    EXPECT_EQ(run_method(std::string(info.name)), 0);
+    EXPECT_EQ(settings.method, info.method);
+    EXPECT_NE(methods_help().find("  " + std::string(info.name) + " "), std::string::npos);
+    list += (list.empty() ? "" : "|") + std::string(info.name);
+  }
+  try {
+    run_method("magic");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(), "--method: 'magic' is not one of " + list);
+  }
+}
+
 }  // namespace
 }  // namespace plumb::tools

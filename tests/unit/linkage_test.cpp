@@ -145,7 +145,7 @@ TEST(LinkageState, ReachHoldsWhatFalls) {
   const LinkageState& state = islands.states.front();
   EXPECT_EQ(top_speed(state), 3);
   const double dt = 0.1;
-  const Bounds bounds = reach(state, top_speed(state), dt);
+  const Bounds bounds = reach(state, top_speed(state), dt, 0);
   EXPECT_GE(bounds.high.x, 3 * dt + 0.1);
   EXPECT_LE(bounds.low.y, -0.5 * test::earth * dt * dt - 0.1);
   EXPECT_LT(bounds.high.x, 1) << "and not much more";

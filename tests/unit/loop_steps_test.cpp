@@ -138,7 +138,7 @@ TEST(LoopStepper, KeepsLengths) {
     Island island(scene, by_lines);
     LoopStepper stepper(Gradient::old, 0);
     stepper.set_line_tolerance(1e-8);
-    StepReport report;
+    Tally report;
     for (int i = 0; i < 30; ++i) stepper.advance(*island.state, 0.005, *island.work, report);
     EXPECT_EQ(report.unsolved, 0u);
     EXPECT_LE(island.largest_strain(), 1e-8) << by_lines;
@@ -153,7 +153,7 @@ TEST(LoopLines, HistoryIsTakenBack) {
   Island island(test::hanging_net(5, 4), true);
   LineWorkspace& lines = *island.work->lines;
   LoopStepper stepper(Gradient::old, 0);
-  StepReport report;
+  Tally report;
   for (int i = 0; i < 3; ++i) stepper.advance(*island.state, 0.005, *island.work, report);
   ASSERT_EQ(lines.past.known, 2);
   lines.keep_history();

@@ -148,6 +148,9 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
       case detail::Reads::layout:
         s.layout = LayoutChoice::soa;
         break;
+      case detail::Reads::contact:
+        s.contact.margin = 1e-3;
+        break;
     }
     return s;
   };
@@ -162,6 +165,23 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
       const std::string reason = refusal(scene, settings);
       EXPECT_NE(reason.find(setting.name), std::string::npos) << method.name << ": " << reason;
     }
+}
+
+// The public list is the table itself, so that programs and the command name the same methods.
+TEST(Methods, AreListedAsTheTableHasThem) {
+  const std::vector<MethodInfo> listed = all_methods();
+  ASSERT_EQ(listed.size(), detail::method_rows().size());
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    const detail::MethodRow& row = detail::method_rows()[i];
+    EXPECT_EQ(listed[i].method, row.method);
+    EXPECT_EQ(listed[i].name, row.name);
+    EXPECT_EQ(listed[i].name, to_string(row.method));
+    EXPECT_FALSE(listed[i].moves.empty());
+    for (const detail::SettingRow& setting : detail::setting_rows())
+      EXPECT_EQ(std::count(listed[i].reads.begin(), listed[i].reads.end(), setting.name),
+                contains(row.reads, setting.id))
+          << row.name << ", " << setting.name;
+  }
 }
 
 TEST(Methods, AutomaticRefusesWhatNoIslandReads) {

@@ -254,7 +254,7 @@ TEST(ProfileOutput, WhatIsNotAvailableIsNoZero) {
     EXPECT_TRUE(one[key].is_null()) << key;
   }
   EXPECT_EQ(one["model_bytes"], 64.5);
-  EXPECT_EQ(draw_misses(profile, MissKind::l1d_read), "");
+  EXPECT_EQ(draw_misses(profile, MissKind::l1d_read, SweepOrder::gauss_seidel), "");
 }
 
 TEST(ProfileOutput, CountsThatAreZeroAreZeros) {
@@ -312,10 +312,12 @@ TEST(ProfileWork, CasesCoverShapesLayoutsAndSizesOnce) {
     EXPECT_EQ(one.plan.settings.threads, 1u);
     if (one.plan.settings.method != Method::relax) continue;
     ++relaxed;
+    const std::string order = "--order " + std::string(to_string(one.plan.settings.order));
+    EXPECT_NE(words.find(order), std::string::npos) << words;
     EXPECT_EQ(one.plan.settings.stop.sweeps % 8, 0u);  // whole runs through memory of pipelined sweeps
     EXPECT_GT(one.plan.settings.stop.sweeps, 0u);
   }
-  EXPECT_EQ(relaxed, 4u * (1 + 3 + 3));  // inside the first cache the automatic layout alone
+  EXPECT_EQ(relaxed, 2 * 4u * (1 + 3 + 3));  // orders, shapes; inside the first cache one layout alone
   EXPECT_EQ(seen.size(), relaxed + 4);
 }
 

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "plumb/error.hpp"
+#include "plumb/world.hpp"
 #include "scenes/generators/generators.hpp"
+#include "scenes/runs/counters.hpp"
 #include "scenes/runs/run.hpp"
 
 namespace plumb::scenes {
@@ -91,6 +93,7 @@ TEST(Report, HasEveryField) {
                                                  "largest_gap",
                                                  "rms_gap",
                                                  "inaccurate_steps",
+                                                 "capped_steps",
                                                  "contact"}));
   EXPECT_EQ(keys(report["settings"]),
             (std::set<std::string>{
@@ -121,6 +124,43 @@ TEST(Report, HasEveryField) {
   EXPECT_GT(report["wall_s"].get<double>(), 0);
   EXPECT_NEAR(report["ns_per_rod_frame"].get<double>(), report["wall_s"].get<double>() * 1e9 / 30, 1e-6);
   EXPECT_EQ(report["state_hash"].get<std::string>().size(), 18u);
+}
+
+/// Stands for a value of any type where an aggregate is initialised.
+struct Anything {
+  template <class T>
+  operator T() const;
+};
+
+/// How many members an aggregate has: the most values with which it can be initialised.
+template <class Aggregate, class... Values>
+constexpr std::size_t count_members() {
+  if constexpr (requires { Aggregate{Values{}..., Anything{}}; })
+    return count_members<Aggregate, Values..., Anything>();
+  else
+    return sizeof...(Values);
+}
+
+// A member that no row names would be in no output. StepReport::stopped_by is a word and has no row.
+TEST(Counters, HaveARowForEveryMemberOfStepReport) {
+  EXPECT_EQ(counters().size(), count_members<StepReport>() - 1) << "add a row to scenes/runs/counters.cpp";
+  std::set<std::string> names;
+  for (const Counter& counter : counters()) {
+    EXPECT_TRUE(names.insert(flat_name(counter)).second) << counter.name;
+    EXPECT_FALSE(counter.meaning.empty()) << counter.name;
+  }
+}
+
+// A row that names the wrong member would show another's count.
+TEST(Counters, EachReadAMemberOfItsOwn) {
+  for (const Counter& counter : counters()) {
+    StepReport report;
+    std::visit([&](auto member) { report.*member = 3; }, counter.member);
+    for (const Counter& other : counters()) {
+      EXPECT_EQ(is_counted(other, report), &other == &counter) << counter.name << ", " << other.name;
+      EXPECT_EQ(text_of(other, report), &other == &counter ? "3" : "0") << counter.name;
+    }
+  }
 }
 
 // Six frames of a chain that lies straight and starts at rest: its potential energy is zero at y = 0, and

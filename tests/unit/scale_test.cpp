@@ -46,15 +46,28 @@ TEST(CellCap, EndsASeriesThatWouldTakeTooLong) {
   EXPECT_FALSE(stopped.allows(1));
 }
 
-TEST(ScaleSeries, AreRelaxationFourTimesAndOthersOnce) {
+// Relaxation has a series for each order, precision and number of threads.
+TEST(ScaleSeries, AreRelaxationEightTimesAndOthersOnce) {
   ScaleOptions options;
-  EXPECT_EQ(all_series(options).size(), 4u + 5u);
+  EXPECT_EQ(all_series(options).size(), 2 * 2 * 2 + all_methods().size() - 1);
   options.methods = {Method::springs, Method::relax};
   options.precisions = {Precision::single};
   const std::vector<ScaleSeries> series = all_series(options);
-  ASSERT_EQ(series.size(), 3u);
+  ASSERT_EQ(series.size(), 5u);
   EXPECT_EQ(name_of(series[0]), "springs");
   EXPECT_EQ(name_of(series[2]), "relax, float, threads");
+  EXPECT_EQ(name_of(series[4]), "relax, jacobi, float, threads");
+  EXPECT_EQ(settings_of(series[4], options).order, SweepOrder::jacobi);
+  options.orders = {SweepOrder::gauss_seidel};
+  EXPECT_EQ(all_series(options).size(), 3u);
+}
+
+TEST(ScaleSeries, AreNamedWithTheirOrderInTheCsv) {
+  ScaleResults results;
+  const ScaleSeries series{.method = Method::relax, .order = SweepOrder::jacobi};
+  results.cells.push_back(
+      {.series = series, .links = 5, .sweeps = 5, .outcome = CellOutcome::measured, .least_s = 1e-6});
+  EXPECT_NE(scale_csv(results).find("\n5,relax,5,jacobi,1,double,"), std::string::npos);
 }
 
 /// Relaxation of 5 and 20 links, the second too slow.

@@ -39,6 +39,21 @@ TEST(Settings, OmegaIsBetweenZeroAndTwo) {
   EXPECT_EQ(refusal([](Settings& s) { s.omega = 1.997; }), "");
 }
 
+TEST(Settings, ContactAndSleepAreChecked) {
+  EXPECT_EQ(refusal([](Settings& s) { s.contact.length_scale = 0; }),
+            "length scale must be positive and finite, got 0");
+  EXPECT_EQ(refusal([](Settings& s) { s.contact.margin = nan; }),
+            "contact margin must be positive and finite, got nan m");
+  EXPECT_EQ(refusal([](Settings& s) { s.contact.slop = -1e-3; }),
+            "contact slop must be 0 or more and finite, got -0.001 m");
+  EXPECT_EQ(refusal([](Settings& s) { s.contact.recovery = 1.5; }),
+            "contact recovery must be from 0 to 1, got 1.5");
+  EXPECT_EQ(refusal([](Settings& s) { s.sleep_time = infinity; }),
+            "sleep time must be 0 or more and finite, got inf s");
+  EXPECT_EQ(refusal([](Settings& s) { s.most_work = 0; }), "most work must be at least 1, got 0");
+  EXPECT_EQ(refusal([](Settings& s) { s.contact = {.length_scale = 0.01, .slop = 0, .recovery = 1}; }), "");
+}
+
 TEST(Settings, SubstepsAreOneToAMillion) {
   EXPECT_EQ(refusal([](Settings& s) { s.substeps = 0; }), "substeps must be from 1 to 1000000, got 0");
   EXPECT_EQ(refusal([](Settings& s) { s.substeps = 1'000'001; }),

@@ -15,6 +15,7 @@
 #include "solver/made_solver.hpp"
 #include "solver/solver.hpp"
 #include "solver/state_hash.hpp"
+#include "solver/tally.hpp"
 #include "support/islands.hpp"
 #include "support/worlds.hpp"
 
@@ -88,7 +89,7 @@ TEST_P(Solvers, MoveWhatIsMovable) {
   Team team(1);
   int moved = 0;
   for (const MadeSolver& made : make(GetParam(), scene, of, report)) {
-    StepReport counters;
+    Tally counters;
     made.solver->begin_step(0.01, team);
     for (std::uint32_t piece = 0; piece < made.solver->pieces(); ++piece) {
       made.solver->begin_piece(piece, 0);
@@ -127,7 +128,7 @@ TEST(Solvers, TakePiecesBackToTheBit) {
   const Settings settings{.method = Method::direct, .accuracy = 1e-3, .threads = 1};
   for (const MadeSolver& made :
        make_direct_solvers(scene, of.sets, settings, {.gradient = Gradient::old}, report)) {
-    StepReport counters;
+    Tally counters;
     made.solver->begin_step(0.02, team);
     made.solver->begin_piece(0, 0);
     made.solver->advance(0, 0.01, 1, 0, counters);
@@ -172,6 +173,29 @@ TEST(TreeSolver, NumbersItsSlotsOnce) {
 
 TEST(AnchorMove, HasTheVelocityOfItsPath) {
   EXPECT_EQ((AnchorMove{{1, 2, 3}, {2, 2, 1}, 0.5}.velocity()), (Vec3{2, 0, -4}));
+}
+
+// A try that is taken back leaves its work and nothing else, and what is left of the bound is what it may
+// take.
+TEST(Tally, CountsTheWorkOfWhatIsTakenBack) {
+  Tally tally;
+  tally.most_work = 10;
+  tally.direct_substeps = 3;
+  Tally tried = tally.begin_try();
+  EXPECT_EQ(tried.most_work, 7u);
+  tried.direct_substeps = 2;
+  tried.newton = 4;
+  EXPECT_FALSE(tried.is_spent());
+  Tally keeper = tally;
+  keeper.keep(tried);
+  EXPECT_EQ(keeper.direct_substeps, 5u);
+  EXPECT_EQ(keeper.work(), 9u);
+  tally.take_back(tried);
+  EXPECT_EQ(tally.direct_substeps, 3u) << "they were not taken";
+  EXPECT_EQ(tally.work(), 9u) << "but they were work";
+  EXPECT_FALSE(tally.is_spent());
+  tally.halvings = 1;
+  EXPECT_TRUE(tally.is_spent());
 }
 
 // FNV-1a as published: of the empty string, and of the bytes of "a" followed by zeros, in long arithmetic.

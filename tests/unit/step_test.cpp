@@ -64,7 +64,9 @@ TEST(Sleep, NeedsStillnessWithoutABreak) {
   const Scene scene = scenes::make_chain(3);
   Compiled compiled = compile(scene, direct);
   Sleep sleep;
-  sleep.start(compiled.solvers, Precision::double_);
+  Settings settings = direct;
+  settings.sleep_time = 0.5;
+  sleep.start(compiled.solvers, settings);
   ASSERT_EQ(sleep.tasks().size(), 1u);
   const auto stand = [&](bool is_still, int steps) {
     std::uint32_t fell = 0;
@@ -106,9 +108,10 @@ TEST(AdvancePiece, TakesEqualSubsteps) {
   const Scene scene = scenes::make_chain(8);
   Compiled one = compile(scene, direct), other = compile(scene, direct);
   Team team(1);
-  StepReport by_rules, by_hand;
+  StepReport by_rules;
+  Tally by_hand;
   one.solvers[0]->begin_step(0.1, team);
-  advance_piece(*one.solvers[0], 0, 0.1, {.substeps = 4}, 0, by_rules);
+  advance_piece(*one.solvers[0], 0, 0.1, {.substeps = 4, .most_work = 1000}, 0, by_rules);
   other.solvers[0]->begin_step(0.1, team);
   other.solvers[0]->advance(0, 0.025, 4, 0, by_hand);
   EXPECT_EQ(by_rules.direct_substeps, by_hand.direct_substeps);
@@ -128,7 +131,8 @@ TEST(AdvancePiece, TakesMoreSubstepsForLessError) {
     StepReport report;
     for (int i = 0; i < 5; ++i) {
       compiled.solvers[0]->begin_step(0.05, team);
-      advance_piece(*compiled.solvers[0], 0, 0.05, {.substeps = 1, .error_growth = growth}, 0, report);
+      advance_piece(*compiled.solvers[0], 0, 0.05,
+                    {.substeps = 1, .error_growth = growth, .most_work = 100000}, 0, report);
     }
     EXPECT_GT(report.direct_substeps, last) << growth;
     last = report.direct_substeps;

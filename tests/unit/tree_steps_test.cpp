@@ -54,7 +54,7 @@ TEST(TreeStepper, KeepsLengths) {
     rules.gradient = gradient;
     Kind kind = kind_of(of.tree(0), rules);
     TreeState<double> state = state_of(scene, of, kind.topology);
-    StepReport report;
+    Tally report;
     const double before = state.position(9, 0).y;
     for (int i = 0; i < 30; ++i) kind.stepper.advance(state, 0.01, kind.crews[0].view(), report);
     EXPECT_LE(largest_strain(state), 1e-9) << to_string(gradient);
@@ -70,7 +70,7 @@ TEST(TreeStepper, CutsLongSubstepsOfStiffTrees) {
   Kind kind = kind_of(of.tree(0), old_rules);
   TreeState<double> state = state_of(scene, of, kind.topology);
   EXPECT_EQ(kind.stepper.cuts(state, 0.1), 1u) << "no tension is known yet";
-  StepReport report;
+  Tally report;
   for (int i = 0; i < 100; ++i) kind.stepper.advance(state, 1e-3, kind.crews[0].view(), report);
   const std::uint32_t cuts = kind.stepper.cuts(state, 0.1);
   EXPECT_GT(cuts, 1u);

@@ -111,7 +111,7 @@ int CommandLine::run(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app_->exit(error);  // --help and --version
+    if (error.get_exit_code() == 0) return app_->exit(error);  // It handles --help and --version.
     throw InputError(error.what());
   }
   return chosen_();

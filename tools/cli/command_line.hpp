@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-/// A command line of commands, each with options: what plumb needs of CLI11, in a header that costs nothing
-/// to include. CLI11 itself takes seconds to compile, and command_line.cpp alone includes it.
+/// A command line has commands, each with options. This header holds what plumb needs of CLI11 and costs
+/// nothing to include. CLI11 itself takes seconds to compile, and command_line.cpp alone includes it.
 namespace CLI {
 class App;
 class Option;
@@ -14,19 +14,20 @@ class Option;
 
 namespace plumb::tools {
 
-/// What is to be done once the command line is understood; its result is the exit status.
+/// An action does what the command line asks for and returns the exit status.
 using Action = std::function<int()>;
 
 /// Takes the text that a user gave an option. Throws BadValue.
 using Take = std::function<void(const std::string&)>;
 
-/// Why an option refuses its value; the message that the user sees has the option's name before it.
+/// An option refuses its value with this. The message that the user sees has the option's name before the
+/// reason.
 class BadValue : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// An option of a command, for what is asked of it after it was declared.
+/// An option belongs to a command and answers what is asked of it after it was declared.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -41,39 +42,40 @@ class Option {
   CLI::Option* option_;
 };
 
-/// A command, while it declares itself. Help shows options in the order in which they are declared, and their
-/// values are taken in that order too.
+/// A command declares itself through this. Help shows options in the order in which they are declared, and
+/// their values are taken in that order too.
 class Command {
  public:
   Command(CLI::App* app, Action* chosen) : app_(app), chosen_(chosen) {}
 
-  /// A command of its own, chosen by `name`.
+  /// Adds a command within this one, chosen by `name`.
   Command add_command(const std::string& name, const std::string& help) const;
 
-  /// An option with one value, which help calls `value`.
+  /// Adds an option with one value, which help calls `value`.
   Option add_option(const std::string& name, const std::string& value, Take take,
                     const std::string& help) const;
-  /// The same, kept as it is.
+  /// Adds such an option and keeps its text as it is.
   Option add_option(const std::string& name, const std::string& value, std::string& target,
                     const std::string& help) const;
   Option add_flag(const std::string& name, bool& target, const std::string& help) const;
   Option add_flag(const std::string& name, std::function<void()> then, const std::string& help) const;
 
-  /// Called when all values are taken, to refuse those that do not go together.
+  /// Calls `check` when all values are taken, to refuse those that do not go together.
   void check(std::function<void()> check) const;
   void set_footer(const std::string& text) const;
-  /// What the command does.
+  /// Sets what the command does.
   void set_action(Action action) const;
 
-  /// The options that were given, as the user typed them, but for --quiet, which changes no results.
+  /// Returns the options that were given, as the user typed them. It leaves out --quiet, which changes no
+  /// results.
   std::string typed() const;
 
  private:
   CLI::App* app_;
-  Action* chosen_;  ///< of the command line
+  Action* chosen_;  ///< Action of the command line that was chosen.
 };
 
-/// The whole line.
+/// This is the whole command line.
 class CommandLine {
  public:
   CommandLine(const std::string& name, const std::string& about, const std::string& version,
@@ -84,8 +86,8 @@ class CommandLine {
 
   Command top();
 
-  /// Does what the line says: shows help or the version, or runs a command, and returns its exit status.
-  /// Throws InputError if it cannot be understood, and what the command throws.
+  /// Does what the line says: it shows help or the version, or runs a command, and returns its exit status.
+  /// Throws InputError if the line cannot be understood, and what the command throws.
   int run(int argc, char** argv);
 
  private:

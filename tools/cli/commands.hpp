@@ -5,7 +5,7 @@
 
 #include "cli/command_line.hpp"
 
-/// The commands, one file each. Each adds itself to the command line, with what it does when chosen.
+/// Each command has a file and adds itself to the command line, with what it does when chosen.
 namespace plumb::tools {
 
 void add_run_command(Command& plumb);
@@ -18,12 +18,12 @@ void add_stability_command(Command& plumb);
 void add_thesis_command(Command& plumb);
 void add_truth_command(Command& plumb);
 
-/// Exit statuses.
+/// These are the exit statuses.
 inline constexpr int fine = 0;
 inline constexpr int check_failed = 1;
 inline constexpr int bad_input = 2;
 
-/// What was measured is not what it must be; the message says what.
+/// A command throws this if what it measured is not what it must be. The message says what.
 class CheckFailed : public std::runtime_error {
  public:
   explicit CheckFailed(const std::string& what) : std::runtime_error("check failed: " + what) {}

@@ -1,4 +1,4 @@
-// plumb info: what a scene holds and how a world lays it out.
+// plumb info shows what a scene holds and how a world lays it out.
 #include <algorithm>
 #include <cstdio>
 #include <limits>
@@ -30,7 +30,7 @@ struct InfoOptions {
 
 struct SceneFacts {
   std::uint64_t fixed = 0;
-  double least_mass = std::numeric_limits<double>::infinity();  ///< kg, of movable particles
+  double least_mass = std::numeric_limits<double>::infinity();  ///< Least mass of movable particles, in kg.
   double most_mass = 0;
 };
 
@@ -79,6 +79,27 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
   std::fputs(table.to_text().c_str(), stdout);
 }
 
+/// Returns the methods that may move the scene. Those that move no joints are left out where it has some.
+std::vector<MethodInfo> methods_for(const Scene& scene) {
+  std::vector<MethodInfo> out = all_methods();
+  if (has_more_than_rods(scene)) std::erase_if(out, [](const MethodInfo& m) { return !m.moves_joints; });
+  return out;
+}
+
+void print_methods(const Scene& scene, const WorldInfo& picked) {
+  std::printf("\n%s\nmethod %s solves %u rods directly and relaxes %u\n",
+              methods_help(methods_for(scene)).c_str(), std::string(to_string(Method::automatic)).c_str(),
+              picked.direct_rods, picked.relaxed_rods);
+}
+
+scenes::Json methods_json(const Scene& scene) {
+  scenes::Json list = scenes::Json::array();
+  for (const MethodInfo& method : methods_for(scene))
+    list.push_back(
+        {{"method", method.name}, {"moves", method.moves}, {"reads", scenes::Json::array_of(method.reads)}});
+  return list;
+}
+
 int info(const InfoOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
   std::optional<scenes::OutputFile> report;
@@ -88,7 +109,7 @@ int info(const InfoOptions& options) {
   Settings automatic = options.settings;
   automatic.method = Method::automatic;
   automatic.layout = LayoutChoice::automatic;
-  // Layouts are those of relaxation, which knows no bodies, joints or shapes.
+  // The layouts are those of relaxation, which knows no bodies, joints or shapes.
   const World world(scene, has_more_than_rods(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {
@@ -98,6 +119,7 @@ int info(const InfoOptions& options) {
         facts.most_mass > 0 ? scenes::Json::array_of({facts.least_mass, facts.most_mass}) : nullptr;
     json["diagonal"] = bounding_diagonal(scene);
     json["world"] = scenes::world_json(world.info());
+    json["methods"] = methods_json(scene);
     json["machine"] = scenes::machine_json(scenes::describe_machine(world.info()));
     report->write(scenes::format_json(json));
     report->commit();
@@ -107,9 +129,7 @@ int info(const InfoOptions& options) {
     file->commit();
   }
   print_info(options, scene, facts, world.info());
-  const WorldInfo picked = World(scene, automatic).info();
-  std::printf("\nmethod auto solves %u rods directly and relaxes %u\n", picked.direct_rods,
-              picked.relaxed_rods);
+  print_methods(scene, World(scene, automatic).info());
   return fine;
 }
 

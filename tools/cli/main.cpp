@@ -1,5 +1,5 @@
-// The plumb command. Data goes to stdout, progress and messages to stderr; exit status 0 is fine, 1 a check
-// that failed, 2 bad usage or input.
+// This is the plumb command. Data goes to stdout, progress and messages to stderr. Exit status 0 is fine, 1
+// is a check that failed, and 2 is bad usage or input.
 #include <algorithm>
 #include <cstdio>
 #include <exception>

@@ -13,7 +13,7 @@ namespace {
 
 using scenes::append_item;
 
-/// The cap on sweeps when a tolerance or a budget is to stop them.
+/// This is the cap on sweeps where a tolerance or a budget is to stop them.
 constexpr std::uint32_t sweeps_when_stopped_otherwise = 10000;
 
 Option add_number(Command& command, const std::string& name, const std::string& unit,
@@ -37,12 +37,10 @@ Option add_positive_of(const std::string& unit, Command& command, const std::str
 
 void add_method(Command& command, Settings& settings) {
   settings.method = Method::automatic;
-  add_choice(command, "--method", settings.method,
-             {Method::automatic, Method::relax, Method::direct, Method::springs, Method::multipliers,
-              Method::featherstone},
-             "How rods are kept at their length: the better of one after the other "
-             "(relax) and all at once (direct), "
-             "or the thesis's other methods");
+  std::vector<Method> methods;
+  for (const MethodInfo& info : all_methods()) methods.push_back(info.method);
+  add_choice(command, "--method", settings.method, methods,
+             "How rods are kept at their length; see the list of methods below");
 }
 
 void add_sweep_options(Command& command, Settings& settings) {
@@ -77,14 +75,37 @@ void add_sweep_options(Command& command, Settings& settings) {
              "Share of a correction each end takes: by inverse mass or half each");
 }
 
-/// Of the methods that integrate equations of motion.
+void add_bounds(Command& command, Settings& settings) {
+  const auto take_work = [&settings](const std::string& text) {
+    const auto value = scenes::parse_number<std::uint64_t>(text);
+    if (!value) throw BadValue("'" + text + "' is not a whole number");
+    settings.most_work = *value;
+  };
+  command.add_option("--most-work", "N", take_work,
+                     "Newton steps, sweeps and substeps of an island in a frame, at most, beyond those that "
+                     "are asked for [20000]");
+  add_seconds(command, "--sleep-time", settings.sleep_time,
+              "Time that an island is at rest before it sleeps, s [0.5]");
+  add_positive(command, "--length-scale", settings.contact.length_scale,
+               "Size of the things that touch, m: lengths and speeds of contact are in proportion [1]");
+}
+
+/// Returns the names of the methods that read a setting, as the kernel's table says.
+std::string readers_of(std::string_view setting) {
+  std::string out;
+  for (const MethodInfo& info : all_methods())
+    if (std::find(info.reads.begin(), info.reads.end(), setting) != info.reads.end())
+      append_item(out, info.name);
+  return out;
+}
+
+/// Adds the options of methods that integrate equations of motion.
 void add_equation_options(Command& command, Settings& settings) {
   add_choice(
       command, "--integrator", settings.integrator,
       {Integrator::explicit_euler, Integrator::semi_implicit_euler, Integrator::rk2, Integrator::rk4,
        Integrator::implicit_euler, Integrator::adaptive_implicit_euler},
-      "Of springs, multipliers and featherstone [rk4; springs: semi-implicit-euler]; the last two are of "
-      "springs");
+      "Of " + readers_of("integrator") + " [rk4; springs: semi-implicit-euler]; the last two are of springs");
   add_choice(command, "--springs", settings.springs.model, {SpringModel::rigid_rods, SpringModel::particles},
              "What springs join: rigid rods at their joints, or particles");
   add_positive(command, "--stiffness", settings.springs.stiffness, "Of every spring, N/m [10000]");
@@ -167,6 +188,7 @@ void add_solver_options(Command& command, Settings& settings) {
       command, "--accuracy", "A", [&settings](double value) { settings.accuracy = value; },
       "Methods direct and auto, and springs by adaptive-implicit-euler: choose substeps so that the error "
       "grows by at most this share of the scene a second");
+  add_bounds(command, settings);
   add_sweep_options(command, settings);
   add_choice(command, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
              "Where a correction's direction is taken [mid; relax: new]");
@@ -176,6 +198,17 @@ void add_solver_options(Command& command, Settings& settings) {
   add_choice(command, "--mass", settings.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly [consistent; relax: lumped]");
   add_equation_options(command, settings);
+}
+
+std::string methods_help(const std::vector<MethodInfo>& methods) {
+  std::size_t widest = 0;
+  for (const MethodInfo& info : methods) widest = std::max(widest, info.name.size());
+  std::string out = "Methods, and what each moves:\n";
+  for (const MethodInfo& info : methods) {
+    const std::string name(info.name);
+    out += "  " + name + std::string(widest + 2 - name.size(), ' ') + std::string(info.moves) + "\n";
+  }
+  return out;
 }
 
 Option add_scene(Command& command, std::string& spec) {

@@ -8,18 +8,17 @@
 #include "cli/command_line.hpp"
 #include "plumb/settings.hpp"
 
-/// Options that several commands share. All refuse nonsense with one clear line.
+/// Several commands share these options. All refuse nonsense with one clear line.
 namespace plumb::tools {
 
-/// An option that takes one of a few words, and says which.
+/// Adds an option that takes one of a few words. A refusal says which.
 Option add_words(Command& command, const std::string& name, const std::vector<std::string>& words, Take take,
                  const std::string& help);
 
-/// An option whose words are the names of enum values, for an Enum or an optional one.
+/// Adds an option whose words are the names of enum values. The target is an Enum or an optional one.
 template <class Enum, class Target>
-Option add_choice(Command& command, const std::string& name, Target& target,
-                  std::initializer_list<Enum> values, const std::string& help) {
-  const std::vector<Enum> list(values);
+Option add_choice(Command& command, const std::string& name, Target& target, const std::vector<Enum>& list,
+                  const std::string& help) {
   std::vector<std::string> words;
   for (const Enum value : list) words.emplace_back(to_string(value));
   const auto take = [list, &target](const std::string& word) {
@@ -31,30 +30,38 @@ Option add_choice(Command& command, const std::string& name, Target& target,
     return add_words(command, name, words, take, help + " [" + std::string(to_string(target)) + "]");
   return add_words(command, name, words, take, help);
 }
+template <class Enum, class Target>
+Option add_choice(Command& command, const std::string& name, Target& target,
+                  std::initializer_list<Enum> values, const std::string& help) {
+  return add_choice(command, name, target, std::vector<Enum>(values), help);
+}
 
-/// A whole number.
+/// Adds an option that takes a whole number.
 Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help);
 
-/// A positive number of seconds, as a decimal or a fraction such as 1/60.
+/// Adds an option that takes a positive number of seconds, as a decimal or a fraction such as 1/60.
 Option add_seconds(Command& command, const std::string& name, double& target, const std::string& help);
 
-/// A positive number, without a unit.
+/// Adds an option that takes a positive number without a unit.
 Option add_positive(Command& command, const std::string& name, double& target, const std::string& help);
 
-/// --save-at: times in seconds, separated by commas.
+/// Adds --save-at, which takes times in seconds, separated by commas.
 Option add_save_at(Command& command, std::vector<double>& times, const std::string& help);
 
-/// --layout, --precision, --threads and --isa: how a scene lies in memory and what works on it.
+/// Adds --layout, --precision, --threads and --isa, which say how a scene lies in memory and what works on
+/// it.
 void add_layout_options(Command& command, Settings& settings);
 
-/// --method, --substeps, --sweeps, --tolerance, --budget-us, --order, --omega, --weights, --gradient, --mass:
-/// how it is solved.
+/// Adds --method and all options that say how a scene is solved, such as --substeps, --sweeps and --gradient.
 void add_solver_options(Command& command, Settings& settings);
 
-/// The scene argument, with its help.
+/// Lists methods and what they move, a line each. Help texts end with all those of the kernel's table.
+std::string methods_help(const std::vector<MethodInfo>& methods = all_methods());
+
+/// Adds the scene argument with its help.
 Option add_scene(Command& command, std::string& spec);
 
-/// The generators with their parameters, for the end of a help text.
+/// Lists the generators with their parameters, for the end of a help text.
 std::string generators_help();
 
 }  // namespace plumb::tools

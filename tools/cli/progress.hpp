@@ -10,8 +10,8 @@
 
 namespace plumb::tools {
 
-/// A bar on stderr for what takes more than a second. Shown on a terminal only, drawn at most ten times a
-/// second, gone when it is done.
+/// Shows a bar on stderr for what takes more than a second. It appears on a terminal only, is drawn at most
+/// ten times a second, and is gone when the work is done.
 class Progress {
  public:
   Progress(std::string label, bool quiet)

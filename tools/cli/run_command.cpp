@@ -1,4 +1,4 @@
-// plumb run: simulate a scene, say how fast and how wrong.
+// plumb run simulates a scene and says how fast and how wrong.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -26,8 +26,8 @@ struct RunOptions {
   std::string trajectory;
   std::string truth;
   std::string report;
-  std::string vtk;   ///< folder
-  std::string gltf;  ///< file
+  std::string vtk;   ///< Folder for VTK files.
+  std::string gltf;  ///< File for the glTF animation.
   bool quiet = false;
 };
 
@@ -37,8 +37,8 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return !b.empty() && weakly_canonical(absolute(a)) == weakly_canonical(absolute(b));
 }
 
-/// Every file that a run writes frame by frame. All are opened before the work: a folder that cannot be
-/// written is better known then.
+/// Writes every file that a run fills frame by frame. All are opened before the work, since a folder that
+/// cannot be written is better known then.
 class SavedFrames {
  public:
   SavedFrames(const RunOptions& options, const Scene& scene) : binary_(options.gltf.ends_with(".glb")) {
@@ -153,12 +153,13 @@ void add_run_command(Command& plumb) {
   command.set_footer(
       "Examples:\n"
       "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
-      "  plumb run thesis5 --sweeps 1000\n"
+      "  plumb run thesis5 --method relax --sweeps 1000\n"
       "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
-      "  plumb run chain:end_mass=10 --substeps 8 --gradient mid --tolerance 1e-6 --report r.json\n"
+      "  plumb run chain:end_mass=10 --method relax --substeps 8 --gradient mid --tolerance 1e-6 --report "
+      "r.json\n"
       "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
       "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
-      generators_help());
+      methods_help() + "\n" + generators_help());
   command.set_action([options] { return run(*options); });
 }
 

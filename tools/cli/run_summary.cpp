@@ -2,7 +2,9 @@
 
 #include <cstdio>
 
+#include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
+#include "scenes/runs/counters.hpp"
 #include "scenes/runs/report.hpp"
 
 namespace plumb::tools {
@@ -34,19 +36,16 @@ void print_method(const RunPlan& plan, const RunResult& result) {
                            (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : "") +
                            (s.stop.tolerance ? ", nets' tolerance " + short_number(*s.stop.tolerance) : ""));
   print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
-                          plural(s.substeps, "substep") + " each" +
-                          (s.accuracy ? ", " + plural(result.total.repeated_steps, "step") + " done again, " +
-                                            std::to_string(result.total.inaccurate_steps) +
-                                            " taken though not accurate enough"
-                                      : ""));
+                          plural(s.substeps, "substep") + " each");
 }
 
-void print_contact(const RunResult& result) {
-  print_line("contact", "at most " + plural(result.total.contacts, "point") + " at once, " +
-                            plural(result.total.block_sweeps, "sweep") + "; " +
-                            plural(result.total.fell_asleep, "island") + " fell asleep, " +
-                            std::to_string(result.total.awake_islands) + " awake at last; " +
-                            plural(result.total.guarded_energy, "substep") + " kept from gaining energy");
+/// Prints every counter of the run that counted something.
+void print_counts(const StepReport& total) {
+  std::string list;
+  for (const scenes::Counter& counter : scenes::counters())
+    if (is_counted(counter, total))
+      scenes::append_item(list, std::string(counter.meaning) + ": " + text_of(counter, total), "; ");
+  print_line("counts", list);
 }
 
 void print_direct(const RunPlan& plan, const RunResult& result) {
@@ -61,11 +60,7 @@ void print_direct(const RunPlan& plan, const RunResult& result) {
           ", mass " + std::string(to_string(mass_model_of(s))) + ", " + std::string(to_string(s.precision)) +
           (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : "") +
           (s.stop.tolerance ? ", nets' tolerance " + short_number(*s.stop.tolerance) : ""));
-  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s, " +
-                          plural(result.total.direct_substeps, "substep") + " of an island, " +
-                          plural(result.total.newton, "Newton step") + ", " +
-                          plural(result.total.halvings, "halving") + ", " +
-                          plural(result.total.fallbacks, "fallback"));
+  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s");
 }
 
 void print_relaxation(const RunPlan& plan, const RunResult& result) {
@@ -84,13 +79,9 @@ void print_relaxation(const RunPlan& plan, const RunResult& result) {
                           std::string(to_string(result.total.stopped_by)) + ")");
 }
 
-void print_errors(const RunPlan& plan, const RunResult& result) {
-  const Settings& s = plan.settings;
+void print_errors(const RunResult& result) {
   print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
                             " (rod " + std::to_string(result.stretch.max_rod) + ")");
-  if (s.method == Method::springs && s.springs.model == SpringModel::rigid_rods)
-    print_line("gaps", "at joints at most " + short_number(result.total.largest_gap) + " m, RMS at most " +
-                           short_number(result.total.rms_gap) + " m");
   const scenes::EnergyDrift& energy = result.energy;
   print_line("energy", short_number(energy.initial) + " J at first, " + short_number(energy.final) +
                            " J at last, drift at most " +
@@ -102,7 +93,7 @@ void print_errors(const RunPlan& plan, const RunResult& result) {
   }
 }
 
-/// What was wrong with the scene at first.
+/// Prints what was wrong with the scene at first.
 void print_start(const WorldInfo& info) {
   if (info.projected_position > 0) {
     print_line("start", "rods did not start at their lengths; particles moved by at most " +
@@ -135,10 +126,10 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   const bool touches = info.linkages > 0;
   const bool relaxes = family && !touches && (info.relaxed_rods > 0 || info.direct_rods == 0);
   if (!family) print_method(plan, result);
-  if (touches) print_contact(result);
   if (info.direct_rods > 0 || touches) print_direct(plan, result);
   if (relaxes) print_relaxation(plan, result);
-  print_errors(plan, result);
+  print_counts(result.total);
+  print_errors(result);
   print_start(info);
   std::string time = short_number(1e3 * result.wall_s, 4) + " ms, " +
                      short_number(1e6 * result.wall_s / static_cast<double>(result.frames), 4) +

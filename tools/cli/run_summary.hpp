@@ -8,7 +8,7 @@
 
 namespace plumb::tools {
 
-/// Such as "1 rod" and "2 rods".
+/// Spells a count with its noun, such as "1 rod" and "2 rods".
 std::string plural(std::uint64_t n, const char* noun);
 
 /// Prints what a run of `scene` did, how wrong it was and how long it took, a line for each.

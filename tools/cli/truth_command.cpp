@@ -1,4 +1,4 @@
-// plumb truth: a solution accurate enough to measure others by.
+// plumb truth finds a solution accurate enough to measure others by.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -47,7 +47,7 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
   if (scene.drag == 0) {
     line("energy", "changes by at most " + short_number(result.energy_drift, 2) + " of its range");
   }
-  if (result.velocity_change > 1e-15 * result.speed) {  // more than their rounding
+  if (result.velocity_change > 1e-15 * result.speed) {  // A change beyond rounding is reported.
     line("velocity", "initial velocities pulled on rods; changed by at most " +
                          short_number(result.velocity_change) + " m/s");
   }

@@ -1,4 +1,4 @@
-// Moving an anchor: a hand carries a pendulum 3 m to the right, at 1 m/s.
+// A program may move an anchor: a hand carries a pendulum 3 m to the right, at 1 m/s.
 #include <algorithm>
 #include <cstdio>
 #include <plumb/plumb.hpp>

@@ -1,5 +1,5 @@
-// A slack bridge between two anchors, 2 m of rods over a gap of 1.6 m. At rest it is a catenary, which sags
-// by 0.53 m.
+// A slack bridge hangs between two anchors, with 2 m of rods over a gap of 1.6 m. At rest it is a catenary,
+// which sags by 0.53 m.
 #include <cstdint>
 #include <cstdio>
 #include <plumb/plumb.hpp>
@@ -8,7 +8,7 @@ int main() {
   constexpr std::uint32_t rods = 20, middle = rods / 2;
   plumb::Scene scene;
   scene.drag = 2;
-  // Two straight halves that meet at the bottom, each rod exactly 0.1 m long: 0.08 along, 0.06 down.
+  // Two straight halves meet at the bottom. Each rod is exactly 0.1 m long: 0.08 along, 0.06 down.
   for (std::uint32_t i = 0; i <= rods; ++i) {
     const double down = 0.06 * (i <= middle ? i : rods - i);
     scene.particles.push_back({.position = {0.08 * i, -down, 0}, .mass = 1, .fixed = i == 0 || i == rods});

@@ -13,7 +13,7 @@ int main() {
     scene.particles.push_back({.position = {0.1 * i, 0, 0}, .mass = i < 20 ? 1.0 : 100.0});
     scene.rods.push_back({.a = i - 1, .b = i});
   }
-  // Solved directly with gradient mid: energy and lengths are kept to rounding, in steps of any length.
+  // Direct solves with gradient mid keep energy and lengths to rounding, in steps of any length.
   plumb::World world(scene, {.method = plumb::Method::direct, .gradient = plumb::Gradient::mid});
 
   std::vector<plumb::Vec3> positions(world.particle_count()), velocities(world.particle_count());

@@ -1,5 +1,5 @@
-// Many equal things in one world: they lie side by side in the lanes of a vector, and every one of them moves
-// as if it were alone.
+// Many equal things fit in one world: they lie side by side in the lanes of a vector, and every one of them
+// moves as if it were alone.
 #include <cstdint>
 #include <cstdio>
 #include <plumb/plumb.hpp>

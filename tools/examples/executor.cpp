@@ -1,4 +1,5 @@
-// An engine's own threads: plumb asks an Executor to run tasks, and the results do not depend on which.
+// plumb runs on an engine's own threads: it asks an Executor to run tasks, and the results do not depend on
+// which.
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
@@ -8,7 +9,7 @@
 
 namespace {
 
-/// A thread for every task: slow, but short. An engine hands its job system over instead.
+/// It starts a thread for every task, which is slow, but short. An engine hands its job system over instead.
 class ThreadsExecutor final : public plumb::Executor {
  public:
   unsigned concurrency() const override { return 2; }
@@ -30,7 +31,7 @@ std::uint64_t hash_after(const plumb::Scene& scene, plumb::Settings settings) {
 }  // namespace
 
 int main() {
-  plumb::Scene scene;  // 2,000 separate chains: small scenes are stepped by one thread
+  plumb::Scene scene;  // It has 2,000 separate chains, since one thread steps small scenes.
   for (std::uint32_t chain = 0; chain < 2000; ++chain) {
     const std::uint32_t first = 21 * chain;
     scene.particles.push_back({.position = {0, 0, 0.1 * chain}, .fixed = true});

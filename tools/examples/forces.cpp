@@ -1,4 +1,5 @@
-// A force on a particle: wind pushes a pendulum with as much force as its weight, so it leans by 45 degrees.
+// A program may set a force on a particle: wind pushes a pendulum with as much force as its weight, so it
+// leans by 45 degrees.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -16,7 +17,7 @@ int main() {
     return std::atan2(world.position(1).x, -world.position(1).y) * 180 / std::numbers::pi;
   };
 
-  world.set_force(1, {2 * 9.81, 0, 0});  // N, until it is changed
+  world.set_force(1, {2 * 9.81, 0, 0});  // The force is in N and stays until it is changed.
   const double windy = lean();
   world.set_force(1, {});
   std::printf("in the wind it leans by %.1f degrees, without by %.1f\n", windy, std::abs(lean()));

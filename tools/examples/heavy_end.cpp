@@ -1,5 +1,5 @@
-// What weights are for: a chain whose last particle is heavy moves otherwise than one that is light all over.
-// Corrections by inverse mass show it. Equal corrections do not see the mass at all.
+// Weights matter where masses differ: a chain whose last particle is heavy moves otherwise than one that is
+// light all over. Corrections by inverse mass show it. Equal corrections do not see the mass at all.
 #include <cstdint>
 #include <cstdio>
 #include <plumb/plumb.hpp>

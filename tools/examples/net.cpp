@@ -1,4 +1,4 @@
-// A net that hangs from its two upper corners: every particle is tied to its neighbours to the right and
+// A net hangs from its two upper corners: every particle is tied to its neighbours to the right and
 // below.
 #include <cstdint>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// A ragdoll that falls on the ground: bodies with the inertia of cylinders, ball joints between them,
-// capsules to touch with, and sleep when all of it lies still.
+// A ragdoll falls on the ground. Its bodies have the inertia of cylinders, ball joints between them, and
+// capsules to touch with. It sleeps when all of it lies still.
 #include <cstdint>
 #include <cstdio>
 #include <plumb/plumb.hpp>
@@ -7,11 +7,11 @@
 
 namespace {
 
-/// A limb from one place to the other along x or z, with its shape. Returns its body.
+/// Adds a limb from one place to the other along x or z, with its shape. Returns its body.
 std::uint32_t add_limb(plumb::Scene& scene, plumb::Vec3 from, plumb::Vec3 to, double mass, double radius) {
   const plumb::Vec3 along = to - from;
   plumb::MassProperties solid = plumb::solid_cylinder(mass, radius, norm(along));
-  if (along.z != 0) std::swap(solid.inertia.xx, solid.inertia.zz);  // the cylinder's axis is x
+  if (along.z != 0) std::swap(solid.inertia.xx, solid.inertia.zz);  // The cylinder's axis is x.
   solid.center = 0.5 * (from + to);
   const std::uint32_t body = plumb::add_body(scene, solid);
   scene.capsules.push_back({.a = plumb::point_on_body(scene, body, from),
@@ -20,7 +20,7 @@ std::uint32_t add_limb(plumb::Scene& scene, plumb::Vec3 from, plumb::Vec3 to, do
   return body;
 }
 
-/// A ball joint between two bodies at `place`.
+/// Adds a ball joint between two bodies at `place`.
 void join(plumb::Scene& scene, std::uint32_t a, std::uint32_t b, plumb::Vec3 place) {
   plumb::add_spherical(scene, plumb::point_on_body(scene, a, place), plumb::point_on_body(scene, b, place));
 }
@@ -30,7 +30,7 @@ void join(plumb::Scene& scene, std::uint32_t a, std::uint32_t b, plumb::Vec3 pla
 int main() {
   plumb::Scene scene;
   scene.planes.push_back({.normal = {0, 1, 0}, .offset = 0});
-  scene.joint_drag = 3;  // 1/s: joints that nothing brakes swing for ever
+  scene.joint_drag = 3;  // The unit is 1/s. Joints that nothing brakes swing for ever.
   const std::uint32_t torso = add_limb(scene, {0, 1, 0}, {0.5, 1, 0}, 30, 0.12);
   join(scene, torso, add_limb(scene, {0.65, 1, 0}, {0.8, 1, 0}, 4, 0.1), {0.6, 1, 0});
   for (const double side : {-1.0, 1.0}) {
@@ -47,7 +47,7 @@ int main() {
   bool awake = true;
   while (awake && world.time() < 20) awake = world.step(1.0 / 60).awake_islands > 0;
 
-  const plumb::Point& place = scene.capsules[0].a;  // one end of the torso
+  const plumb::Point& place = scene.capsules[0].a;  // It is one end of the torso.
   double height = 0;
   for (std::size_t k = 0; k < 4; ++k) height += place.weights[k] * world.position(place.particles[k]).y;
   std::printf("the torso lies %.2f m above the ground; asleep: %s\n", height, awake ? "no" : "yes");

@@ -1,4 +1,4 @@
-// Reading a state: one by one, as a view that copies nothing, or copied into an array of one's own.
+// A program reads a state one by one, as a view that copies nothing, or copied into an array of one's own.
 #include <cstdint>
 #include <cstdio>
 #include <plumb/plumb.hpp>

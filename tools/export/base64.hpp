@@ -5,7 +5,7 @@
 
 namespace plumb::tools {
 
-/// RFC 4648, with padding.
+/// Encodes bytes as base64 with padding (RFC 4648).
 std::string encode_base64(std::span<const unsigned char> bytes);
 
 }  // namespace plumb::tools

@@ -10,14 +10,14 @@
 namespace plumb::tools {
 namespace {
 
-using Quaternion = std::array<double, 4>;  // x, y, z, w
+using Quaternion = std::array<double, 4>;  // A quaternion holds x, y, z, w.
 using scenes::Limb;
 
-/// The shortest turn from one direction to another, both of length one.
+/// Returns the shortest turn from one direction to another. Both have length one.
 Quaternion turn_between(Vec3 from, Vec3 to) {
   const double w = 1 + dot(from, to);
   Vec3 axis = cross(from, to);
-  if (w < 1e-12) {  // opposite: about anything at right angles
+  if (w < 1e-12) {  // The directions are opposite, so any axis at right angles to them does.
     axis = cross(from, std::abs(from.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0});
     const double length = norm(axis);
     return {axis.x / length, axis.y / length, axis.z / length, 0};
@@ -26,7 +26,7 @@ Quaternion turn_between(Vec3 from, Vec3 to) {
   return {axis.x / length, axis.y / length, axis.z / length, w / length};
 }
 
-/// First b, then a; of length one again.
+/// Turns first by b, then by a. The result has length one again.
 Quaternion product(const Quaternion& a, const Quaternion& b) {
   Quaternion q = {a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
                   a[3] * b[1] + a[1] * b[3] + a[2] * b[0] - a[0] * b[2],
@@ -62,7 +62,7 @@ std::string name_of(const Limb& limb, std::size_t number) {
   return "particle " + std::to_string(limb.particle.value_or(0));
 }
 
-/// The meshes that nodes share.
+/// Adds the meshes that nodes share.
 struct Meshes {
   int cylinder, ball, cube, square;
 };
@@ -75,7 +75,7 @@ Meshes add_meshes(GltfModel& model) {
           add_square(model, ground)};
 }
 
-/// A capsule's straight part, and a ball at either end.
+/// Adds a capsule's straight part, and a ball at either end.
 void add_capsule_parts(GltfModel& model, int node, double radius, double length, const Meshes& meshes) {
   const int straight = model.add_node("", meshes.cylinder, node);
   model.node(straight).scale = {radius, length, radius};
@@ -122,8 +122,8 @@ void GltfAnimation::add(const Frame& frame) {
     if (limbs_[i].is_ball()) continue;
     const double length = norm(b - a);
     if (length > 0) {
-      // On from the last frame's rotation, so that a limb that swings past an axis does not spin about
-      // itself.
+      // The turn goes on from the last frame's rotation, so that a limb that swings past an axis does not
+      // spin about itself.
       const Vec3 axis = (1 / length) * (b - a);
       track.turn = product(turn_between(track.axis, axis), track.turn);
       track.axis = axis;

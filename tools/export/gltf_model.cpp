@@ -29,14 +29,14 @@ struct Surface {
     corners.push_back(corner);
     normals.push_back(normal);
   }
-  /// Two triangles that face the side from which a, b, c, d go round anticlockwise.
+  /// Adds two triangles. They face the side from which a, b, c, d go round anticlockwise.
   void add_quad(std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
     for (const std::size_t corner : {a, b, c, a, c, d})
       triangles.push_back(static_cast<std::uint16_t>(corner));
   }
 };
 
-/// A square with `normal`, sides of half size 1, its middle at `center`.
+/// Adds a square with `normal`, whose sides have half size 1 and whose middle is at `center`.
 void add_face(Surface& surface, Vec3 center, Vec3 normal, Vec3 side) {
   const Vec3 other = cross(normal, side);
   const std::size_t first = surface.corners.size();
@@ -61,7 +61,7 @@ GltfModel::GltfModel() {
 
 int GltfModel::add_view(const void* bytes, std::size_t size, int target) {
   std::vector<unsigned char>& data = model_.buffers[0].data;
-  data.resize((data.size() + 3) / 4 * 4);  // numbers begin at multiples of their size
+  data.resize((data.size() + 3) / 4 * 4);  // Numbers must begin at multiples of their size.
   tinygltf::BufferView view;
   view.buffer = 0;
   view.byteOffset = data.size();
@@ -75,7 +75,8 @@ int GltfModel::add_view(const void* bytes, std::size_t size, int target) {
 
 int GltfModel::add_floats(std::span<const float> numbers, int width, bool bounds) {
   tinygltf::Accessor accessor;
-  // Bounds are asked of the corners of meshes and of times; of these alone corners have three components.
+  // glTF asks for bounds of the corners of meshes and of times. Of these, corners alone have three
+  // components.
   accessor.bufferView = add_view(numbers.data(), numbers.size_bytes(), 0);
   accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
   accessor.count = numbers.size() / static_cast<std::size_t>(width);

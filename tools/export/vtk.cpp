@@ -29,7 +29,7 @@ constexpr const char* type_name<std::int64_t> = "Int64";
 template <>
 constexpr const char* type_name<std::uint8_t> = "UInt8";
 
-/// A <DataArray>: its size in bytes and then its numbers, as one run of base64.
+/// Writes a <DataArray>, which holds its size in bytes and then its numbers, as one run of base64.
 template <class T>
 void add_array(pugi::xml_node parent, const char* name, const std::vector<T>& values, int components = 1) {
   const std::uint64_t size = values.size() * sizeof(T);
@@ -118,7 +118,7 @@ void add_cell_data(pugi::xml_node piece, const Scene& scene, const Frame& frame,
   add_array(data, "radius", radius);
 }
 
-/// <Verts> or <Lines>: `connectivity` in cells of `width` points.
+/// Writes <Verts> or <Lines>, with `connectivity` in cells of `width` points.
 void add_cells(pugi::xml_node piece, const char* kind, const std::vector<std::int64_t>& connectivity,
                std::size_t width) {
   std::vector<std::int64_t> offsets;

@@ -1,4 +1,4 @@
-// plumb frontier: run time against error, every method on the same scenes.
+// plumb frontier measures run time against error, with every method on the same scenes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -40,7 +40,7 @@ struct FrontierOptions {
   bool quiet = false;
 };
 
-/// A scene and what was measured on it.
+/// A result has a scene and what was measured on it.
 struct Result {
   Problem problem;
   std::vector<Point> points;
@@ -48,17 +48,23 @@ struct Result {
 
 const double targets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
 
-/// Where another one takes less: by so much, or it is noise.
+/// A method counts as faster if the other takes this many times as long. Less is noise.
 constexpr double clearly = 1.1;
 
 const char* color_of(const std::string& family) {
-  static const std::pair<const char*, const char*> colors[] = {
-      {"auto", "#000000"},        {"direct", "#d1495b"},
-      {"relax", "#1f5fa8"},       {"over-relaxed", "#66a3dd"},
-      {"springs", "#2a9d5c"},     {"implicit-springs", "#8fd19e"},
-      {"multipliers", "#e09f3e"}, {"featherstone", "#8e44ad"},
-      {"Bullet soft", "#a8a8a8"}, {"Bullet multibody", "#5f5f5f"},
-      {"MuJoCo", "#9c6b4a"},      {"Simbody", "#c08497"}};
+  static const std::pair<const char*, const char*> colors[] = {{"auto", "#000000"},
+                                                               {"direct", "#d1495b"},
+                                                               {"relax", "#1f5fa8"},
+                                                               {"over-relaxed", "#66a3dd"},
+                                                               {"jacobi", "#8c564b"},
+                                                               {"springs", "#2a9d5c"},
+                                                               {"implicit-springs", "#8fd19e"},
+                                                               {"multipliers", "#e09f3e"},
+                                                               {"featherstone", "#8e44ad"},
+                                                               {"Bullet soft", "#a8a8a8"},
+                                                               {"Bullet multibody", "#5f5f5f"},
+                                                               {"MuJoCo", "#9c6b4a"},
+                                                               {"Simbody", "#c08497"}};
   for (const auto& [name, color] : colors)
     if (family == name) return color;
   return "#888888";
@@ -80,7 +86,7 @@ std::vector<std::string> families_in(const std::vector<Point>& points) {
   return out;
 }
 
-/// One row per target that anything meets: what each family takes for it.
+/// Returns a row for each target that anything meets, with what each family takes for it.
 Table target_table(const Result& result) {
   const std::vector<std::string> families = families_in(result.points);
   std::vector<std::string> header{"error at most"};
@@ -107,9 +113,9 @@ Table target_table(const Result& result) {
   return table;
 }
 
-/// The points of a family that none of its own dominates.
+/// Returns the points of a family that none of its own dominates.
 Series series_of(const Result& result, const std::string& family) {
-  const auto& own_families = frontier::all_families();
+  const auto own_families = frontier::all_families();
   const bool is_own = std::find(own_families.begin(), own_families.end(), family) != own_families.end();
   Series series{.name = family, .color = color_of(family), .dashed = !is_own};
   std::vector<const Point*> own;
@@ -143,7 +149,7 @@ Chart chart_of(const Result& result) {
   return chart;
 }
 
-/// The families on the front, from the fastest to the nearest, each as often as it comes again.
+/// Names the families on the front, from the fastest to the nearest, each as often as it comes again.
 std::string places_of(const Result& result) {
   std::vector<const Point*> front;
   for (const Point& point : result.points)
@@ -163,7 +169,7 @@ bool is_of_plumb(const std::string& family) {
   return family == "auto" || family == "direct" || family == "relax" || family == "over-relaxed";
 }
 
-/// Targets at which another family or library is clearly faster than plumb's own.
+/// Names the targets at which another family or library is clearly faster than plumb's own.
 std::string lost_of(const Result& result) {
   std::string out;
   for (const double target : targets) {
@@ -333,8 +339,7 @@ void add_frontier_command(Command& plumb) {
       "Some of the scenes, separated by commas [all]");
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.families = families_named(text); },
-      "Some of auto|direct|relax|over-relaxed|jacobi|springs|implicit-springs|multipliers|featherstone "
-      "[all]");
+      "Some of " + scenes::joined(frontier::all_families(), "|") + " [all]");
   add_seconds(command, "--path-seconds", o.limits.path_s,
               "Wall-clock time for settings from coarse to fine [0.1]");
   add_seconds(command, "--repeat-seconds", o.limits.contest_s,

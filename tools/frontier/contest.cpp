@@ -15,13 +15,13 @@ namespace {
 using scenes::Clock;
 using scenes::seconds_since;
 
-/// Beyond, rods are torn.
+/// Beyond this strain, rods count as torn.
 constexpr double most_stretch = 1;
-/// A setting is timed again if it would be on a front were it so many times as fast.
+/// A setting is timed again if it would be on a front were it this many times as fast.
 constexpr double nearly = 1.5;
 constexpr std::uint32_t most_repetitions = 40;
-/// A family that has no point yet when a path took so many times as long as it may is given up: a step cannot
-/// be cut short, and its other paths solve the same.
+/// A family without a point is given up once a path took this many times as long as it may. A step cannot be
+/// cut short, and the family's other paths solve the same.
 constexpr double hopeless = 10;
 
 void follow(const Problem& problem, Path path, double most_s, std::vector<Point>& points) {
@@ -42,7 +42,8 @@ void follow(const Problem& problem, Path path, double most_s, std::vector<Point>
   } while (seconds_since(start) < most_s && path.refine(path.settings));
 }
 
-/// Times, in turns, so that what slows the machine down for a while favours none; the first runs count too.
+/// Times settings in turns, so that what slows the machine down for a while favours none. The first runs
+/// count too.
 void time_again(const Problem& problem, std::vector<Point>& points, const std::vector<std::size_t>& chosen,
                 double most_s) {
   std::vector<std::vector<double>> times;
@@ -50,7 +51,7 @@ void time_again(const Problem& problem, std::vector<Point>& points, const std::v
   const auto start = Clock::now();
   for (std::uint32_t round = 0; round < most_repetitions && seconds_since(start) < most_s; ++round) {
     for (std::size_t k = 0; k < chosen.size() && seconds_since(start) < 2 * most_s; ++k) {
-      // Not in the same order every time, so that what stays out of the last round is not always the same.
+      // The order changes every round, so that what stays out of the last one is not always the same.
       const std::size_t i = (k + 7 * round) % chosen.size();
       const Point& point = points[chosen[i]];
       World world(problem.scene, point.settings);
@@ -69,7 +70,7 @@ void time_again(const Problem& problem, std::vector<Point>& points, const std::v
   }
 }
 
-/// Points that may be on their family's front, timing being what it is.
+/// Returns points that may be on their family's front, allowing for noise in their times.
 std::vector<std::size_t> choose(const std::vector<Point>& points, double floor) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < points.size(); ++i) {

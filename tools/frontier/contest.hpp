@@ -11,7 +11,7 @@
 
 namespace plumb::frontier {
 
-/// Ever finer settings of one method.
+/// A path leads to ever finer settings of one method.
 struct Path {
   std::string family;  ///< Family: methods that are drawn as one.
   Settings settings{};
@@ -20,37 +20,41 @@ struct Path {
   std::function<bool(Settings&)> refine{};
 };
 
-/// One way to move a scene, and what came of it.
+/// A point is one way to move a scene, and what came of it.
 struct Point {
   std::string family{}, setting{};
   std::uint32_t frames = 60;
   Settings settings{};
-  double ms = 0;         ///< Stepping per simulated second, the least of the repetitions.
-  double median_ms = 0;  ///< The median of the repetitions.
+  double ms = 0;         ///< Time of stepping per simulated second in ms, the least of the repetitions.
+  double median_ms = 0;  ///< The median of the repetitions, in ms.
   std::uint32_t repetitions = 1;
   double position_error = 0;  ///< RMS over particles at the end, relative to the scene's diagonal.
   double stretch = 0;         ///< Largest strain over all rods and ends of frames.
-  double energy_drift = 0;    ///< Largest, relative to the scene's energy range.
-  bool on_front = false;      ///< Nothing measured is both faster and nearer to the truth.
+  double energy_drift = 0;    ///< Largest drift, relative to the scene's energy range.
+  bool on_front = false;      ///< Whether nothing measured is both faster and nearer to the truth.
   std::string picked{};       ///< What method auto picked.
 };
 
-/// The families' names, in the order in which they are drawn.
-const std::vector<std::string>& all_families();
+/// The families into which the ways to set a method are sorted. Most methods are one family of their own
+/// name.
+std::vector<std::string> families_of(Method method);
 
-/// Every path of a family through a problem.
+/// The families of all methods in the kernel's table, in the order in which they are drawn.
+std::vector<std::string> all_families();
+
+/// Returns every path of a family through a problem.
 std::vector<Path> paths_of(const std::string& family, const Problem& problem);
 
-/// A setting in few words: method, options, frames a second x substeps (or accuracy) x sweeps.
+/// Says a setting in few words: method, options, frames a second x substeps (or accuracy) x sweeps.
 std::string name_of(const Settings& settings, std::uint32_t frames);
-/// What method auto took.
+/// Says what method auto took.
 std::string picked_by(const WorldInfo& info);
 
-/// What a run throws that takes too long.
+/// A run throws this if it takes too long.
 struct TooLong {};
 
-/// One run of a path's present settings, or nothing if it did not stay finite, left substeps unsolved, or
-/// stretched a rod to twice its length. Throws TooLong after `most_s` of wall-clock time.
+/// Runs a path's present settings once. Returns nothing if the run did not stay finite, left substeps
+/// unsolved, or stretched a rod to twice its length. Throws TooLong after `most_s` of wall-clock time.
 std::optional<Point> run(const Problem& problem, const Path& path, double most_s);
 
 struct Limits {
@@ -59,17 +63,17 @@ struct Limits {
   double contest_s = 6;  ///< Wall-clock time for the repetitions, in s.
 };
 
-/// Runs every path, from coarse to fine, then times again, in turns, all that is on the front or nearly, and
-/// what each family needs for its own. Marks the front. Settings that do not stay finite, or whose rods
+/// Runs every path, from coarse to fine, and marks the front. It times again, in turns, what is on the front
+/// or nearly, and what each family needs for its own front. Settings that do not stay finite, or whose rods
 /// stretch to twice their length, are left out.
 std::vector<Point> compete(const Problem& problem, const std::vector<std::string>& families,
                            const Limits& limits);
 
-/// Of points given by time and error: which no other dominates. Errors below `floor`, what the truth is known
-/// to, count as equal.
+/// Returns which points, given by time and error, no other dominates. Errors below `floor`, what the truth is
+/// known to, count as equal.
 std::vector<bool> find_front(const std::vector<std::pair<double, double>>& time_and_error, double floor);
 
-/// Sets on_front.
+/// Sets on_front of every point.
 void mark_front(std::vector<Point>& points, double floor);
 
 }  // namespace plumb::frontier

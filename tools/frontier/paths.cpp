@@ -15,8 +15,9 @@ using scenes::short_number;
 
 constexpr std::uint32_t most_substeps = 1u << 16;
 constexpr double least_accuracy = 1e-10;
-/// Where there are loops, more rods than this are no rigid bodies on springs, six unknowns each: the factors
-/// of a 128 x 128 net take minutes, and neither a step nor the search for its limit can be cut short.
+/// Scenes with loops and more rods than this are not moved as rigid bodies on springs, which have six
+/// unknowns each. The factors of a 128 x 128 net take minutes, and neither a step nor the search for its
+/// limit can be cut short.
 constexpr std::size_t most_rigid_rods = 5000;
 
 bool can_be_rigid(const Problem& problem) {
@@ -33,7 +34,7 @@ bool tighten(Settings& settings) {
   return *settings.accuracy >= least_accuracy;
 }
 
-/// Frames of 1/20 s for coarse answers, and of 1/60 s.
+/// Adds frames of 1/20 s for coarse answers, and of 1/60 s.
 void add(std::vector<Path>& out, const std::string& family, const Settings& settings) {
   for (const std::uint32_t frames : {20u, 60u}) {
     Path path{.family = family, .settings = settings, .frames = frames, .refine = double_substeps};
@@ -91,18 +92,19 @@ std::vector<Path> direct(const std::string& family, const Problem& problem, Meth
   return out;
 }
 
-/// So stiff that the substep is a fixed share of what the integrators allow, and the stiffer, the finer.
+/// Makes springs so stiff that the substep is a fixed share of what the integrators allow. The stiffer the
+/// springs, the finer the substep.
 std::vector<Path> sprung(const std::string& family, const Problem& problem, SpringModel model,
                          std::initializer_list<Integrator> integrators) {
   Settings settings{.method = Method::springs, .integrator = Integrator::implicit_euler, .threads = 1};
   settings.springs.model = model;
   if (model == SpringModel::particles) settings.mass = MassModel::lumped;
   settings.springs.stiffness = 1;
-  const double unit = spring_stability(problem.scene, settings).frequency;  // rad/s at 1 N/m
+  const double unit = spring_stability(problem.scene, settings).frequency;  // Frequency in rad/s at 1 N/m.
   std::vector<Path> out;
   for (const Integrator integrator : integrators) {
     const bool implicit = integrator == Integrator::implicit_euler;
-    // Of the time in which the stiffest oscillation turns by one radian.
+    // The share is of the time in which the stiffest oscillation turns by one radian.
     const double share = implicit ? 20 : 0.5;
     settings.integrator = integrator;
     settings.springs.damping_ratio = implicit ? 1 : 0.05;
@@ -149,13 +151,24 @@ std::vector<Path> reduced(const std::string& family) {
   return out;
 }
 
+/// Returns the path of a method about which only its row in the table is known.
+std::vector<Path> plain(const std::string& family, Method method) {
+  return {{.family = family, .settings = {.method = method, .threads = 1}, .refine = double_substeps}};
+}
+
 }  // namespace
 
-const std::vector<std::string>& all_families() {
-  static const std::vector<std::string> list{
-      "auto",    "direct",           "relax",       "over-relaxed", "jacobi",
-      "springs", "implicit-springs", "multipliers", "featherstone"};
-  return list;
+std::vector<std::string> families_of(Method method) {
+  if (method == Method::relax) return {"relax", "over-relaxed", "jacobi"};
+  if (method == Method::springs) return {"springs", "implicit-springs"};
+  return {std::string(to_string(method))};
+}
+
+std::vector<std::string> all_families() {
+  std::vector<std::string> out;
+  for (const MethodInfo& info : all_methods())
+    for (const std::string& family : families_of(info.method)) out.push_back(family);
+  return out;
 }
 
 std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
@@ -168,6 +181,8 @@ std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "implicit-springs") return sprung(family, problem, {Integrator::implicit_euler});
   if (family == "multipliers") return multiplied(family);
   if (family == "featherstone") return problem.is_tree ? reduced(family) : std::vector<Path>{};
+  for (const MethodInfo& info : all_methods())
+    if (info.name == family) return plain(family, info.method);
   throw std::logic_error("no family " + family);
 }
 

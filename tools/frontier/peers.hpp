@@ -7,7 +7,7 @@
 
 #include "frontier/contest.hpp"
 
-/// Points in a file, so that what other programs measure can stand on the same page.
+/// These functions keep points in a file, so that what other programs measure can stand on the same page.
 namespace plumb::frontier {
 
 inline constexpr std::string_view csv_header =
@@ -16,16 +16,16 @@ inline constexpr std::string_view csv_header =
 
 std::string csv_row(const std::string& scene, const Point& point);
 
-/// A point and the name of its scene.
+/// It has a point and the name of its scene.
 struct PeerPoint {
   std::string scene{};
   Point point{};
 };
 
-/// Throws InputError with the line if a row is not as csv_header says.
+/// Reads points. Throws InputError with the line if a row is not as csv_header says.
 std::vector<PeerPoint> read_points(const std::filesystem::path& file);
 
-/// Adds those of the problem's scene, and finds the front anew.
+/// Adds the points of the problem's scene, and finds the front anew.
 void add_peers(const std::vector<PeerPoint>& peers, const Problem& problem, std::vector<Point>& points);
 
 }  // namespace plumb::frontier

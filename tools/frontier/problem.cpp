@@ -12,9 +12,9 @@
 namespace plumb::frontier {
 namespace {
 
-/// Rods that close loops, above which Taylor series take too long.
+/// With more rods that close loops, Taylor series take too long.
 constexpr std::size_t most_loops = 200;
-/// Truths by extrapolation are refined until known to this.
+/// Truths by extrapolation are refined until they are known to this, relative to the diagonal.
 constexpr double wanted = 1e-8;
 
 bool has_many_loops(const Scene& scene) {

@@ -6,10 +6,10 @@
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 
-/// Run time against error, every method on the same scenes.
+/// These types measure run time against error, with every method on the same scenes.
 namespace plumb::frontier {
 
-/// A scene, how long it runs, and where everything should then be.
+/// A problem is a scene, how long it runs, and where everything should then be.
 struct Problem {
   std::string name{};   ///< Name for tables and files.
   std::string spec{};   ///< Scene, as scenes::load_scene reads it.
@@ -24,11 +24,11 @@ struct Problem {
   double truth_error = 0;  ///< What the truth is known to, relative to the diagonal.
 };
 
-/// The default grid.
+/// Returns the default grid of problems.
 std::vector<Problem> all_problems();
 
-/// Loads the scene and finds its truth: by Taylor series (plumb truth), or, where loops are too many for
-/// that, from relaxed runs with doubling substeps, extrapolated, until `most_s` are spent.
+/// Loads the scene and finds its truth by Taylor series (plumb truth). Where loops are too many for that, it
+/// extrapolates relaxed runs with doubling substeps until `most_s` are spent.
 void prepare(Problem& problem, double most_s);
 
 }  // namespace plumb::frontier

@@ -1,4 +1,4 @@
-// plumb humanoid: the thesis's panel (section 4.5): a ball is thrown at a standing figure.
+// plumb humanoid shows the thesis's panel (section 4.5): a ball is thrown at a standing figure.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -31,7 +31,7 @@ struct HumanoidOptions {
   std::string report;
   std::string out;
   bool quiet = false;
-  std::string typed;  ///< what of the command line the page repeats
+  std::string typed;  ///< Options that the page repeats, as the user typed them.
 };
 
 std::string metres(double value) {
@@ -42,7 +42,7 @@ std::string rest_text(const std::optional<double>& rest) {
   return rest ? plain_number(*rest) + " s" : "not in time";
 }
 
-/// By how much `value` is off `fine`, of the latter.
+/// Returns the distance of `value` from `fine`, relative to `fine`.
 std::optional<double> difference(double value, double fine) {
   if (value == fine) return 0;
   if (fine == 0 || !std::isfinite(value) || !std::isfinite(fine)) return {};
@@ -110,7 +110,7 @@ scenes::Json comparison_json(const HumanoidComparison& c) {
           {"sound", c.sound}};
 }
 
-/// What the thesis says of each pair beside what came out.
+/// Sets what the thesis says of each pair beside what was measured.
 struct Claim {
   const char* figure;
   const char* text;
@@ -122,7 +122,7 @@ constexpr Claim claims[] = {
     {"4.13", "a heavier ball gives more energy, and the body goes farther", false},
     {"4.14", "a light body goes farther than a heavy one", true}};
 
-/// The two cases of a figure.
+/// Returns the two cases of a figure of the thesis.
 std::pair<const HumanoidComparison*, const HumanoidComparison*> pair_of(
     const std::vector<HumanoidComparison>& all, const char* figure) {
   std::pair<const HumanoidComparison*, const HumanoidComparison*> out{};
@@ -138,7 +138,7 @@ Table claims_table(const std::vector<HumanoidComparison>& all) {
     const HumanoidMeasure& a = first->fine;
     const HumanoidMeasure& b = second->fine;
     const bool farther = claim.first_farther ? a.distance > b.distance : b.distance > a.distance;
-    // Of light and heavy bodies the thesis says nothing about energy.
+    // The thesis says nothing about the energy of light and heavy bodies.
     const bool energy = claim.first_farther || b.energy_received > a.energy_received;
     table.add_row({claim.figure, claim.text, metres(a.distance) + ", " + metres(b.distance),
                    plain_number(a.energy_received) + " J, " + plain_number(b.energy_received) + " J",
@@ -314,7 +314,7 @@ struct Range {
   double most = std::numeric_limits<double>::infinity();
 };
 
-/// A number within a range.
+/// Adds an option that takes a number within a range.
 void add_number_within(Command& command, const std::string& name, double& target, Range range,
                        const std::string& help) {
   const auto take = [range, &target](const std::string& text) {

@@ -17,7 +17,8 @@ namespace {
 using scenes::BodyType;
 using scenes::inch;
 
-/// m/s in a frame; rounding is far below, any impact worth its name above.
+/// A change of velocity in a frame that is larger counts as an impact, in m/s. Rounding is far below it, and
+/// any real impact is far above.
 constexpr double least_kick = 1e-6;
 
 double kick(const Instant& before, const Instant& after, Vec3 gravity) {
@@ -25,16 +26,16 @@ double kick(const Instant& before, const Instant& after, Vec3 gravity) {
   return norm(change - (after.t - before.t) * gravity);
 }
 
-/// What of a scene does not change: the ball's number, masses.
+/// These facts of a scene do not change: the ball's number and the masses.
 struct Parts {
   explicit Parts(const Scene& scene) : ball(static_cast<std::uint32_t>(scene.particles.size()) - 1) {
     for (const double m : lumped_masses(scene)) mass += m;
   }
   std::uint32_t ball;
-  double mass = 0;  ///< kg, of body and ball
+  double mass = 0;  ///< Mass of body and ball, in kg.
 };
 
-/// Body and ball apart; `total` is their energy together.
+/// This holds the energies of body and ball apart, in J. `total` is their energy together.
 Instant instant_of(const Scene& scene, const Parts& parts, const Frame& frame, double total) {
   const double ball_mass = scene.particles[parts.ball].mass;
   const Vec3 ball = frame.positions[parts.ball], velocity = frame.velocities[parts.ball];
@@ -47,8 +48,8 @@ Instant instant_of(const Scene& scene, const Parts& parts, const Frame& frame, d
   return now;
 }
 
-/// Whether the body sleeps: that one of two islands does says StepReport, and which one that it did not move
-/// by a bit.
+/// Whether the body sleeps. StepReport says that one of two islands sleeps, and it is the one that did not
+/// move by a bit.
 bool body_sleeps(const StepReport& step, const Parts& parts, std::span<const Vec3> before,
                  std::span<const Vec3> after) {
   return step.awake_islands < 2 && std::equal(after.begin(), after.begin() + parts.ball, before.begin());
@@ -61,8 +62,8 @@ double distance_to_segment(Vec3 point, Vec3 a, Vec3 b) {
   return norm(a + t * along - point);
 }
 
-/// Numbers of the frames to show: the last one before the impact, then ever farther apart, since the fall is
-/// quick and coming to rest is slow.
+/// Returns the numbers of the frames to show. The first is the last one before the impact. The others lie
+/// ever farther apart, since the fall is quick and coming to rest is slow.
 std::vector<std::size_t> frames_to_show(std::size_t before, std::size_t last) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < poses_shown; ++i) {
@@ -73,7 +74,7 @@ std::vector<std::size_t> frames_to_show(std::size_t before, std::size_t last) {
   return out;
 }
 
-/// The middle one; what is not there or not finite counts as the largest.
+/// Returns the median. A value that is missing or not finite counts as the largest.
 double median(std::vector<double> values) {
   for (double& value : values)
     if (!std::isfinite(value)) value = std::numeric_limits<double>::infinity();
@@ -87,7 +88,7 @@ Scene make_scene(const HumanoidRun& run) {
   Scene scene = scenes::make_humanoid(run.figure);
   Vec3 target = scenes::torso_center(run.figure);
   if (run.seed != 0) {
-    constexpr double most_off = 0.01;  // m
+    constexpr double most_off = 0.01;  // Farthest that the aim may be off, in m.
     std::mt19937_64 random(run.seed);
     target.y += most_off * (2 * scenes::unit_double(random) - 1);
     target.z += most_off * (2 * scenes::unit_double(random) - 1);
@@ -222,12 +223,12 @@ std::vector<HumanoidCase> thesis_cases(const HumanoidRun& usual) {
     change(out.run);
     return out;
   };
-  // The thesis shows the two sides of each slider, and says nothing of their values. These topple the figure
-  // for certain: how far it goes when a slow or light ball makes it collapse is a matter of chance.
+  // The thesis shows the two sides of each slider, and says nothing of their values. These values topple the
+  // figure for certain. How far it goes when a slow or light ball makes it collapse is a matter of chance.
   const auto ball = [](HumanoidRun& r, double speed, double mass) {
     r.ball.speed = speed;
     r.ball.mass = mass;
-    r.ball.radius = 5 * inch * std::cbrt(mass / 5);  // all of one density
+    r.ball.radius = 5 * inch * std::cbrt(mass / 5);  // All balls have the same density.
   };
   const auto speed = [&](double value) { return [&, value](HumanoidRun& r) { ball(r, value, 5); }; };
   const auto mass = [&](double value) { return [&, value](HumanoidRun& r) { ball(r, 15, value); }; };

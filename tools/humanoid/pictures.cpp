@@ -15,24 +15,24 @@ namespace {
 using scenes::place_of;
 using scenes::short_number;
 
-// Pixels.
+// Sizes are in pixels.
 constexpr double width = 960, left = 10, right = 10, between = 8, title_height = 26, below = 30;
 constexpr double highest_panel = 220;
-/// m, around what is drawn.
+/// This margin surrounds what is drawn, in m.
 constexpr double margin = 0.15;
 
 constexpr const char* ball_color = "#d1495b";
 constexpr const char* near_color = "#1f5fa8";
 constexpr const char* far_color = "#8fb3dc";
 
-/// m, in the plane of the picture.
+/// A box is a rectangle in the plane of the picture, in m.
 struct Window {
   double left = 0, right = 0, top = 0;
   double width() const { return right - left; }
 };
 
-/// All that the figures of all rows ever cover, where they stood, and the balls at the first instants; later
-/// they may fly out of it.
+/// Returns what the figures of all rows ever cover, the places where they stood, and the balls at the first
+/// instants. Later the balls may fly out of it.
 Window window_of(std::span<const PoseRow> rows) {
   Window window{.left = -0.5, .right = 0.5, .top = 0.5};
   const auto take_in = [&](const Capsule& capsule, const Frame& pose) {
@@ -55,10 +55,10 @@ Window window_of(std::span<const PoseRow> rows) {
   return window;
 }
 
-/// Where a panel's metres are on the picture.
+/// Maps a panel's metres to the picture.
 struct Panel {
-  double x = 0, ground = 0;  ///< px, of the window's left end and of y = 0
-  double scale = 1;          ///< px/m
+  double x = 0, ground = 0;  ///< Pixels of the window's left end and of y = 0.
+  double scale = 1;          ///< Scale in pixels per metre.
   Window window;
 
   std::string across(double metres) const { return short_number(x + scale * (metres - window.left), 6); }
@@ -71,7 +71,7 @@ std::string text_at(const std::string& x, double y, const char* anchor, const st
          "\" font-size=\"" + std::to_string(size) + "\">" + escape_html(text) + "</text>\n";
 }
 
-/// With a pale edge, so that limbs in front of one another can be told apart.
+/// Draws a limb with a pale edge, so that limbs in front of one another can be told apart.
 std::string draw_limb(const Panel& panel, const Capsule& capsule, const Frame& pose, bool near) {
   const Vec3 a = place_of(capsule.a, pose.positions), b = place_of(capsule.b, pose.positions);
   const double thickness = 2 * panel.scale * capsule.radius;
@@ -83,8 +83,8 @@ std::string draw_limb(const Panel& panel, const Capsule& capsule, const Frame& p
   return line("edge", "#fff", thickness + 0.8) + line("limb", near ? near_color : far_color, thickness - 0.8);
 }
 
-/// The figure's limbs from the farthest to the nearest. Those that are on the far side when it stands are
-/// pale all the way.
+/// Draws the figure's limbs from the farthest to the nearest. Limbs that are on the far side while it stands
+/// stay pale all the way.
 std::string draw_figure(const Panel& panel, const PoseRow& row, const Frame& pose) {
   const std::vector<Capsule>& capsules = row.scene.capsules;
   std::vector<std::size_t> order(capsules.empty() ? 0 : capsules.size() - 1);
@@ -93,7 +93,7 @@ std::string draw_figure(const Panel& panel, const PoseRow& row, const Frame& pos
     return place_of(capsules[i].a, positions).z + place_of(capsules[i].b, positions).z;
   };
   const auto depth = [&](std::size_t i) { return depth_in(i, pose.positions); };
-  // Of limbs one behind the other by less than a centimetre the thicker one is behind.
+  // Of two limbs whose depths differ by less than a centimetre, the thicker one is behind.
   const auto key = [&](std::size_t i) { return std::pair(std::lround(50 * depth(i)), -capsules[i].radius); };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t k) { return key(i) < key(k); });
   std::vector<Vec3> standing;
@@ -115,7 +115,7 @@ std::string draw_ball(const Panel& panel, const PoseRow& row, const Frame& pose)
 std::string draw_panel(const Panel& panel, const PoseRow& row, const Frame& pose, const std::string& clip) {
   const std::string ground = short_number(panel.ground, 6);
   const std::string start = panel.across(0);
-  // A mark on the ground where it stood.
+  // A mark on the ground shows where it stood.
   return "<g class=\"pose\" clip-path=\"url(#" + clip + ")\">\n<path d=\"M" +
          panel.across(panel.window.left) + " " + ground + " H" + panel.across(panel.window.right) +
          "\" stroke=\"#777\" stroke-width=\"1.5\"/>\n<path d=\"M" + start + " " + ground +

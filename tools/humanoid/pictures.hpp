@@ -9,16 +9,16 @@
 
 namespace plumb::tools {
 
-/// One run, as a row of drawn instants.
+/// A row shows one run as a series of drawn instants.
 struct PoseRow {
   std::string title;
-  Scene scene;  ///< what is drawn are its capsules; the last one is the ball
+  Scene scene;  ///< Scene whose capsules are drawn. The last capsule is the ball.
   std::vector<Frame> poses;
 };
 
-/// Seen from the side, +x to the right and +y up: limbs as rounded lines as thick as they are, the nearer
-/// ones over the farther ones, the ball, the ground, and where the figure stood. A row for each run, instants
-/// from left to right with their times; all rows to one scale. An SVG file's text.
+/// Draws runs as seen from the side, +x to the right and +y up. Limbs are rounded lines as thick as the
+/// limbs, and nearer ones lie over farther ones. Every run has a row with its instants and times from left to
+/// right, all at one scale. Returns an SVG file's text.
 std::string draw_poses(std::span<const PoseRow> rows);
 
 }  // namespace plumb::tools

@@ -1,5 +1,7 @@
 #include "plot/chart.hpp"
 
+#include <algorithm>
+
 #include "plot/gnuplot.hpp"
 #include "scenes/basics/numbers.hpp"
 
@@ -37,7 +39,11 @@ std::string script_for(const Chart& chart) {
 }  // namespace
 
 std::string draw_svg(const Chart& chart) {
-  return draw_svg(chart.title, 760, 430, script_for(chart));
+  // The legend stands beside the axes, so a chart with long names is wider.
+  std::size_t longest = 0;
+  for (const Series& series : chart.series) longest = std::max(longest, series.name.size());
+  const int width = std::max(760, 600 + 10 * static_cast<int>(longest));
+  return draw_svg(chart.title, width, 430, script_for(chart));
 }
 
 }  // namespace plumb::tools

@@ -8,13 +8,14 @@ namespace plumb::tools {
 
 struct Series {
   std::string name;
-  std::vector<std::pair<double, double>> points{};  ///< x, y; positive on logarithmic axes
+  /// Pairs of x and y, which must be positive where an axis is logarithmic.
+  std::vector<std::pair<double, double>> points{};
   std::string color = "#1f5fa8";
   bool dashed = false;
-  double width = 2;  ///< of lines, in pixels
+  double width = 2;  ///< Width of the lines, in pixels.
 };
 
-/// A picture with two axes, logarithmic unless said otherwise.
+/// A chart is a picture with two axes. They are logarithmic unless the chart says otherwise.
 struct Chart {
   std::string title;
   std::string x;
@@ -24,7 +25,8 @@ struct Chart {
   bool log_y = true;
 };
 
-/// The chart as SVG text, drawn by gnuplot. Throws InputError with its own words if it fails.
+/// Returns the chart as SVG text, which gnuplot draws. Throws InputError with gnuplot's own words if it
+/// fails.
 std::string draw_svg(const Chart& chart);
 
 }  // namespace plumb::tools

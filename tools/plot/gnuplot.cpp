@@ -16,7 +16,8 @@ extern char** environ;
 namespace plumb::tools {
 namespace {
 
-/// A folder of our own under the system's, gone at the end of the block.
+/// This makes a new folder under the system's temporary one. It is removed with all its files at the end of
+/// the block.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -36,7 +37,7 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// Runs `gnuplot argument` with what it prints sent to `log`; true if it ran and was content.
+/// Runs `gnuplot argument` and sends what it prints to `log`. Returns whether it ran and succeeded.
 bool run_gnuplot(std::string argument, const std::filesystem::path& log) {
   std::string program = "gnuplot";
   char* const arguments[] = {program.data(), argument.data(), nullptr};

@@ -7,11 +7,11 @@ namespace plumb::tools {
 /// Throws InputError if gnuplot, which draws the pictures, does not run here.
 void require_gnuplot();
 
-/// `text` as gnuplot's scripts spell it.
+/// Quotes `text` as gnuplot's scripts need it.
 std::string in_quotes(const std::string& text);
 
-/// What the script, which need set no terminal and no output, draws, as SVG text; sizes in pixels. Throws
-/// InputError with gnuplot's own words if it fails; `title` says what was to be drawn.
+/// Returns as SVG text what the script draws. The script sets neither terminal nor output. Sizes are in
+/// pixels, and `title` says what is drawn. Throws InputError with gnuplot's own words if it fails.
 std::string draw_svg(const std::string& title, int width, int height, const std::string& script);
 
 }  // namespace plumb::tools

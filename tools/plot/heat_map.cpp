@@ -13,12 +13,12 @@ namespace {
 using scenes::append_item;
 using scenes::short_number;
 
-// Pixels.
+// Sizes are in pixels.
 constexpr int width = 820, panel_height = 185, left = 78, right = 14, between = 14;
 constexpr int above = 62, below_line = 36, below = 110;
 constexpr std::size_t panels_in_line = 3;
 
-// viridis, from its light end.
+// The palette is viridis, from its light end to its dark one.
 constexpr const char* palette =
     "set palette defined (0 '#fde725', 1 '#a0da39', 2 '#4ac16d', 3 '#1fa187', 4 '#277f8e', 5 '#365c8d', "
     "6 '#46327e', 7 '#440154')\n";
@@ -30,14 +30,14 @@ std::string ticks_of(const std::vector<std::string>& names) {
   return "(" + list + ")";
 }
 
-/// Power of ten, within the colours' range.
+/// Returns the power of ten of a value, cut to the range of the colours.
 double level_of(const HeatMap& map, double value) {
   if (std::isnan(value)) return map.most;
   return std::clamp(value > 0 ? std::log10(value) : map.least, static_cast<double>(map.least),
                     static_cast<double>(map.most));
 }
 
-/// What gnuplot is told of a panel: its cells as data blocks, and the arguments of `plot`.
+/// Tells gnuplot what a panel shows: its cells as data blocks, and the arguments of `plot`.
 struct PanelScript {
   std::string blocks;
   std::string plot;
@@ -58,7 +58,7 @@ void add_cells(PanelScript& script, const HeatMap& map, const HeatPanel& panel, 
   append_item(script.plot, name + " " + style);
 }
 
-/// Whether black is lost on the cell's colour.
+/// Whether a black mark would be lost on the cell's colour.
 bool is_dark(const HeatMap& map, const HeatCell& cell) {
   return level_of(map, cell.value) > map.least + 0.55 * (map.most - map.least);
 }

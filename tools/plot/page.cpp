@@ -37,8 +37,8 @@ code { font-size: 0.9em; }
 <p>What this build measures on this machine.</p>
 )";
 
-/// An SVG file's text as an element of a page: from its <svg tag on, every id made its own, because gnuplot
-/// gives the same ids to all its pictures.
+/// Turns an SVG file's text into an element of a page: it keeps what follows the <svg tag. Every id gets a
+/// prefix, because gnuplot gives the same ids to all its pictures.
 std::string inline_svg(std::string svg, const std::string& prefix) {
   if (const std::size_t start = svg.find("<svg"); start != std::string::npos) svg.erase(0, start);
   for (const char* mark : {"id=\"", "id='", "href=\"#", "href='#", "url(#"}) {
@@ -91,7 +91,7 @@ void Section::publish(const std::filesystem::path& folder) const {
   for (const auto& entry : std::filesystem::directory_iterator(sections)) {
     if (entry.path().extension() == ".html") files.push_back(entry.path());
   }
-  // The thesis's experiment first: the others answer questions it raises.
+  // The thesis's experiment comes first, since the others answer questions that it raises.
   std::sort(files.begin(), files.end(), [](const auto& l, const auto& r) {
     return std::pair(l.stem() != "thesis", l.stem()) < std::pair(r.stem() != "thesis", r.stem());
   });

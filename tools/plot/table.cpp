@@ -5,13 +5,13 @@
 namespace plumb::tools {
 namespace {
 
-/// Characters on the screen: UTF-8's continuation bytes take no room.
+/// Counts characters on the screen. UTF-8's continuation bytes take no room there.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-/// Longer cells are sentences: their lines may break.
+/// A longer cell, in characters, is a sentence, and its lines may break.
 constexpr std::size_t longest_number = 40;
 
 void append_html_row(std::string& out, const std::vector<std::string>& cells, const std::string& tag) {

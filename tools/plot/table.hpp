@@ -5,13 +5,13 @@
 
 namespace plumb::tools {
 
-/// A table of texts, for a terminal or a page. The first column is set left, the others right.
+/// A table holds texts for a terminal or a page. The first column is set left, the others right.
 class Table {
  public:
   explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
   void add_row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
 
-  /// Columns two blanks apart, one line per row.
+  /// Returns one line per row, with two blanks between columns.
   std::string to_text() const;
   std::string to_html() const;
 
@@ -20,7 +20,7 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// The characters that mean something in HTML, spelled out.
+/// Spells out the characters that mean something in HTML.
 std::string escape_html(const std::string& text);
 
 }  // namespace plumb::tools

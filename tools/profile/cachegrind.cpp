@@ -30,7 +30,7 @@ std::string cache_option(const char* name, const Cache& cache) {
          "," + std::to_string(cache.line);
 }
 
-/// The last line that says something.
+/// Returns the last line that says something.
 std::string last_words(const std::string& text) {
   std::istringstream in(text);
   std::string last;

@@ -12,22 +12,22 @@
 
 namespace plumb::tools {
 
-/// Totals of a whole program run by event, as cachegrind spells events: Ir, D1mr, DLmw, ... Only those that
-/// it counted.
+/// Totals belong to a whole program run. Events are spelt as cachegrind does: Ir, D1mr, DLmw and others. Only
+/// events that it counted are there.
 using CachegrindTotals = std::map<std::string, std::uint64_t, std::less<>>;
 
-/// The totals in the text of a cachegrind output file: its `events:` and `summary:` lines. Throws InputError
-/// if either is missing or they do not match.
+/// Reads the totals from the lines `events:` and `summary:` of a cachegrind output file. Throws InputError if
+/// either is missing or they do not match.
 CachegrindTotals parse_cachegrind(std::string_view text);
 
-/// The program `name` as the PATH finds it; none if it does not.
+/// Returns the program `name` as the PATH finds it, or none.
 std::optional<std::filesystem::path> find_program(const std::string& name);
 
-/// A run of this program, with other arguments, under cachegrind. Several may run at once.
+/// Runs this program, with other arguments, under cachegrind. Several runs may go on at once.
 class CachegrindRun {
  public:
-  /// Starts it. `folder` takes its files, whose names begin with `name`. Throws InputError if it cannot be
-  /// started.
+  /// Starts the run. `folder` takes its files, whose names begin with `name`. Throws InputError if it cannot
+  /// be started.
   CachegrindRun(const std::filesystem::path& valgrind, const std::vector<std::string>& arguments,
                 const Cache& first, const Cache& last, const std::filesystem::path& folder,
                 const std::string& name);
@@ -37,9 +37,9 @@ class CachegrindRun {
 
   struct Result {
     CachegrindTotals totals;
-    std::string output;  ///< what the program wrote to its standard output
+    std::string output;  ///< What the program wrote to its standard output.
   };
-  /// Waits for its end. Throws InputError with the last words of the run if it fails.
+  /// Waits for the end of the run. Throws InputError with its last words if it fails.
   Result finish();
 
  private:
@@ -49,7 +49,7 @@ class CachegrindRun {
   int process_ = -1;
 };
 
-/// A folder of its own for files that are not to stay.
+/// Makes a folder for files that are not to stay, and removes it at the end of the block.
 class TemporaryFolder {
  public:
   TemporaryFolder();

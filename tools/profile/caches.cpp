@@ -19,7 +19,7 @@ std::string read_word(const std::filesystem::path& file) {
   return word;
 }
 
-/// "32K", as sysfs spells sizes; 0 if it is none.
+/// Reads a size in bytes as sysfs spells it, such as "32K". Returns 0 if the text is no size.
 std::uint64_t parse_size(std::string text) {
   std::uint64_t unit = 1;
   if (!text.empty() && (text.back() == 'K' || text.back() == 'M')) {

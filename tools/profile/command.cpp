@@ -1,4 +1,5 @@
-// plumb profile: bytes and cache misses of a rod's projection, by layout, shape and size.
+// plumb profile measures bytes and cache misses of a rod's projection, by layout, shape, size and order of a
+// sweep.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -22,17 +23,18 @@ struct ProfileOptions {
   std::optional<Way> way;
   std::optional<unsigned> last_level;
   Precision precision = Precision::single;
+  std::vector<SweepOrder> orders = {SweepOrder::gauss_seidel, SweepOrder::jacobi};
   std::string out = "out";
   bool quiet = false;
-  std::string typed;  ///< what of the command line the page repeats
+  std::string typed;  ///< Options that the page repeats, as the user typed them.
 };
 
-/// The second level is the last that a core has to itself. A scene outside a third one has millions of rods,
-/// and setting it up under cachegrind takes minutes, again for every row.
+/// A core has the second level to itself, so simulations end there. A scene outside a third level has
+/// millions of rods, and setting it up under cachegrind takes minutes for every row.
 constexpr unsigned last_level_simulated = 2;
 constexpr unsigned last_level_counted = 9;
 
-/// valgrind knows no AVX-512.
+/// Returns the instruction set that can be measured: valgrind knows no AVX-512.
 Isa isa_for(Way way) {
   return way == Way::cachegrind ? std::min(best_isa(), Isa::avx2) : best_isa();
 }
@@ -41,7 +43,8 @@ std::string units_text(const Profile& profile) {
   return "Method relax, gradient new, " + std::string(to_string(profile.precision)) + ", " +
          std::string(to_string(profile.isa)) +
          ": what one sweep does, per projection of a rod. bytes: read and written by a projection before any "
-         "cache (layouts/README.md). fits: state and rods take half of that cache, or several times the last "
+         "cache (layouts/README.md), without the corrections that Jacobi keeps apart. fits: state and rods "
+         "take half of that cache, or several times the last "
          "one; equal islands are worked on group by group, whatever they take together. LL bytes: misses "
          "times "
          "the line. ns: measured without simulation, median of five.";
@@ -64,10 +67,13 @@ void publish(const ProfileOptions& options, const Profile& profile) {
                   "plumb profile" + options.typed, machine);
   section.add_text(way_text(profile));
   section.add_text(units_text(profile));
-  for (const MissKind kind : {MissKind::l1d_read, MissKind::ll}) {
-    const std::string svg = draw_misses(profile, kind);
-    if (!svg.empty()) section.add_svg(folder, kind == MissKind::l1d_read ? "profile_l1d" : "profile_ll", svg);
-  }
+  for (const SweepOrder order : options.orders)
+    for (const MissKind kind : {MissKind::l1d_read, MissKind::ll}) {
+      const std::string svg = draw_misses(profile, kind, order);
+      if (svg.empty()) continue;
+      const std::string name = kind == MissKind::l1d_read ? "profile_l1d" : "profile_ll";
+      section.add_svg(folder, order == SweepOrder::jacobi ? name + "_jacobi" : name, svg);
+    }
   section.add_table(relax_table(profile));
   section.add_heading("Method direct");
   section.add_text(direct_text);
@@ -98,8 +104,11 @@ int profile(const ProfileOptions& options) {
   } else if (!means.refusals.empty()) {
     profile.remark = "Not there: " + means.refusals + ".";
   }
-  const std::vector<ProfileCase> cases = list_cases(
-      {.caches = profile.caches, .precision = profile.precision, .isa = profile.isa, .quick = options.quick});
+  const std::vector<ProfileCase> cases = list_cases({.caches = profile.caches,
+                                                     .precision = profile.precision,
+                                                     .isa = profile.isa,
+                                                     .quick = options.quick,
+                                                     .orders = options.orders});
   {
     Progress progress("measuring", options.quiet);
     profile.rows = measure_cases(cases, profile.way, means, profile.simulated,
@@ -117,7 +126,7 @@ int work(const WorkPlan& plan) {
   return fine;
 }
 
-/// The part that is run under cachegrind.
+/// Adds the command that is run under cachegrind.
 void add_worker(Command& profile_command) {
   Command command = profile_command.add_command(
       "worker", "Step one scene and print what was done, in JSON: what profile runs under cachegrind");
@@ -129,7 +138,8 @@ void add_worker(Command& profile_command) {
   add_seconds(command, "--dt", plan->dt, "Length of a step in seconds [1/60]");
   command.set_footer(
       "Example:\n  valgrind --tool=cachegrind --cache-sim=yes plumb profile worker chain:links=1000 "
-      "--method relax --isa avx2 --sweeps 16");
+      "--method relax --isa avx2 --sweeps 16\n\n" +
+      methods_help());
   command.set_action([plan] { return work(*plan); });
 }
 
@@ -154,6 +164,13 @@ void add_profile_command(Command& plumb) {
       [&o](const std::string& word) { o.last_level = word == "2" ? 2 : 3; },
       "The last cache to look at; 3 with cachegrind takes long [2 with cachegrind, else the last]");
   add_choice(command, "--precision", o.precision, {Precision::single, Precision::double_}, "Arithmetic");
+  add_words(
+      command, "--order", {"gauss-seidel", "jacobi", "both"},
+      [&o](const std::string& word) {
+        if (word == "both") return;
+        o.orders = {word == "jacobi" ? SweepOrder::jacobi : SweepOrder::gauss_seidel};
+      },
+      "Order of relaxation's sweeps [both]");
   command.add_option("--out", "DIR", o.out,
                      "Write a page with pictures, JSON and CSV into this folder [out]");
   command.add_flag("--quiet", o.quiet, "No progress bar");

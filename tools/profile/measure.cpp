@@ -17,7 +17,8 @@ constexpr Field fields[] = {&Counts::instructions, &Counts::cycles, &Counts::l1d
                             &Counts::l1d_write_misses, &Counts::ll_misses};
 
 constexpr int repetitions = 5;
-/// Units of the shorter run in this process: a millisecond or more, which interrupts disturb little.
+/// The shorter run in this process does at least so many units. It takes a millisecond or more, which
+/// interrupts disturb little.
 constexpr double least_timed_units = 1e6;
 
 std::optional<double> median(std::vector<double> values) {
@@ -52,7 +53,7 @@ Counts from_cachegrind(const CachegrindTotals& totals) {
   return counts;
 }
 
-/// Steps a world of this process.
+/// Times a world while this process steps it.
 class Stopwatch {
  public:
   Stopwatch(World& world, PerfCounters* counters) : world_(world), counters_(counters) {}
@@ -63,7 +64,8 @@ class Stopwatch {
     Counts counts;
   };
   Reading run(const WorkPlan& plan) {
-    world_.set_stop_rule(plan.settings.stop);
+    // Only relaxation takes its length from sweeps. A world of method direct refuses the rule.
+    if (plan.settings.method == Method::relax) world_.set_stop_rule(plan.settings.stop);
     Reading out;
     if (counters_) counters_->start();
     const auto start = std::chrono::steady_clock::now();
@@ -79,11 +81,11 @@ class Stopwatch {
   PerfCounters* counters_;
 };
 
-/// Time, and the processor's counts if there are counters, in this process.
+/// Measures time in this process, and the processor's counts if there are counters.
 void measure_here(ProfileRow& row, World& world, PerfCounters* counters) {
   WorkPlan plan = row.profile_case.plan;
   Stopwatch watch(world, counters);
-  const auto first = watch.run(plan);  // also warms up: first steps allocate
+  const auto first = watch.run(plan);  // It also warms up, since first steps allocate.
   const double times =
       std::ceil(least_timed_units / static_cast<double>(std::max<std::uint64_t>(1, first.units)));
   plan = repeated(plan, static_cast<std::uint32_t>(std::max(1.0, times)));
@@ -99,7 +101,7 @@ void measure_here(ProfileRow& row, World& world, PerfCounters* counters) {
   row.counts = median_of(counts);
 }
 
-/// Both runs at once: what one counts does not depend on the other.
+/// Simulates both runs at once, since what one counts does not depend on the other.
 Counts simulate(const WorkPlan& plan, const std::filesystem::path& valgrind, const CachePair& caches,
                 const std::filesystem::path& folder) {
   CachegrindRun shorter(valgrind, worker_arguments(plan), caches.first, caches.last, folder, "shorter");
@@ -110,15 +112,16 @@ Counts simulate(const WorkPlan& plan, const std::filesystem::path& valgrind, con
                          from_cachegrind(more.totals), parse_work(more.output).units());
 }
 
-/// Of the block that holds the most rods: a random graph also has a few stragglers, which lie elsewhere.
+/// Returns the layout of the block that holds the most rods. A random graph also has a few stragglers, which
+/// lie elsewhere.
 const std::string& main_layout(const WorldInfo& info) {
   return std::max_element(info.blocks.begin(), info.blocks.end(),
                           [](const BlockInfo& l, const BlockInfo& r) { return l.rods < r.rods; })
       ->layout;
 }
 
-/// The scene of the last case and the layout that it gets by itself; cases of the same scene follow one
-/// another.
+/// Keeps the scene of the last case and the layout that it gets by itself, since cases of the same scene
+/// follow one another.
 class SceneOfCase {
  public:
   const Scene& get(const WorkPlan& plan) {
@@ -129,7 +132,7 @@ class SceneOfCase {
     }
     return scene_;
   }
-  /// Of method relax.
+  /// Returns the layout that method relax gives the plan's scene by itself.
   const std::string& auto_layout(const WorkPlan& plan) {
     get(plan);
     if (auto_layout_.empty()) {
@@ -147,7 +150,7 @@ class SceneOfCase {
   std::string auto_layout_;
 };
 
-/// What a world says about itself, before it moves.
+/// Fills a row with what a world says about itself before it moves.
 ProfileRow describe_row(const ProfileCase& one, const WorldInfo& info, SceneOfCase& scenes) {
   ProfileRow row;
   row.profile_case = one;

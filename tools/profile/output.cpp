@@ -21,14 +21,14 @@ bool is_relaxed(const ProfileRow& row) {
   return row.profile_case.plan.settings.method == Method::relax;
 }
 
-/// Bytes that misses move into the last cache looked at, per unit: whole lines.
+/// Returns the bytes that misses move into the last cache looked at, per unit. Misses move whole lines.
 std::optional<double> ll_bytes(const ProfileRow& row, const CachePair& caches) {
   if (!row.counts.ll_misses) return {};
   // Less than a thousandth of a miss is the noise of start-up, and may be below zero.
   return std::abs(*row.counts.ll_misses) < 5e-4 ? 0 : *row.counts.ll_misses * caches.last.line;
 }
 
-/// The caches that counts are of.
+/// Returns the caches that the counts are about.
 const CachePair& counted_caches(const Profile& profile) {
   return profile.way == Way::cachegrind ? profile.simulated : profile.caches;
 }
@@ -57,6 +57,7 @@ scenes::Json row_json(const ProfileRow& row, const CachePair& caches) {
   const Settings& settings = row.profile_case.plan.settings;
   return {{"method", std::string(to_string(settings.method))},
           {"gradient", std::string(to_string(gradient_of(settings)))},
+          {"order", is_relaxed(row) ? scenes::Json(to_string(settings.order)) : nullptr},
           {"shape", row.profile_case.shape},
           {"scene", row.profile_case.plan.scene},
           {"fits", size_name(row.profile_case.size, caches)},
@@ -85,7 +86,7 @@ std::string count_cell(const std::optional<double>& value) {
 
 std::string number_cell(const std::optional<double>& value) {
   if (!value) return not_available;
-  // Start-up differs by a few misses from run to run; divided by many units that is no number to read.
+  // Start-up differs by a few misses from run to run. Divided by many units that is no number to read.
   return *value < 5e-4 && *value > -5e-4 ? count_cell(value) : scenes::plain_number(*value);
 }
 
@@ -103,14 +104,16 @@ std::string size_name(SceneSize size, const CachePair& caches) {
 }
 
 Table relax_table(const Profile& profile) {
-  std::vector<std::string> header{"scene", "fits", "layout", "state, kB", "bytes"};
+  std::vector<std::string> header{"scene", "fits", "order", "layout", "state, kB", "bytes"};
   const auto counts = count_headers();
   header.insert(header.end(), counts.begin(), counts.end());
   Table table(header);
   for (const ProfileRow& row : profile.rows) {
     if (!is_relaxed(row)) continue;
     std::vector<std::string> cells{
-        row.profile_case.plan.scene, size_name(row.profile_case.size, profile.caches),
+        row.profile_case.plan.scene,
+        size_name(row.profile_case.size, profile.caches),
+        std::string(to_string(row.profile_case.plan.settings.order)),
         row.layout + (row.is_auto ? " (auto)" : ""),
         row.state_bytes ? scenes::plain_number(static_cast<double>(*row.state_bytes) / 1024) : not_available,
         scenes::plain_number(row.model_bytes)};
@@ -167,16 +170,17 @@ std::string way_text(const Profile& profile) {
 
 std::string profile_csv(const Profile& profile) {
   std::string csv =
-      "way,method,gradient,shape,scene,fits,layout,auto,precision,isa,rods,state_bytes,model_bytes,ns,"
+      "way,method,gradient,order,shape,scene,fits,layout,auto,precision,isa,rods,state_bytes,model_bytes,ns,"
       "instructions,cycles,l1d_read_misses,l1d_write_misses,ll_misses\n";
   for (const ProfileRow& row : profile.rows) {
     const Settings& settings = row.profile_case.plan.settings;
-    // The scene has commas of its own.
+    // The scene is quoted because it has commas of its own.
     std::string line(to_string(profile.way));
     for (const std::string& item :
          {std::string(to_string(settings.method)), std::string(to_string(gradient_of(settings))),
-          row.profile_case.shape, "\"" + row.profile_case.plan.scene + "\"",
-          size_name(row.profile_case.size, profile.caches), row.layout,
+          is_relaxed(row) ? std::string(to_string(settings.order)) : std::string(), row.profile_case.shape,
+          "\"" + row.profile_case.plan.scene + "\"", size_name(row.profile_case.size, profile.caches),
+          row.layout,
           std::string(row.layout.empty() ? ""
                       : row.is_auto      ? "1"
                                          : "0"),

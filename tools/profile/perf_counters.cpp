@@ -15,7 +15,7 @@
 namespace plumb::tools {
 namespace {
 
-/// errno as the system call gives it, without the C library's -1.
+/// Returns errno as the system call gives it, without the C library's -1.
 int open_event(perf_event_attr& attributes, int group) {
   const long fd = ::syscall(SYS_perf_event_open, &attributes, 0, -1, group,
                             static_cast<unsigned long>(PERF_FLAG_FD_CLOEXEC));
@@ -50,7 +50,7 @@ perf_event_attr attributes_of(HardwareEvent event) {
   return a;
 }
 
-/// What errno of perf_event_open means for a user.
+/// Says what errno of perf_event_open means for a user.
 std::string reason_of(int error) {
   const std::string said = std::strerror(error);
   switch (error) {
@@ -103,7 +103,7 @@ PerfCounters::PerfCounters(const Open& open) {
   for (const HardwareEvent event : all_events) {
     Counter& counter = at(event);
     perf_event_attr attributes = attributes_of(event);
-    // Members of a group follow its leader's switch.
+    // Members of a group follow their leader's switch.
     attributes.disabled = group < 0;
     int fd = open(attributes, group);
     counter.leads = group < 0;
@@ -141,7 +141,7 @@ const std::string& PerfCounters::refusal(HardwareEvent event) const {
 }
 
 std::string PerfCounters::refusals() const {
-  std::vector<std::pair<std::string, std::string>> events_of;  // reason, events
+  std::vector<std::pair<std::string, std::string>> events_of;  // Each pair holds a reason and its events.
   for (const HardwareEvent event : all_events) {
     const std::string& why = refusal(event);
     if (why.empty()) continue;

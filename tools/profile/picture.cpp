@@ -13,16 +13,17 @@ namespace {
 constexpr const char* layouts[] = {"aos", "soa", "aosoa"};
 constexpr const char* colors[] = {"#d1495b", "#edae49", "#1f5fa8"};
 
-/// The group of bars of a shape and size: their heights by layout.
+/// A group holds the bars of a shape and size, with their heights by layout.
 struct Group {
   std::string name;
   std::map<std::string, double> height;
 };
 
-std::vector<Group> groups_of(const Profile& profile, MissKind kind) {
+std::vector<Group> groups_of(const Profile& profile, MissKind kind, SweepOrder order) {
   std::vector<Group> groups;
   for (const ProfileRow& row : profile.rows) {
-    if (row.profile_case.plan.settings.method != Method::relax) continue;
+    const Settings& settings = row.profile_case.plan.settings;
+    if (settings.method != Method::relax || settings.order != order) continue;
     const auto& count = kind == MissKind::l1d_read ? row.counts.l1d_read_misses : row.counts.ll_misses;
     if (!count) continue;
     const std::string name =
@@ -35,11 +36,12 @@ std::vector<Group> groups_of(const Profile& profile, MissKind kind) {
 
 }  // namespace
 
-std::string draw_misses(const Profile& profile, MissKind kind) {
-  const std::vector<Group> groups = groups_of(profile, kind);
+std::string draw_misses(const Profile& profile, MissKind kind, SweepOrder order) {
+  const std::vector<Group> groups = groups_of(profile, kind, order);
   if (groups.empty()) return {};
   const bool first = kind == MissKind::l1d_read;
-  const std::string title = first ? "L1D read misses per projection" : "LL misses per projection";
+  const std::string title = std::string(first ? "L1D read misses" : "LL misses") + " per projection, " +
+                            std::string(to_string(order));
   std::string s = "set title " + in_quotes(title) + "\nset ylabel 'misses'\nset yrange [0:*]\n" +
                   "set style data histograms\nset style histogram clustered gap 1\n"
                   "set style fill solid border -1\nset boxwidth 1\nset border 3 lc rgb '#555555'\n"

@@ -12,31 +12,31 @@
 namespace plumb::tools {
 namespace {
 
-/// Sweeps are pipelined eight at a time through chains and nets: a count that is no multiple of it would
-/// mix runs through memory of different depth.
+/// Sweeps are pipelined eight at a time through chains and nets. A count that is no multiple of eight would
+/// mix passes of different depth.
 constexpr double sweeps_together = 8;
-/// Units of the shorter of two runs, at least: enough that start-up, which differs by some hundred misses
-/// from run to run, does not show in the third decimal.
+/// The shorter of two runs does at least so many units. Start-up differs by some hundred misses from run to
+/// run, which then does not show in the third decimal.
 constexpr double least_units = 2e5;
 
 constexpr std::uint32_t links_of_ensemble = 32;
 constexpr std::uint32_t links_in_first_cache = 8;
 constexpr std::uint32_t lanes = 16;
 
-/// Bytes per rod in float.
+/// A rod takes so many bytes in float.
 struct RodBytes {
-  double state;  ///< state and rods, in the largest layout
-  double swept;  ///< of these what a sweep touches, in the smallest
+  double state;  ///< Bytes of state and rods in the largest layout.
+  double swept;  ///< Bytes of these that a sweep touches in the smallest layout.
 };
 RodBytes bytes_of(const std::string& shape) {
   if (shape == "chain" || shape == "ensemble") return {106, 28};
   if (shape == "net") return {73, 22};
-  return {73, 48};  // graph
+  return {73, 48};  // All other shapes are graphs.
 }
-constexpr double direct_bytes = 170;  ///< state of method direct, the same
+constexpr double direct_bytes = 170;  ///< Bytes of a rod's state under method direct.
 
-/// How many rods a scene of that size has in float: its state takes half of a cache, or a sweep touches more
-/// than the last cache holds, which then has forgotten all of it before the next.
+/// Returns how many rods a scene of that size has in float. Its state takes half of a cache, or a sweep
+/// touches more than the last cache holds. That cache has then forgotten all of it before the next sweep.
 double rods_of(const CaseChoice& choice, SceneSize size, const RodBytes& bytes) {
   const auto first = static_cast<double>(choice.caches.first.bytes);
   const auto last = static_cast<double>(choice.caches.last.bytes);
@@ -51,7 +51,7 @@ double rods_of(const CaseChoice& choice, SceneSize size, const RodBytes& bytes) 
   return (choice.quick ? 1.4 : 2.5) * last / bytes.swept;
 }
 
-/// A scene by its parameters, and how many rods it has.
+/// A spec names a scene by its parameters, and says how many rods it has.
 struct Spec {
   std::string text;
   double rods = 0;
@@ -63,7 +63,7 @@ Spec ensemble_spec(double rods, std::uint32_t links) {
           double{1} * groups * lanes * links};
 }
 
-/// A scene of about that many rods.
+/// Returns a scene of about that many rods.
 Spec spec_of(const std::string& shape, double rods, SceneSize size) {
   if (shape == "chain") {
     const auto links = static_cast<std::uint32_t>(rods);
@@ -85,7 +85,7 @@ std::vector<SceneSize> sizes_of(const CaseChoice& choice) {
 }
 
 std::vector<LayoutChoice> layouts_of(const CaseChoice& choice, const std::string& shape, SceneSize size) {
-  // Inside the first cache nothing misses, whatever the layout.
+  // Nothing misses inside the first cache, whatever the layout.
   if (size == SceneSize::first_cache) return {LayoutChoice::automatic};
   if (!choice.quick) return {LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa};
   // Graphs are aos by themselves.
@@ -99,17 +99,19 @@ void append_relaxed(std::vector<ProfileCase>& cases, const CaseChoice& choice) {
     for (const SceneSize size : sizes_of(choice)) {
       const Spec spec = spec_of(shape, share * rods_of(choice, size, bytes_of(shape)), size);
       const double sweeps = std::ceil(least_units / sweeps_together / spec.rods) * sweeps_together;
-      for (const LayoutChoice layout : layouts_of(choice, shape, size)) {
-        ProfileCase one{shape, size, {.scene = spec.text, .settings = {}}};
-        Settings& s = one.plan.settings;
-        s.method = Method::relax;
-        s.precision = choice.precision;
-        s.layout = layout;
-        s.isa = choice.isa;
-        s.threads = 1;
-        s.stop.sweeps = static_cast<std::uint32_t>(sweeps);
-        cases.push_back(one);
-      }
+      for (const SweepOrder order : choice.orders)
+        for (const LayoutChoice layout : layouts_of(choice, shape, size)) {
+          ProfileCase one{shape, size, {.scene = spec.text, .settings = {}}};
+          Settings& s = one.plan.settings;
+          s.method = Method::relax;
+          s.precision = choice.precision;
+          s.order = order;
+          s.layout = layout;
+          s.isa = choice.isa;
+          s.threads = 1;
+          s.stop.sweeps = static_cast<std::uint32_t>(sweeps);
+          cases.push_back(one);
+        }
     }
   }
 }
@@ -189,7 +191,10 @@ std::vector<std::string> worker_arguments(const WorkPlan& plan) {
   add("--threads", std::to_string(s.threads));
   add("--frames", std::to_string(plan.frames));
   add("--dt", dt);
-  if (s.method == Method::relax) add("--sweeps", std::to_string(s.stop.sweeps));
+  if (s.method == Method::relax) {
+    add("--sweeps", std::to_string(s.stop.sweeps));
+    add("--order", std::string(to_string(s.order)));
+  }
   if (s.isa) add("--isa", std::string(to_string(*s.isa)));
   if (s.gradient) add("--gradient", std::string(to_string(*s.gradient)));
   return out;
@@ -203,10 +208,11 @@ std::vector<ProfileCase> list_cases(const CaseChoice& choice) {
 }
 
 double newton_bytes(Gradient gradient, Precision precision) {
-  // Old, the multipliers alone: forwards rod 4, mu 1, load 3, 1/mass 1, out two of the elimination; back
-  // these two, the rod's vector 3, mu 1, 1/mass 1, load 3, delta 3, out mu 1 and delta 3.
-  // Mid and new: towards the root rod 4, mu 1, load 3, delta 3, mass 1, out 16 of the elimination; back these
-  // 16, mu 1, delta 3, out mu 1, delta 3 and the change of delta 3.
+  // Gradient old works with the multipliers alone. Forwards it reads rod 4, mu 1, load 3 and 1/mass 1, and
+  // writes two numbers of the elimination. Back it reads these two, the rod's vector 3, mu 1, 1/mass 1, load
+  // 3 and delta 3, and writes mu 1 and delta 3. Gradients mid and new read rod 4, mu 1, load 3, delta 3 and
+  // mass 1 towards the root, and write 16 numbers. Back they read these 16, mu 1 and delta 3, and write mu 1,
+  // delta 3 and the change of delta 3.
   const int numbers = gradient == Gradient::old ? 9 + 2 + 13 + 4 : 12 + 16 + 20 + 7;
   return numbers * (precision == Precision::single ? 4.0 : 8.0);
 }

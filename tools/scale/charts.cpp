@@ -25,7 +25,9 @@ std::string color_of(Method method) {
 }
 
 std::string color_of(const ScaleSeries& series) {
-  const bool is_float = series.method == Method::relax && series.precision == Precision::single;
+  if (series.method != Method::relax) return color_of(series.method);
+  const bool is_float = series.precision == Precision::single;
+  if (series.order == SweepOrder::jacobi) return is_float ? "#c9a08a" : "#8c564b";
   return is_float ? "#62b0e8" : color_of(series.method);
 }
 

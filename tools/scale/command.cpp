@@ -1,5 +1,5 @@
-// plumb scale: frames a second against links for every method, the thesis's figures 4.7 and 4.8, and what
-// each method costs at equal error.
+// plumb scale measures frames per second against links for every method, as in the thesis's figures 4.7
+// and 4.8. It also measures what each method costs at equal error.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -26,11 +26,16 @@ bool has(const std::vector<Method>& methods, Method method) {
   return std::find(methods.begin(), methods.end(), method) != methods.end();
 }
 
+std::string name_of_method(Method method) {
+  return std::string(to_string(method));
+}
+
 ScaleResults measure(const ScaleOptions& options) {
   ScaleResults results;
   Progress progress("measuring", options.quiet);
   std::uint64_t done = 0;
-  const std::uint64_t search = 5 * 2;  // what a search at equal error takes, in cells, about
+  // A search at equal error takes about as long as this many cells. The progress bar needs no more.
+  const std::uint64_t search = 5 * 2;
   const std::uint64_t all =
       all_series(options).size() * options.links.size() + search * options.error_links.size();
   results.cells = measure_cells(options, [&] { progress.show(++done, all); });
@@ -143,14 +148,11 @@ std::vector<std::uint32_t> parse_links(const std::string& text) {
 
 std::vector<Method> parse_methods(const std::string& text) {
   std::vector<Method> out;
-  const std::vector<Method> all = ScaleOptions{}.methods;
-  for (const std::string& item : scenes::split_list(text)) {
-    std::string known;
-    for (const Method method : all) scenes::append_item(known, to_string(method));
-    const auto it =
-        std::find_if(all.begin(), all.end(), [&](Method method) { return to_string(method) == item; });
-    if (it == all.end()) throw BadValue("'" + item + "' is not one of " + known);
-    if (!has(out, *it)) out.push_back(*it);
+  try {
+    for (const Method method : scenes::named(text, methods_of_table(), name_of_method))
+      if (!has(out, method)) out.push_back(method);
+  } catch (const std::invalid_argument& error) {
+    throw BadValue(error.what());
   }
   return out;
 }
@@ -168,7 +170,7 @@ void add_scale_command(Command& plumb) {
       plumb.add_command("scale", "Measure frames a second against links (thesis figures 4.7 and 4.8)");
   auto options = std::make_shared<ScaleOptions>();
   ScaleOptions& o = *options;
-  // Before the lists, so that these can still be given.
+  // It is declared before the lists, so that these can still be given.
   command.add_flag(
       "--quick",
       [&o] {
@@ -179,9 +181,11 @@ void add_scale_command(Command& plumb) {
         o.path_s = 0.05;
       },
       "Ten seconds: fewer lengths, shorter repetitions");
+  std::string methods;
+  for (const Method method : o.methods) scenes::append_item(methods, to_string(method), "|");
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.methods = parse_methods(text); },
-      "Of relax|direct|springs|multipliers|featherstone|auto, separated by commas [all]");
+      "Of " + methods + ", separated by commas [all]");
   add_links(command, "--links", o.links, "Lengths of chain [1,2,5,10,...,1000000]");
   add_links(command, "--error-links", o.error_links, "Lengths at equal error [5,20,100,1000]");
   add_positive(command, "--target", o.target,
@@ -197,6 +201,13 @@ void add_scale_command(Command& plumb) {
         o.precisions = {word == "float" ? Precision::single : Precision::double_};
       },
       "Arithmetic of relaxation [both]");
+  add_words(
+      command, "--order", {"gauss-seidel", "jacobi", "both"},
+      [&o](const std::string& word) {
+        if (word == "both") return;
+        o.orders = {word == "jacobi" ? SweepOrder::jacobi : SweepOrder::gauss_seidel};
+      },
+      "Order of relaxation's sweeps [both]");
   command.add_option("--out", "DIR", o.out, "Write a page with charts, JSON and CSV into this folder");
   command.add_flag("--quiet", o.quiet, "No progress bar");
   command.set_footer(

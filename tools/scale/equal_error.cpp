@@ -14,31 +14,25 @@ namespace {
 using scenes::Clock;
 using scenes::seconds_since;
 
-/// Settings that were this much slower in a single run are not timed again.
+/// Settings that took longer in a single run, by this factor, are not timed again.
 constexpr double nearly = 1.3;
 constexpr int most_repetitions = 10;
 
-/// What met the target, and how it is run again.
+/// These settings met the target, and the path runs them again.
 struct Tried {
   frontier::Path path;
   frontier::Point point;
 };
 
-std::vector<std::string> families_of(Method method) {
-  if (method == Method::relax) return {"relax", "over-relaxed"};
-  if (method == Method::springs) return {"springs", "implicit-springs"};
-  return {std::string(to_string(method))};
-}
-
 std::optional<Cheapest> find_cheapest(const frontier::Problem& problem, Method method, double target,
                                       double path_s) {
   std::vector<Tried> found;
   double best_ms = std::numeric_limits<double>::infinity();
-  for (const std::string& family : families_of(method))
+  for (const std::string& family : frontier::families_of(method))
     for (frontier::Path path : frontier::paths_of(family, problem)) {
       const auto start = Clock::now();
       do {
-        // Measuring the frames takes time as well, hence some room.
+        // Measuring the frames takes time as well, so the limit leaves room for it.
         const double most_s = std::min(path_s, 1e-3 + 4e-3 * best_ms);
         std::optional<frontier::Point> point;
         try {
@@ -54,7 +48,7 @@ std::optional<Cheapest> find_cheapest(const frontier::Problem& problem, Method m
       } while (seconds_since(start) < path_s && path.refine(path.settings));
     }
   if (found.empty()) return {};
-  // In turns, so that what slows the machine down for a while favours none.
+  // All are timed in turns, so that what slows the machine down for a while favours none.
   std::erase_if(found, [&](const Tried& tried) { return tried.point.ms > nearly * best_ms; });
   const auto start = Clock::now();
   for (int round = 0; round < most_repetitions && seconds_since(start) < path_s; ++round)

@@ -5,32 +5,34 @@
 #include <utility>
 #include <vector>
 
-/// What can be said of times against sizes, and when to stop measuring them.
+/// These functions say how times grow with sizes, and when to stop measuring them.
 namespace plumb::tools {
 
-/// A number of links and seconds, both positive.
+/// A number of links and a time in s, both positive.
 using Timing = std::pair<double, double>;
 
-/// The exponent p of time = c · links^p: least squares of log time against log links. None for fewer than two
-/// different numbers of links.
+/// Returns the exponent p of time = c · links^p, by least squares of log time against log links. There is
+/// none for fewer than two different numbers of links.
 std::optional<double> fit_slope(const std::vector<Timing>& timings);
-/// The same over the longer half of the lengths (of an odd number, the middle one too), where what a frame
-/// costs apart from its links no longer counts. The timings go by ascending links.
+/// Returns the exponent over the longer half of the lengths, where what a frame costs apart from its links no
+/// longer counts. An odd number of lengths gives the middle one to that half. Timings must be sorted by
+/// links.
 std::optional<double> fit_longer_half(const std::vector<Timing>& timings);
 
-/// The most links until which no frame takes more than `factor` times what the shortest chain's does: up to
-/// there frames per second are level. The timings go by ascending links; 0 without any.
+/// Returns the most links up to which frames per second are level: no frame takes more than `factor` times
+/// the shortest chain's. Timings must be sorted by links. Without any it returns 0.
 double level_until(const std::vector<Timing>& timings, double factor);
 
-/// Whether a series of ever larger cells goes on. A cell that took too long ends it, and so does one that
-/// would: time is taken to grow with links, no faster, so that nothing is given up that could be measured.
+/// Decides whether a series of ever larger cells goes on. A cell that took too long ends it, and so does one
+/// that would. Time is taken to grow no faster than links, so that nothing is given up that could be
+/// measured.
 class CellCap {
  public:
   explicit CellCap(double seconds) : seconds_(seconds) {}
-  double seconds() const { return seconds_; }  ///< of wall-clock time for a cell
+  double seconds() const { return seconds_; }  ///< Wall-clock time that a cell may take, in s.
   bool allows(double links) const;
   void spent(double links, double seconds);
-  /// The last cell could not be measured: none larger is tried.
+  /// Ends the series: the last cell could not be measured, and none larger is tried.
   void stop() { stopped_ = true; }
 
  private:

@@ -18,18 +18,18 @@ using scenes::Clock;
 using scenes::seconds_since;
 
 constexpr std::uint32_t most_substeps = 64;
-/// Fewer say too little of the mean over a second.
+/// Fewer frames say too little of the mean over a second.
 constexpr int least_frames = 10;
 
-/// What a second of stepping came to.
+/// This is what came of stepping a simulated second.
 struct Second {
   double stepping_s = 0;
   int frames = 0;
   CellOutcome outcome = CellOutcome::measured;
 };
 
-/// Steps a second, or as much of it as the cap lets, and looks at the clock after every frame only if chains
-/// are so long that it costs nothing.
+/// Steps a second, or as much of it as `cap_s` of wall-clock time allows. It reads the clock after every
+/// frame only where chains are so long that reading costs nothing.
 Second step_second(World& world, double cap_s) {
   Second out;
   const auto start = Clock::now();
@@ -45,8 +45,8 @@ Second step_second(World& world, double cap_s) {
   return out;
 }
 
-/// A chain at rest can win no energy, in truth; one that won more than falling through its whole length gives
-/// is moved no more.
+/// Whether a chain gained more energy than falling through its whole length gives. A chain that starts at
+/// rest gains none in truth, so such a state counts as broken.
 bool is_lively(const Scene& scene, const World& world, const std::vector<Vec3>& positions) {
   std::vector<Vec3> velocities(positions.size());
   world.copy_velocities(velocities);
@@ -60,6 +60,12 @@ bool is_lively(const Scene& scene, const World& world, const std::vector<Vec3>& 
 
 }  // namespace
 
+std::vector<Method> methods_of_table() {
+  std::vector<Method> out;
+  for (const MethodInfo& info : all_methods()) out.push_back(info.method);
+  return out;
+}
+
 std::vector<ScaleSeries> all_series(const ScaleOptions& options) {
   std::vector<ScaleSeries> out;
   for (const Method method : options.methods) {
@@ -67,9 +73,11 @@ std::vector<ScaleSeries> all_series(const ScaleOptions& options) {
       out.push_back({.method = method});
       continue;
     }
-    for (const Precision precision : options.precisions)
-      for (const bool all_threads : {false, true})
-        out.push_back({.method = method, .precision = precision, .all_threads = all_threads});
+    for (const SweepOrder order : options.orders)
+      for (const Precision precision : options.precisions)
+        for (const bool all_threads : {false, true})
+          out.push_back(
+              {.method = method, .order = order, .precision = precision, .all_threads = all_threads});
   }
   return out;
 }
@@ -77,11 +85,12 @@ std::vector<ScaleSeries> all_series(const ScaleOptions& options) {
 std::string name_of(const ScaleSeries& series) {
   std::string name(to_string(series.method));
   if (series.method != Method::relax) return name;
+  if (series.order == SweepOrder::jacobi) name += ", " + std::string(to_string(series.order));
   return name + ", " + std::string(to_string(series.precision)) + (series.all_threads ? ", threads" : "");
 }
 
 Settings settings_of(const ScaleSeries& series, const ScaleOptions& options) {
-  Settings settings{.method = series.method, .precision = series.precision};
+  Settings settings{.method = series.method, .precision = series.precision, .order = series.order};
   settings.threads = series.all_threads ? 0 : 1;
   if (series.method == Method::relax) settings.stop.sweeps = options.sweeps;
   if (series.method == Method::springs) {
@@ -96,8 +105,8 @@ Settings settings_of(const ScaleSeries& series, const ScaleOptions& options) {
 std::string describe(const Settings& settings) {
   switch (settings.method) {
     case Method::relax:
-      return std::to_string(settings.stop.sweeps) + " sweeps, gradient " +
-             std::string(to_string(gradient_of(settings)));
+      return std::to_string(settings.stop.sweeps) + " sweeps, " + std::string(to_string(settings.order)) +
+             ", gradient " + std::string(to_string(gradient_of(settings)));
     case Method::direct:
       return "gradient " + std::string(to_string(gradient_of(settings)));
     case Method::springs:
@@ -122,7 +131,7 @@ ScaleCell measure_cell(const ScaleSeries& series, std::uint32_t links, const Set
       .series = series, .links = links, .sweeps = settings.stop.sweeps, .substeps = settings.substeps};
   const auto start = Clock::now();
   const Scene scene = scenes::make_chain(links);
-  std::vector<double> times;  // s of a frame
+  std::vector<double> times;  // Times of a frame, in s.
   do {
     double stepping_s = 0;
     std::uint64_t frames = 0;
@@ -172,7 +181,7 @@ std::vector<ScaleCell> measure_cells(const ScaleOptions& options, const std::fun
       if (cap.allows(links)) {
         double first_s = 0;
         cell = measure_cell(series, links, settings, options, first_s);
-        // Longer chains will not do with less.
+        // Longer chains do not hold with fewer substeps.
         while (cell.outcome == CellOutcome::broke && settings.substeps < most_substeps) {
           settings.substeps *= 2;
           cell = measure_cell(series, links, settings, options, first_s);

@@ -7,35 +7,37 @@
 #include "plot/table.hpp"
 #include "scale/results.hpp"
 
-/// What `plumb scale` measured, as tables, charts and text. Cells without a number hold a dash.
+/// These functions show what `plumb scale` measured, as tables, charts and text. A dash stands where there is
+/// no number.
 namespace plumb::tools {
 
-/// Every length in a row, every series that was measured anywhere in a column.
+/// Has a row for every length, and a column for every series that was measured anywhere.
 Table frames_table(const ScaleOptions& options, const ScaleResults& results);
 Table rods_table(const ScaleOptions& options, const ScaleResults& results);
-/// What became of a series' lengths, and the slope of its longer half.
+/// Says what became of a series' lengths, and the exponent over its longer half.
 Table slope_table(const ScaleOptions& options, const ScaleResults& results);
-/// Relaxation in detail: times, threads, stretch.
+/// Shows relaxation in detail: order, precision, times, threads and strain.
 Table relax_table(const ScaleResults& results);
-/// The two numbers that the thesis gives for its five links, on an Athlon XP 1800+ (section 4.4.2).
+/// Shows the two numbers that the thesis gives for its five links, on an Athlon XP 1800+ (section 4.4.2).
 Table five_links_table(const ScaleResults& results);
-/// Cheapest settings at equal error, with the slope of each method over all lengths.
+/// Shows the cheapest settings at equal error, with the exponent of each method over all lengths.
 Table error_table(const ScaleOptions& options, const ScaleResults& results, ChainFamily family);
 Table setting_table(const ScaleResults& results, ChainFamily family);
 
-/// What springs and relaxation came to, for a sentence. Slopes are exponents of links; empty where there is
-/// none.
+/// A comparison says what springs and relaxation came to, for a sentence. Slopes are exponents of links,
+/// which are empty where there is none.
 struct Comparison {
   std::optional<double> springs_slope, relax_slope;
-  double springs_level = 0, relax_level = 0;      ///< links until which frames per second are level
-  double links = 0;                               ///< the most that both were measured at
-  double springs_ns = 0, relax_ns = 0;            ///< per rod and frame, there
-  double springs_stretch = 0, relax_stretch = 0;  ///< largest of any length, a second after the start
+  double springs_level = 0, relax_level = 0;  ///< Links up to which frames per second are level.
+  double links = 0;                           ///< Most links at which both were measured.
+  double springs_ns = 0, relax_ns = 0;        ///< Time per rod and frame at those links, in ns.
+  /// Largest strain of any length, a second after the start.
+  double springs_stretch = 0, relax_stretch = 0;
 };
 Comparison compare(const ScaleOptions& options, const ScaleResults& results);
-/// The thesis's conclusion beside what these numbers say.
+/// Sets the thesis's conclusion beside what these numbers say.
 std::string conclusion_of(const Comparison& comparison);
-/// The same at equal error.
+/// Does the same at equal error.
 std::string conclusion_at_equal_error(const ScaleOptions& options, const ScaleResults& results,
                                       ChainFamily family);
 

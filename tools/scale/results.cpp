@@ -11,6 +11,15 @@ namespace plumb::tools {
 using scenes::append_item;
 using scenes::short_number;
 
+namespace {
+
+/// Whether the cell is relaxed: only sweeps have a number and an order.
+bool is_relaxed(const ScaleCell& cell) {
+  return cell.series.method == Method::relax;
+}
+
+}  // namespace
+
 std::vector<ScaleSeries> measured_series(const ScaleOptions& options, const ScaleResults& results) {
   std::vector<ScaleSeries> out = all_series(options);
   std::erase_if(out, [&](const ScaleSeries& series) { return timings_of(results.cells, series).empty(); });
@@ -43,13 +52,14 @@ std::vector<std::uint32_t> error_links_of(ChainFamily family, const ScaleOptions
 
 std::string scale_csv(const ScaleResults& results) {
   std::string csv =
-      "links,method,sweeps,substeps,precision,threads,frames,least_s,median_s,frames_per_s,ns_per_rod,"
+      "links,method,sweeps,order,substeps,precision,threads,frames,least_s,median_s,frames_per_s,ns_per_rod,"
       "stretch_rms,stretch_max,"
       "state_hash\n";
   for (const ScaleCell& r : results.cells) {
     if (!r.measured()) continue;
     std::string line = std::to_string(r.links) + "," + std::string(to_string(r.series.method)) + "," +
-                       (r.series.method == Method::relax ? std::to_string(r.sweeps) : "") + "," +
+                       (is_relaxed(r) ? std::to_string(r.sweeps) : "") + "," +
+                       (is_relaxed(r) ? std::string(to_string(r.series.order)) : "") + "," +
                        std::to_string(r.substeps) + "," + std::string(to_string(r.series.precision)) + "," +
                        std::to_string(r.threads) + "," + std::to_string(r.frames);
     for (const double v :
@@ -68,7 +78,8 @@ scenes::Json scale_json(const ScaleOptions& options, const ScaleResults& results
       if (!r.measured()) continue;
       scenes::Json entry{{"links", r.links},
                          {"method", std::string(to_string(r.series.method))},
-                         {"sweeps", r.series.method == Method::relax ? scenes::Json(r.sweeps) : nullptr},
+                         {"sweeps", is_relaxed(r) ? scenes::Json(r.sweeps) : nullptr},
+                         {"order", is_relaxed(r) ? scenes::Json(to_string(r.series.order)) : nullptr},
                          {"substeps", r.substeps},
                          {"precision", std::string(to_string(r.series.precision))},
                          {"threads", r.threads},

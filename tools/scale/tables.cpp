@@ -40,7 +40,7 @@ std::string slope_text(const std::optional<double>& slope) {
   return slope ? plain_number(*slope) : dash;
 }
 
-/// "1", or "1 to 8".
+/// Says how many substeps a series took, such as "1" or "1 to 8".
 std::string substeps_text(const std::vector<ScaleCell>& cells, const ScaleSeries& series) {
   std::uint32_t least = 0, most = 0;
   for (const ScaleCell& cell : cells) {
@@ -51,7 +51,7 @@ std::string substeps_text(const std::vector<ScaleCell>& cells, const ScaleSeries
   return std::to_string(least) + (most > least ? " to " + std::to_string(most) : "");
 }
 
-/// "1 too slow, 2 broke": what kept cells from being measured.
+/// Says what kept cells from being measured, such as "1 too slow, 2 broke".
 std::string missing_text(const std::vector<ScaleCell>& cells, const ScaleSeries& series) {
   std::string out;
   const auto add = [&](CellOutcome outcome, const char* word) {
@@ -83,7 +83,7 @@ Table slope_table(const ScaleOptions& options, const ScaleResults& results) {
   for (const ScaleSeries& series : measured_series(options, results)) {
     const std::vector<Timing> timings = timings_of(results.cells, series);
     const auto& [links, seconds] = timings.back();
-    // All threads are used from some length on, where nothing is level any more.
+    // Long chains use all threads, and nothing is level there any more.
     const double level = series.all_threads ? 0 : level_until(timings, level_factor);
     table.add_row({name_of(series), describe(settings_of(series, options)),
                    substeps_text(results.cells, series), short_number(links, 7),
@@ -94,12 +94,13 @@ Table slope_table(const ScaleOptions& options, const ScaleResults& results) {
 }
 
 Table relax_table(const ScaleResults& results) {
-  Table table({"links", "arithmetic", "threads", "frames/s", "µs a frame", "median", "ns per rod",
+  Table table({"links", "order", "arithmetic", "threads", "frames/s", "µs a frame", "median", "ns per rod",
                "stretch RMS", "stretch max"});
   for (const ScaleCell& r : results.cells) {
     if (r.series.method != Method::relax || !r.measured()) continue;
-    table.add_row({std::to_string(r.links), std::string(to_string(r.series.precision)),
-                   std::to_string(r.threads), plain_number(r.frames_per_s()), plain_number(1e6 * r.least_s),
+    table.add_row({std::to_string(r.links), std::string(to_string(r.series.order)),
+                   std::string(to_string(r.series.precision)), std::to_string(r.threads),
+                   plain_number(r.frames_per_s()), plain_number(1e6 * r.least_s),
                    plain_number(1e6 * r.median_s), plain_number(r.ns_per_rod()),
                    is_whole(r) ? plain_number(100 * r.stretch.rms) + " %" : dash,
                    is_whole(r) ? plain_number(100 * r.stretch.max) + " %" : dash});

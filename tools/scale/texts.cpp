@@ -12,7 +12,7 @@ using scenes::append_item;
 using scenes::plain_number;
 using scenes::short_number;
 
-/// Slopes that differ by less are alike: timing on a busy machine is no better.
+/// Exponents that differ by less count as alike: timing on a busy machine is no better.
 constexpr double slope_room = 0.1;
 
 std::string count_text(double links) {
@@ -23,7 +23,7 @@ std::string with_slopes(const std::string& one, const std::optional<double>& slo
   return one + (slope ? " (slope " + plain_number(*slope) + ")" : " (too few lengths for a slope)");
 }
 
-/// "alike", or which grows more slowly.
+/// Says that both are alike, or which grows more slowly.
 std::string better_of(double springs, double relax) {
   if (std::abs(springs - relax) < slope_room) return "both scale alike";
   return springs < relax ? "springs scale better" : "relaxation scales better";
@@ -34,7 +34,11 @@ std::string better_of(double springs, double relax) {
 Comparison compare(const ScaleOptions& options, const ScaleResults& results) {
   Comparison out;
   const ScaleSeries springs{.method = Method::springs};
-  ScaleSeries relax{.method = Method::relax};  // in double, as springs are, where that was measured
+  // Springs are in double, and the thesis sweeps rod after rod. This series is the same where it was
+  // measured.
+  ScaleSeries relax{.method = Method::relax};
+  if (std::find(options.orders.begin(), options.orders.end(), relax.order) == options.orders.end())
+    relax.order = options.orders.front();
   if (std::find(options.precisions.begin(), options.precisions.end(), relax.precision) ==
       options.precisions.end())
     relax.precision = options.precisions.front();
@@ -93,7 +97,7 @@ std::string conclusion_at_equal_error(const ScaleOptions& options, const ScaleRe
   out += methods + ".";
   const auto springs = slope(Method::springs), relax = slope(Method::relax);
   if (springs && relax) out += " Of springs and relaxation, " + better_of(*springs, *relax) + ".";
-  // At the longest chain that both reach.
+  // The sentence is about the longest chain that both reach.
   const std::vector<Timing> s = timings_of(results.errors, family, Method::springs);
   const std::vector<Timing> r = timings_of(results.errors, family, Method::relax);
   for (auto it = s.rbegin(); it != s.rend(); ++it) {
@@ -119,7 +123,8 @@ std::string what_text(const ScaleOptions& options) {
          std::to_string(options.repetitions) +
          " repetitions where they are short. Settings are fixed; relaxation takes " +
          std::to_string(options.sweeps) +
-         " sweeps a frame, springs are as stiff as semi-implicit Euler bears. That fixes the time per rod, "
+         " sweeps a frame, Gauss–Seidel unless a name says jacobi; springs are as stiff as semi-implicit "
+         "Euler bears. That fixes the time per rod, "
          "not how well rods keep their length: relaxed, the largest stretch grows with the chain until, in "
          "the longest, most rods still fall freely after a second. A chain is stepped for " +
          short_number(options.cell_s) +

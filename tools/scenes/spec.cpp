@@ -16,20 +16,20 @@
 namespace plumb::scenes {
 namespace {
 
-/// One `key=value` of a spec.
+/// An assignment is one `key=value` of a spec.
 struct Assignment {
   std::string_view key;
   std::string_view value;
 };
 
-/// A parameter's name and the field of the shape that it sets; the field's initial value is the default.
+/// A parameter has a name and the field of the shape that it sets. The field's initial value is the default.
 template <class Shape>
 struct Parameter {
   const char* name;
   std::variant<std::uint32_t Shape::*, std::uint64_t Shape::*, double Shape::*, BodyType Shape::*> field;
 };
 
-/// The value that the text of an assignment spells. Throws InputError saying what `name` must be.
+/// Returns the value that the text of an assignment spells. Throws InputError saying what `name` must be.
 template <class Value>
 Value parsed_value(const char* name, std::string_view text) {
   const auto refuse = [&](const std::string& kind) {
@@ -78,7 +78,7 @@ Shape assigned(const Parameters<Shape>& parameters, const Assignment& assignment
 struct Generator {
   const char* name;
   const char* summary;
-  std::string defaults;  ///< as text that load_scene reads
+  std::string defaults;  ///< Defaults as text that load_scene reads.
   std::function<Scene(const std::vector<Assignment>&)> build;
 };
 
@@ -191,7 +191,7 @@ std::vector<Generator> figures_and_solids() {
   };
 }
 
-/// A new generator is one more entry above; help lists them in this order.
+/// A new generator is one more entry above, and help lists them in this order.
 const std::vector<Generator>& generators() {
   static const std::vector<Generator> list = [] {
     std::vector<Generator> out = chains_and_nets();

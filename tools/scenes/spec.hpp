@@ -8,15 +8,15 @@
 
 namespace plumb::scenes {
 
-/// The scene that a user names: a file (it exists, or the name ends in .json) or a generator with parameters,
-/// such as `chain` or `chain:links=20,end_mass=10`. The scene has passed validate(). Throws InputError that
-/// names what is unknown and lists what is known.
+/// Loads the scene that a user names. It is a file (it exists, or the name ends in .json) or a generator with
+/// parameters, such as `chain` or `chain:links=20,end_mass=10`. The scene has passed validate(). Throws
+/// InputError that names what is unknown and lists what is known.
 Scene load_scene(std::string_view spec);
 
 struct GeneratorHelp {
   std::string name;
-  std::string summary;     ///< one line, no full stop
-  std::string parameters;  ///< with their defaults, in the form that load_scene reads
+  std::string summary;     ///< One line, without a full stop.
+  std::string parameters;  ///< Parameters with their defaults, in the form that load_scene reads.
 };
 std::vector<GeneratorHelp> list_generators();
 

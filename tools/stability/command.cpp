@@ -1,4 +1,4 @@
-// plumb stability: where each method holds and where it breaks, over end mass, links and step.
+// plumb stability shows where each method holds and where it breaks, over end mass, links and step.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,10 +34,10 @@ struct StabilityOptions {
   double budget_s = 2;
   std::string out = "out";
   bool quiet = false;
-  std::string typed;  ///< what of the command line the page repeats
+  std::string typed;  ///< Options that the page repeats, as the user typed them.
 };
 
-/// The value asked for, or `usual` if the grid has it, or the last.
+/// Returns the value asked for, or `usual` if the grid has it, or the last.
 template <class T>
 T plane_at(const std::optional<T>& asked, const std::vector<T>& values, T usual) {
   if (asked) return *asked;
@@ -51,7 +51,7 @@ void sort_unique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-/// An option that takes positive numbers separated by commas.
+/// Adds an option that takes positive numbers separated by commas.
 template <class T, class Parse>
 void add_list(Command& command, const std::string& name, std::vector<T>& target, Parse parse,
               const std::string& help) {
@@ -86,7 +86,7 @@ std::vector<StabilityMethod> parse_methods(const std::string& text) {
   return out;
 }
 
-/// A row per method. Worst is over the cells that survived.
+/// Returns a row per method. The worst values are over the cells that survived.
 Table summary_table(const StabilityGrid& grid, const std::vector<StabilityResult>& results) {
   Table table({"method", "cells", "survived", "too slow", "worst stretch", "worst drift", "halvings",
                "fallbacks", "unsolved", "most ms per s"});
@@ -114,7 +114,7 @@ Table summary_table(const StabilityGrid& grid, const std::vector<StabilityResult
   return table;
 }
 
-/// Why cells did not survive: a row per method, a column per outcome that occurs.
+/// Says why cells did not survive, with a row per method and a column per outcome that occurs.
 Table outcome_table(const StabilityGrid& grid, const std::vector<StabilityResult>& results) {
   std::map<Outcome, std::map<std::string, std::uint64_t>> counts;
   for (const StabilityResult& r : results) ++counts[r.outcome][r.cell.method.name];
@@ -195,7 +195,7 @@ void add_stability_command(Command& plumb) {
   Command command = plumb.add_command("stability", "Map where methods hold and break: end mass, links, step");
   auto options = std::make_shared<StabilityOptions>();
   StabilityOptions& o = *options;
-  // Before the lists, so that these can still be given.
+  // It is declared before the lists, so that these can still be given.
   const Option quick = command.add_flag(
       "--quick",
       [&o] {
@@ -207,11 +207,11 @@ void add_stability_command(Command& plumb) {
       "A few seconds: every other ratio, up to 100 links, three steps, two simulated seconds");
   command.add_flag("--full", o.grid.full, "Every combination, not only the two planes drawn: many minutes")
       .excludes(quick);
+  std::string words;
+  for (const StabilityMethod& method : scenes::all_stability_methods()) append_item(words, method.name, "|");
   command.add_option(
       "--methods", "M1,M2,...", [&o](const std::string& text) { o.grid.methods = parse_methods(text); },
-      "Of relax-old|relax-mid|relax-new|relax-jacobi|direct-old|direct-mid|direct-new|auto, separated by "
-      "commas "
-      "[all but auto]");
+      "Of " + words + ", separated by commas [all but auto]");
   add_list(command, "--ratios", o.grid.ratios, scenes::parse_number<double>,
            "Mass of the last particle to that of each other [1,10,...,1e6]");
   add_list(command, "--links", o.grid.links, scenes::parse_number<std::uint32_t>,

@@ -10,11 +10,12 @@
 #include "scenes/basics/numbers.hpp"
 #include "scenes/basics/require.hpp"
 #include "scenes/generators/generators.hpp"
+#include "scenes/runs/counters.hpp"
 
 namespace plumb::scenes {
 namespace {
 
-constexpr double rod_length = 0.1;  // m
+constexpr double rod_length = 0.1;  // Length of a rod, in m.
 constexpr std::uint32_t most_links = 10'000'000;
 
 template <class T>
@@ -40,7 +41,7 @@ void require_grid(const StabilityGrid& grid) {
   require_one_of(grid.links, grid.at_links, "links");
 }
 
-/// Written so that a value that is not a number wins and stays.
+/// Keeps the larger value. It is written so that a value that is not a number wins and stays.
 void keep_largest(double& largest, double value) {
   if (!(value <= largest) && !std::isnan(largest)) largest = value;
 }
@@ -114,7 +115,7 @@ Outcome judge(const StabilityResult& result) {
   if (!result.finite) return Outcome::not_finite;
   if (result.total.frozen_islands > 0) return Outcome::frozen;
   if (result.total.unsolved > 0) return Outcome::unsolved;
-  // Negated, so that what overflowed counts too.
+  // The comparisons are negated, so that what overflowed counts too.
   if (!(result.stretch_max <= most_stretch)) return Outcome::stretched;
   if (!(result.energy_gain <= most_gain)) return Outcome::gained_energy;
   return result.frames < result.cell.frames ? Outcome::too_slow : Outcome::survived;
@@ -158,9 +159,10 @@ StabilityResult measure_stability(const StabilityCase& cell, std::uint32_t sweep
 
 std::string stability_csv(const std::vector<StabilityResult>& results) {
   std::string csv =
-      "method,ratio,links,dt_s,frames,frames_asked,outcome,stretch_max,energy_drift,energy_gain,newton,"
-      "halvings,"
-      "fallbacks,unsolved,mid_guarded,frozen_islands,ms_per_simulated_s\n";
+      "method,ratio,links,dt_s,frames,frames_asked,outcome,stretch_max,energy_drift,energy_gain,"
+      "ms_per_simulated_s";
+  for (const Counter& counter : counters()) append_item(csv, flat_name(counter), ",");
+  csv += "\n";
   for (const StabilityResult& r : results) {
     std::string line = r.cell.method.name;
     append_item(line, short_number(r.cell.ratio, 9), ",");
@@ -171,11 +173,8 @@ std::string stability_csv(const std::vector<StabilityResult>& results) {
     append_item(line, to_string(r.outcome), ",");
     for (const double v : {r.stretch_max, r.energy_drift, r.energy_gain})
       append_item(line, short_number(v), ",");
-    const StepReport& t = r.total;
-    for (const std::uint64_t n :
-         {t.newton, t.halvings, t.fallbacks, t.unsolved, t.mid_guarded, std::uint64_t{t.frozen_islands}})
-      append_item(line, std::to_string(n), ",");
     append_item(line, short_number(r.ms_per_s()), ",");
+    for (const Counter& counter : counters()) append_item(line, text_of(counter, r.total), ",");
     csv += line + "\n";
   }
   return csv;

@@ -21,7 +21,7 @@ std::string milliseconds(double seconds) {
   return short_number(1e3 * seconds, 3);
 }
 
-/// 10000 as 1e4, so that seven of them fit under a panel.
+/// Spells 10000 as 1e4, so that seven such numbers fit under a panel.
 std::string ratio_text(double ratio) {
   std::string text = short_number(ratio, 3);
   if (const std::size_t plus = text.find("e+0"); plus != std::string::npos) text.erase(plus + 1, 2);
@@ -40,7 +40,7 @@ HeatMap blank_map(const StabilityGrid& grid, StabilityQuantity quantity) {
   return map;
 }
 
-/// One panel per method with the results that `takes` and the row that `row_of` gives them.
+/// Makes one panel per method, with the results that `takes` and the row that `row_of` gives them.
 template <class Takes, class RowOf>
 void add_panels(HeatMap& map, const StabilityGrid& grid, const std::vector<StabilityResult>& results,
                 StabilityQuantity quantity, Takes takes, RowOf row_of) {

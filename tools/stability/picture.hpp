@@ -7,13 +7,13 @@
 
 namespace plumb::tools {
 
-/// What the colours of a map show.
+/// The colours of a map show one of these.
 enum class StabilityQuantity { stretch, energy };
 
-/// End-mass ratio × links, at the grid's at_dt, one panel per method.
+/// Draws end-mass ratio × links, at the grid's at_dt, with one panel per method.
 HeatMap map_of_links(const scenes::StabilityGrid& grid, const std::vector<scenes::StabilityResult>& results,
                      StabilityQuantity quantity);
-/// End-mass ratio × step, at the grid's at_links, one panel per method.
+/// Draws end-mass ratio × step, at the grid's at_links, with one panel per method.
 HeatMap map_of_steps(const scenes::StabilityGrid& grid, const std::vector<scenes::StabilityResult>& results,
                      StabilityQuantity quantity);
 

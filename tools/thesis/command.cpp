@@ -1,5 +1,5 @@
-// plumb thesis: the experiment of the thesis's section 4.4 with numbers: error and time against sweeps, for
-// corrections weighted by mass and equal ones, on chains with a heavy last link.
+// plumb thesis repeats the experiment of the thesis's section 4.4 with numbers. It measures error and time
+// against sweeps on chains with a heavy last link. Corrections are weighted by mass, or equal.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -39,25 +39,27 @@ struct ThesisOptions {
   bool quiet = false;
 };
 
-/// All that was measured on one chain.
+/// Holds all that was measured on one chain.
 struct ChainResults {
   std::string spec;
   std::string name;
   Truth truth;
-  std::vector<Measured> by_sweeps;    ///< variants within sweep counts
-  std::vector<Measured> by_substeps;  ///< the same within substep counts, swept to a stretch of 1e-7
+  std::vector<Measured> by_sweeps;  ///< Variants, within them the numbers of sweeps.
+  /// Variants, within them the numbers of substeps, swept to a strain of 1e-7.
+  std::vector<Measured> by_substeps;
 };
 
 struct MassResults {
   double end_mass = 0;
-  double distance_true = 0;  ///< of the motion from that with end mass 1
+  /// Distance of the true motion from that with end mass 1, relative to the diagonal.
+  double distance_true = 0;
   double distance_mass = 0;
   double distance_equal = 0;
-  double rest_mass = 0;  ///< s
+  double rest_mass = 0;  ///< Time to rest with weights by mass, in s.
   double rest_equal = 0;
 };
 
-/// All that is shown.
+/// Holds all that is shown.
 struct ThesisResults {
   std::vector<ChainResults> chains;
   std::vector<MassResults> masses;
@@ -137,7 +139,7 @@ std::vector<std::string> header_with(const char* first, const char* last) {
   return header;
 }
 
-/// Errors in per cent of the chain's length, a row for each count.
+/// Returns errors in per cent of the chain's length, with a row for each count.
 Table error_table(const char* first, const std::vector<std::uint32_t>& counts,
                   const std::vector<Measured>& results) {
   Table table(header_with(first, "µs a frame"));
@@ -145,7 +147,8 @@ Table error_table(const char* first, const std::vector<std::uint32_t>& counts,
   for (std::size_t i = 0; i < counts.size(); ++i) {
     std::vector<std::string> row{std::to_string(counts[i])};
     for (std::size_t v = 0; v < variants; ++v) row.push_back(error_text(results[i * variants + v]));
-    row.push_back(plain_number(results[i * variants].us_per_frame));  // of the first variant, mass and new
+    // The time is that of the first variant: weights by mass, gradient new.
+    row.push_back(plain_number(results[i * variants].us_per_frame));
     table.add_row(std::move(row));
   }
   return table;
@@ -161,7 +164,7 @@ Table mass_table(const std::vector<MassResults>& results) {
   return table;
 }
 
-/// A line for each variant, through x(result) and its error.
+/// Returns a line for each variant, through x(result) and its error.
 template <class X>
 std::vector<Series> series_of(const std::vector<Measured>& results, X x) {
   static const std::vector<std::string> colors = {"#1f5fa8", "#2a9d5c", "#7b4fb5",
@@ -181,8 +184,8 @@ std::vector<Series> series_of(const std::vector<Measured>& results, X x) {
   return out;
 }
 
-/// The least and the largest error of a kind of weights where steps are smallest and rods swept to their
-/// length.
+/// Returns the least and the largest error of one kind of weights, where steps are smallest and rods are
+/// swept to their length.
 std::pair<double, double> errors_at_last(const ChainResults& chain, Weights weights) {
   double least = std::numeric_limits<double>::infinity();
   double most = 0;
@@ -194,7 +197,7 @@ std::pair<double, double> errors_at_last(const ChainResults& chain, Weights weig
   return {least, most};
 }
 
-/// What the numbers say, from the numbers.
+/// Says in words what the numbers show.
 std::string conclusion_of(const ChainResults& chain) {
   const auto mass = errors_at_last(chain, Weights::mass);
   const auto equal = errors_at_last(chain, Weights::equal);

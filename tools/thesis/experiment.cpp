@@ -63,7 +63,7 @@ Measured measure(const Scene& scene, const Truth& truth, const Settings& setting
     out.error = run.position_error.back().relative;
     out.stretch_rms = run.stretch.rms;
     out.stretch_max = run.stretch.max;
-    // A chain that keeps its length lies within one length of its root, so two of them within two.
+    // A chain that keeps its length lies within one length of its root, so two of them are within two.
     out.stable = run.sound() && out.error <= 2;
     spent += run.wall_s;
   }
@@ -80,7 +80,8 @@ double time_to_rest(const Scene& scene, const Settings& settings, double limit) 
   double moving_until = 0;
   std::vector<Vec3> before;
   scenes::RunObserver observer;
-  // The speed over a frame, from positions: the same measure whatever a method takes for its velocity.
+  // The speed over a frame comes from positions. It is the same measure whatever a method takes for its
+  // velocity.
   observer.save = [&](const Frame& frame) {
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (!(norm(frame.positions[i] - before[i]) <= 0.01 * frame_length)) moving_until = frame.t;

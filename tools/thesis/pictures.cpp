@@ -11,9 +11,9 @@ namespace {
 using scenes::plain_number;
 using scenes::short_number;
 
-constexpr double stiffness = 1000;  // 1/s, k of eq. 3.13; what is shown depends on h k alone
+constexpr double stiffness = 1000;  // Stiffness k of eq. 3.13, in 1/s. What is shown depends on h k alone.
 constexpr int stiff_steps = 20;
-constexpr double velocity_duration = 10;  // s
+constexpr double velocity_duration = 10;  // Simulated time of the velocities, in s.
 
 struct StiffCase {
   bool implicit = false;
@@ -28,7 +28,7 @@ std::string name_of(const StiffCase& c) {
   return std::string(c.implicit ? "backward" : "forward") + " Euler, hk = " + short_number(c.hk);
 }
 
-/// y after each of some steps, the start included.
+/// Returns y after each of some steps, the start included.
 std::vector<double> follow(const StiffCase& c, int steps) {
   StiffState state;
   std::vector<double> out{state.y};
@@ -56,7 +56,7 @@ double error_of(const VelocityCase& c, double h) {
   return velocity_error(c.scheme, h, velocity_duration);
 }
 
-/// The power of the step with which errors fall, at the finer end.
+/// Returns the power of the step with which errors fall, at the finer end.
 double order_of(const VelocityCase& c) {
   const double fine = velocity_steps.back(), coarse = velocity_steps[velocity_steps.size() - 2];
   return std::log(error_of(c, coarse) / error_of(c, fine)) / std::log(coarse / fine);
@@ -87,7 +87,7 @@ Chart amplification_chart() {
   Series forward{.name = "forward Euler, |1 - hk|", .color = "#d1495b"};
   Series backward{.name = "backward Euler, 1/(1 + hk)", .color = "#333333"};
   Series limit{.name = "stable below (eq. 3.15)", .color = "#bbbbbb", .dashed = true};
-  // 12 steps to a factor of ten, none of which meets hk = 1, where forward Euler leaves nothing.
+  // A factor of ten takes 12 steps, none of which meets hk = 1, where forward Euler leaves nothing.
   for (int i = -24; i < 36; ++i) {
     const double hk = std::pow(10, (i + 0.5) / 12);
     forward.points.emplace_back(hk, std::abs(follow({.implicit = false, .hk = hk}, 1).back()));
@@ -103,7 +103,8 @@ Table stiff_table() {
       {"integrator", "hk", "factor a step", "|y| after " + std::to_string(stiff_steps) + " steps", "stable"});
   for (const StiffCase& c : stiff_cases) {
     const std::vector<double> values = follow(c, stiff_steps);
-    // Neither growing nor dying away, at hk = 2, is not stable; a rounding apart from 1 is.
+    // A factor of 1, at hk = 2, neither grows nor dies away, which is not stable. The limit leaves room for
+    // rounding.
     const bool stable = std::abs(values[1]) < 1 - 1e-12;
     table.add_row({c.implicit ? "backward Euler" : "forward Euler", short_number(c.hk),
                    short_number(values[1], 4), short_number(std::abs(values.back()), 3),

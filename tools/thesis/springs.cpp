@@ -11,13 +11,13 @@
 namespace plumb::tools {
 namespace {
 
-/// Whether a tug at the anchor leaves vibrations that grow. Without gravity nothing swings, and the tug is so
+/// Whether a tug at the anchor leaves vibrations that grow. Without gravity nothing swings. The tug is so
 /// small that what grows is not what springs do when they are far apart.
 bool grows(Scene scene, Settings settings, double step) {
   scene.gravity = {};
   World world(scene, settings);
   world.move_anchor(0, scene.particles[0].position + Vec3{1e-9, 1e-9, 1e-9});
-  // Beyond its limit by a per cent of stiffness, forward Euler grows by some 1e-4 a step.
+  // With a per cent of stiffness beyond its limit, forward Euler grows by some 1e-4 a step.
   constexpr int first_steps = 20, steps = 50000;
   double start = 0;
   for (int i = 0; i < steps; ++i) {
@@ -28,7 +28,7 @@ bool grows(Scene scene, Settings settings, double step) {
   return false;
 }
 
-/// The stiffness at which `stable` ceases to hold, between `low`, where it does, and `high`.
+/// Returns the stiffness at which `stable` ceases to hold. It holds at `low` and not at `high`.
 template <class Stable>
 double bisect(double low, double high, Stable stable) {
   while (high / low > 1.001) {
@@ -38,7 +38,7 @@ double bisect(double low, double high, Stable stable) {
   return std::sqrt(low * high);
 }
 
-/// The scene turned so that its +x points down.
+/// Returns the scene turned so that its +x points down.
 Scene hung(Scene scene) {
   const Vec3 root = scene.particles.front().position;
   for (Particle& particle : scene.particles) {
@@ -48,8 +48,8 @@ Scene hung(Scene scene) {
   return scene;
 }
 
-/// N, of a rod as a rigid body: a particle's mass is shared by the rods that end at it, and a fixed end
-/// counts as heavy as the other, so that the rod has something to turn by.
+/// Returns the weight of a rod as a rigid body, in N. The rods that end at a particle share its mass. A fixed
+/// end counts as heavy as the other, so that the rod has something to turn by.
 double weight(const Scene& scene, std::size_t rod) {
   const Rod& r = scene.rods[rod];
   const auto share = [&](std::uint32_t particle, std::uint32_t other) {

@@ -9,7 +9,7 @@ StiffState explicit_step(StiffState state, double k, double h) {
   return {state.x + h * -state.x, state.y + h * (-k * state.y)};
 }
 
-// Eq. 3.22 with the derivative diag(-1, -k), written so that 1/h may be 0.
+// It is eq. 3.22 with the derivative diag(-1, -k), written so that 1/h may be 0.
 StiffState implicit_step(StiffState state, double k, double h) {
   return {state.x - state.x / (1 / h + 1), state.y - k * state.y / (1 / h + k)};
 }
@@ -31,7 +31,7 @@ std::vector<VelocitySample> sample_velocity(VelocityScheme scheme, double h, dou
     }
     return samples;
   }
-  double before = 1, now = 1 - h * h / 2;  // the first step with its half: x + v h + a h²/2
+  double before = 1, now = 1 - h * h / 2;  // The first step has its half: x + v h + a h²/2.
   for (int i = 1; i <= steps; ++i) {
     const double next = 2 * now - before - h * h * now;
     add(i, scheme == VelocityScheme::verlet_backward ? (now - before) / h : (next - before) / (2 * h));

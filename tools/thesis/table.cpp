@@ -13,10 +13,10 @@ namespace {
 using scenes::plain_number;
 using scenes::short_number;
 
-/// Of section 4.4.1, about: N/m, and steps per second.
+/// Section 4.4.1 has these numbers, about: N/m, and steps per second.
 constexpr double thesis_limit = 2.7;
 constexpr double thesis_fps = 602;
-/// Frames per second of section 4.4.2, with 5 and with 1000 sweeps.
+/// Section 4.4.2 has these frames per second, with 5 and with 1000 sweeps.
 constexpr double thesis_five_fps = 597, thesis_thousand_fps = 30;
 
 Scene light_end() {
@@ -72,7 +72,7 @@ bool are_alike(double a, double b) {
   return a > 0 && b > 0 && a <= alike * b && b <= alike * a;
 }
 
-/// Seconds to compare by: those that never came to rest come last.
+/// Returns seconds to compare by. Those that never came to rest come last.
 double rest_of(double t) {
   return t < 0 ? std::numeric_limits<double>::infinity() : t;
 }
@@ -84,7 +84,8 @@ ThesisRow rest_row(const std::string& what, const RestTimes& t) {
           .where = "4.4.2",
           .ours = "by mass " + text(t.mass) + " (light end " + text(t.mass_light) + "), equal " +
                   text(t.equal) + " (" + text(t.equal_light) + "), truth " + text(t.truth),
-          // Longer by a tenth: less is a matter of the swing in which the last speed was above the limit.
+          // Times differ if one is longer by a tenth. Less depends on the swing in which the last speed was
+          // above the limit.
           .agrees = rest_of(t.mass) > 1.1 * rest_of(t.equal) && rest_of(t.mass) > 1.1 * rest_of(t.mass_light),
           .values = {{"mass_s", t.mass},
                      {"mass_light_s", t.mass_light},
@@ -104,7 +105,7 @@ ThesisRow limit_row(const std::string& integrator, const SpringLimit& limit) {
           .values = {{"predicted_N_per_m", limit.predicted}, {"found_N_per_m", limit.found}}};
 }
 
-/// The frames are another machine's, two decades later: that there are more neither agrees nor disagrees.
+/// The frames are another machine's, two decades later. That there are more neither agrees nor disagrees.
 ThesisRow fps_row(const std::string& what, const char* where, double thesis, double ours) {
   return {.what = what,
           .thesis = short_number(thesis) + " frames/s",
@@ -114,7 +115,7 @@ ThesisRow fps_row(const std::string& what, const char* where, double thesis, dou
           .values = {{"thesis_frames_per_s", thesis}, {"frames_per_s", ours}}};
 }
 
-/// How far the heavy end changes the motion.
+/// Shows how far the heavy end changes the motion.
 void add_change_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
   const PerWay& c = n.change;
   const auto near_truth = [&](double change) { return std::abs(change - c.truth) < 0.5 * c.truth; };
@@ -138,7 +139,7 @@ void add_change_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
                   .values = {{"springs", c.springs}, {"stiffness_N_per_m", n.stiffness}}});
 }
 
-/// Times to rest, and errors.
+/// Shows times to rest, and errors.
 void add_error_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
   rows.push_back(rest_row("time to rest, drag 0.5/s", n.drag));
   rows.push_back(rest_row("time to rest, no drag, 5 sweeps", n.numerical));
@@ -158,7 +159,7 @@ void add_error_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
                   {"truth_known_to", n.error.truth}}});
 }
 
-/// How far springs open and rods stretch.
+/// Shows how far springs open and rods stretch.
 void add_gap_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
   const HangingGaps& h = n.hanging;
   rows.push_back({.what = "gaps of springs, hanging at rest",
@@ -181,7 +182,7 @@ void add_gap_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
                           "; rods relaxed are off by " + millimetres(n.link * n.five.stretch_max) + ", RMS " +
                           millimetres(n.link * n.five.stretch_rms) + " (5 sweeps), " +
                           millimetres(n.link * n.thousand.stretch_max) + " (1000)",
-                  // What is less than a twentieth of a link is hard to see.
+                  // A gap of less than a twentieth of a link is hard to see.
                   .agrees = n.moving.largest > 0.05 * n.link && n.five.stretch_max < 0.05,
                   .values = {{"springs_largest_m", n.moving.largest},
                              {"springs_rms_m", n.moving.rms},
@@ -190,7 +191,7 @@ void add_gap_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
                              {"thousand_sweeps_largest_m", n.link * n.thousand.stretch_max}}});
 }
 
-/// How stiff springs can be.
+/// Shows how stiff springs can be.
 void add_stiffness_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
   rows.push_back({.what = "stiffness that keeps the top joint to 1 % of a link",
                   .thesis = "\"could never be increased enough\"",
@@ -206,7 +207,7 @@ void add_stiffness_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
   rows.push_back(limit_row("semi-implicit Euler", n.semi_implicit));
 }
 
-/// Frames a second.
+/// Shows frames per second.
 void add_speed_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
   rows.push_back(fps_row("springs, forward Euler, a step a frame", "4.4.1", thesis_fps, n.springs_fps));
   rows.push_back(fps_row("relaxation, 5 sweeps a frame", "4.4.2", thesis_five_fps, n.five_fps));
@@ -218,7 +219,7 @@ void add_speed_rows(const ThesisNumbers& n, std::vector<ThesisRow>& rows) {
                   .ours = plain_number(ratio),
                   .agrees = are_alike(ratio, thesis_fps / thesis_five_fps),
                   .values = {{"ratio", ratio}}});
-  // The thesis's frames are drawn too, which 5 sweeps share with 1000.
+  // The thesis's frames are drawn too, a cost that 5 sweeps share with 1000.
   const double sweeps_ratio = n.five_fps / n.thousand_fps;
   rows.push_back({.what = "5 to 1000 sweeps",
                   .thesis = "597 to 30, a ratio of 19.9",
@@ -248,7 +249,7 @@ ThesisNumbers measure_thesis_numbers() {
 
   const Truth truth = converge(heavy, 1024);
   Settings stiff = spring_settings(Integrator::semi_implicit_euler, 1, 128);
-  // Half a radian of the fastest vibration a step, well below the limit of 2.
+  // The fastest vibration turns by half a radian a step, well below the limit of 2.
   n.stiff = std::pow(0.5 * 60 * stiff.substeps / spring_stability(heavy, stiff).frequency, 2);
   stiff.springs.stiffness = n.stiff;
   n.error = {.truth = truth.uncertainty,

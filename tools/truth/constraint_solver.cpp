@@ -52,9 +52,9 @@ void ConstraintSolver::factor(const std::vector<Point>& x) {
   factor_rows();
 }
 
-/// With K the mass felt at a particle and b the coupling to its parent p, its own equations are
+/// K is the mass felt at a particle and b the coupling to its parent p. Its own equations are
 ///   K a + b a_p - d mu = f,   d·(a - a_p) = c,
-/// so mu = (c - u·f + e·a_p) / sigma. Put into the parent's, they add e eᵀ/sigma - b² K⁻¹ to its mass.
+/// so mu = (c - u·f + e·a_p) / sigma. In the parent's equations they add e eᵀ/sigma - b² K⁻¹ to its mass.
 void ConstraintSolver::factor_tree(const std::vector<Point>& x) {
   const auto place = [&](std::uint32_t i) { return x[i < x.size() ? i : copied_[i - x.size()]]; };
   for (std::size_t i = 0; i < felt_.size(); ++i) {
@@ -84,7 +84,7 @@ void ConstraintSolver::factor_tree(const std::vector<Point>& x) {
   }
 }
 
-/// The motion and the tree's multipliers of pull_, which is used up.
+/// Finds the motion and the tree's multipliers of pull_, which is used up.
 void ConstraintSolver::solve_tree(const std::vector<Real>& c) {
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
@@ -112,7 +112,8 @@ void ConstraintSolver::solve_tree(const std::vector<Real>& c) {
 void ConstraintSolver::factor_rows() {
   const std::size_t k = rows_.size();
   if (k == 0) return;
-  constexpr Real least = 1e-13L;  // of what a row would feel if its ends were free
+  // Least pivot of a row, relative to what the row would feel if its ends were free.
+  constexpr Real least = 1e-13L;
   const std::vector<Real> still(model_.rods.size());
   std::vector<Real> full(k * k), unit(k);
   for (std::size_t j = 0; j < k; ++j) {

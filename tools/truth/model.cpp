@@ -12,11 +12,11 @@ Point point_of(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Adds a rod's mass to its ends. With s from 0 at a to 1 at b, a rod moves as (1-s) v_a + s v_b; its kinetic
+/// Adds a rod's mass to its ends. With s from 0 at a to 1 at b, a rod moves as (1-s) v_a + s v_b. Its kinetic
 /// energy holds the moments of s over its mass.
 void add_rod(Model& model, const Rod& rod, MassModel kind, ModelRod& out) {
   const Real mass = rod.mass, center = rod.center, first = mass * center;
-  Real second = first;  // lumped: all of it at s = 0 and s = 1
+  Real second = first;  // Lumped mass lies all at s = 0 and s = 1.
   if (kind == MassModel::consistent) {
     const Real own = rod.inertia ? *rod.inertia / (out.length * out.length) : mass / 12;
     second = first * center + own;
@@ -80,7 +80,7 @@ WorstRod worst_stretch(const Model& model, const std::vector<Point>& x) {
   for (std::size_t i = 0; i < model.rods.size(); ++i) {
     const ModelRod& rod = model.rods[i];
     const Real stretch = std::abs(norm(x[rod.b] - x[rod.a]) / rod.length - 1);
-    // Written so that what is not a number wins and stays.
+    // The comparison is written so that what is not a number wins and stays.
     if (!(stretch <= worst.stretch) && !std::isnan(worst.stretch)) worst = {stretch, i};
   }
   return worst;

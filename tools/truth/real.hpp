@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-/// The arithmetic of truths: the 80-bit floats of x86, 64 bits of which are digits (eps 1.1e-19).
+/// Truths are computed in the 80-bit floats of x86, which have 64 bits of digits (eps 1.1e-19).
 namespace plumb::truth {
 
 using Real = long double;
@@ -32,7 +32,7 @@ inline Real norm(const Point& p) {
   return std::sqrt(dot(p, p));
 }
 
-/// A symmetric 3×3 matrix, its lower triangle by rows.
+/// A symmetric 3×3 matrix holds its lower triangle by rows.
 struct Symmetric {
   Real xx = 0, yx = 0, yy = 0, zx = 0, zy = 0, zz = 0;
 
@@ -44,13 +44,13 @@ struct Symmetric {
   }
 };
 
-/// LDLᵀ of a positive definite 3×3 matrix. Unlike an inverse from cofactors it keeps its digits where one
-/// direction is much stiffer than the others, as that of a rod with a heavy end is.
+/// Factors a positive definite 3×3 matrix as LDLᵀ. Unlike an inverse from cofactors it keeps its digits where
+/// one direction is much stiffer than the others. The matrix of a rod with a heavy end is such.
 class Factor3 {
  public:
-  /// False if the matrix is not positive definite to working precision.
+  /// Returns false if the matrix is not positive definite to working precision.
   bool factor(const Symmetric& k) {
-    constexpr Real least = 1e-17L;  // of a pivot, relative to its diagonal element
+    constexpr Real least = 1e-17L;  // Least pivot, relative to its diagonal element.
     if (!(k.xx > 0)) return false;
     inverse_x_ = 1 / k.xx;
     yx_ = k.yx * inverse_x_, zx_ = k.zx * inverse_x_;

@@ -5,14 +5,14 @@
 namespace plumb::truth {
 namespace {
 
-/// Which particles are connected by the rods joined so far; all fixed ones are.
+/// Tells which particles are connected by the rods joined so far. All fixed ones are.
 class Parts {
  public:
   explicit Parts(const Model& model) : model_(model), up_(model.particles() + 1) {
     std::iota(up_.begin(), up_.end(), 0u);
   }
 
-  /// False if the rod's ends already were connected.
+  /// Joins a rod's ends. Returns false if they already were connected.
   bool join(const ModelRod& rod) {
     const std::uint32_t a = top(rod.a), b = top(rod.b);
     up_[a] = b;
@@ -30,7 +30,7 @@ class Parts {
   std::vector<std::uint32_t> up_;
 };
 
-/// Breadth first from the fixed particles, then from the first particle of each part that floats.
+/// Walks breadth first from the fixed particles, then from the first particle of each part that floats.
 std::vector<TreeNode> grow(const Model& model, const std::vector<std::uint32_t>& rods) {
   std::vector<std::vector<std::uint32_t>> rods_at(model.particles());
   for (const std::uint32_t r : rods) {

@@ -11,14 +11,15 @@
 namespace plumb::truth {
 namespace {
 
-/// The two solutions. Both are near what rounding allows, so that their distance holds what it was magnified
-/// to as well; they share neither order nor steps.
+/// The two solutions have these orders and tolerances. Both are near what rounding allows, so that their
+/// distance also holds what rounding was magnified to. They share neither order nor steps.
 constexpr Integrator::Settings check{.order = 20, .tolerance = 1e-17L};
 constexpr Integrator::Settings best{.order = 26, .tolerance = 1e-19L};
 
-/// Times between the start and the end at which the two are compared, for saying until when they agreed.
+/// The two are compared at so many times between the start and the end, for saying until when they
+/// agreed.
 constexpr int looks = 50;
-/// Nothing comes back from a difference this many times what is asked for.
+/// Solutions that differ by this many times the tolerance never come back together.
 constexpr double hopeless = 1e4;
 
 void require_sense(const Plan& plan) {
@@ -38,7 +39,7 @@ Accuracy compare(const Model& model, Real t, const State& a, const State& b) {
   Real position = 0, velocity = 0;
   for (std::size_t i = 0; i < a.x.size(); ++i) {
     const Real dx = norm(a.x[i] - b.x[i]), dv = norm(a.v[i] - b.v[i]);
-    // Written so that what is not a number wins and stays.
+    // The comparison is written so that what is not a number wins and stays.
     if (!(dx <= position) && !std::isnan(position)) position = dx;
     if (!(dv <= velocity) && !std::isnan(velocity)) velocity = dv;
   }
@@ -99,7 +100,7 @@ Truth solve(const Scene& scene, const Plan& plan) {
     Accuracy now;
     for (bool there = false; !there;) {
       const double look = end * next_look / looks;
-      // No step worth a rounding error between two times that are meant to be the same.
+      // Times that are meant to be the same are not worth a step of a rounding error.
       there = !(look < t * (1 - 1e-9));
       if (look < t * (1 + 1e-9)) ++next_look;
       const double to = there ? t : look;

@@ -8,8 +8,8 @@
 #include "plumb/scene.hpp"
 #include "truth/model.hpp"
 
-/// Solutions to compare others with: the constrained equations of motion themselves, their rods exact, in
-/// long double. Shares nothing with what steps a World.
+/// These functions find solutions to compare others with: the constrained equations of motion themselves,
+/// with rods exact, in long double. They share nothing with what steps a World.
 namespace plumb::truth {
 
 struct Plan {
@@ -19,8 +19,9 @@ struct Plan {
   std::function<void(double)> progress{};  ///< Called with the share done, 0 to 1; may be empty.
 };
 
-/// How far two solutions of different order and step lie apart: the largest distance of a particle's
-/// positions divided by the scene's diagonal, and of its velocities divided by `Truth::speed`.
+/// This says how far two solutions of different order and step lie apart. Positions count as the largest
+/// distance of a particle divided by the scene's diagonal, and velocities as theirs divided by
+/// `Truth::speed`.
 struct Accuracy {
   double t = 0;  ///< Time, in s.
   double position = 0;
@@ -36,15 +37,16 @@ struct Truth {
   double diagonal = 0;               ///< Diagonal of the scene, in m.
   double speed = 0;                  ///< The greater of sqrt(g diagonal) and the fastest start, in m/s.
   double velocity_change = 0;  ///< Change of the start's velocities so that none pulls on a rod, in m/s.
-  double energy_drift = 0;  ///< Largest change between times saved, relative to energy_range(); without drag.
-  std::uint64_t steps = 0;  ///< Steps of the more accurate solution.
-  std::uint64_t rows = 0;   ///< Equations of rods that close loops.
+  /// Largest change between times saved, relative to energy_range(); without drag.
+  double energy_drift = 0;
+  std::uint64_t steps = 0;      ///< Steps of the more accurate solution.
+  std::uint64_t rows = 0;       ///< Equations of rods that close loops.
   std::uint64_t redundant = 0;  ///< How many of those the others imply, at the end.
 };
 
-/// Throws InputError for a scene or plan that makes no sense or rods that start off their length, and
-/// Unreachable, saying what was reached and until when, if the two solutions come to differ by more than
-/// the tolerance or one cannot be continued.
+/// Solves a plan. Throws InputError for a scene or plan that makes no sense, or rods that start off their
+/// length. Throws Unreachable if the two solutions differ by more than the tolerance or one cannot be
+/// continued. Its message says what was reached and until when.
 Truth solve(const Scene& scene, const Plan& plan);
 
 }  // namespace plumb::truth

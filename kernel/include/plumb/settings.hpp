@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "plumb/export.hpp"
 #include "plumb/scene.hpp"
@@ -19,6 +20,20 @@ class Executor;
 /// with: stiff springs (§3.3), Lagrange multipliers (§3.4) and Featherstone's articulated bodies (§3.5). They
 /// run in double on one thread, and need plumb::reference and register_reference_methods().
 enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
+
+/// What the table of methods says of one of them.
+struct MethodInfo {
+  Method method = Method::automatic;  ///< The method.
+  std::string_view name{};            ///< Its name, as the command and its reports spell it.
+  std::string_view moves{};           ///< What it moves, in words.
+  bool moves_joints = false;          ///< Whether it moves bodies, joints, and shapes that touch.
+  /// Names of the settings that it reads, of those that not every method reads.
+  std::vector<std::string_view> reads{};
+};
+
+/// All methods of this program, in the order of Method. Those of plumb::reference are among them once they
+/// are registered.
+PLUMB_API std::vector<MethodInfo> all_methods();
 
 /// Where on the way from the old to the new configuration a correction's direction is taken.
 ///
@@ -111,6 +126,33 @@ struct StopRule {
       budget_us{};  ///< Most time of sweeping per step(), in microseconds. Results then depend on the clock.
 };
 
+/// What contact and sleep go by: lengths and speeds for things of about a metre, and shares.
+struct ContactSettings {
+  /// Every length and speed here is multiplied by this. Give 0.01 for things of a centimetre, or 100 where a
+  /// scene counts in centimetres.
+  double length_scale = 1;
+  /// Distance (m) within which shapes are kept from touching before they do. More finds contacts earlier and
+  /// costs rows.
+  double margin = 2e-3;
+  /// Overlap (m) that is left as it is, so that what lies on something keeps touching it.
+  double slop = 5e-4;
+  /// Share of an overlap beyond the slop, and of an angle beyond its limit, that a substep takes back; one
+  /// that is cut takes less in proportion. More ends overlaps sooner and throws things apart faster.
+  double recovery = 0.1;
+  /// Approach (m/s) below which nothing bounces: it would for ever.
+  double bounce_speed = 0.05;
+  /// Gap (m) that a substep may miss; one that misses more is taken again, shorter.
+  double tolerance = 1e-5;
+  /// What the last sweep over contacts may still change, as a share of what gravity does in a substep. At
+  /// 4e-3 toppling figures lie within 0.1 mm of where tighter sweeps leave them after 1.6 s.
+  double sweep_tolerance = 4e-3;
+  /// Speed (m/s) below which islands that something holds are at rest. After Settings::sleep_time they sleep.
+  double sleep_speed = 0.02;
+
+  /// Whether all members are equal.
+  friend constexpr bool operator==(const ContactSettings&, const ContactSettings&) = default;
+};
+
 /// How a scene is simulated. Settings that are not set stand for what gradient_of(), integrator_of() and
 /// mass_model_of() say.
 struct Settings {
@@ -129,6 +171,10 @@ struct Settings {
   /// Largest growth of the estimated error per second, as a share of the scene's diagonal. It picks substeps,
   /// for direct and for springs with adaptive_implicit_euler.
   std::optional<double> accuracy{};
+  /// Most work of an island in a step: Newton steps, sweeps and substeps, those of repeated tries included.
+  /// An island that reaches it takes the rest as it comes, uncut and inaccurate, and is counted
+  /// (StepReport::capped_steps). Substeps and sweeps that are asked for by number are always taken.
+  std::uint64_t most_work = 20'000;
   StopRule stop{};                         ///< When relaxation stops sweeping.
   std::optional<Integrator> integrator{};  ///< None: semi_implicit_euler for springs, else rk4.
   SpringSettings springs{};                ///< What method springs uses.
@@ -136,6 +182,8 @@ struct Settings {
   /// Whether islands that touch something sleep once they are slow. Islands of particles and rods that stand
   /// still but for rounding always do. Sleepers cost nothing until they wake.
   bool sleep = true;
+  double sleep_time = 0.5;                        ///< Time (s) that an island is at rest before it sleeps.
+  ContactSettings contact{};                      ///< Lengths, speeds and shares of contact.
   LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.
   std::optional<Isa> isa{};                       ///< None: best_isa().
   unsigned threads = 0;                           ///< 0: as many as the executor offers. At most 64 are used.

@@ -46,6 +46,9 @@ struct StepReport {
   /// Steps taken although they were not accurate enough, because shorter ones could not be better. Islands
   /// and adaptive_implicit_euler count here.
   std::uint64_t inaccurate_steps = 0;
+  /// Steps of islands, or of islands side by side, that reached Settings::most_work. They ended with the
+  /// fewest substeps, none of which was cut.
+  std::uint64_t capped_steps = 0;
 
   // Of method springs, at the end of a step. Of several steps or islands the worst counts.
   double largest_gap = 0;  ///< Largest gap between ends of rigid rods that should meet, in m (figure 4.5).

@@ -42,9 +42,9 @@ KeptContact kept_at(const LinkageState& state, std::uint64_t key) {
   return out;
 }
 
-/// How near is looked at, of what moves so far in a substep, m.
-double in_sight(double moves) {
-  return sight + sight_of_moves * moves;
+/// The distance (m) within which a contact is watched whose ends move so far (m) in a substep.
+double in_sight(double moves, double length_scale) {
+  return sight * length_scale + sight_of_moves * moves;
 }
 }  // namespace
 
@@ -68,8 +68,8 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   };
   const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : Vec3{});
   const double closing = dot(touch.normal, shift);
-  if (!all_near_ && touch.gap + closing > margin + 0.25 * norm(shift)) {
-    if (touch.gap < in_sight(norm(shift)))
+  if (!all_near_ && touch.gap + closing > settings_.margin + 0.25 * norm(shift)) {
+    if (touch.gap < in_sight(norm(shift), settings_.length_scale))
       left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
                            touch.gap, touch.normal});
     return;
@@ -115,9 +115,9 @@ void ClusterStepper::add_contact_rows(const Place& a, const Place& b, const Touc
     row.p = h * h * dot(held.force, axes[axis]);
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
-      row.gap = recovered(touch.gap, most_overlap, h);
+      row.gap = recovered(touch.gap, settings_.slop, h);
       row.bound = std::sqrt(a.surface.friction * b.surface.friction);
-      row.bounce = hit > least_bounce ? restitution * hit : 0;
+      row.bounce = hit > settings_.bounce_speed ? restitution * hit : 0;
       row.p = std::max(row.p, 0.0);
       row.q = std::max(row.q, 0.0);
     }
@@ -171,15 +171,15 @@ void ClusterStepper::find_bounds() {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake) {
-      island.bounds = bounds_of(*island.state->linkage, island.state->x, margin);
+      island.bounds = bounds_of(*island.state->linkage, island.state->x, settings_.margin);
       continue;
     }
     island.bounds = nowhere;
     double square = 0;
     for (const Linkage::Ball& ball : island.state->linkage->balls()) {
       const Vec3 at = ball.center.of(island.state->x), by = ball.center.of(island.d);
-      include(island.bounds, at, ball.radius + margin);
-      include(island.bounds, at + 1.25 * by, ball.radius + margin);
+      include(island.bounds, at, ball.radius + settings_.margin);
+      include(island.bounds, at + 1.25 * by, ball.radius + settings_.margin);
       square = std::max(square, dot(by, by));
     }
     island.moves = std::sqrt(square);
@@ -213,7 +213,7 @@ void ClusterStepper::touch_planes(std::uint32_t i, std::span<const Plane> planes
   const std::span<const Linkage::Ball> balls = island.state->linkage->balls();
   for (std::uint32_t p = 0; p < planes.size(); ++p) {
     const Plane& plane = planes[p];
-    if (!all_near_ && height(island.bounds, plane) > in_sight(island.moves)) continue;
+    if (!all_near_ && height(island.bounds, plane) > in_sight(island.moves, settings_.length_scale)) continue;
     for (std::uint32_t k = 0; k < balls.size(); ++k) {
       const Linkage::Ball& ball = balls[k];
       const double gap = dot(plane.normal, ball.center.of(island.state->x)) - plane.offset - ball.radius;
@@ -273,7 +273,7 @@ bool ClusterStepper::is_contact_missed() const {
       return i != none && islands_[i].awake ? islands_[i].of(at, islands_[i].d) : Vec3{};
     };
     const Vec3 shift = moved(each.island, each.at) - moved(each.other, each.at_other);
-    return each.gap + dot(each.normal, shift) < -too_much;
+    return each.gap + dot(each.normal, shift) < -settings_.tolerance;
   });
 }
 

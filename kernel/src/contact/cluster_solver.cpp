@@ -259,7 +259,7 @@ double ClusterStepper::sweep_velocities() {
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::looks>();
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::pushes>();
 
-bool ClusterStepper::solve_positions(StepReport& report) {
+bool ClusterStepper::solve_positions(Tally& report) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.sides.empty()) see(island, island.d);
@@ -304,7 +304,7 @@ bool ClusterStepper::solve_positions(StepReport& report) {
       if (!island.sides.empty()) see(island, island.d);
     }
     if (worst <= exactness &&
-        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= too_much))) {
+        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }

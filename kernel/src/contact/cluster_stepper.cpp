@@ -36,7 +36,14 @@ double top_speed(const LinkageState& state) {
   return std::sqrt(square);
 }
 
-Bounds reach(const LinkageState& state, double speed, double dt) {
+ContactSettings scaled(ContactSettings settings) {
+  for (double* const each :
+       {&settings.margin, &settings.slop, &settings.bounce_speed, &settings.tolerance, &settings.sleep_speed})
+    *each *= settings.length_scale;
+  return settings;
+}
+
+Bounds reach(const LinkageState& state, double speed, double dt, double margin) {
   double pull = 0;
   for (const Vec3 force : state.force) pull += norm(force);
   double fall = 0.5 * pull / state.linkage->mass() * dt * dt;
@@ -47,7 +54,7 @@ Bounds reach(const LinkageState& state, double speed, double dt) {
 }
 
 void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-                          const ClusterRules& rules, double dt, StepReport& report) {
+                          const ClusterRules& rules, double dt, Tally& report) {
   const std::uint32_t substeps = rules.substeps;
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
@@ -56,11 +63,11 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
   double left = dt;
-  const double least = dt / most_cuts;
   shortest_ = dt / most_guards;
-  recovery_rate_ = taken_back * substeps / dt;
+  recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = false;
   while (left > 1e-12 * dt) {
+    const double least = report.is_spent() ? dt / substeps : dt / most_cuts;
     const double longest = std::max(std::min(dt / substeps, longest_substep(dt)), least);
     double h = left / std::ceil(left / longest - 1e-9);
     if (composes(surroundings, rules, h) && substep_in_shares(surroundings, rules.time_order, h, report)) {
@@ -89,13 +96,14 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
 bool ClusterStepper::composes(const Surroundings& surroundings, const ClusterRules& rules, double h) const {
   if (rules.time_order == 2 || count_ != 1 || !islands_[0].awake) return false;
   const LinkageState& state = *islands_[0].state;
-  return state.linkage->shapes().empty() || !surroundings.reach_into(reach(state, top_speed(state), h));
+  return state.linkage->shapes().empty() ||
+         !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin));
 }
 
 /// One substep composed of shares, some of them backwards. Rows that push (limits, drives, friction of
 /// joints) are not to be taken backwards: then all is put back, and false is returned.
 bool ClusterStepper::substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h,
-                                       StepReport& report) {
+                                       Tally& report) {
   LinkageState& state = *islands_[0].state;
   before_shares_ = state.motion();
   is_composed_ = true;
@@ -134,7 +142,7 @@ double ClusterStepper::longest_substep(double most) const {
 }
 
 // Back to where it was before the substep, for good.
-void ClusterStepper::freeze(Island& island, StepReport& report) {
+void ClusterStepper::freeze(Island& island, Tally& report) {
   LinkageState& state = *island.state;
   std::swap(state.x, island.there);
   std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
@@ -183,12 +191,12 @@ void ClusterStepper::start(Island& island, double h) {
   for (std::uint32_t i = 0; i < movable; ++i) island.d[i] = linkage.taken(right, i);
 }
 
-bool ClusterStepper::substep(const Surroundings& surroundings, double h, StepReport& report) {
+bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& report) {
   all_near_ = false;
-  still_ = least_still;
+  still_ = least_still * settings_.length_scale;
   for (std::uint32_t i = 0; i < count_; ++i)
-    still_ = std::max(
-        still_, (tight_ ? tighter : 1) * still * 0.5 * h * h * norm(islands_[i].state->linkage->gravity()));
+    still_ = std::max(still_, (tight_ ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
+                                  norm(islands_[i].state->linkage->gravity()));
   if (!find_positions(surroundings, h, report)) return false;
   if (is_contact_missed()) {
     all_near_ = true;
@@ -231,7 +239,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, StepRep
   return true;
 }
 
-bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, StepReport& report) {
+bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, Tally& report) {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) start(islands_[i], h);
   do {

@@ -8,9 +8,12 @@
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/surroundings.hpp"
 #include "contact/touch.hpp"
-#include "plumb/world.hpp"
+#include "solver/tally.hpp"
 
 namespace plumb::detail {
+
+/// The settings with their length scale in all lengths and speeds.
+ContactSettings scaled(ContactSettings settings);
 
 /// How a cluster's steps are cut.
 struct ClusterRules {
@@ -30,11 +33,13 @@ struct ClusterRules {
 /// whole, which keeps momentum and angular momentum; in free flight what it would lose is given back.
 class ClusterStepper {
  public:
-  explicit ClusterStepper(Isa isa) : kernels_(&simd::kkt_kernels(isa)) {}
+  /// The settings are scaled already (scaled()).
+  ClusterStepper(Isa isa, const ContactSettings& settings)
+      : kernels_(&simd::kkt_kernels(isa)), settings_(settings) {}
 
   /// Islands that sleep may be in the cluster: they are woken if something pushes them.
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-            const ClusterRules& rules, double dt, StepReport& report);
+            const ClusterRules& rules, double dt, Tally& report);
 
  private:
   /// A sum of particles, among an island's terms.
@@ -114,14 +119,13 @@ class ClusterStepper {
     Vec3 normal;
   };
 
-  bool substep(const Surroundings& surroundings, double h, StepReport& report);
+  bool substep(const Surroundings& surroundings, double h, Tally& report);
   double longest_substep(double most) const;
   bool composes(const Surroundings& surroundings, const ClusterRules& rules, double h) const;
-  bool substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h,
-                         StepReport& report);
+  bool substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
-  void freeze(Island& island, StepReport& report);
-  bool find_positions(const Surroundings& surroundings, double h, StepReport& report);
+  void freeze(Island& island, Tally& report);
+  bool find_positions(const Surroundings& surroundings, double h, Tally& report);
   bool is_contact_missed() const;
   void find_contacts(const Surroundings& surroundings, double h);
   void find_bounds();
@@ -158,18 +162,19 @@ class ClusterStepper {
   double sweep_positions();
   template <Sweep sweep>
   double sweep_velocities();
-  bool solve_positions(StepReport& report);
+  bool solve_positions(Tally& report);
   void finish(double h, bool touched);
   void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
-  bool guard_energy(double before, bool touched, bool can_shorten, StepReport& report);
+  bool guard_energy(double before, bool touched, bool can_shorten, Tally& report);
   double energy() const;
   double find_rigid_motion();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
 
   const simd::KktKernels* kernels_;
+  ContactSettings settings_;
   std::vector<Island> islands_;
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;

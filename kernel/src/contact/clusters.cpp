@@ -6,7 +6,8 @@
 
 namespace plumb::detail {
 
-void Clusters::start(std::span<LinkageState> islands) {
+void Clusters::start(std::span<LinkageState> islands, double margin) {
+  margin_ = margin;
   islands_ = islands;
   double sum = 0;
   for (const LinkageState& state : islands_) sum += state.linkage->size();
@@ -20,7 +21,7 @@ void Clusters::start(std::span<LinkageState> islands) {
     if (state.linkage->shapes().empty()) continue;
     any_shapes_ = true;
     if (!state.asleep) continue;
-    bounds_[state.number] = reach(state, 0, 0);
+    bounds_[state.number] = reach(state, 0, 0, margin_);
     sleepers_.insert(state.number, bounds_[state.number]);
   }
 }
@@ -94,7 +95,7 @@ void Clusters::put_to_sleep(LinkageState& state) {
   state.asleep = true;
   state.slow_time = 0;
   if (state.linkage->shapes().empty()) return;
-  bounds_[state.number] = reach(state, top_speed(state), 0);
+  bounds_[state.number] = reach(state, top_speed(state), 0, margin_);
   sleepers_.insert(state.number, bounds_[state.number]);
 }
 

@@ -14,8 +14,9 @@ namespace plumb::detail {
 /// A cluster is a set of islands that may, one after the other by their numbers.
 class Clusters {
  public:
-  /// Finds who sleeps. The states must outlive this object and stay where they are.
-  void start(std::span<LinkageState> islands);
+  /// Finds who sleeps. The states must outlive this object and stay where they are. Shapes nearer than the
+  /// margin (m) may touch.
+  void start(std::span<LinkageState> islands, double margin);
 
   std::span<const std::uint32_t> awake() const { return awake_; }  ///< island numbers, ascending
   /// Whether any island of the scene has a shape.
@@ -64,6 +65,7 @@ class Clusters {
   SpatialHash sleepers_, walkers_;
   bool any_shapes_ = false;
   double cell_ = 1;             ///< m
+  double margin_ = 0;           ///< m
   std::vector<Bounds> bounds_;  ///< by island: of sleepers as they are listed, of others this step's reach
   std::vector<std::uint32_t> marks_, root_, members_, woken_;
   std::uint32_t mark_ = 0;

@@ -10,9 +10,6 @@
 namespace plumb::detail {
 namespace {
 
-/// Slower than this (m/s) for so long (s), an island that something holds is at rest.
-constexpr double sleep_speed = 0.02, sleep_time = 0.5;
-
 /// An accuracy below this pays for composed substeps: the error of a figure in the air falls so much faster.
 constexpr double worth_order_4 = 1e-5;
 
@@ -41,9 +38,11 @@ void lump_masses(Scene& part) {
 ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings)
     : isa_(settings.isa.value_or(best_isa())),
       sleep_(settings.sleep),
+      sleep_time_(settings.sleep_time),
+      settings_(scaled(settings.contact)),
       time_order_(time_order_of(settings)),
       surroundings_(scene),
-      steppers_(settings.threads, ClusterStepper(isa_)) {
+      steppers_(settings.threads, ClusterStepper(isa_, settings_)) {
   std::map<std::vector<double>, const Linkage*> kinds;
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     Scene part = parts.part(p);
@@ -77,7 +76,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   }
   visitors_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
-  clusters_.start(states_);
+  clusters_.start(states_, settings_.margin);
 }
 
 auto ContactSolver::plain_islands() const -> std::vector<PlainIsland> {
@@ -106,7 +105,7 @@ void ContactSolver::begin_step(double dt, Team& team) {
   clusters_.form(team, [&](LinkageState& state) {
     const Visitor& visitor = visitors_[state.number];
     const double speed = visitor.is_at_home() ? visitor.look(state) : top_speed(state);
-    return reach(state, speed, dt);
+    return reach(state, speed, dt, settings_.margin);
   });
   pieces_.clear();
   returned_.clear();
@@ -137,7 +136,7 @@ std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
 }
 
 double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
-                              StepReport& report) {
+                              Tally& report) {
   steppers_[part].step(cluster(piece), surroundings_, {count, time_order_}, h * count, report);
   return 0;
 }
@@ -158,9 +157,9 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
   bool slow = sleep_, held = false;
   for (LinkageState* const state : cluster) {
     if (state->asleep) continue;
-    state->slow_time = top_speed(*state) < sleep_speed ? state->slow_time + dt : 0;
+    state->slow_time = top_speed(*state) < settings_.sleep_speed ? state->slow_time + dt : 0;
     held = held || state->linkage->is_grounded() || !state->kept.empty();
-    slow = slow && state->slow_time >= sleep_time;
+    slow = slow && state->slow_time >= sleep_time_;
   }
   return slow && held;
 }

@@ -66,8 +66,7 @@ class ContactSolver final : public Solver {
   void begin_step(double dt, Team& team) override;
   /// Instead of begin_step(), if no island is awake.
   void clear_pieces() { pieces_.clear(); }
-  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
-                 StepReport& report) override;
+  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& report) override;
   void end_piece(std::uint32_t piece, double dt) override;
   void end_step(StepReport& report) override;
 
@@ -115,6 +114,8 @@ class ContactSolver final : public Solver {
 
   Isa isa_;
   bool sleep_;
+  double sleep_time_;         ///< s
+  ContactSettings settings_;  ///< scaled
   std::uint32_t time_order_;
   Surroundings surroundings_;
   std::vector<std::unique_ptr<Linkage>> linkages_;

@@ -126,8 +126,7 @@ RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) const {
 }
 
 template <class T>
-double RelaxSolver<T>::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned,
-                               StepReport& report) {
+double RelaxSolver<T>::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned, Tally& report) {
   const std::uint32_t positions = block_.packing().positions;
   const std::uint32_t begin = pieces_ > 1 ? piece : 0, end = pieces_ > 1 ? piece + 1 : positions;
   if (is_controlled()) {

@@ -38,8 +38,7 @@ class RelaxSolver final : public Solver {
   std::uint32_t piece_of(Slot slot) const override { return pieces_ > 1 ? block_.position_of(slot) : 0; }
 
   void begin_step(double dt, Team& team) override;
-  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
-                 StepReport& report) override;
+  double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& report) override;
   bool wants_team() const override;
   void advance_with_team(double h, std::uint32_t count, Team& team, StepReport& report) override;
   void end_step(StepReport&) override;

@@ -10,6 +10,7 @@
 #include "plumb/vec3.hpp"
 #include "plumb/world.hpp"
 #include "solver/state_hash.hpp"
+#include "solver/tally.hpp"
 
 namespace plumb::detail {
 
@@ -70,11 +71,11 @@ class Solver {
   virtual void begin_step(double /*dt*/, Team&) {}
   /// Once before a piece is advanced, by the thread that does it.
   virtual void begin_piece(std::uint32_t /*piece*/, unsigned /*part*/) {}
-  /// Advances a piece by `count` substeps of `h` seconds each and adds to `report` what that took. Returns
+  /// Advances a piece by `count` substeps of `h` seconds each and adds to `tally` what that took. Returns
   /// the largest error estimate of a substep (m), if the error model has estimates; infinity for substeps
   /// that had to be cut.
   virtual double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
-                         StepReport& report) = 0;
+                         Tally& tally) = 0;
   /// Whether the whole team works on each piece; then advance_with_team() is called instead.
   virtual bool wants_team() const { return false; }
   virtual void advance_with_team(double /*h*/, std::uint32_t /*count*/, Team&, StepReport&) {}
@@ -103,7 +104,7 @@ class Solver {
   virtual double distance_from_mark(std::uint32_t piece) const = 0;
   /// Takes the whole step in another way than the usual, if that is accurate enough: true if it did.
   virtual bool try_calm_step(std::uint32_t /*piece*/, double /*h*/, std::uint32_t /*count*/,
-                             double /*allowed*/, unsigned /*part*/, StepReport&) {
+                             double /*allowed*/, unsigned /*part*/, Tally&) {
     return false;
   }
   /// After a controlled step by substeps of `h` with that error each; `longest` is the longest allowed.

@@ -25,15 +25,16 @@ constexpr SettingRow settings_table[] = {
     {Reads::multipliers, "multipliers",
      [](const Settings& s) { return s.multipliers != MultiplierSettings{}; }},
     {Reads::sleep, "sleep", [](const Settings& s) { return !s.sleep; }},
+    {Reads::contact, "contact", [](const Settings& s) { return s.contact != ContactSettings{}; }},
     {Reads::layout, "layout", [](const Settings& s) { return s.layout != LayoutChoice::automatic; }},
 };
 
 constexpr Reads stop_rule = Reads::sweeps | Reads::tolerance | Reads::budget_us;
 constexpr Reads relax_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::weights |
                               Reads::order | Reads::omega | Reads::accuracy | stop_rule | Reads::sleep |
-                              Reads::layout;
-constexpr Reads direct_reads =
-    Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy | Reads::tolerance | Reads::sleep;
+                              Reads::contact | Reads::layout;
+constexpr Reads direct_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy |
+                               Reads::tolerance | Reads::sleep | Reads::contact;
 
 void validate_relax(const Settings& settings) {
   if (settings.mass == MassModel::consistent)
@@ -97,3 +98,18 @@ void register_method(const MethodRow& row) {
 }
 
 }  // namespace plumb::detail
+
+namespace plumb {
+
+std::vector<MethodInfo> all_methods() {
+  std::vector<MethodInfo> out;
+  for (const detail::MethodRow& row : detail::method_rows()) {
+    out.push_back(
+        {.method = row.method, .name = row.name, .moves = row.moves, .moves_joints = row.moves_joints});
+    for (const detail::SettingRow& setting : detail::setting_rows())
+      if (contains(row.reads, setting.id)) out.back().reads.push_back(setting.name);
+  }
+  return out;
+}
+
+}  // namespace plumb

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include "plumb/error.hpp"
 #include "scene/refuse.hpp"
@@ -20,6 +21,26 @@ void validate_isa(Isa isa) {
   for (const Isa each : all_isas())
     if (is_supported(each)) list += (list.empty() ? "" : ", ") + std::string(to_string(each));
   refuse("this machine or build does not run instruction set ", to_string(isa), "; it runs ", list);
+}
+
+// Negated comparisons, so that NaN is refused too.
+void require_positive(std::string_view name, double value, std::string_view unit) {
+  if (!(value > 0 && std::isfinite(value))) refuse(name, " must be positive and finite, got ", value, unit);
+}
+void require_not_negative(std::string_view name, double value, std::string_view unit) {
+  if (!(value >= 0 && std::isfinite(value))) refuse(name, " must be 0 or more and finite, got ", value, unit);
+}
+
+void validate_contact(const ContactSettings& contact) {
+  require_positive("length scale", contact.length_scale, "");
+  require_positive("contact margin", contact.margin, " m");
+  require_not_negative("contact slop", contact.slop, " m");
+  if (!(contact.recovery >= 0 && contact.recovery <= 1))
+    refuse("contact recovery must be from 0 to 1, got ", contact.recovery);
+  require_not_negative("bounce speed", contact.bounce_speed, " m/s");
+  require_positive("contact tolerance", contact.tolerance, " m");
+  require_positive("sweep tolerance", contact.sweep_tolerance, "");
+  require_not_negative("sleep speed", contact.sleep_speed, " m/s");
 }
 
 /// Refuses by name what the method does not read, and says who does.
@@ -41,18 +62,17 @@ void validate(const Settings& settings) {
   if (settings.substeps == 0 || settings.substeps > most_substeps) {
     refuse("substeps must be from 1 to ", most_substeps, ", got ", settings.substeps);
   }
+  if (settings.most_work == 0) refuse("most work must be at least 1, got 0");
   validate(settings.stop);
   if (settings.isa) validate_isa(*settings.isa);
-  if (settings.accuracy && !(*settings.accuracy > 0 && std::isfinite(*settings.accuracy)))
-    refuse("accuracy must be positive and finite, got ", *settings.accuracy);
+  validate_contact(settings.contact);
+  require_not_negative("sleep time", settings.sleep_time, " s");
+  if (settings.accuracy) require_positive("accuracy", *settings.accuracy, "");
   if (settings.time_order != 2 && settings.time_order != 4 && settings.time_order != 6)
     refuse("time order must be 2, 4 or 6, got ", settings.time_order);
-  if (!(settings.springs.stiffness > 0 && std::isfinite(settings.springs.stiffness)))
-    refuse("stiffness must be positive and finite, got ", settings.springs.stiffness, " N/m");
-  if (!(settings.springs.damping_ratio >= 0 && std::isfinite(settings.springs.damping_ratio)))
-    refuse("damping ratio must be 0 or more and finite, got ", settings.springs.damping_ratio);
-  if (!(settings.multipliers.baumgarte_rate > 0 && std::isfinite(settings.multipliers.baumgarte_rate)))
-    refuse("baumgarte rate must be positive and finite, got ", settings.multipliers.baumgarte_rate, " 1/s");
+  require_positive("stiffness", settings.springs.stiffness, " N/m");
+  require_not_negative("damping ratio", settings.springs.damping_ratio, "");
+  require_positive("baumgarte rate", settings.multipliers.baumgarte_rate, " 1/s");
   const detail::MethodRow& method = detail::method_row(settings.method);
   validate_reads(settings, method);
   if (method.validate) method.validate(settings);
@@ -60,13 +80,8 @@ void validate(const Settings& settings) {
 
 void validate(const StopRule& rule) {
   if (rule.sweeps == 0) refuse("sweeps must be at least 1, got 0");
-  // Negated comparisons, so that NaN is refused too.
-  if (rule.tolerance && !(*rule.tolerance > 0 && std::isfinite(*rule.tolerance))) {
-    refuse("tolerance must be positive and finite, got ", *rule.tolerance);
-  }
-  if (rule.budget_us && !(*rule.budget_us > 0 && std::isfinite(*rule.budget_us))) {
-    refuse("budget must be positive and finite, got ", *rule.budget_us, " us");
-  }
+  if (rule.tolerance) require_positive("tolerance", *rule.tolerance, "");
+  if (rule.budget_us) require_positive("budget", *rule.budget_us, " us");
 }
 
 Gradient gradient_of(const Settings& settings) {

@@ -3,15 +3,10 @@
 #include <algorithm>
 
 namespace plumb::detail {
-namespace {
 
-/// s; a pendulum that turns round stands for less.
-constexpr double sleep_time = 0.5;
-
-}  // namespace
-
-void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, Precision precision) {
-  relative_speed_ = precision == Precision::single ? 1e-4 : 1e-10;
+void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, const Settings& settings) {
+  relative_speed_ = settings.precision == Precision::single ? 1e-4 : 1e-10;
+  sleep_time_ = settings.sleep_time;
   for (std::uint32_t s = 0; s < solvers.size(); ++s) {
     first_task_.push_back(static_cast<std::uint32_t>(tasks_.size()));
     if (solvers[s]->has_changing_pieces()) continue;
@@ -43,7 +38,7 @@ std::uint32_t Sleep::settle(std::span<const std::unique_ptr<Solver>> solvers, do
   for (Task& task : tasks_) {
     if (task.asleep) continue;
     task.still_time = task.is_still ? task.still_time + dt : 0;
-    if (task.still_time < sleep_time) continue;
+    if (task.still_time < sleep_time_) continue;
     task.asleep = true;
     --awake_;
     solvers[task.solver]->rest(task.piece);

@@ -16,14 +16,14 @@ struct Task {
   bool asleep = false;
 };
 
-/// Which pieces stand still. A piece whose particles have only moved by rounding for half a second stands:
-/// its velocities are zero, and a step would lead back to where it is. Sleeping is not to compute that step.
-/// A force, an anchor that moves, or new settings wake it.
+/// Which pieces stand still. A piece whose particles have only moved by rounding for Settings::sleep_time
+/// stands: its velocities are zero, and a step would lead back to where it is. Sleeping is not to compute
+/// that step. A force, an anchor that moves, or new settings wake it.
 ///
 /// Islands that may touch sleep by speed, as their solver decides (contact/clusters.hpp).
 class Sleep {
  public:
-  void start(std::span<const std::unique_ptr<Solver>> solvers, Precision precision);
+  void start(std::span<const std::unique_ptr<Solver>> solvers, const Settings& settings);
 
   std::span<Task> tasks() { return tasks_; }
   bool all_asleep() const { return awake_ == 0; }
@@ -49,6 +49,7 @@ class Sleep {
   std::vector<std::uint32_t> first_task_;  ///< by solver
   std::uint32_t awake_ = 0;
   double relative_speed_ = 0;  ///< 1/s
+  double sleep_time_ = 0;      ///< s
 };
 
 }  // namespace plumb::detail

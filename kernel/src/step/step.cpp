@@ -38,10 +38,11 @@ Step::Step(const Scene& scene, const Settings& settings)
       anchors_(scene, compiled_.solvers.size()),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
+  rules_.most_work = settings.most_work;
   // One particle alone has no length for an error to be relative to.
   const double diagonal = bounding_diagonal(scene);
   if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
-  sleep_.start(compiled_.solvers, settings.precision);
+  sleep_.start(compiled_.solvers, settings);
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
   active_.reserve(sleep_.tasks().size());

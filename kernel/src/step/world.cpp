@@ -150,6 +150,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   largest_gap = std::max(largest_gap, other.largest_gap);
   rms_gap = std::max(rms_gap, other.rms_gap);
   inaccurate_steps += other.inaccurate_steps;
+  capped_steps += other.capped_steps;
   contacts = std::max(contacts, other.contacts);
   guarded_energy += other.guarded_energy;
   awake_islands = other.awake_islands;

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "math/elementary.hpp"
-#include "plumb/world.hpp"
+#include "solver/tally.hpp"
 
 namespace plumb::detail {
 
@@ -70,9 +70,10 @@ struct AccuracyControl {
 
   /// Takes a step of `dt`. `substep` holds the length that the last step found best, or 0. Calls
   /// `advance(h, substeps, counters)`, which returns an Attempt, and `restore()`, which takes it back; of
-  /// attempts taken back only the work counts.
+  /// attempts taken back only the work counts. Returns false if the work was spent before an attempt ended:
+  /// then all is taken back.
   template <class Advance, class Restore>
-  void step(double dt, double& substep, StepReport& counters, Advance&& advance, Restore&& restore) const {
+  bool step(double dt, double& substep, Tally& counters, Advance&& advance, Restore&& restore) const {
     if (substep == 0) substep = dt / first_substeps;
     double last_rate = std::numeric_limits<double>::infinity(), first = 0;
     for (int attempt = 1;; ++attempt) {
@@ -82,8 +83,15 @@ struct AccuracyControl {
       if (by_comparison) substeps += substeps % 2;
       const double h = dt / substeps;
       if (attempt == 1) first = h;
-      StepReport of_attempt;
+      Tally of_attempt = counters.begin_try();
       const Attempt result = advance(h, substeps, of_attempt);
+      if (of_attempt.is_spent()) {
+        restore();
+        counters.take_back(of_attempt);
+        ++counters.inaccurate_steps;
+        substep = first;
+        return false;
+      }
       const double rate = std::max(result.error / (h * allowed), result.is_blind ? blind_rate : 0);
       // The error of a step of order p grows by h^p a second.
       const double change = root(safety / rate, order);
@@ -94,15 +102,15 @@ struct AccuracyControl {
       const bool stalls = attempt > 2 && !std::isinf(last_rate) && !(rate < last_rate * least_gain);
       const bool hopeless = result.is_final || stalls;
       if (accurate || hopeless || attempt == most_attempts || substeps >= most) {
-        counters += of_attempt;
-        if (accurate) return;
+        counters.keep(of_attempt);
+        if (accurate) return true;
         substep = hopeless ? first : h;
         ++counters.inaccurate_steps;
-        return;
+        return true;
       }
       last_rate = rate;
       restore();
-      counters.newton += of_attempt.newton;
+      counters.take_back(of_attempt);
       ++counters.repeated_steps;
     }
   }
@@ -114,23 +122,22 @@ struct AccuracyControl {
   /// `moved.take_back()` returns there and remembers where it came to. `moved.distance()` is the distance
   /// from that place, in m.
   template <class Moved>
-  Attempt compare(double h, std::uint32_t substeps, bool starts_anew, Moved&& moved,
-                  StepReport& counters) const {
+  Attempt compare(double h, std::uint32_t substeps, bool starts_anew, Moved&& moved, Tally& counters) const {
     Attempt out{.error = 0};
     double apart = 0;
     const Windows windows = windows_of(substeps, starts_anew);
-    for (std::uint32_t k = 0; k < windows.count; ++k) {
+    for (std::uint32_t k = 0; k < windows.count && !counters.is_spent(); ++k) {
       const bool is_compared = !out.is_final && windows.is_compared(k);
       if (is_compared) {
         moved.keep();
-        StepReport coarse;
+        Tally coarse = counters.begin_try();
         moved.advance(2 * h, windows.length / 2, coarse);
         if (coarse.unsolved > 0) {  // shorter substeps would hardly do better, and cost as much again
-          counters += coarse;
+          counters.keep(coarse);
           out.is_final = true;
           continue;
         }
-        counters.newton += coarse.newton;  // only the work of the thrown-away way counts
+        counters.take_back(coarse);
         out.is_blind = out.is_blind || coarse.halvings + coarse.fallbacks > 0;
         moved.take_back();
       }

@@ -1,9 +1,26 @@
 #include "time/advance.hpp"
 
+#include <algorithm>
+
 #include "time/accuracy.hpp"
 
 namespace plumb::detail {
 namespace {
+
+/// Substeps between two looks at whether the work is spent.
+constexpr std::uint32_t substeps_at_once = 64;
+
+/// Advances by `count` substeps, or by fewer if the work is spent before. Returns the largest error estimate.
+double advance_while_work_is_left(Solver& solver, std::uint32_t piece, double h, std::uint32_t count,
+                                  unsigned part, Tally& tally) {
+  double error = 0;
+  for (std::uint32_t left = count; left > 0 && !tally.is_spent();) {
+    const std::uint32_t now = std::min(left, substeps_at_once);
+    error = std::max(error, solver.advance(piece, h, now, part, tally));
+    left -= now;
+  }
+  return error;
+}
 
 /// Does with a piece what AccuracyControl::compare() asks for.
 struct ComparedPiece {
@@ -11,8 +28,8 @@ struct ComparedPiece {
   std::uint32_t piece;
   unsigned part;
 
-  void advance(double h, std::uint32_t substeps, StepReport& counters) const {
-    solver.advance(piece, h, substeps, part, counters);
+  void advance(double h, std::uint32_t substeps, Tally& counters) const {
+    advance_while_work_is_left(solver, piece, h, substeps, part, counters);
   }
   void keep() const { solver.save(piece, Saved::window); }
   void take_back() const {
@@ -28,7 +45,7 @@ class ControlledPiece {
   ControlledPiece(Solver& solver, std::uint32_t piece, unsigned part)
       : solver_(solver), piece_(piece), part_(part), model_(solver.error_model()) {}
 
-  void step(double dt, const TimeRules& rules, StepReport& report) {
+  void step(double dt, const TimeRules& rules, Tally& report) {
     AccuracyControl control{*rules.error_growth, rules.substeps, model_.most_substeps, model_.order,
                             model_.by_comparison};
     control.begin_step(solver_.anchors_changed(piece_), solver_.cuts(piece_, dt));
@@ -36,26 +53,33 @@ class ControlledPiece {
     if (solver_.try_calm_step(piece_, dt / control.least, control.least, control.allowed, part_, report))
       return;
     double error = 0, h = dt;
-    control.step(
+    const std::uint64_t most_work = report.most_work;
+    report.most_work /= 2;  // the rest is for equal substeps, if no attempt ends
+    const bool done = control.step(
         dt, solver_.best_substep(piece_), report,
-        [&](double length, std::uint32_t substeps, StepReport& of_attempt) {
+        [&](double length, std::uint32_t substeps, Tally& of_attempt) {
           h = length;
           const AccuracyControl::Attempt result = attempt(control, length, substeps, of_attempt);
           error = result.error;
           return result;
         },
         [&] { solver_.restore(piece_, Saved::step); });
+    report.most_work = most_work;
+    if (!done) {
+      report.capped_steps = 1;
+      solver_.advance(piece_, dt / rules.substeps, rules.substeps, part_, report);
+    }
     solver_.end_controlled_step(piece_, error, h, dt / control.least, control.allowed, part_);
   }
 
  private:
   AccuracyControl::Attempt attempt(const AccuracyControl& control, double h, std::uint32_t substeps,
-                                   StepReport& report) {
+                                   Tally& report) {
     AccuracyControl::Attempt result;
     if (control.by_comparison)
       result = compare(control, h, substeps, report);
     else
-      result.error = solver_.advance(piece_, h, substeps, part_, report);
+      result.error = advance_while_work_is_left(solver_, piece_, h, substeps, part_, report);
     result.is_blind = result.is_blind || report.fallbacks > 0 ||
                       (control.by_comparison && model_.fallback_is_final && report.halvings > 0);
     result.is_final =
@@ -64,7 +88,7 @@ class ControlledPiece {
   }
 
   AccuracyControl::Attempt compare(const AccuracyControl& control, double h, std::uint32_t substeps,
-                                   StepReport& report) {
+                                   Tally& report) {
     return control.compare(h, substeps, solver_.starts_anew(piece_), ComparedPiece{solver_, piece_, part_},
                            report);
   }
@@ -80,10 +104,16 @@ class ControlledPiece {
 void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRules& rules, unsigned part,
                    StepReport& report) {
   solver.begin_piece(piece, part);
-  if (rules.error_growth && solver.takes_accuracy())
-    ControlledPiece(solver, piece, part).step(dt, rules, report);
+  Tally tally;
+  const bool is_controlled = rules.error_growth && solver.takes_accuracy();
+  // Equal sweeps are what the user asked for, however many.
+  if (is_controlled || !solver.sweeps()) tally.most_work = rules.most_work * solver.islands(piece);
+  if (is_controlled)
+    ControlledPiece(solver, piece, part).step(dt, rules, tally);
   else
-    solver.advance(piece, dt / rules.substeps, rules.substeps, part, report);
+    solver.advance(piece, dt / rules.substeps, rules.substeps, part, tally);
+  if (tally.is_spent()) tally.capped_steps = 1;
+  report += tally;
 }
 
 }  // namespace plumb::detail

@@ -11,10 +11,12 @@ namespace plumb::detail {
 struct TimeRules {
   std::uint32_t substeps = 1;            ///< of a step; the fewest if an accuracy is set
   std::optional<double> error_growth{};  ///< m/s that the estimated error of positions may grow by
+  std::uint64_t most_work = 1;           ///< of an island in a step (Settings::most_work)
 };
 
 /// Takes a piece of a solver through a step of `dt` seconds: by equal substeps, or by as many as its error
-/// estimate asks for. Adds what it took to `report`.
+/// estimate asks for. Adds what it took to `report`. A piece whose work is spent takes the fewest substeps,
+/// each as simply as its solver can.
 void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRules& rules, unsigned part,
                    StepReport& report);
 

@@ -4,7 +4,7 @@
 
 namespace plumb::scenes {
 
-/// The clock of all measurements: it never goes back.
+/// All measurements read this clock, which never goes back.
 using Clock = std::chrono::steady_clock;
 
 inline double seconds_since(Clock::time_point start) {

@@ -39,7 +39,7 @@ OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), bes
     path_ = std::filesystem::canonical(path_);
     beside_ = path_;
   }
-  // A device or a pipe cannot be renamed onto: it would be gone.
+  // A device or a pipe would be gone if a file were renamed onto it.
   direct_ = std::filesystem::exists(path_, ignored) && !std::filesystem::is_regular_file(path_, ignored);
   if (!direct_) beside_ += ".partial-" + std::to_string(::getpid());
   errno = 0;

@@ -7,10 +7,10 @@
 
 namespace plumb::scenes {
 
-/// The whole file. Throws InputError with the system's reason.
+/// Reads the whole file. Throws InputError with the system's reason.
 std::string read_file(const std::filesystem::path& path);
 
-/// A file that appears under its name only once it is complete: it is written beside, and renamed by
+/// An output file appears under its name only once it is complete: it is written beside, and renamed by
 /// commit(). Without a commit nothing is left behind, and what stood there before is untouched. A device or a
 /// pipe, such as /dev/stdout, is written straight away.
 class OutputFile {
@@ -22,7 +22,7 @@ class OutputFile {
   OutputFile& operator=(OutputFile&&) = delete;
 
   void write(std::string_view text) { stream_ << text; }
-  /// Throws InputError if anything written did not reach the disk.
+  /// Finishes the file. Throws InputError if anything written did not reach the disk.
   void commit();
 
  private:
@@ -32,7 +32,7 @@ class OutputFile {
   bool direct_ = false;
 };
 
-/// OutputFile, write and commit in one go.
+/// Opens, writes and commits an OutputFile in one go.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace plumb::scenes

@@ -10,15 +10,15 @@
 
 namespace plumb::scenes {
 
-/// A JSON value that is to be written, its members in the order in which they were added. nlohmann's library
-/// spells numbers and strings, but json.cpp alone includes it: it takes seconds to compile.
+/// This is a JSON value that is to be written. It keeps members in the order in which they were added.
+/// nlohmann's library spells numbers and strings. As it takes seconds to compile, json.cpp alone includes it.
 class Json {
  public:
   struct Member;
 
   Json(std::nullptr_t = nullptr);
   Json(bool value);
-  /// JSON has no NaN and no infinity; they are written as null.
+  /// JSON has no NaN and no infinity, so they are written as null.
   Json(double value);
   template <std::signed_integral Number>
   Json(Number value) : Json(whole(static_cast<std::int64_t>(value))) {}
@@ -27,10 +27,10 @@ class Json {
   Json(std::string_view value);
   Json(const std::string& value) : Json(std::string_view(value)) {}
   Json(const char* value) : Json(std::string_view(value)) {}
-  /// Null if there is none.
+  /// Makes a value, or null if there is none.
   template <class Value>
   Json(const std::optional<Value>& value) : Json(value ? Json(*value) : Json()) {}
-  /// An object.
+  /// Makes an object.
   Json(std::initializer_list<Member> members);
 
   static Json array();
@@ -45,16 +45,16 @@ class Json {
     return array_of<std::initializer_list<double>>(numbers);
   }
 
-  /// The member of that name; a new one is null. What was null becomes an object.
+  /// Returns the member of that name. A new one is null, and what was null becomes an object.
   Json& operator[](std::string_view key);
   /// Takes over all members of another object.
   void update(const Json& object);
-  /// What was null becomes an array.
+  /// Appends an item. What was null becomes an array.
   void push_back(Json item);
 
-  /// On one line.
+  /// Returns the text on one line.
   std::string dump() const;
-  /// Every item and member on a line of its own, indented by two spaces.
+  /// Returns the text with every item and member on a line of its own, indented by two spaces.
   std::string dump_indented() const;
 
  private:
@@ -63,12 +63,12 @@ class Json {
   static Json whole(std::int64_t value);
   static Json whole(std::uint64_t value);
   static Json scalar(std::string text);
-  /// `indent`: spaces before the value's end; none for one line.
+  /// Appends the text. `indent` is the number of spaces before the value's end, or none for one line.
   void append_to(std::string& out, std::optional<std::size_t> indent) const;
 
   Kind kind_ = Kind::null;
-  std::string text_;               ///< of a scalar
-  std::vector<std::string> keys_;  ///< of an object, as many as items
+  std::string text_;               ///< Text of a scalar.
+  std::vector<std::string> keys_;  ///< Keys of an object, as many as items.
   std::vector<Json> items_;
 };
 

@@ -14,7 +14,15 @@ inline void append_item(std::string& list, std::string_view item, std::string_vi
   list += item;
 }
 
-/// The items of a list such as "a,b": one for an empty text, and none after a comma that ends it.
+/// Joins items into one list.
+inline std::string joined(const std::vector<std::string>& items, std::string_view separator = ", ") {
+  std::string list;
+  for (const std::string& item : items) append_item(list, item, separator);
+  return list;
+}
+
+/// Returns the items of a list such as "a,b". An empty text has one, and a comma that ends it has none after
+/// it.
 inline std::vector<std::string> split_list(std::string_view list) {
   std::vector<std::string> out;
   do {
@@ -25,8 +33,8 @@ inline std::vector<std::string> split_list(std::string_view list) {
   return out;
 }
 
-/// Those of `all` whose names, by name_of(item), are in a list such as "a,b", in its order. Throws
-/// std::invalid_argument on a word that names none, with what there is.
+/// Returns those of `all` whose names, by name_of(item), are in a list such as "a,b", in its order. Throws
+/// std::invalid_argument on a word that names none, with the words that do.
 template <class Item, class NameOf>
 std::vector<Item> named(std::string_view list, const std::vector<Item>& all, NameOf name_of) {
   std::vector<Item> out;

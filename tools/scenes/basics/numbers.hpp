@@ -10,8 +10,8 @@
 
 namespace plumb::scenes {
 
-/// The number that the whole of `text` spells, or none: no blanks, no trailing letters, no infinity, no NaN.
-/// The same in every locale.
+/// Returns the number that the whole of `text` spells, or none. Blanks, trailing letters, infinity and NaN
+/// are refused. It is the same in every locale.
 template <class Number>
 std::optional<Number> parse_number(std::string_view text) {
   Number value{};
@@ -23,7 +23,7 @@ std::optional<Number> parse_number(std::string_view text) {
   return value;
 }
 
-/// Seconds, as a decimal or a fraction: "0.25" or "1/60".
+/// Reads seconds, as a decimal or a fraction: "0.25" or "1/60".
 inline std::optional<double> parse_fraction(std::string_view text) {
   const std::size_t slash = text.find('/');
   if (slash == std::string_view::npos) return parse_number<double>(text);
@@ -33,14 +33,14 @@ inline std::optional<double> parse_fraction(std::string_view text) {
   return *above / *below;
 }
 
-/// Appends `value` with 17 significant digits (printf's %.17g): reading it back gives the same bits.
+/// Appends `value` with 17 significant digits (printf's %.17g), so that reading it back gives the same bits.
 inline void append_exact(std::string& out, double value) {
   char buffer[32];
   const auto result = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 17);
   out.append(buffer, result.ptr);
 }
 
-/// `value` with at most `digits` significant digits, for people.
+/// Spells `value` with at most `digits` significant digits, for people.
 inline std::string short_number(double value, int digits = 6) {
   char buffer[40];
   const auto result =
@@ -48,8 +48,8 @@ inline std::string short_number(double value, int digits = 6) {
   return {buffer, result.ptr};
 }
 
-/// `value` with at least `digits` significant digits and, unless it is tiny, without an exponent: for columns
-/// that people compare.
+/// Spells `value` with at least `digits` significant digits, for columns that people compare. It has no
+/// exponent unless it is tiny.
 inline std::string plain_number(double value, int digits = 3) {
   if (value == 0 || !std::isfinite(value) || std::abs(value) < 1e-4) return short_number(value, digits);
   const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));

@@ -7,7 +7,7 @@
 
 #include "plumb/error.hpp"
 
-/// What generators and runs ask of their parameters; all throw InputError.
+/// Generators and runs ask this of their parameters. All throw InputError.
 namespace plumb::scenes {
 
 inline void require_positive(double value, const char* name) {
@@ -20,7 +20,7 @@ inline void require_at_least(std::uint64_t value, std::uint64_t least, const cha
   if (value < least) throw InputError(std::string(name) + " must be at least " + std::to_string(least));
 }
 
-/// Particle ids are 32 bits wide; the limit leaves room for as many rods.
+/// Particle ids are 32 bits wide, and the limit leaves room for as many rods.
 inline void require_countable(std::uint64_t particles) {
   if (particles > std::numeric_limits<std::int32_t>::max()) {
     throw InputError("that is " + std::to_string(particles) +

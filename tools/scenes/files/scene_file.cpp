@@ -36,7 +36,7 @@ void read_rods(const Object& top, Scene& scene) {
                           .linear_drag = number_or(item, "linear_drag", 0),
                           .orthogonal_drag = number_or(item, "orthogonal_drag", 0)});
     if (item.find("inertia")) scene.rods.back().inertia = number(item, "inertia");
-    // In a Scene 0 stands for "as far as the ends are apart"; in a file that is said by leaving the key out.
+    // In a Scene 0 stands for "as far as the ends are apart". A file says that by leaving the key out.
     if (item.find("length") && scene.rods.back().length == 0) {
       refuse(item.path_of("length"),
              "must be positive; leave it out for the distance between the two particles");

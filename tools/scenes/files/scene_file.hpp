@@ -6,7 +6,7 @@
 
 #include "plumb/scene.hpp"
 
-/// Scene files: JSON, version 1, SI units.
+/// Scene files are JSON, version 1, in SI units.
 ///
 ///   {"plumb": 1, "gravity": [0, -9.81, 0], "drag": 0, "joint_drag": 0,
 ///    "particles": [{"position": [x, y, z], "velocity": [x, y, z], "mass": 1, "fixed": false,
@@ -25,20 +25,20 @@
 ///               "friction": 0.5, "restitution": 0}, ...]}
 ///
 /// A point is the number of a particle, or {"particles": [0, 1], "weights": [0.5, 0.5]} with up to four of
-/// each; a direction is {"from": point, "to": point}.
+/// each. A direction is {"from": point, "to": point}.
 ///
-/// "plumb", "particles" with "position", and "rods" with "a" and "b" must be there, and of what is in the
-/// lists that follow the particles, points, directions, a body's "mass", "center" and "inertia" but for its
-/// products, "radius", "normal", "center" and "half_size"; a capsule without "b" is a sphere. The rest
-/// defaults as in Scene. Units: those of Scene, which are m, kg, s and rad. Any other key is an error.
+/// "plumb", "particles" with "position", and "rods" with "a" and "b" must be there. Items of the other lists
+/// must have their particles, points and directions, "radius", "normal", "center" and "half_size". A body
+/// must have its "mass", "center" and "inertia", but not its products. A capsule without "b" is a sphere. All
+/// else defaults as in Scene, and units are those of Scene: m, kg, s and rad. Any other key is an error.
 namespace plumb::scenes {
 
-/// `name` begins every message. Throws InputError with the line of what is not JSON, the path of what is
-/// unknown, missing or mistyped (such as particles[3].mass), or what validate() says.
+/// Reads a scene. `name` begins every message. Throws InputError with the line of what is not JSON, the path
+/// of what is unknown, missing or mistyped (such as particles[3].mass), or what validate() says.
 Scene parse_scene(std::string_view json, std::string_view name);
 
-/// One particle, rod or other item to a line; empty lists, fields that hold their default and, of points,
-/// particles without weight are left out. Reading it back gives the same bits.
+/// Writes a scene, one particle, rod or other item to a line. It leaves out empty lists, fields that hold
+/// their default and, of points, particles without weight. Reading it back gives the same bits.
 std::string format_scene(const Scene& scene);
 
 Scene read_scene(const std::filesystem::path& path);

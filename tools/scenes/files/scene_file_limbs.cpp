@@ -121,7 +121,7 @@ void read_list(const Object& top, const char* key, std::vector<Item>& out,
   for (std::size_t i = 0; i < list.size(); ++i) out.push_back(read(list[i], list.path_of(i)));
 }
 
-using scenes::to_json;  // of Vec3, which those below would hide
+using scenes::to_json;  // It is that of Vec3, which those below would hide.
 
 /// Slots with weight 0 are left out.
 Json to_json(const Point& p) {

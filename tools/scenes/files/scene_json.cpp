@@ -15,13 +15,13 @@ std::string join(const std::string& path, const char* key) {
   return path.empty() ? key : path + "." + key;
 }
 
-/// Such as "an array", for messages.
+/// Names a kind of value for messages, such as "an array".
 std::string kind_of(const json& value) {
   const std::string name = value.type_name();
   return name == "object" || name == "array" ? "an " + name : name == "null" ? name : "a " + name;
 }
 
-/// A number as it is, anything else by its kind.
+/// Spells a number as it is, and anything else by its kind.
 std::string text_of(const json& value) {
   return value.is_number() ? value.dump() : kind_of(value);
 }

@@ -10,7 +10,7 @@
 
 #include "plumb/vec3.hpp"
 
-/// JSON that is read, with the path of each value for messages. All functions throw InputError with it. Only
+/// These functions read JSON and keep the path of each value for messages. All throw InputError with it. Only
 /// scene_json.cpp includes nlohmann's library, which takes seconds to compile.
 namespace plumb::scenes {
 
@@ -18,11 +18,11 @@ using nlohmann::json;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason);
 
-/// Hands the value of `text` to `read`. The library keeps the last of two equal keys; here that is an error,
-/// since one of the two would be ignored silently.
+/// Hands the value of `text` to `read`. Two equal keys are an error. The library would keep the last of them
+/// and ignore the other silently.
 void read_json(std::string_view text, const std::function<void(const json&)>& read);
 
-/// An object whose keys are all known; `path` names it in messages ("" is the whole file).
+/// An object has keys that are all known. Messages name it by `path`, where "" is the whole file.
 class Object {
  public:
   Object(const json& value, std::string path, std::initializer_list<const char*> known);
@@ -49,15 +49,15 @@ bool truth_or(const Object& object, const char* key, bool otherwise);
 std::uint32_t particle_id(const json& value, const std::string& path);
 std::uint32_t particle_id(const Object& object, const char* key);
 
-/// A count, to 64 bits.
+/// Reads a count of up to 64 bits.
 std::uint64_t count(const Object& object, const char* key);
 
-/// Refuses all but `expected`, the version of the format.
+/// Refuses all versions of the format but `expected`.
 void require_version(const Object& object, const char* key, std::uint64_t expected);
 
 bool is_object(const json& value);
 
-/// An array, with the path of each item, such as rods[3].
+/// Reads an array, with the path of each item, such as rods[3].
 class Array {
  public:
   Array(const json& value, std::string path);

@@ -5,7 +5,7 @@
 #include "plumb/vec3.hpp"
 #include "scenes/basics/json.hpp"
 
-/// The layout of a scene file that is written: a list's items one to a line.
+/// A scene file that is written has a list's items one to a line.
 namespace plumb::scenes {
 
 inline Json to_json(Vec3 v) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t columns = 8;
 
-/// Walks the lines of a text without copying it and speaks of the present one in errors.
+/// Walks the lines of a text without copying it, and names the present one in errors.
 class Lines {
  public:
   Lines(std::string_view text, std::string_view name) : rest_(text), name_(name) {}

@@ -37,7 +37,7 @@ Scene make_stick_box(const StickBoxShape& shape) {
                                .mass = 1});
   scene.rods.push_back({.a = 0, .b = 1, .length = shape.length});
   scene.capsules.push_back({.a = point_at(0), .b = point_at(1), .radius = radius, .surface = surface});
-  // Walls stand back by the stick's radius, so that it is the particles that stay between 0 and the size.
+  // Walls stand back by the stick's radius, so that its particles stay between 0 and the size.
   for (const Vec3 normal : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
     scene.planes.push_back({.normal = normal, .offset = -radius, .surface = surface});
     scene.planes.push_back({.normal = -1.0 * normal, .offset = -(shape.size + radius), .surface = surface});

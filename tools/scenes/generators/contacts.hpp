@@ -2,12 +2,12 @@
 
 #include "plumb/scene.hpp"
 
-/// Small scenes in which things touch.
+/// These are small scenes in which things touch.
 namespace plumb::scenes {
 
-/// The thesis's stick in a box (section 3.2.3, figure 3.6, units as metres): two particles of 1 kg, 100 m
-/// apart (eq. 3.7), between six planes that keep their places from 0 to 500 m (eq. 3.8). Thrown from the
-/// middle of the box, turning.
+/// This is the thesis's stick in a box (section 3.2.3, figure 3.6), with its units as metres. Two particles
+/// of 1 kg are 100 m apart (eq. 3.7). Six planes keep their places from 0 to 500 m (eq. 3.8). The stick is
+/// thrown from the middle of the box and turns.
 struct StickBoxShape {
   double length = 100;       ///< Length of the stick, in m.
   double size = 500;         ///< Side of the box, in m.
@@ -17,7 +17,7 @@ struct StickBoxShape {
   double friction = 0.2;
 };
 
-/// A ball above a plane, at rest.
+/// A ball rests above a plane.
 struct DropShape {
   double height = 1;  ///< Height of its lowest point above the plane, in m.
   double radius = 0.1;

@@ -4,10 +4,10 @@
 
 #include "plumb/scene.hpp"
 
-/// Scenes that tests, benchmarks and the command share, so that each is built in one place.
+/// Tests, benchmarks and the command share these scenes, so that each is built in one place.
 namespace plumb::scenes {
 
-/// A chain of `links` massless rods, straight along +x from a fixed particle at the origin.
+/// A chain has `links` massless rods, straight along +x from a fixed particle at the origin.
 struct ChainShape {
   std::uint32_t links = 20;
   double length = 0.1;  ///< Length of every rod, in m.
@@ -15,18 +15,19 @@ struct ChainShape {
   double end_mass = 1;  ///< Mass of the last, in kg.
 };
 
-/// A square net in the x-y plane that hangs from its two fixed upper corners. Particles row-major from the
-/// top left one at the origin, rods first along x then along y within each particle.
+/// A square net in the x-y plane hangs from its two fixed upper corners. Particles are numbered row by row
+/// from the top left one at the origin. Rods are numbered first along x, then along y, within each particle.
 struct NetShape {
   std::uint32_t width = 32;   ///< Particles along x.
   std::uint32_t height = 32;  ///< Particles along y.
   double spacing = 0.1;       ///< Distance of neighbours, in m.
   double mass = 1;            ///< Mass of every movable particle, in kg.
-  /// 1 holds it along its whole first row, and starts it level, in the x-z plane.
+  /// 1 holds the net along its whole first row, and starts it level, in the x-z plane.
   std::uint32_t level = 0;
 };
 
-/// Separate chains side by side in z, each with a fixed root: particles and rods chain after chain.
+/// Separate chains lie side by side in z, each with a fixed root. Particles and rods are numbered chain after
+/// chain.
 struct EnsembleShape {
   std::uint32_t chains = 1000;
   std::uint32_t links = 32;
@@ -38,17 +39,17 @@ struct EnsembleShape {
   std::uint64_t seed = 1;  ///< Seed of that variation; without variation every chain is the same.
 };
 
-/// A ring in the x-y plane, a regular polygon of massless rods, hanging from a fixed particle at the origin,
-/// its highest. Particles and rods go around.
+/// A ring in the x-y plane is a regular polygon of massless rods. It hangs from a fixed particle at the
+/// origin, its highest. Particles and rods are numbered around it.
 struct RingShape {
   std::uint32_t links = 24;
   double length = 0.1;  ///< Length of every rod, in m.
   double mass = 1;      ///< Mass of every movable particle, in kg.
 };
 
-/// A truss along +x from x = 0, where its end is fixed: flat in the x-y plane with two chords, or with three
-/// around an equilateral triangle, upper side level, which is rigid. Particles station after station; rods
-/// within each station, then those to the next.
+/// A truss leads along +x from x = 0, where its end is fixed. With two chords it is flat in the x-y plane.
+/// With three it is rigid, around an equilateral triangle with its upper side level. Particles are numbered
+/// station after station; rods within each station, then to the next.
 struct TrussShape {
   std::uint32_t bays = 10;
   std::uint32_t chords = 3;  ///< Chords, 2 or 3.
@@ -59,7 +60,7 @@ struct TrussShape {
   double mass = 1;       ///< Mass of every movable particle, in kg.
 };
 
-/// A random graph in a cube: particles at random places, the nearest ones tied together.
+/// A random graph lies in a cube. Its particles are at random places, and the nearest ones are tied together.
 struct GraphShape {
   std::uint32_t particles = 1000;
   double degree = 4;     ///< Mean number of rods at a particle.
@@ -76,23 +77,25 @@ Scene make_ensemble(const EnsembleShape& shape);
 Scene make_ring(const RingShape& shape);
 Scene make_truss(const TrussShape& shape);
 
-/// Connected but for rare stragglers, masses from 0.5 to 2 kg, about one particle in fifty fixed (the
-/// uppermost that no rod ties to another fixed one). Every rod is as long as its ends are apart. The same
-/// seed gives the same scene with every compiler: nothing here depends on the standard library's
-/// distributions.
+/// Makes a graph that is connected but for rare stragglers, with masses from 0.5 to 2 kg. About one particle
+/// in fifty is fixed: the uppermost that no rod ties to another fixed one. Every rod is as long as its ends
+/// are apart. The same seed gives the same scene with every compiler. Nothing here depends on the standard
+/// library's distributions.
 Scene make_graph(const GraphShape& shape);
 
-/// The thesis's experiment (section 4.4): five links, the last particle of double mass.
+/// Makes the thesis's experiment (section 4.4): five links, the last particle of double mass.
 Scene make_thesis5();
 
-/// Five uniform rods of 0.2 m in a row, straight along +x from a fixed particle: 5 kg each, the last 10 kg.
+/// Makes five uniform rods of 0.2 m in a row, straight along +x from a fixed particle. They have 5 kg each,
+/// the last 10 kg.
 Scene make_rods5();
 
-/// Six uniform rods from a fixed particle, branching twice, with a point mass on two of the joints.
+/// Makes six uniform rods from a fixed particle. They branch twice, with a point mass on two of the joints.
 Scene make_tree();
 
-/// The thesis's humanoid as a tree of uniform rods: nine limbs of the medium body (figure 4.9 and appendix B,
-/// inches and pounds), level along +x from the fixed top of the head, legs 30 degrees to either side.
+/// Makes the thesis's humanoid as a tree of uniform rods: nine limbs of the medium body (figure 4.9 and
+/// appendix B, inches and pounds). It lies level along +x from the fixed top of the head, with legs 30
+/// degrees to either side.
 Scene make_humanoid();
 
 }  // namespace plumb::scenes

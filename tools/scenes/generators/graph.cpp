@@ -1,5 +1,5 @@
-// make_graph: particles strewn over a cube, joined by the shortest links that connect them, then by the next
-// shortest until the mean degree is reached.
+// make_graph strews particles over a cube. It joins them by the shortest links that connect them, then by the
+// next shortest until the mean degree is reached.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -16,7 +16,7 @@ namespace plumb::scenes {
 namespace {
 
 struct Pair {
-  double squared;  ///< m², distance
+  double squared;  ///< Distance squared, in m².
   std::uint32_t a;
   std::uint32_t b;
   friend bool operator<(const Pair& l, const Pair& r) {
@@ -24,7 +24,8 @@ struct Pair {
   }
 };
 
-/// Particles sorted into cubic cells of side `reach`, so that all within reach lie in the 27 cells around.
+/// Particles are sorted into cubic cells of side `reach`, so that all within reach lie in the 27 cells
+/// around.
 class Cells {
  public:
   Cells(double side, double reach)
@@ -57,8 +58,8 @@ class Cells {
   std::vector<std::vector<std::uint32_t>> members_;
 };
 
-/// Random places, none closer to another than a fifth of the spacing: a rod of nearly no length would say
-/// more about rounding than about the method.
+/// Returns random places, none closer to another than a fifth of the spacing. A rod of nearly no length would
+/// say more about rounding than about the method.
 std::vector<Vec3> strew(const GraphShape& shape, double side, std::mt19937_64& random) {
   const double least = 0.2 * shape.spacing;
   Cells cells(side, shape.spacing);
@@ -95,7 +96,8 @@ std::vector<Pair> pairs_within(const std::vector<Vec3>& places, double side, dou
   return pairs;
 }
 
-/// The spanning forest of shortest pairs (Kruskal), then the shortest of the rest until there are `count`.
+/// Returns the spanning forest of shortest pairs (Kruskal), then the shortest of the rest until there are
+/// `count`.
 std::vector<Pair> choose(const std::vector<Pair>& pairs, std::uint32_t particles, std::size_t count) {
   std::vector<std::uint32_t> parent(particles);
   std::iota(parent.begin(), parent.end(), 0u);
@@ -116,7 +118,8 @@ std::vector<Pair> choose(const std::vector<Pair>& pairs, std::uint32_t particles
   return chosen;
 }
 
-/// Fixes the uppermost particles, passing over those tied to a fixed one: no rod may have both ends fixed.
+/// Fixes the uppermost particles. It passes over those tied to a fixed one, since no rod may have both ends
+/// fixed.
 void fix_some(Scene& scene) {
   std::vector<std::vector<std::uint32_t>> tied(scene.particles.size());
   for (const Rod& rod : scene.rods) {
@@ -151,7 +154,7 @@ Scene make_graph(const GraphShape& shape) {
   if (!(shape.degree >= 0 && shape.degree <= 16)) throw InputError("degree must be from 0 to 16");
 
   std::mt19937_64 random(shape.seed);
-  // Whole spacings: std::cbrt and std::pow may differ in the last bit between C libraries.
+  // Spacings are whole numbers, since std::cbrt and std::pow may differ in the last bit between C libraries.
   double side = 1;
   while (side * side * side < shape.particles) ++side;
   side *= shape.spacing;

@@ -14,7 +14,7 @@
 namespace plumb::scenes {
 namespace {
 
-/// Where the particles of a figure at the origin are, in m.
+/// Returns where the particles of a figure at the origin are, in m.
 std::array<Vec3, 10> joints_of(const Build& build) {
   std::array<Vec3, 10> places{};
   for (std::size_t i = 0; i < limb_shapes.size(); ++i) {
@@ -51,10 +51,11 @@ void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>&
   }
 }
 
-/// How long a ball that flies through `target` with `velocity` can have been on its way, at most `longest`,
-/// if it was never lower than its radius.
+/// Returns how long a ball that flies through `target` with `velocity` can have been on its way, in s. It is
+/// at most `longest`, and the ball was never lower than its radius.
 double time_above_ground(Vec3 target, Vec3 velocity, Vec3 gravity, double radius, double longest) {
-  // Its height was target.y - velocity.y t + gravity.y t^2 / 2; the first t > 0 at which that is the radius.
+  // Its height was target.y - velocity.y t + gravity.y t^2 / 2. The way begins at the first t > 0 at which
+  // that is the radius.
   const double a = gravity.y / 2, b = -velocity.y, c = target.y - radius;
   if (c <= 0) return 0;
   double t = longest;
@@ -134,7 +135,7 @@ Scene make_humanoid(const HumanoidShape& shape) {
 }
 
 Scene make_crowd(const CrowdShape& shape) {
-  constexpr double apart = 2.5;  // m
+  constexpr double apart = 2.5;  // Distance of neighbouring figures, in m.
   require_at_least(shape.humanoids, 1, "humanoids");
   if (shape.hit > shape.humanoids)
     throw InputError("hit must be at most the number of humanoids, " + std::to_string(shape.humanoids));
@@ -150,7 +151,7 @@ Scene make_crowd(const CrowdShape& shape) {
     append_figure(scene, build, joints, place(i), {.friction = shape.friction});
   for (std::uint64_t k = 0; k < shape.hit; ++k) {
     const Vec3 stands = place(k * shape.humanoids / shape.hit);
-    // From half way to the next one, which the ball then does not touch.
+    // The ball starts half way to the next figure, which it then does not touch.
     throw_ball(scene, {.speed = shape.speed, .friction = shape.friction, .distance = apart / 2},
                stands + torso_center({.body = shape.body}));
   }

@@ -5,21 +5,22 @@
 
 #include "plumb/scene.hpp"
 
-/// The thesis's humanoid (section 4.5, figure 4.9, appendix B), standing, and the ball that is thrown at it.
+/// These functions make the thesis's humanoid (section 4.5, figure 4.9, appendix B), standing, and the ball
+/// that is thrown at it.
 namespace plumb::scenes {
 
-/// Units of the thesis's numbers. Masses are in pounds (figure 4.9). Lengths have no unit there; as inches
-/// they make a figure as tall as a person, so plumb takes them as inches.
+/// These are the units of the thesis's numbers. Masses are in pounds (figure 4.9). Lengths have no unit
+/// there. As inches they make a figure as tall as a person, so plumb takes them as inches.
 inline constexpr double inch = 0.0254;       ///< In m.
 inline constexpr double pound = 0.45359237;  ///< In kg.
 
-/// The thesis's three builds (figure 4.9); none is the frontier's tree, which does not stand.
+/// The thesis has three builds (figure 4.9). None is the frontier's tree, which does not stand.
 enum class BodyType : std::uint8_t { none, thin, medium, wide };
 std::string_view to_string(BodyType);
 
-/// 1/s, Scene::joint_drag of figures that stand. Limbs on two points with joints that nothing brakes swing
-/// for ever; the thesis's came to rest because its relaxation loses energy by its error. A passive human
-/// joint does it by friction: so do these, and the rate does not depend on the step.
+/// Figures that stand have this Scene::joint_drag, in 1/s. Limbs on two points swing for ever if nothing
+/// brakes their joints. The thesis's came to rest because its relaxation loses energy by its error. A passive
+/// human joint does it by friction. So do these joints, and the rate does not depend on the step.
 inline constexpr double usual_joint_drag = 3;
 
 struct HumanoidShape {
@@ -29,26 +30,28 @@ struct HumanoidShape {
   std::uint32_t arms = 0;                ///< 1 makes the fuller figure of humanoid_arms.hpp.
 };
 
-/// Without a body make_humanoid() of generators.hpp. With one, nine limbs as capsules around rods, from the
-/// head down, standing on the plane y = 0 above the origin, front towards +x, legs apart along z: free,
-/// asleep, the feet's balls just touching the ground. Throws InputError on a friction or a joint drag that is
-/// no number from 0 on, or on one of them or arms that nothing would have.
+/// Without a body it makes make_humanoid() of generators.hpp. With one, nine limbs are capsules around rods,
+/// from the head down. The figure stands free and asleep on the plane y = 0 above the origin, and its feet's
+/// balls just touch the ground. Its front is towards +x, and its legs are apart along z. Throws InputError on
+/// a friction or a joint drag that is no number from 0 on. It also throws on one of them, or arms, that
+/// nothing would have.
 Scene make_humanoid(const HumanoidShape& shape);
 
-/// Many that stand in a square field, 2.5 m apart along x and z, on one plane.
+/// A crowd stands in a square field, 2.5 m apart along x and z, on one plane.
 struct CrowdShape {
   std::uint32_t humanoids = 10000;
-  std::uint32_t hit = 100;  ///< So many of them, evenly strewn, have a ball flying at them.
+  std::uint32_t hit = 100;  ///< So many figures, evenly strewn, have a ball flying at them.
   BodyType body = BodyType::medium;
   double friction = 0.6;
   double joint_drag = usual_joint_drag;  ///< Scene::joint_drag, in 1/s.
   double speed = 10;                     ///< Speed of the balls, in m/s.
 };
-/// Humanoids first, one after another, then the balls. Equal figures are equal but for where they stand.
+/// Makes the humanoids first, one after another, then the balls. Figures of one build differ only in where
+/// they stand.
 Scene make_crowd(const CrowdShape& shape);
 
-/// A ball as a single particle. Mass and radius are the thesis's numbers (appendix B), taken as pounds and
-/// inches; elasticity is a slider there.
+/// A ball is a single particle. Mass and radius are the thesis's numbers (appendix B), taken as pounds and
+/// inches. Its elasticity is a slider there.
 struct Ball {
   double speed = 10;         ///< Speed where it meets its target, in m/s.
   Vec3 direction{-1, 0, 0};  ///< Direction of that velocity, of any length.
@@ -59,13 +62,13 @@ struct Ball {
   double distance = 80 * inch;  ///< Longest way that it flies, in m.
 };
 
-/// Adds the ball so that it flies freely through `target` (m), if nothing is in its way, with the speed and
-/// direction asked for. It starts `distance` away along its flight's direction, or later, so that it does not
-/// start below the ground y = 0. Returns its particle. Throws InputError naming the value that makes no
+/// Adds the ball so that it flies freely through `target` (m) with the speed and direction asked for, if
+/// nothing is in its way. It starts `distance` away along its flight's direction, or later, so that it does
+/// not start below the ground y = 0. Returns its particle. Throws InputError naming the value that makes no
 /// sense.
 std::uint32_t throw_ball(Scene& scene, const Ball& ball, Vec3 target);
 
-/// The middle of the upper torso of a figure at the origin, in m: where the ball is aimed.
+/// Returns the middle of the upper torso of a figure at the origin, in m, where the ball is aimed.
 Vec3 torso_center(const HumanoidShape& shape);
 
 }  // namespace plumb::scenes

@@ -11,18 +11,18 @@ namespace plumb::scenes {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr double apart = 10 * degree;                           ///< of the legs from the vertical
-constexpr double most_bent = 140 * degree;                      ///< of knees and elbows
-constexpr double tilt = 20 * degree;                            ///< see add_hinge()
-constexpr double hip_share = 0.6;                               ///< of the basin's radius, to either side
-constexpr double arm_length = 20 * inch;                        ///< of either half
-constexpr double arm_thickness = 0.8;                           ///< of the leg's radius
-constexpr double upper_arm_share = 0.28, forearm_share = 0.22;  ///< of the thigh's mass
-constexpr double shoulder_drop = 4 * inch;                      ///< below the top of the torso
-constexpr double shoulder_gap = 0.5 * inch;                     ///< between arm and torso
+constexpr double apart = 10 * degree;       ///< Angle of the legs from the vertical.
+constexpr double most_bent = 140 * degree;  ///< Largest angle of knees and elbows.
+constexpr double tilt = 20 * degree;        ///< Angle that add_hinge() explains.
+constexpr double hip_share = 0.6;           ///< Share of the basin's radius, to either side.
+constexpr double arm_length = 20 * inch;    ///< Length of either half, in m.
+constexpr double arm_thickness = 0.8;       ///< Share of the leg's radius.
+constexpr double upper_arm_share = 0.28, forearm_share = 0.22;  ///< Shares of the thigh's mass.
+constexpr double shoulder_drop = 4 * inch;   ///< Distance below the top of the torso, in m.
+constexpr double shoulder_gap = 0.5 * inch;  ///< Distance between arm and torso, in m.
 const Vec3 front{1, 0, 0};
 
-/// A straight limb with its size in m and kg.
+/// A straight limb has its size in m and kg.
 struct Cylinder {
   Vec3 from{}, to{};
   double radius = 0, mass = 0;
@@ -31,9 +31,9 @@ struct Cylinder {
   Vec3 axis() const { return (1 / length()) * (to - from); }
 };
 
-/// Of a solid cylinder wherever its axis points: across (1 - n nᵀ) + along n nᵀ.
+/// Returns the inertia of a solid cylinder wherever its axis points: across (1 - n nᵀ) + along n nᵀ.
 MassProperties properties_of(const Cylinder& c) {
-  const Inertia own = solid_cylinder(c.mass, c.radius, c.length()).inertia;  // along x
+  const Inertia own = solid_cylinder(c.mass, c.radius, c.length()).inertia;  // Its axis lies along x.
   const double along = own.xx, across = own.yy, more = along - across;
   const Vec3 n = c.axis();
   return {.mass = c.mass,
@@ -60,7 +60,7 @@ class Figure {
     return body;
   }
 
-  /// A rod from one body to another, free to turn at both ends.
+  /// Adds a rod from one body to another, which is free to turn at both ends.
   void add_link(const Cylinder& c, std::uint32_t above, std::uint32_t below) {
     const auto first = static_cast<std::uint32_t>(scene_.particles.size());
     scene_.particles.push_back({.position = c.from});
@@ -80,9 +80,9 @@ class Figure {
     add_spherical(scene_, point_on_body(scene_, a, position), point_on_body(scene_, b, position));
   }
 
-  /// Joins a lower limb to a straight upper one so that it bends towards `forward` (of length one, across
-  /// both), from straight to most_bent. The angle that is held is that to a direction of the upper limb
-  /// tilted the other way, because angles near 0 and pi have no good derivative.
+  /// Joins a lower limb to a straight upper one so that it bends towards `forward`, from straight to
+  /// most_bent. `forward` has length one and lies across both. The angle that is held is to a direction of
+  /// the upper limb tilted the other way. Angles near 0 and pi have no good derivative.
   void add_hinge(std::uint32_t upper, std::uint32_t lower, Vec3 position, Vec3 axis, Vec3 forward) {
     add_revolute(scene_, upper, lower, position, cross(axis, forward));
     const Vec3 tilted = std::cos(tilt) * axis - std::sin(tilt) * forward;
@@ -103,8 +103,8 @@ class Figure {
   Surface surface_;
 };
 
-/// Heights of the joints between the limbs of the trunk above y = 0, from the top of the head to the hips, in
-/// m.
+/// These are the heights of the joints between the limbs of the trunk above y = 0, from the top of the head
+/// to the hips, in m.
 std::array<double, 6> trunk_heights(const Build& build) {
   std::array<double, 6> heights{};
   heights[5] = build.radii[shin] * inch +

@@ -8,7 +8,7 @@
 namespace plumb::scenes {
 namespace {
 
-/// The particle that a place is, if it is one.
+/// Returns the particle that a place is, if it is one.
 std::optional<std::uint32_t> particle_of(const Point& point) {
   std::optional<std::uint32_t> found;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -60,7 +60,7 @@ std::vector<Limb> list_limbs(const Scene& scene) {
     const auto a = particle_of(capsule.a), b = particle_of(capsule.b);
     if (a && b) {
       covered.push_back(ordered(*a, *b));
-    } else {  // on a body or along a rod: those lie inside
+    } else {  // Places on a body or along a rod lie inside these.
       for (const std::uint32_t p : used)
         for (const std::uint32_t q : used)
           if (p < q) covered.push_back({p, q});

@@ -1,18 +1,27 @@
 #include "scenes/runs/report.hpp"
 
+#include "scenes/runs/counters.hpp"
+
 namespace plumb::scenes {
 namespace {
 
-/// Null where nothing can touch.
+/// Returns null where nothing can touch.
 Json contact_json(const RunResult& result) {
   if (result.info.linkages == 0) return nullptr;
-  return {{"points", result.total.contacts},
-          {"guarded_energy", result.total.guarded_energy},
-          {"fell_asleep", result.total.fell_asleep},
-          {"awake_islands", result.total.awake_islands}};
+  Json json;
+  add_counters(json, "contact", result.total);
+  return json;
 }
 
-/// The method that was asked for, or what `auto` picked, if it picked the same for all.
+Json skipped_json(const RunResult& result) {
+  Json json;
+  add_counters(json, "skipped", result.total);
+  json["per_rod_weights"] = result.info.skipped_per_rod_weights;
+  json["drag"] = result.info.skipped_drag;
+  return json;
+}
+
+/// Returns the method that was asked for, or what `auto` picked, if it picked the same for all.
 Method method_of(const RunPlan& plan, const RunResult& result) {
   const Method asked = plan.settings.method;
   return asked != Method::automatic      ? asked
@@ -67,8 +76,7 @@ Json settings_json(const RunPlan& plan) {
 
 Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& result,
                  const Machine& machine) {
-  const EnergyDrift& energy = result.energy;
-  return {
+  Json json{
       {"scene", scene},
       {"method", to_string(method_of(plan, result))},
       {"settings", settings_json(plan)},
@@ -83,18 +91,12 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"particles", result.info.particles},
       {"islands", result.info.islands},
       {"frames", result.frames},
-      {"steps", result.total.substeps},
-      {"sweeps", result.total.block_sweeps},
-      {"direct_substeps", result.total.direct_substeps},
-      {"newton", result.total.newton},
-      {"halvings", result.total.halvings},
-      {"fallbacks", result.total.fallbacks},
-      {"repeated_steps", result.total.repeated_steps},
-      {"unsolved", result.total.unsolved},
-      {"largest_gap", result.total.largest_gap},
-      {"rms_gap", result.total.rms_gap},
-      {"inaccurate_steps", result.total.inaccurate_steps},
-      {"rod_projections", result.total.rod_projections},
+  };
+  add_counters(json, "", result.total);
+  const EnergyDrift& energy = result.energy;
+  json.update({
+      {"stopped_by", to_string(result.total.stopped_by)},
+      {"skipped", skipped_json(result)},
       {"contact", contact_json(result)},
       {"wall_s", result.wall_s},
       {"ns_per_rod_frame", result.ns_per_rod_frame()},
@@ -105,18 +107,12 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
         {"final", energy.final / energy.range},
         {"drift_max", energy.drift_max / energy.range}}},
       {"position_error", errors_json(result)},
-      {"stopped_by", to_string(result.total.stopped_by)},
-      {"skipped",
-       {{"within_tolerance", result.total.skipped_within_tolerance},
-        {"per_rod_weights", result.info.skipped_per_rod_weights},
-        {"drag", result.info.skipped_drag}}},
-      {"mid_guarded", result.total.mid_guarded},
-      {"frozen_islands", result.total.frozen_islands},
       {"projected_position", result.info.projected_position},
       {"unprojected_islands", result.info.unprojected_islands},
       {"projected_velocity", result.info.projected_velocity},
       {"state_hash", hash_text(result.state_hash)},
-  };
+  });
+  return json;
 }
 
 Json world_json(const WorldInfo& info) {

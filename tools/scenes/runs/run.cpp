@@ -19,7 +19,7 @@ std::string seconds(double t) {
   return short_number(t, 12) + " s";
 }
 
-/// Frame number → time as the user wrote it: 0.1 is saved as 0.1, not as six sixtieths.
+/// Maps a frame's number to the time as the user wrote it: 0.1 is saved as 0.1, not as six sixtieths.
 std::map<std::uint64_t, double> frames_to_save(const RunObserver& observer, const RunPlan& plan,
                                                std::uint64_t frames) {
   std::map<std::uint64_t, double> out;
@@ -37,7 +37,7 @@ std::map<std::uint64_t, double> frames_to_save(const RunObserver& observer, cons
   return out;
 }
 
-/// Frame number → the truth at its end.
+/// Maps a frame's number to the truth at its end.
 std::map<std::uint64_t, const Frame*> frames_to_compare(std::span<const Frame> truth, const RunPlan& plan,
                                                         std::uint64_t frames, std::size_t particles) {
   std::map<std::uint64_t, const Frame*> out;
@@ -79,7 +79,7 @@ double RunResult::ns_per_rod_frame() const {
 std::optional<std::uint64_t> frame_at(double t, double dt) {
   const double frames = t / dt;
   const double nearest = std::round(frames);
-  // Times come as decimals, dt as a rounded fraction; both are good to some 1e-16 of themselves.
+  // Times come as decimals, dt as a rounded fraction. Both are good to some 1e-16 of themselves.
   if (!(nearest >= 0) || nearest > 1e15 || std::abs(frames - nearest) > 1e-6) return {};
   return static_cast<std::uint64_t>(nearest);
 }
@@ -138,7 +138,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
 
     const Stretch stretch = measure_stretch(scene, now.positions);
     squares += stretch.rms * stretch.rms;
-    // Written so that a value that is not a number wins and stays.
+    // It is written so that a value that is not a number wins and stays.
     if (!(stretch.max <= result.stretch.max) && !std::isnan(result.stretch.max)) {
       result.stretch.max = stretch.max;
       result.stretch.max_rod = stretch.max_rod;

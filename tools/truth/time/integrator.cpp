@@ -13,8 +13,8 @@ std::string text(Real value, int digits = 3) {
   return scenes::short_number(static_cast<double>(value), digits);
 }
 
-/// Stretch that rods may have once projected. Far above rounding, far below what is asked for: only rods
-/// that contradict each other exceed it.
+/// Rods may have at most this strain once projected. It is far above rounding and far below what is asked
+/// for, so that only rods that contradict each other exceed it.
 constexpr Real most_stretch = 1e-12L;
 
 }  // namespace
@@ -41,8 +41,8 @@ void Integrator::refuse_stretch(const WorstRod& worst) const {
                     "contradict each other");
 }
 
-/// Newton on the lengths with the factors at hand, then one solve for the velocities; returns by how much
-/// these changed at most, in m/s.
+/// Takes Newton steps on the lengths with the factors at hand, then solves once for the velocities. Returns
+/// by how much these changed at most, in m/s.
 Real Integrator::project() {
   Real before = std::numeric_limits<Real>::infinity();
   for (int round = 0; round < 5; ++round) {
@@ -94,7 +94,7 @@ void Integrator::step(Real h) {
 }
 
 void Integrator::advance_to(Real t) {
-  // Rounding of positions, seen in a rod; what the tolerance allows, seen in a rod.
+  // A strain comes from the rounding of positions, and from what the tolerance allows.
   Real shortest = model_.diagonal;
   for (const ModelRod& rod : model_.rods) shortest = std::min(shortest, rod.length);
   const Real allowed =
@@ -106,10 +106,10 @@ void Integrator::advance_to(Real t) {
     if (h >= left) {
       h = left;
     } else if (2 * h > left) {
-      h = left / 2;  // rather than a short last step
+      h = left / 2;  // Half of what is left avoids a short last step.
     }
-    // The series' own estimate looks at three coefficients; the rods, which it does not know of, look at all.
-    // What redundant rods that contradict each other by rounding had before, they may keep.
+    // The series' own estimate looks at three coefficients; the rods, which it does not know of, depend on
+    // all. Redundant rods that contradict each other by rounding may keep the strain that they had before.
     const Real most = allowed + 2 * worst_stretch(model_, state_.x).stretch;
     for (int halvings = 0;; ++halvings) {
       series_.evaluate(h, next_);

@@ -6,27 +6,29 @@
 
 namespace plumb::truth {
 
-/// Follows a model from a start. After every step, positions and velocities are put back onto the rods, by
-/// the least change weighted by mass, so that what each step leaves cannot add up. The model must outlive it.
+/// Follows a model from a start. After every step, positions and velocities are put back onto the rods by the
+/// least change weighted by mass. So what each step leaves cannot add up. The model must outlive the
+/// integrator.
 class Integrator {
  public:
   struct Settings {
     std::uint32_t order = 24;
-    Real tolerance = 1e-18L;  ///< of a step: see TaylorSeries::choose_step()
+    Real tolerance = 1e-18L;  ///< Tolerance of a step, see TaylorSeries::choose_step().
   };
 
-  /// Projects the start; see velocity_change(). Throws Unreachable if its rods cannot be kept.
+  /// Projects the start, see velocity_change(). Throws Unreachable if its rods cannot be kept.
   Integrator(const Model& model, State start, Settings settings);
 
-  /// Steps of chosen lengths, the last one to exactly `t`. Throws Unreachable if the steps shrink to nothing.
+  /// Takes steps of chosen lengths, the last one to exactly `t`. Throws Unreachable if the steps shrink to
+  /// nothing.
   void advance_to(Real t);
-  /// One step of h seconds, whatever the tolerance says.
+  /// Takes one step of h seconds, whatever the tolerance says.
   void step(Real h);
 
   const State& state() const { return state_; }
   Real time() const { return time_; }
   std::uint64_t steps() const { return steps_; }
-  /// m/s, by which the start's velocities were changed at most, because they pulled on rods.
+  /// Returns by how much the start's velocities were changed at most, in m/s, because they pulled on rods.
   Real velocity_change() const { return velocity_change_; }
   const ConstraintSolver& solver() const { return solver_; }
 
@@ -45,7 +47,7 @@ class Integrator {
   Real time_ = 0;
   Real velocity_change_ = 0;
   std::uint64_t steps_ = 0;
-  // Scratch.
+  // These members are scratch.
   std::vector<Point> none_, change_;
   std::vector<Real> c_, push_;
 };

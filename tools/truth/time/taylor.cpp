@@ -15,8 +15,8 @@ TaylorSeries::TaylorSeries(const Model& model, std::uint32_t order)
   push_.resize(model.rods.size());
 }
 
-/// What coefficients below k + 2 say: pulls into f_, lengths into c_, for the coefficient k of the
-/// acceleration.
+/// Adds what coefficients below k + 2 say for the coefficient k of the acceleration: pulls into f_, lengths
+/// into c_.
 void TaylorSeries::weigh_rods(std::size_t k) {
   const Real both = static_cast<Real>(k + 1) * static_cast<Real>(k + 2);
   for (std::size_t r = 0; r < model_.rods.size(); ++r) {
@@ -29,7 +29,7 @@ void TaylorSeries::weigh_rods(std::size_t k) {
     }
     f_[rod.b] += pull;
     f_[rod.a] -= pull;
-    // The sum reads the same from both ends: half of it, and half of its middle if it has one.
+    // The sum reads the same from both ends, so half of it is taken, and half of its middle if it has one.
     const std::size_t last = k + 2;
     Real sum = 0;
     for (std::size_t j = 1; 2 * j < last; ++j) {
@@ -40,7 +40,7 @@ void TaylorSeries::weigh_rods(std::size_t k) {
       const std::size_t m = last / 2;
       sum += (dx[m] * dx[m] + dy[m] * dy[m] + dz[m] * dz[m]) / 2;
     }
-    // The drag taken to the other side: see expand().
+    // The drag is taken to the other side, see expand().
     const Real along = dx[0] * dx[k + 1] + dy[0] * dy[k + 1] + dz[0] * dz[k + 1];
     c_[r] = model_.drag * static_cast<Real>(k + 1) * along - both * sum;
   }
@@ -74,7 +74,8 @@ void TaylorSeries::expand(const State& state, ConstraintSolver& solver) {
       f_[i] = k == 0 && !model_.fixed[i] ? model_.weight[i] * model_.gravity : Point{};
     }
     weigh_rods(k);
-    // Solved for a + drag v, whose mass-weighted value needs no drag: M need not be applied to v.
+    // The system is solved for a + drag v, whose mass-weighted value needs no drag. So M need not be applied
+    // to v.
     solver.solve(f_, c_, a_, push_);
     const Real both = static_cast<Real>(k + 1) * static_cast<Real>(k + 2);
     for (std::size_t i = 0; i < n; ++i) {

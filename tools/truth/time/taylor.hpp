@@ -8,26 +8,28 @@
 
 namespace plumb::truth {
 
-/// The motion as a power series in time, x(t) = sum of x_k t^k and mu(t) likewise. Every coefficient follows
-/// from the lower ones by the equations of motion and of the rods, with the one linear system that the
-/// first, the acceleration, needs: with d = x_b - x_a,
+/// The motion is a power series in time, x(t) = sum of x_k t^k, and so is mu(t). Every coefficient follows
+/// from the lower ones by the equations of motion and of the rods. All take the one linear system that the
+/// first, the acceleration, needs. With d = x_b - x_a it says
 ///
 ///   (k+1)(k+2) M x_{k+2} - J_0ᵀ mu_k = [M g if k = 0] - drag (k+1) M x_{k+1} + sum_{j<k} mu_j d_{k-j},
 ///   J_0 x_{k+2} = -1/2 sum_{j=1..k+1} d_j·d_{k+2-j}
 ///
-/// (recursion as in Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section I.8; the
-/// constraint differentiated as often as there are coefficients). The order is whatever is asked for.
+/// The recursion is that of Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section
+/// I.8. The constraint is differentiated as often as there are coefficients. The order is whatever is asked
+/// for.
 class TaylorSeries {
  public:
-  /// Positions to the power order + 1, velocities to the power order: a one-step method of that order.
+  /// Holds positions to the power order + 1 and velocities to the power order. So it is a one-step method of
+  /// that order.
   TaylorSeries(const Model& model, std::uint32_t order);
 
-  /// Around a state that keeps its rods, for which `solver` has been factored. O(n order²).
+  /// Expands around a state that keeps its rods, for which `solver` has been factored. It costs O(n order²).
   void expand(const State& state, ConstraintSolver& solver);
 
-  /// Seconds in which the last three coefficients add at most `tolerance`, to positions relative to the
-  /// diagonal and to velocities relative to the speed of the model (the choice of Jorba and Zou,
-  /// Experimental Mathematics 14, 2005, of the last two). Infinite if they vanish.
+  /// Returns the seconds in which the last three coefficients add at most `tolerance`. Positions are relative
+  /// to the diagonal, and velocities to the speed of the model. Jorba and Zou (Experimental Mathematics 14,
+  /// 2005) take the last two. It is infinite if they vanish.
   Real choose_step(Real tolerance) const;
 
   void evaluate(Real t, State& out) const;
@@ -39,13 +41,13 @@ class TaylorSeries {
   void weigh_rods(std::size_t k);
 
   const Model& model_;
-  std::size_t powers_;  ///< of t that are kept: order + 2
-  // By item, the powers side by side: convolutions run along them.
-  std::vector<Real> x_, y_, z_;     ///< of particles
-  std::vector<Real> dx_, dy_, dz_;  ///< of rods, from a to b
-  std::vector<Real> mu_;            ///< of rods
-  std::vector<Real> norm_;          ///< of each power, the largest over the particles
-  // Scratch.
+  std::size_t powers_;  ///< Powers of t that are kept: order + 2.
+  // An item's powers lie side by side, because convolutions run along them.
+  std::vector<Real> x_, y_, z_;     ///< Coefficients of particles.
+  std::vector<Real> dx_, dy_, dz_;  ///< Coefficients of rods, from a to b.
+  std::vector<Real> mu_;            ///< Multipliers of rods.
+  std::vector<Real> norm_;          ///< Norm of each power, the largest over the particles.
+  // These members are scratch.
   std::vector<Point> f_, a_;
   std::vector<Real> c_, push_;
 };

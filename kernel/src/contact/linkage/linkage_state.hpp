@@ -58,8 +58,8 @@ struct LinkageState : LinkageMotion {
 
 /// A box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable particle
 /// bring them within dt (s). It does not hold what goes farther: ends of shapes beyond the particles, anchors
-/// that move, and what forces, drives and hits within dt add.
-Bounds reach(const LinkageState& state, double speed, double dt);
+/// that move, and what forces, drives and hits within dt add. The margin (m) is that of contact.
+Bounds reach(const LinkageState& state, double speed, double dt, double margin);
 /// The fastest of its particles, m/s.
 double top_speed(const LinkageState& state);
 

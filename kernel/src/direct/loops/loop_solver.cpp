@@ -35,7 +35,7 @@ LoopSolver::LoopSolver(std::shared_ptr<LoopRules> rules, LoopState state)
 
 std::uint32_t LoopSolver::project_positions() {
   LoopState projected = state_;
-  StepReport not_of_a_step;
+  Tally not_of_a_step;
   LoopStepper(Gradient::new_, 0).advance(projected, projection_step, work_, not_of_a_step);
   if (not_of_a_step.unsolved == 0) state_.x = projected.x;
   if (work_.lines) work_.lines->forget();
@@ -63,7 +63,7 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
     rules_->stepper.project_velocities(state_, work_);
 }
 
-double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) {
+double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {
   double error = 0;
   for (std::uint32_t i = 0; i < count; ++i)
     error = std::max(error, rules_->stepper.advance(state_, h, work_, report));

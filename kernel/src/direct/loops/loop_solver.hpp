@@ -47,7 +47,7 @@ class LoopSolver final : public Solver {
 
   std::uint32_t islands(std::uint32_t) const override { return 1; }
   void begin_piece(std::uint32_t, unsigned) override;
-  double advance(std::uint32_t, double h, std::uint32_t count, unsigned, StepReport& report) override;
+  double advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) override;
 
   ErrorModel error_model() const override;
   double& best_substep(std::uint32_t) override { return best_substep_; }

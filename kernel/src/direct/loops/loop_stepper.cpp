@@ -173,7 +173,7 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
 }
 
 bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
-                          StepReport& counters) const {
+                          Tally& counters) const {
   const double theta = theta_of(gradient);
   LoopWorkspace::Factor& factor = work.factor(theta > 0);
   bool stale = !carried, converged = false;
@@ -207,7 +207,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
 }
 
 bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
-                        StepReport& counters) const {
+                        Tally& counters) const {
   const double theta = theta_of(gradient);
   if (work.lines) {
     begin(state, h, gradient, work);
@@ -267,7 +267,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
 }
 
 bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
-                               StepReport& counters) const {
+                               Tally& counters) const {
   const Gradient wanted = state.damped > 0 ? Gradient::new_ : gradient_;
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
@@ -280,9 +280,9 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
       if (gradient != wanted) attempts.fell_back = true;
       return true;
     }
-    if (wanted == Gradient::new_ || depth < attempts.halvings) break;
+    if (wanted == Gradient::new_ || (depth < attempts.halvings && !counters.is_spent())) break;
   }
-  if (depth == attempts.halvings) return false;
+  if (depth == attempts.halvings || counters.is_spent()) return false;
   ++counters.halvings;
   return advance_part(state, h / 2, depth + 1, attempts, work, counters) &&
          advance_part(state, h / 2, depth + 1, attempts, work, counters);
@@ -293,7 +293,7 @@ std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
   return pieces_of(largest_share_ * h / state.longest);
 }
 
-double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const {
+double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
   work.saved = state.motion();
   const bool is_damped = state.damped > 0;
   Attempts attempts{.halvings = is_damped ? damped_halvings : most_halvings, .left = 0};
@@ -320,7 +320,7 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Ste
   return std::numeric_limits<double>::infinity();
 }
 
-void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const {
+void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
   ++counters.unsolved;
   begin(state, h, Gradient::new_, work);
   measure_rods(state, work);

@@ -88,7 +88,7 @@ class LoopStepper {
   ///
   /// It allocates nothing, but the first time that gradient old with lumped masses falls back or lines do not
   /// lead to a solution.
-  double advance(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const;
+  double advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
   /// Says how many pieces a substep is cut into. Each piece has all shares.
   std::uint32_t cuts(const LoopState& state, double h) const;
@@ -104,10 +104,10 @@ class LoopStepper {
   void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// Iterates with the factor of an earlier substep or not. If that does not converge, mu is as it was.
   bool iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
-               StepReport& counters) const;
+               Tally& counters) const;
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
-  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, StepReport& counters) const;
-  void compromise(LoopState& state, double h, LoopWorkspace& work, StepReport& counters) const;
+  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
+  void compromise(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
   /// Ends a substep and returns the estimate of its error.
   double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// A part of a substep may try so much, and all parts so far came to the rest.
@@ -118,7 +118,7 @@ class LoopStepper {
     double error = 0;          ///< It is in m.
   };
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
-                    StepReport& counters) const;
+                    Tally& counters) const;
   void project(LoopState& state, double kick, LoopWorkspace& work) const;
 
   Gradient gradient_;

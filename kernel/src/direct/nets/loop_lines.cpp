@@ -162,7 +162,7 @@ LineWorkspace::LineWorkspace(const RodLines& of, std::span<const double> mass)
 }
 
 LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double tolerance,
-                             LoopWorkspace& work, StepReport& counters) {
+                             LoopWorkspace& work, Tally& counters) {
   LineWorkspace& lines = *work.lines;
   measure(state, lines);
   start(state, theta, kick, lines);

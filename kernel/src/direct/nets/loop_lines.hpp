@@ -6,7 +6,7 @@
 
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/rod_lines.hpp"
-#include "plumb/world.hpp"
+#include "solver/tally.hpp"
 
 namespace plumb::detail {
 
@@ -59,7 +59,7 @@ constexpr double coarsest_line_tolerance = 1e-2;
 /// definite, and lacks the geometric term. What that leaves falls by the turn of rods in a substep every
 /// time.
 LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double tolerance,
-                             LoopWorkspace& work, StepReport& counters);
+                             LoopWorkspace& work, Tally& counters);
 
 /// Does what project_delta() does. Returns false if it stalled. work.delta has got its kick then, and still
 /// pulls on rods.

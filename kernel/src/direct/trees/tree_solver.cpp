@@ -84,7 +84,7 @@ std::uint32_t TreeSolver<T>::project_positions() {
   TreeState<T>& state = line_ ? line_->whole : state_;
   TreeState<T> before(state.topology, state.lanes);
   before.copy_motion(state);
-  StepReport not_of_a_step;
+  Tally not_of_a_step;
   stepper.advance(state, projection_step, kind_->crews[0].view(), not_of_a_step);
   std::copy_n(state.x.data(), state.x.size(), before.x.data());
   state.copy_motion(before);  // all but x goes back
@@ -120,7 +120,7 @@ void TreeSolver<T>::begin_piece(std::uint32_t, unsigned part) {
 }
 
 template <class T>
-double TreeSolver<T>::advance_one(double h, unsigned part, StepReport& report) {
+double TreeSolver<T>::advance_one(double h, unsigned part, Tally& report) {
   auto& crew = kind_->crews[part];
   if (line_)
     return kind_->stepper.advance(line_->segments, state_, h, {line_->work, line_->whole, crew.alone_work},
@@ -130,8 +130,7 @@ double TreeSolver<T>::advance_one(double h, unsigned part, StepReport& report) {
 }
 
 template <class T>
-double TreeSolver<T>::advance(std::uint32_t, double h, std::uint32_t count, unsigned part,
-                              StepReport& report) {
+double TreeSolver<T>::advance(std::uint32_t, double h, std::uint32_t count, unsigned part, Tally& report) {
   double error = 0;
   for (std::uint32_t i = 0; i < count; ++i) error = std::max(error, advance_one(h, part, report));
   return error;
@@ -183,15 +182,15 @@ double TreeSolver<T>::distance_from_mark(std::uint32_t) const {
 
 template <class T>
 bool TreeSolver<T>::try_calm_step(std::uint32_t, double h, std::uint32_t count, double allowed, unsigned part,
-                                  StepReport& report) {
+                                  Tally& report) {
   if (!is_calm_) return false;
-  StepReport attempt;
+  Tally attempt = report.begin_try();
   if (advance(0, h, count, part, attempt) <= h * allowed) {
-    report += attempt;
+    report.keep(attempt);
     return true;
   }
   restore(0, Saved::step);
-  report.newton += attempt.newton;  // that work was done all the same
+  report.take_back(attempt);
   ++report.repeated_steps;
   is_calm_ = false;
   calm_steps_ = 0;

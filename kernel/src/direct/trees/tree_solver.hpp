@@ -37,7 +37,7 @@ class TreeSolver final : public Solver {
 
   std::uint32_t islands(std::uint32_t) const override { return line_ ? 1 : state_.trees; }
   void begin_piece(std::uint32_t, unsigned part) override;
-  double advance(std::uint32_t, double h, std::uint32_t count, unsigned part, StepReport& report) override;
+  double advance(std::uint32_t, double h, std::uint32_t count, unsigned part, Tally& report) override;
   void end_step(StepReport&) override { velocities_known_ = false; }
 
   ErrorModel error_model() const override;
@@ -50,7 +50,7 @@ class TreeSolver final : public Solver {
   void mark(std::uint32_t) override;
   double distance_from_mark(std::uint32_t) const override;
   bool try_calm_step(std::uint32_t, double h, std::uint32_t count, double allowed, unsigned part,
-                     StepReport& report) override;
+                     Tally& report) override;
   void end_controlled_step(std::uint32_t, double error, double h, double longest, double allowed,
                            unsigned part) override;
 
@@ -87,7 +87,7 @@ class TreeSolver final : public Solver {
 
   Place place_of(Slot slot) const;
   bool is_tie(Slot slot) const { return slot >= ties_begin_; }
-  double advance_one(double h, unsigned part, StepReport& report);
+  double advance_one(double h, unsigned part, Tally& report);
   void find_velocities() const;
   void keep_velocities(std::uint32_t lane);
 

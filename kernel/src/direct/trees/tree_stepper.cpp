@@ -104,7 +104,7 @@ void TreeStepper<T>::set_tie_displacements(TreeState<T>& state, double h,
 
 template <class T>
 bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work,
-                           StepReport& counters) const {
+                           Tally& counters) const {
   const simd::TreeView<T> view = work.view(state);
   const simd::TreeKernels<T>& run = kernels(state);
   const double nodes = state.topology->nodes;
@@ -167,8 +167,8 @@ void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane
 
 template <class T>
 bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int& attempts,
-                                   TreeWorkspace<T>& work, StepReport& counters) const {
-  const bool last = depth == most_halvings || --attempts <= 0;
+                                   TreeWorkspace<T>& work, Tally& counters) const {
+  const bool last = depth == most_halvings || --attempts <= 0 || counters.is_spent();
   for (const Gradient gradient : {gradient_, Gradient::new_}) {
     if (gradient != gradient_ && !last) break;
     begin(state, h, gradient, work);
@@ -194,7 +194,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
 
 template <class T>
 bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                                    StepReport& counters) const {
+                                    Tally& counters) const {
   ++counters.halvings;
   int attempts = most_attempts;
   const bool solved = advance_alone(state, h / 2, 1, attempts, work, counters) &&
@@ -231,7 +231,7 @@ bool TreeStepper<T>::is_stable(TreeState<T>& state, double h, TreeWorkspace<T>& 
 
 template <class T>
 double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>& crew,
-                               StepReport& counters) const {
+                               Tally& counters) const {
   double error = 0;
   const std::uint32_t count = cuts(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
@@ -241,7 +241,7 @@ double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>&
 
 template <class T>
 double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew,
-                                     StepReport& counters) const {
+                                     Tally& counters) const {
   const auto& [work, alone, alone_work] = crew;
   begin(state, h, gradient_, work);
   bool all = solve(state, gradient_, work, counters);
@@ -272,7 +272,7 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
 
 template <class T>
 double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
-                               const TreeCrew<T>& crew, StepReport& counters) const {
+                               const TreeCrew<T>& crew, Tally& counters) const {
   double error = 0;
   const std::uint32_t count = cuts(state, h);
   for (std::uint32_t i = 0; i < count; ++i)
@@ -283,7 +283,7 @@ double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state
 
 template <class T>
 double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>& state, double h,
-                                     const TreeCrew<T>& crew, StepReport& counters) const {
+                                     const TreeCrew<T>& crew, Tally& counters) const {
   const auto& [work, alone, alone_work] = crew;
   const double nodes = alone.topology->nodes, scale2 = state.scale2[0];
   const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {

@@ -8,7 +8,7 @@
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/tree_state.hpp"
 #include "plumb/settings.hpp"
-#include "plumb/world.hpp"
+#include "solver/tally.hpp"
 
 namespace plumb::detail {
 
@@ -43,11 +43,11 @@ class TreeStepper {
   /// Takes one substep, composed of shares for a time order above 2, of every tree of a state. Returns an
   /// estimate of the position error that it adds, in m. That is h^2/12 times the change of acceleration, RMS
   /// over the particles of the worst tree. It is infinite where a tree had to be halved.
-  double advance(TreeState<T>& state, double h, const TreeCrew<T>& crew, StepReport& counters) const;
+  double advance(TreeState<T>& state, double h, const TreeCrew<T>& crew, Tally& counters) const;
 
   /// Does the same for one line in segments.
   double advance(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
-                 StepReport& counters) const;
+                 Tally& counters) const;
 
   /// Takes from u, which must hold velocities, what pulls on rods, and adds what the mass of rods passes on
   /// from fixed ends that change their velocity.
@@ -67,9 +67,9 @@ class TreeStepper {
   std::uint32_t cuts(const TreeState<T>& state, double h) const;
 
  private:
-  double advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew, StepReport& counters) const;
+  double advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew, Tally& counters) const;
   double advance_piece(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
-                       StepReport& counters) const;
+                       Tally& counters) const;
   /// Says whether no lane that converged is beyond that limit. Those that are count as failed.
   bool is_stable(TreeState<T>& state, double h, TreeWorkspace<T>& work,
                  const LineSegments* segments = nullptr) const;
@@ -78,14 +78,14 @@ class TreeStepper {
   Coefficients coefficients(double last, double h, Gradient gradient) const;
   void begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
   /// Iterates until every lane has converged or failed. Says whether all converged.
-  bool solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work, StepReport& counters) const;
+  bool solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work, Tally& counters) const;
   void accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
   /// Puts back those that a lane had before a substep that failed.
   void restore_multipliers(TreeState<T>& state, std::uint32_t lane) const;
   /// Advances a tree alone, by recursive halving.
   bool advance_alone(TreeState<T>& state, double h, int depth, int& attempts, TreeWorkspace<T>& work,
-                     StepReport& counters) const;
-  bool advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work, StepReport& counters) const;
+                     Tally& counters) const;
+  bool advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work, Tally& counters) const;
   /// Sets those of this substep and the one before.
   void set_tie_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
   void put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;

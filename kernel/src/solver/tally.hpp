@@ -1,0 +1,40 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "plumb/world.hpp"
+
+namespace plumb::detail {
+
+/// Counts what a piece does in a step, and bounds it (Settings::most_work).
+///
+/// A solver whose tally is spent no longer cuts what it cannot solve. It tries once more, as simply as it
+/// can, and counts as unsolved what fails.
+struct Tally : StepReport {
+  std::uint64_t most_work = std::numeric_limits<std::uint64_t>::max();  ///< Bound of work().
+  std::uint64_t taken_back = 0;  ///< Work of tries that were taken back, Newton steps left out.
+
+  std::uint64_t work() const { return taken_back + newton + block_sweeps + direct_substeps + halvings; }
+  bool is_spent() const { return work() >= most_work; }
+
+  /// A tally of its own for what may be taken back, with the work that is left here.
+  Tally begin_try() const {
+    Tally tried;
+    tried.most_work = most_work - std::min(work(), most_work);
+    return tried;
+  }
+  /// Counts only the work of a try that was taken back.
+  void take_back(const Tally& tried) {
+    newton += tried.newton;
+    taken_back += tried.work() - tried.newton;
+  }
+  /// Counts all of a try that holds.
+  void keep(const Tally& tried) {
+    *this += tried;
+    taken_back += tried.taken_back;
+  }
+};
+
+}  // namespace plumb::detail
