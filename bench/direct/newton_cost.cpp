@@ -72,14 +72,14 @@ class Contestant {
 
 template <class T>
 struct Multipliers {
-  std::vector<T> mu, pin_mu;
+  std::vector<T> mu, tie_mu;
   void take(const TreeState<T>& state) {
     mu.assign(state.mu.data(), state.mu.data() + state.mu.size());
-    pin_mu.assign(state.pin_mu.data(), state.pin_mu.data() + state.pin_mu.size());
+    tie_mu.assign(state.tie_mu.data(), state.tie_mu.data() + state.tie_mu.size());
   }
   void give_back(TreeState<T>& state) const {
     std::copy(mu.begin(), mu.end(), state.mu.data());
-    std::copy(pin_mu.begin(), pin_mu.end(), state.pin_mu.data());
+    std::copy(tie_mu.begin(), tie_mu.end(), state.tie_mu.data());
   }
 };
 

@@ -10,10 +10,7 @@
 #include "contest/world_stepper.hpp"
 #include "support/check.hpp"
 #include "support/statistics.hpp"
-#if __has_include("sharing.hpp")
 #include "threads/sharing.hpp"
-#define PLUMB_CAN_LIFT_THRESHOLDS
-#endif
 
 namespace plumb::bench {
 namespace {
@@ -22,12 +19,14 @@ constexpr double sample_s = 2e-3;
 
 using Worlds = std::array<std::unique_ptr<WorldStepper>, 2>;
 
-Worlds make_worlds(const Case& c, const Scene& scene, std::uint32_t sweeps) {
+/// The first on one thread, the second on two of `executor`, or of the built-in one.
+Worlds make_worlds(const Case& c, const Scene& scene, std::uint32_t sweeps, Executor* executor) {
   Worlds worlds;
   for (unsigned i = 0; i < 2; ++i) {
     Settings settings;
     settings.precision = c.precision;
     settings.threads = i + 1;
+    if (i == 1) settings.executor = executor;
     settings.stop.sweeps = sweeps;
     worlds[i] = std::make_unique<WorldStepper>(scene, settings);
   }
@@ -62,9 +61,12 @@ double Duel::ratio_of_least() const {
   return least(two_s) / least(one_s);
 }
 
-std::vector<Duel> hold_duels(const Case& c, std::uint32_t sweeps, std::uint32_t rounds, double pause_s) {
+std::vector<Duel> hold_duels(const Case& c, std::uint32_t sweeps, std::uint32_t rounds, double pause_s,
+                             bool any_size) {
   const auto scene = scene_of(c);
-  Worlds worlds = make_worlds(c, *scene, sweeps);
+  const std::unique_ptr<Executor> pool = make_default_executor(2);
+  detail::EagerExecutor eager(*pool, {.projections = 0, .rods = 0});
+  Worlds worlds = make_worlds(c, *scene, sweeps, any_size ? &eager : nullptr);
   for (auto& world : worlds) world->run(3, sweeps);
   const double step_s = worlds[0]->run(3, sweeps);
   worlds[1]->run(3, sweeps);
@@ -81,15 +83,6 @@ std::vector<Duel> hold_duels(const Case& c, std::uint32_t sweeps, std::uint32_t 
     throw CheckFailed(std::string(to_string(c.shape)) + " of " + std::to_string(duel.rods) +
                       " rods: one thread and two end in different bits");
   return duels;
-}
-
-bool lift_thresholds() {
-#ifdef PLUMB_CAN_LIFT_THRESHOLDS
-  detail::sharing_thresholds = {.projections = 0, .rods = 0};
-  return true;
-#else
-  return false;
-#endif
 }
 
 }  // namespace plumb::bench

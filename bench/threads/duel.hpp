@@ -26,11 +26,9 @@ struct Duel {
 };
 
 /// Two duels: step after step, and with pauses of `pause_s` between steps. Rounds alternate in who begins.
-/// Throws CheckFailed if the two worlds end in different bits.
-std::vector<Duel> hold_duels(const Case& c, std::uint32_t sweeps, std::uint32_t rounds, double pause_s);
-
-/// Lets two threads share work of any size in worlds made from now on, so that duels show what is below
-/// plumb's thresholds. False if this build cannot.
-bool lift_thresholds();
+/// With `any_size` two threads share work that plumb itself would leave to one. Throws CheckFailed if the two
+/// worlds end in different bits.
+std::vector<Duel> hold_duels(const Case& c, std::uint32_t sweeps, std::uint32_t rounds, double pause_s,
+                             bool any_size);
 
 }  // namespace plumb::bench

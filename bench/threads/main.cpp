@@ -89,7 +89,7 @@ std::vector<Duel> hold_all(const Options& options) {
     for (std::uint32_t rods = 64; rods <= options.most_rods; rods *= 2) {
       for (const std::uint32_t sweeps : sweep_counts) {
         const auto held = hold_duels(case_of(shape, options.precision, rods), sweeps, options.rounds,
-                                     1e-3 * options.pause_ms);
+                                     1e-3 * options.pause_ms, !options.keep_thresholds);
         duels.insert(duels.end(), held.begin(), held.end());
       }
     }
@@ -189,11 +189,11 @@ int run(int argc, char** argv) {
   const Options options = take_options(flags);
   if (std::thread::hardware_concurrency() < 2)
     throw std::runtime_error("this machine runs one thread at a time");
-  const bool lifted = !options.keep_thresholds && lift_thresholds();
   std::optional<scenes::OutputFile> csv = open_output(options.csv), summary = open_output(options.summary);
   const double quiet = work_of_two_threads();
   const std::vector<Duel> duels = hold_all(options);
-  const std::string text = quiet_text(quiet) + "\n\n" + summary_text(duels, options.pause_ms, lifted);
+  const std::string text =
+      quiet_text(quiet) + "\n\n" + summary_text(duels, options.pause_ms, !options.keep_thresholds);
   std::printf("%s", text.c_str());
   finish_output(summary, text);
   finish_output(csv, full_sheet(duels).to_csv());

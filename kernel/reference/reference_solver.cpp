@@ -64,14 +64,14 @@ void ReferenceSolver::end_anchors() {
 namespace {
 
 /// One island as a scene of its own.
-Scene island_scene(const Scene& scene, const IslandGroups& groups, std::uint32_t island) {
-  const layouts::LocalGraph local = layouts::local_graph(groups.graph, groups.islands, island);
+Scene island_scene(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
+  const layouts::LocalGraph local = layouts::local_graph(sets.graph, sets.islands, island);
   Scene out;
   out.gravity = scene.gravity;
   out.drag = scene.drag;
-  for (const std::uint32_t particle : groups.islands.vertices(island))
+  for (const std::uint32_t particle : sets.islands.vertices(island))
     out.particles.push_back(scene.particles[particle]);
-  const auto rods = groups.islands.edges(island);
+  const auto rods = sets.islands.edges(island);
   for (std::size_t r = 0; r < rods.size(); ++r) {
     Rod rod = scene.rods[rods[r]];
     rod.length = rod_length(scene, rods[r]);
@@ -84,16 +84,16 @@ Scene island_scene(const Scene& scene, const IslandGroups& groups, std::uint32_t
 
 }  // namespace
 
-std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets,
                                                const Settings& settings, StartReport& report) {
   if (settings.method == Method::springs) require_spring_bodies(scene, settings);
   const double diagonal = bounding_diagonal(scene);
   std::vector<MadeSolver> out;
-  for (std::uint32_t island = 0; island < groups.islands.count(); ++island) {
-    const auto particles = groups.islands.vertices(island);
+  for (std::uint32_t island = 0; island < sets.islands.count(); ++island) {
+    const auto particles = sets.islands.vertices(island);
     auto solver =
-        std::make_unique<ReferenceSolver>(island_scene(scene, groups, island), settings,
-                                          IslandNames{particles, groups.islands.edges(island)}, diagonal);
+        std::make_unique<ReferenceSolver>(island_scene(scene, sets, island), settings,
+                                          IslandNames{particles, sets.islands.edges(island)}, diagonal);
     MadeSolver& made = out.emplace_back();
     for (Slot slot = 0; slot < particles.size(); ++slot) {
       made.places.push_back({particles[slot], slot});

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "reference/mechanical_system.hpp"
-#include "solver/island_groups.hpp"
+#include "solver/island_sets.hpp"
 #include "solver/made_solver.hpp"
 
 namespace plumb::detail {
@@ -54,7 +54,7 @@ class ReferenceSolver final : public Solver {
 
 /// Makes the solvers of islands by the settings' method: springs, multipliers or featherstone. Throws
 /// InputError if the method cannot move one of them.
-std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets,
                                                const Settings& settings, StartReport& report);
 
 }  // namespace plumb::detail

@@ -157,10 +157,11 @@ TEST_F(Allocations, AreNoneInStep) {
 TEST_F(Allocations, AreNoneInStepWithTwoThreads) {
   const Scene scene = everything();
   test::PoolExecutor pool(2);
+  detail::EagerExecutor eager(pool, test::early);
   for (const Variant& variant : variants()) {
     Settings settings = variant.settings;
     settings.threads = 2;
-    settings.executor = &pool;
+    settings.executor = &eager;
     World world(scene, settings);
     ASSERT_TRUE(world.info().parallel);
     world.step(1.0 / 60);
@@ -170,7 +171,10 @@ TEST_F(Allocations, AreNoneInStepWithTwoThreads) {
 
 // oneTBB keeps memory of its own for tasks, which it fills up as its threads come to life.
 TEST_F(Allocations, AreNoneInStepWithTheBuiltInExecutorOnceItIsWarm) {
-  World world(everything(), {.method = Method::relax, .stop = {.sweeps = 3}, .threads = 2});
+  const std::unique_ptr<Executor> built_in = make_default_executor(2);
+  detail::EagerExecutor eager(*built_in, test::early);
+  World world(everything(),
+              {.method = Method::relax, .stop = {.sweeps = 3}, .threads = 2, .executor = &eager});
   ASSERT_TRUE(world.info().parallel);
   test::run(world, 1.0 / 60, 50);
   EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 50); }), 0u);
@@ -289,9 +293,9 @@ TEST_F(Allocations, AreNoneInStepsOfMultipliersAndFeatherstone) {
     }
 }
 
-// Limbs that touch: once a scene has been as lively as it gets. Contacts come and go, and groups of islands
-// with them; what they need is kept, but a new most takes memory.
-TEST_F(Allocations, AreNoneInStepsOfLimbsOnceWarm) {
+// Figures that touch: once a scene has been as lively as it gets. Contacts come and go, and clusters of
+// islands with them; what they need is kept, but a new most takes memory.
+TEST_F(Allocations, AreNoneInStepsOfFiguresOnceWarm) {
   for (const char* spec : {"humanoid:body=medium", "stick_box", "drop", "crowd:humanoids=16,hit=8,body=thin"})
     for (const bool sleep : {false, true}) {
       Scene scene = scenes::load_scene(spec);

@@ -4,11 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "determinism/scenes.hpp"
+#include "plumb/executor.hpp"
+#include "plumb/executor.hpp"
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
@@ -32,10 +36,11 @@ class Executors : public testing::TestWithParam<SharedScene> {
     test::run(world, 1.0 / 60, steps);
     return world.state_hash();
   }
-  void expect_same(Executor* executor, unsigned threads, const char* name) const {
+  void expect_same(Executor& executor, unsigned threads, const char* name) const {
+    detail::EagerExecutor eager(executor, test::early);
     Settings with = settings();
     with.threads = threads;
-    with.executor = executor;
+    with.executor = &eager;
     World world(scene, with);
     EXPECT_TRUE(world.info().parallel);
     EXPECT_EQ(world.info().threads, threads);
@@ -51,25 +56,43 @@ TEST_P(Executors, GiveTheSameBits) {
     SerialExecutor serial(threads), reversed(threads, true);
     ThreadExecutor at_will(threads), together(threads, ThreadExecutor::Start::together),
         staggered(threads, ThreadExecutor::Start::staggered);
-    expect_same(&serial, threads, "serial");
-    expect_same(&reversed, threads, "reversed");
-    expect_same(&at_will, threads, "threads");
-    expect_same(&together, threads, "threads together");
-    expect_same(&staggered, threads, "threads one after the other");
+    expect_same(serial, threads, "serial");
+    expect_same(reversed, threads, "reversed");
+    expect_same(at_will, threads, "threads");
+    expect_same(together, threads, "threads together");
+    expect_same(staggered, threads, "threads one after the other");
   }
 }
 
 TEST_P(Executors, BuiltInGivesTheSameBits) {
   if (!test::can_watch_default_executor)
     GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
-  expect_same(nullptr, 2, "built in");
+  expect_same(*make_default_executor(2), 2, "built in");
+}
+
+// Without an executor a world makes one, which it uses from the size on where threads win.
+TEST_P(Executors, OfAWorldsOwnGiveTheSameBits) {
+  if (!test::can_watch_default_executor)
+    GTEST_SKIP() << "oneTBB is not instrumented for the thread sanitizer";
+  Settings with = settings();
+  with.stop.sweeps = static_cast<std::uint32_t>(
+      std::ceil(detail::SharingThresholds{}.projections / static_cast<double>(scene.rods.size())));
+  World one(scene, with);
+  with.threads = 2;
+  World two(scene, with);
+  EXPECT_FALSE(one.info().parallel);
+  ASSERT_TRUE(two.info().parallel);
+  test::run(one, 1.0 / 60, test::scaled(10));
+  test::run(two, 1.0 / 60, test::scaled(10));
+  EXPECT_EQ(one.state_hash(), two.state_hash());
 }
 
 // Worlds may share an executor, stepping in turn.
 TEST_P(Executors, AreSharedByWorlds) {
   test::PoolExecutor pool(2);
+  detail::EagerExecutor eager(pool, test::early);
   Settings with = settings();
-  with.executor = &pool;
+  with.executor = &eager;
   with.threads = 0;  // as many as the executor offers
   World one(scene, with), other(scene, with);
   EXPECT_EQ(one.info().threads, 2u);
@@ -95,11 +118,16 @@ TEST(SmallScenes, DoNotUseThreads) {
     }
     int runs = 0;
   } counting;
-  World small(scenes::make_chain(20), {.method = Method::relax, .executor = &counting});
+  // A step projects rods · sweeps times, and the last size below the threshold is one rod short of it.
+  const std::uint32_t sweeps = 100;
+  const auto enough =
+      static_cast<std::uint32_t>(std::ceil(detail::SharingThresholds{}.projections / double{sweeps}));
+  const Settings settings{.method = Method::relax, .stop = {.sweeps = sweeps}, .executor = &counting};
+  World small(scenes::make_chain(enough - 1), settings);
   EXPECT_FALSE(small.info().parallel);
   small.step(1.0 / 60);
   EXPECT_EQ(counting.runs, 0);
-  World large(scenes::make_chain(5000), {.method = Method::relax, .executor = &counting});
+  World large(scenes::make_chain(enough), settings);
   EXPECT_TRUE(large.info().parallel);
   large.step(1.0 / 60);
   EXPECT_EQ(counting.runs, 1);

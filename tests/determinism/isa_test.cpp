@@ -35,12 +35,13 @@ TEST_P(InstructionSets, AndThreadsGiveTheSameBits) {
   ASSERT_TRUE(test::all_finite(reference));
 
   test::PoolExecutor pool(2);
+  detail::EagerExecutor eager(pool, test::early);
   for (const Isa isa : test::supported_isas())
     for (const unsigned threads : {1u, 2u}) {
       if (isa == Isa::scalar && threads == 1) continue;
       Settings other = settings(isa);
       other.threads = threads;
-      other.executor = threads == 2 ? &pool : nullptr;
+      other.executor = threads == 2 ? &eager : nullptr;
       World world(scene, other);
       ASSERT_EQ(world.info().isa, isa);
       ASSERT_EQ(world.info().parallel, threads == 2) << "the scene is too small for what is tested";
@@ -85,6 +86,7 @@ TEST_P(Variants, GiveTheSameBits) {
   std::uint32_t anchor = 0;
   while (!scene.particles[anchor].fixed) ++anchor;
   test::PoolExecutor pool(2);
+  detail::EagerExecutor eager(pool, test::early);
   for (const Variant& variant : variants)
     for (const Precision precision : {Precision::single, Precision::double_}) {
       scene.drag = variant.drag;
@@ -95,7 +97,7 @@ TEST_P(Variants, GiveTheSameBits) {
           settings.precision = precision;
           settings.isa = isa;
           settings.threads = threads;
-          settings.executor = threads == 2 ? &pool : nullptr;
+          settings.executor = threads == 2 ? &eager : nullptr;
           World world(scene, settings);
           for (int i = 0; i < test::scaled(40); ++i) {
             world.move_anchor(anchor, scene.particles[anchor].position + Vec3{0.001 * i, 0.002 * i, 0});

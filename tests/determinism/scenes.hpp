@@ -9,8 +9,8 @@
 
 namespace plumb::test {
 
-/// One scene of every shape, each large enough that threads share its work (worlds.hpp: 20,000 projections a
-/// step, 4,096 rods in a block), and sweeps to go with it.
+/// One scene of every shape, each large enough that executors which share work early (executors.hpp) share
+/// its work, and sweeps to go with it.
 struct SharedScene {
   const char* name;
   Scene (*make)();

@@ -1,7 +1,7 @@
 #include "golden/contact_scenes.hpp"
 
 #include "plumb/joints.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 
 namespace plumb::golden {
 namespace {
@@ -97,7 +97,7 @@ Scene make_pool() {
   Scene scene;
   scene.planes.push_back({.surface = rough});
   for (const double x : {0.5, 0.9, 1.3}) test::add_ball(scene, {x, 0.1, 0.02 * x}, 0.1, 1, {}, rough);
-  test::add_limb(scene, {1.6, 0.05, -0.5}, {1.6, 0.05, 0.5}, 2, 0.05, rough);
+  test::add_capsule_rod(scene, {1.6, 0.05, -0.5}, {1.6, 0.05, 0.5}, 2, 0.05, rough);
   for (Particle& particle : scene.particles) particle.asleep = true;
   test::add_ball(scene, {0, 0.1, 0}, 0.1, 2, {5, 0, 0}, {.friction = 0.2, .restitution = 0.9});
   return scene;

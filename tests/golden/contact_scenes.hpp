@@ -2,7 +2,7 @@
 
 #include "plumb/scene.hpp"
 
-/// Scenes with limbs, joints and contact that scenes.hpp lists. None takes an angle's sine or cosine, whose
+/// Scenes with bodies, joints and contact that scenes.hpp lists. None takes an angle's sine or cosine, whose
 /// last bits differ between C libraries.
 namespace plumb::golden {
 

@@ -34,21 +34,19 @@ std::vector<Isa> isas_to_run() {
   return isas;
 }
 
-class Golden : public testing::TestWithParam<Row> {
- protected:
-  /// Threads share even the small scenes of the table.
-  static void SetUpTestSuite() { detail::sharing_thresholds = {.projections = 1, .rods = 512}; }
-};
+class Golden : public testing::TestWithParam<Row> {};
 
 TEST_P(Golden, BitsAreThoseOfTheTable) {
   const Row& row = GetParam();
   test::PoolExecutor pool(2);
+  // Threads share even the small scenes of the table.
+  detail::EagerExecutor eager(pool, {.projections = 1, .rods = 512});
   Row fresh = row;
   bool first = true, agree = true;
   for (const Isa isa : isas_to_run())
     for (const unsigned threads : {1u, 2u}) {
       const Outcome got =
-          run_row(row, {.isa = isa, .threads = threads, .executor = threads == 2 ? &pool : nullptr});
+          run_row(row, {.isa = isa, .threads = threads, .executor = threads == 2 ? &eager : nullptr});
       ASSERT_TRUE(got.finite) << row.name;
       ASSERT_EQ(got.total.frozen_islands, 0u) << row.name;
       ASSERT_TRUE(!got.has_shapes || got.total.contacts > 0) << row.name << ": nothing touched";

@@ -94,7 +94,7 @@ class Drive {
 
 Outcome run_row(const Row& row, const Machine& machine) {
   const Scene scene = build_scene(row.scene);
-  Settings settings = parse_settings(row.settings, is_articulated(scene));
+  Settings settings = parse_settings(row.settings, has_more_than_rods(scene));
   settings.isa = machine.isa;
   settings.threads = machine.threads;
   settings.executor = machine.executor;

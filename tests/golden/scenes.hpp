@@ -17,10 +17,10 @@ namespace plumb::golden {
 ///   ladder          a truss of rods with mass between two anchors
 ///   tower           three blocks, one upon the other on the ground, the upper ones set down from 1 cm
 ///   slide           a block on a rough slope of 3 in 4, which it leaves for a box
-///   mechanism       five bodies by a pin, a revolute, a universal and a prismatic joint, with angles that
-///   are
+///   mechanism       five bodies by a ball joint, a revolute, a universal and a prismatic joint, with angles
+///   that are
 ///                   limited, driven and rubbing
-///   pool            a ball that rolls into sleeping balls and a sleeping limb
+///   pool            a ball that rolls into sleeping balls and a sleeping rod
 ///   rope            a chain with capsules that falls over a box onto the ground
 ///
 /// The changes are:

@@ -99,7 +99,7 @@ const std::map<std::string, Setter>& setters() {
   return all;
 }
 
-std::vector<std::string> keys_of(Method method, bool has_limbs) {
+std::vector<std::string> keys_of(Method method, bool has_more_than_rods) {
   std::vector<std::string> keys{"method", "mass", "substeps"};
   const auto add = [&](std::initializer_list<const char*> more) {
     keys.insert(keys.end(), more.begin(), more.end());
@@ -113,7 +113,7 @@ std::vector<std::string> keys_of(Method method, bool has_limbs) {
   if (method == Method::springs) add({"integrator", "springs", "stiffness", "damping_ratio", "accuracy"});
   if (method == Method::multipliers) add({"integrator", "stabilization", "baumgarte_rate"});
   if (method == Method::featherstone) add({"integrator"});
-  if (has_limbs) add({"sleep"});
+  if (has_more_than_rods) add({"sleep"});
   return keys;
 }
 
@@ -126,7 +126,7 @@ Choices choices(const char* key) {
 
 }  // namespace
 
-Settings parse_settings(std::string_view text, bool has_limbs) {
+Settings parse_settings(std::string_view text, bool has_more_than_rods) {
   Settings settings;
   std::vector<std::string> given;
   for (const std::string& item : split(text, ' ')) {
@@ -143,7 +143,7 @@ Settings parse_settings(std::string_view text, bool has_limbs) {
     }
     given.push_back(key);
   }
-  std::vector<std::string> wanted = keys_of(settings.method, has_limbs);
+  std::vector<std::string> wanted = keys_of(settings.method, has_more_than_rods);
   std::sort(wanted.begin(), wanted.end());
   std::sort(given.begin(), given.end());
   for (const std::string& key : wanted)

@@ -19,10 +19,10 @@ namespace plumb::golden {
 ///   springs       integrator, springs, stiffness (N/m), damping_ratio, accuracy
 ///   multipliers   integrator, stabilization, baumgarte_rate (1/s)
 ///   featherstone  integrator
-///   with limbs    sleep (0 or 1) besides
+///   with more than particles and rods    sleep (0 or 1) besides
 ///
 /// Values are those of to_string() and of the command line. Instruction set and threads are not the row's.
-Settings parse_settings(std::string_view text, bool has_limbs);
+Settings parse_settings(std::string_view text, bool has_more_than_rods);
 
 /// A key and all the values that the table must have it with.
 struct Choices {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 
 namespace plumb {
 namespace {
@@ -18,14 +18,14 @@ Scene in_units(double scale) {
   const Surface surface{.friction = 0.4, .restitution = 0.3};
   scene.gravity = scale * scene.gravity;
   scene.planes.push_back({.surface = surface});
-  test::add_limb(scene, scale * Vec3{-0.5, 0.3, 0}, scale * Vec3{0.4, 0.5, 0.2}, 2, scale * 0.05, surface);
+  test::add_capsule_rod(scene, scale * Vec3{-0.5, 0.3, 0}, scale * Vec3{0.4, 0.5, 0.2}, 2, scale * 0.05, surface);
   test::add_ball(scene, scale * Vec3{-1.5, 0.1, 0.1}, scale * 0.1, 1, scale * Vec3{3, 0, 0}, surface);
   return scene;
 }
 
 // The unit of length is the user's choice. By a power of two, all numbers keep their digits.
 TEST(ContactSettings, LengthScaleMakesUnitsAMatterOfChoice) {
-  Settings settings = test::limbs(1, true);
+  Settings settings = test::body_settings(1, true);
   World world(in_units(1), settings);
   constexpr double scale = 64;
   settings.contact.length_scale = scale;
@@ -41,7 +41,7 @@ TEST(ContactSettings, LengthScaleMakesUnitsAMatterOfChoice) {
 
 TEST(ContactSettings, SleepTimeIsWaitedFor) {
   const auto steps_awake = [](double sleep_time) {
-    Settings settings = test::limbs(1, true);
+    Settings settings = test::body_settings(1, true);
     settings.sleep_time = sleep_time;
     Scene scene;
     scene.planes.push_back({});
@@ -58,7 +58,7 @@ TEST(ContactSettings, SleepTimeIsWaitedFor) {
 // Nothing that is slower than the bounce speed bounces, whatever its restitution.
 TEST(ContactSettings, BounceSpeedTellsWhatBounces) {
   const auto highest_after_hit = [](double bounce_speed) {
-    Settings settings = test::limbs(1, false);
+    Settings settings = test::body_settings(1, false);
     settings.contact.bounce_speed = bounce_speed;
     const Surface elastic{.restitution = 1};
     Scene scene;
@@ -79,7 +79,7 @@ TEST(ContactSettings, BounceSpeedTellsWhatBounces) {
 // An overlap decays by the recovery in a substep, and exponentially where substeps are cut.
 TEST(ContactSettings, RecoveryTellsHowFastOverlapEnds) {
   for (const double recovery : {0.05, 0.2}) {
-    Settings settings = test::limbs(1, false);
+    Settings settings = test::body_settings(1, false);
     settings.contact.recovery = recovery;
     Scene scene;
     scene.planes.push_back({});

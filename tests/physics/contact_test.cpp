@@ -1,5 +1,5 @@
 // Contact against what mechanics says of single blows (thesis 2.5), of friction, and of what must never be:
-// limbs within the ground, walls left, rods stretched.
+// rods within the ground, walls left, rods strained.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "plumb/reference/impact.hpp"
 #include "scenes/generators/contacts.hpp"
 #include "scenes/spec.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 
 namespace plumb {
 namespace {
@@ -25,7 +25,7 @@ TEST(DroppedBall, ReboundsToTheSquareOfRestitution) {
       SCOPED_TRACE(testing::Message() << "e " << restitution << ", substeps " << substeps);
       const double height = 1;
       const Scene scene = scenes::make_drop({.height = height, .restitution = restitution});
-      World world(scene, test::limbs(substeps));
+      World world(scene, test::body_settings(substeps));
       double top = 0, reached = 0;
       for (bool up = false; !up || world.velocity(0).y > 0;) {
         world.step(frame);
@@ -68,7 +68,7 @@ TEST(TwoBalls, ExchangeMomentumByTheLawOfImpact) {
       for (const std::uint32_t substeps : {1u, 4u}) {
         SCOPED_TRACE(testing::Message() << "e " << restitution << ", aside " << aside);
         const Scene scene = two_balls(restitution, aside);
-        World world(scene, test::limbs(substeps));
+        World world(scene, test::body_settings(substeps));
         const Momentum before = test::momentum_of(scene, world);
         test::run(world, frame, 60);
         const Momentum after = test::momentum_of(scene, world);
@@ -101,7 +101,7 @@ TEST(TwoBalls, TouchWhereTheyShouldAsSubstepsShrink) {
   for (const double aside : {0.2, 0.4})
     for (const std::uint32_t substeps : {1u, 4u, 16u, 64u}) {
       const Scene scene = two_balls(0.5, aside);
-      World world(scene, test::limbs(substeps));
+      World world(scene, test::body_settings(substeps));
       test::run(world, frame, 60);
       const Vec3 blow = world.velocity(0) - scene.particles[0].velocity;
       const double off = norm(cross((1 / norm(blow)) * blow, first_touch(scene)));
@@ -121,7 +121,7 @@ Hit ball_at_rod(double from_middle, double restitution) {
   Hit hit;
   hit.scene.gravity = {};
   const Surface surface{.friction = 0, .restitution = restitution};
-  test::add_limb(hit.scene, {0, 0, -rod_length / 2}, {0, 0, rod_length / 2}, rod_mass, 0.05, surface);
+  test::add_capsule_rod(hit.scene, {0, 0, -rod_length / 2}, {0, 0, rod_length / 2}, rod_mass, 0.05, surface);
   hit.ball = test::add_ball(hit.scene, {0.5, 0, from_middle}, 0.1, 1, {-4, 0, 0}, surface);
   const double across = rod_mass * rod_length * rod_length / 12;
   hit.rod = {.mass = rod_mass, .inertia = {.xx = across, .yy = across, .zz = across}};
@@ -146,7 +146,7 @@ TEST(BallAtRod, GivesTheImpulseOfABodyThatTurns) {
       for (const double from_middle : {0.0, 0.2, 0.45}) {
         SCOPED_TRACE(testing::Message() << "dt " << dt << ", e " << restitution << ", at " << from_middle);
         Hit hit = ball_at_rod(from_middle, restitution);
-        World world(hit.scene, test::limbs());
+        World world(hit.scene, test::body_settings());
         const RigidMotion ball = take_blow(hit, world, dt, {0.05, 0, from_middle}, restitution);
         const double turn = norm(hit.rod.angular_velocity) * dt, off = 4 * turn * turn + 2e-6;
         EXPECT_NEAR(world.velocity(hit.ball).x, ball.velocity.x, off);
@@ -176,7 +176,7 @@ Hit ball_at_body(Vec3 velocity) {
 TEST(BallAtBody, GivesTheImpulseOfABodyThatTurns) {
   for (const double dt : {frame, frame / 16}) {
     Hit hit = ball_at_body({-4, 0, 0});
-    World world(hit.scene, test::limbs());
+    World world(hit.scene, test::body_settings());
     const RigidMotion ball = take_blow(hit, world, dt, {0.1, 0.15, 0.3}, 0.5);
     const double turn = norm(hit.rod.angular_velocity) * dt, off = 4 * turn * turn + 2e-6;
     EXPECT_NEAR(world.velocity(hit.ball).x, ball.velocity.x, off);
@@ -193,7 +193,7 @@ TEST(BallAtBody, KeepsTheMomentaOfTheWhole) {
     for (const std::uint32_t substeps : {1u, 4u, 64u}) {
       SCOPED_TRACE(testing::Message() << velocity.y << ", substeps " << substeps);
       const Hit hit = ball_at_body(velocity);
-      World world(hit.scene, test::limbs(substeps));
+      World world(hit.scene, test::body_settings(substeps));
       const Momentum before = test::momentum_of(hit.scene, world);
       test::run(world, frame, 60);
       const double blow = norm(world.velocity(hit.ball) - velocity);  // on the ball's 1 kg
@@ -216,7 +216,7 @@ TEST(TwoBodies, BounceOffEachOther) {
     scene.capsules.push_back({middle, middle, 0.1, {.friction = 0, .restitution = 1}});
     test::set_motion(scene, body, {-3 * side, 0, 0}, {0, 2, 0});
   }
-  World world(scene, test::limbs());
+  World world(scene, test::body_settings());
   EXPECT_EQ(world.info().islands, 2u);
   test::run(world, frame, 60);
   EXPECT_NEAR(test::velocity_of(world, scene.bodies[0]).x, -3, 1e-5);
@@ -247,7 +247,7 @@ Scene block_on_slope(double slope, double friction) {
 /// How far down the slope the block goes in `seconds`, in m.
 double slid(double slope, double friction, double seconds, std::uint32_t substeps = 1) {
   const Scene scene = block_on_slope(slope, friction);
-  World world(scene, test::limbs(substeps));
+  World world(scene, test::body_settings(substeps));
   test::run(world, frame, static_cast<int>(seconds / frame + 0.5));
   EXPECT_LE(test::deepest(scene, world), 1e-3);
   return test::momentum_of(scene, world).center_of_mass.x - scene.bodies[0].center.x;
@@ -279,17 +279,17 @@ TEST(Block, SlidesAsFastAsFrictionLets) {
 // Thesis 3.2.3: within the walls, at its length, while it tumbles from wall to wall.
 TEST(StickInABox, StaysInsideAtItsLength) {
   const Scene scene = scenes::load_scene("stick_box");
-  World world(scene, test::limbs());
-  double outside = 0, stretch = 0;
+  World world(scene, test::body_settings());
+  double outside = 0, strain = 0;
   std::uint64_t contacts = 0;
   for (int i = 0; i < 1800; ++i) {
     contacts += world.step(frame).contacts;
     outside = std::max(outside, test::deepest(scene, world));
-    stretch = std::max(stretch, test::stretch_of(scene, world).max);
+    strain = std::max(strain, test::stretch_of(scene, world).max);
   }
   EXPECT_GT(contacts, 20u);
   EXPECT_LE(outside, 1e-6 * 500);
-  EXPECT_LE(stretch, 1e-6);
+  EXPECT_LE(strain, 1e-6);
 }
 
 /// The distance from a box's surface, in its axes; negative: within.
@@ -299,7 +299,7 @@ double distance_to_box(Vec3 x, Vec3 half) {
   return inside + norm({std::max(out.x, 0.0), std::max(out.y, 0.0), std::max(out.z, 0.0)});
 }
 
-/// How deep a limb is in a box at the origin at most, by samples 5 mm apart, of which none is off by more
+/// How deep a rod is in a box at the origin at most, by samples 5 mm apart, of which none is off by more
 /// than 3 um near an edge of a capsule of 5 cm.
 double depth_in_box(const Scene& scene, const World& world) {
   double depth = -1e30;
@@ -313,14 +313,14 @@ double depth_in_box(const Scene& scene, const World& world) {
 }
 
 // 1 mm is the bar for everything that rests.
-TEST(LimbOnABox, ComesToRestAcrossItsEdge) {
+TEST(RodOnABox, ComesToRestAcrossItsEdge) {
   for (const double lean : {0.0, 0.2, -0.3}) {
     SCOPED_TRACE(lean);
     Scene scene;
     scene.boxes.push_back({.half_size = {0.5, 0.5, 0.5}});
     const Vec3 middle{0.2, 0.75, 0.1}, along = 0.5 * Vec3{std::cos(lean), std::sin(lean), 0};
-    test::add_limb(scene, middle - along, middle + along, 2, 0.05, {.friction = 0.6});
-    World world(scene, test::limbs(1, true));
+    test::add_capsule_rod(scene, middle - along, middle + along, 2, 0.05, {.friction = 0.6});
+    World world(scene, test::body_settings(1, true));
     double depth = -1;
     StepReport last;
     for (int i = 0; i < 600; ++i) {
@@ -338,7 +338,7 @@ TEST(BallOnABox, RestsOnTop) {
   Scene scene;
   scene.boxes.push_back({.half_size = {0.5, 0.5, 0.5}});
   test::add_ball(scene, {0.3, 0.9, -0.2}, 0.1, 2);
-  World world(scene, test::limbs());
+  World world(scene, test::body_settings());
   test::run(world, frame, 120);
   EXPECT_NEAR(world.position(0).y, 0.6, 1e-3);
   EXPECT_LE(norm(world.velocity(0)), 1e-5);
@@ -353,13 +353,13 @@ TEST(BallOnABox, SlidesDownASlope) {
                          .surface = test::smooth});
   const Vec3 up{std::sin(angle), std::cos(angle), 0}, down{std::cos(angle), -std::sin(angle), 0};
   test::add_ball(scene, 0.6 * up, 0.1, 2);
-  World world(scene, test::limbs());
+  World world(scene, test::body_settings());
   test::run(world, frame, 60);
   EXPECT_NEAR(dot(world.position(0), up), 0.6, 1e-3);
   EXPECT_NEAR(dot(world.position(0), down), 0.5 * test::earth * 0.5, 1e-3);
 }
 
-// Limbs from an anchor down to the ground and along it.
+// Rods from an anchor down to the ground and along it.
 TEST(DrapedChain, NeitherStretchesNorSinks) {
   Scene scene;
   scene.planes.push_back({.surface = {.friction = 0.5}});
@@ -371,23 +371,23 @@ TEST(DrapedChain, NeitherStretchesNorSinks) {
         {.a = point_at(i), .b = point_at(i + 1), .radius = 0.03, .surface = {.friction = 0.5}});
   }
   for (const std::uint32_t substeps : {1u, 4u}) {
-    World world(scene, test::limbs(substeps));
-    double stretch = 0, depth = -1;
+    World world(scene, test::body_settings(substeps));
+    double strain = 0, depth = -1;
     std::uint64_t contacts = 0;
     for (int i = 0; i < 600; ++i) {
       contacts += world.step(frame).contacts;
-      stretch = std::max(stretch, test::stretch_of(scene, world).max);
+      strain = std::max(strain, test::stretch_of(scene, world).max);
       depth = std::max(depth, test::deepest(scene, world));
     }
     EXPECT_GT(contacts, 600u) << "not draped";
-    EXPECT_LE(stretch, 1e-6);
+    EXPECT_LE(strain, 1e-6);
     EXPECT_LE(depth, 1e-3);
   }
 }
 
 }  // namespace
 // A log across two that lie on the ground does not sink into them at its ends, and all come to rest.
-TEST(Limbs, LieAlongEachOther) {
+TEST(Rods, LieAlongEachOther) {
   Scene scene;
   const auto add = [&](Vec3 a, Vec3 b, double mass) {
     const auto first = static_cast<std::uint32_t>(scene.particles.size());

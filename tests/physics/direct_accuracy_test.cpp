@@ -218,18 +218,18 @@ TEST(DirectAccuracy, IsHadWithAnchorsThatNeverGoStraight) {
   }
 }
 
-// A step that turns out too coarse is done again, from where it began: a blow in the middle of calm.
+// A step that turns out too coarse is done again, from where it began: a blow in the middle of quiet.
 TEST(DirectAccuracy, RepeatsStepsThatWereTooCoarse) {
   Scene scene = scenes::make_chain(10);
   for (std::uint32_t i = 1; i <= 10; ++i) scene.particles[i].position = {0, -0.1 * i, 0};
   Settings settings = test::direct(Gradient::mid);
   settings.accuracy = 1e-4;
   World world(scene, settings);
-  const StepReport calm = test::run(world, 1.0 / 60, 60);
+  const StepReport quiet = test::run(world, 1.0 / 60, 60);
   world.set_force(10, {300, 0, 0});
   const StepReport blow = test::run(world, 1.0 / 60, 2);
   EXPECT_GT(blow.repeated_steps, 0u);
-  EXPECT_GT(blow.direct_substeps / 2, calm.direct_substeps / 60);
+  EXPECT_GT(blow.direct_substeps / 2, quiet.direct_substeps / 60);
   EXPECT_LE(test::stretch_of(scene, world).max, 1e-9);
 }
 

@@ -294,12 +294,12 @@ TEST_P(ExactMethods, TakeTheBlowOfAnAnchor) {
   EXPECT_NEAR(world.velocity(1).y, 0, 2e-5) << "stopped again by the blow back";
 }
 
-/// `pins`: rods to fixed particles that the tree hangs from.
-Scene random_scene(test::Random& random, std::uint32_t pins, double rod_mass, bool straggling,
+/// `ties`: rods to fixed particles that the tree hangs from.
+Scene random_scene(test::Random& random, std::uint32_t ties, double rod_mass, bool straggling,
                    std::uint32_t movable = 15) {
   const test::TreeShape shape{.movable = movable,
-                              .anchors = pins,
-                              .pins = 1,
+                              .anchors = ties,
+                              .ties = 1,
                               .masses = 3,
                               .rod_mass = rod_mass,
                               .straggling = straggling};
@@ -308,7 +308,7 @@ Scene random_scene(test::Random& random, std::uint32_t pins, double rod_mass, bo
     const auto held = std::count_if(scene.rods.begin(), scene.rods.end(), [&](const Rod& rod) {
       return scene.particles[rod.a].fixed || scene.particles[rod.b].fixed;
     });
-    if (held != pins) continue;  // an anchor may hold a second particle
+    if (held != ties) continue;  // an anchor may hold a second particle
     for (Particle& particle : scene.particles) particle.velocity = test::random_vector(random);
     return scene;
   }
@@ -318,8 +318,8 @@ Scene random_scene(test::Random& random, std::uint32_t pins, double rod_mass, bo
 TEST_P(ExactMethods, AgreeWithMethodDirectOnRandomTrees) {
   test::Random random(3);
   for (std::uint32_t round = 0; round < 6; ++round) {
-    const std::uint32_t pins = GetParam() == Method::multipliers ? round % 3 : round % 2;
-    const Scene scene = random_scene(random, pins, round % 3 == 0 ? 0.0 : 2.0, round < 3);
+    const std::uint32_t ties = GetParam() == Method::multipliers ? round % 3 : round % 2;
+    const Scene scene = random_scene(random, ties, round % 3 == 0 ? 0.0 : 2.0, round < 3);
     World world(scene, settings(Integrator::rk4, 20));
     test::run(world, 0.02, 10);
     double errors[2];

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "scenes/spec.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 #include "support/random_trees.hpp"
 
 namespace plumb {
@@ -37,9 +37,9 @@ Scene random_hit(test::Random& random, BodyType body) {
 }
 
 struct Watched {
-  double stretch = 0;  ///< largest of any frame
-  double rise = 0;     ///< of energy, from the least that it had been, relative to what it was at first
-  double depth = -1;   ///< m
+  double strain = 0;  ///< largest of any frame
+  double rise = 0;    ///< of energy, from the least that it had been, relative to what it was at first
+  double depth = -1;  ///< m
   bool finite = true;
   StepReport report{}, last{};
 };
@@ -54,13 +54,13 @@ Watched watch(const Scene& scene, World& world, double dt, double duration) {
     const double energy = test::energy_of(scene, world, MassModel::consistent);
     out.rise = std::max(out.rise, (energy - least) / first);
     least = std::min(least, energy);
-    out.stretch = std::max(out.stretch, test::stretch_of(scene, world).max);
+    out.strain = std::max(out.strain, test::stretch_of(scene, world).max);
     out.depth = std::max(out.depth, test::deepest(scene, world));
   }
   return out;
 }
 
-// 1 % of stretch and 1e-6 of energy are the bars for blows of any kind, at any step a game may take.
+// 1 % of strain and 1e-6 of energy are the bars for blows of any kind, at any step a game may take.
 TEST(StruckFigure, StaysWhole) {
   test::Random random(17);
   const double steps[] = {1.0 / 240, 1.0 / 60, 1.0 / 30, 1.0 / 15};
@@ -69,10 +69,10 @@ TEST(StruckFigure, StaysWhole) {
       const double dt = steps[i % 4];
       SCOPED_TRACE(testing::Message() << "hit " << i << ", " << to_string(body) << ", dt " << dt);
       const Scene scene = random_hit(random, body);
-      World world(scene, test::limbs(1, true));
+      World world(scene, test::body_settings(1, true));
       const Watched seen = watch(scene, world, dt, 2);
       EXPECT_TRUE(seen.finite);
-      EXPECT_LE(seen.stretch, 0.01);
+      EXPECT_LE(seen.strain, 0.01);
       EXPECT_LE(seen.rise, 1e-6);
       EXPECT_EQ(seen.report.frozen_islands, 0u);
       EXPECT_EQ(seen.report.unsolved, 0u);
@@ -87,9 +87,9 @@ TEST(FallingFigure, ComesToRestWholeAndOnTheGround) {
       Scene scene = scenes::make_humanoid({.body = body});
       for (Particle& particle : scene.particles) particle.asleep = false;
       scene.particles[0].velocity = {0.5, 0, 0.2};
-      World world(scene, test::limbs(substeps, true));
+      World world(scene, test::body_settings(substeps, true));
       const Watched seen = watch(scene, world, frame, 10);
-      EXPECT_LE(seen.stretch, 1e-5);
+      EXPECT_LE(seen.strain, 1e-5);
       EXPECT_LE(seen.depth, 1e-3);
       EXPECT_LE(seen.rise, 1e-6);
       EXPECT_EQ(seen.last.awake_islands, 0u)
@@ -126,16 +126,16 @@ TEST(FigureWithArms, BendsOneWayAndComesToRest) {
     }
     SCOPED_TRACE(i);
     World world(scene, {.method = Method::direct});
-    double worst = 0, stretch = 0;
+    double worst = 0, strain = 0;
     StepReport last;
     for (int k = 0; k < 600; ++k) {
       last = world.step(frame);
       worst = std::max(worst, past_limits(scene, world));
-      stretch = std::max(stretch, test::stretch_of(scene, world).max);
+      strain = std::max(strain, test::stretch_of(scene, world).max);
       EXPECT_EQ(last.unsolved, 0u);
     }
     EXPECT_LE(worst, 1);
-    EXPECT_LE(stretch, 1e-5);
+    EXPECT_LE(strain, 1e-5);
     EXPECT_EQ(last.awake_islands, 0u);
   }
 }

@@ -22,7 +22,7 @@ Scene shaken(Scene scene, double by, test::Random& random) {
   return scene;
 }
 
-/// To `tolerance`: of a stretch 1e-12 is what Newton's last change leaves squared, 1e-9 where lines or many
+/// To `tolerance`: of a strain 1e-12 is what Newton's last change leaves squared, 1e-9 where lines or many
 /// rods add up; ten steps may add as much each.
 void expect_at_rest(const Scene& scene, const Settings& settings, double tolerance) {
   World world(scene, settings);

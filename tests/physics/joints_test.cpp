@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "support/articulated_body.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 #include "support/random_trees.hpp"
 
 namespace plumb {
@@ -197,7 +197,7 @@ INSTANTIATE_TEST_SUITE_P(Every, Joints,
                          });
 
 TEST_P(Joints, StartAsTheyMove) {
-  const World world(pair.scene, test::limbs());
+  const World world(pair.scene, test::body_settings());
   EXPECT_LE(world.info().projected_velocity, 1e-12) << "the velocities given are those of the joint";
 }
 
@@ -207,7 +207,7 @@ TEST_P(Joints, MoveAsReducedCoordinatesSay) {
   const std::vector<Vec3> exact = exact_positions(pair, 1);
   double errors[2];
   for (const int k : {0, 1}) {
-    World world(pair.scene, test::limbs(16u << k));
+    World world(pair.scene, test::body_settings(16u << k));
     test::run(world, frame, 60);
     errors[k] = rms_distance(test::positions_of(world), exact);
   }
@@ -221,7 +221,7 @@ TEST_P(Joints, MoveAsReducedCoordinatesSay) {
 TEST_P(Joints, KeepEnergyAndForbidWhatTheyForbid) {
   if (free || type == Type::prismatic) pair.scene.gravity = {};  // it would be far away in 10 s
   for (const std::uint32_t substeps : {1u, 8u}) {
-    World world(pair.scene, test::limbs(substeps));
+    World world(pair.scene, test::body_settings(substeps));
     const double before = test::energy_of(pair.scene, world, MassModel::consistent);
     const double range = std::max(energy_range(pair.scene), before);
     double drift = 0, off = 0;
@@ -240,7 +240,7 @@ TEST_P(Joints, KeepEnergyAndForbidWhatTheyForbid) {
 TEST_P(Joints, KeepMomenta) {
   if (!free) return;
   pair.scene.gravity = {};
-  World world(pair.scene, test::limbs(4));
+  World world(pair.scene, test::body_settings(4));
   const Momentum before = test::momentum_of(pair.scene, world);
   test::run(world, frame, 120);
   const Momentum after = test::momentum_of(pair.scene, world);
@@ -270,7 +270,7 @@ TEST(FourBar, KeepsEnergyAndMomentumAtEveryMassRatio) {
       for (const std::uint32_t particle : scene.bodies[bars[0]].particles)
         scene.particles[particle].velocity +=
             cross(Vec3{0, 0, 2}, scene.particles[particle].position - corners[0]);
-      World world(scene, test::limbs(substeps));
+      World world(scene, test::body_settings(substeps));
       const auto momentum = [&] {
         return measure_momentum(scene, test::positions_of(world), test::velocities_of(world),
                                 MassModel::consistent)
@@ -289,11 +289,11 @@ TEST(FourBar, KeepsEnergyAndMomentumAtEveryMassRatio) {
 TEST(FreeRod, KeepsMomenta) {
   Scene scene;
   scene.gravity = {};
-  test::add_limb(scene, {0, 0, -0.5}, {0, 0, 0.5}, 2, 0.05);
+  test::add_capsule_rod(scene, {0, 0, -0.5}, {0, 0, 0.5}, 2, 0.05);
   scene.particles[0].velocity = {1, 0.5, 0.3};
   scene.particles[1].velocity = {0, -0.5, 0.3};
   for (const std::uint32_t substeps : {1u, 16u, 64u}) {
-    World world(scene, test::limbs(substeps));
+    World world(scene, test::body_settings(substeps));
     const Momentum before = test::momentum_of(scene, world);
     test::run(world, frame, 120);
     const Momentum after = test::momentum_of(scene, world);
@@ -324,7 +324,7 @@ TEST(AngleLimits, ArePassedByNoMoreThanADegree) {
     for (const std::uint32_t substeps : {1u, 4u}) {
       Scene scene = held_rod({.lower = 60 * test::degree, .upper = 130 * test::degree});
       scene.particles[2].velocity = {0, speed, 0};
-      World world(scene, test::limbs(substeps));
+      World world(scene, test::body_settings(substeps));
       double least = 10, most = 0;
       for (int i = 0; i < 300; ++i) {
         world.step(frame);
@@ -337,10 +337,10 @@ TEST(AngleLimits, ArePassedByNoMoreThanADegree) {
     }
 }
 
-// Two limbs that fly and fold at their joint. The limit is within the whole: linear momentum stays to what
-// energy is held to (lengths to 1e-9); the limbs turn on while it pushes them along the directions of the
+// Two rods that fly and fold at their joint. The limit is within the whole: linear momentum stays to what
+// energy is held to (lengths to 1e-9); the rods turn on while it pushes them along the directions of the
 // substep's start, at 5 rad/s, and angular momentum is off by that turn at most.
-TEST(AngleLimits, HoldBetweenLimbsThatFly) {
+TEST(AngleLimits, HoldBetweenRodsThatFly) {
   Scene scene;
   scene.gravity = {};
   scene.particles = {test::movable({-1, 0, 0}, 0, {0, 4, 1}), test::movable({0, 0, 0}, 0, {0, -2, 0}),
@@ -351,7 +351,7 @@ TEST(AngleLimits, HoldBetweenLimbsThatFly) {
                           .lower = 70 * test::degree,
                           .upper = 175 * test::degree});
   for (const std::uint32_t substeps : {1u, 16u}) {
-    World world(scene, test::limbs(substeps));
+    World world(scene, test::body_settings(substeps));
     const Momentum before = test::momentum_of(scene, world);
     double least = 10;
     for (int i = 0; i < 300; ++i) {
@@ -373,10 +373,10 @@ constexpr double load = rod_mass * test::earth * rod_length / 2;  ///< N m, of t
 // order in the angle that it gets to (8 mrad).
 TEST(AngleFriction, HoldsWhatItIsStrongerThan) {
   for (const std::uint32_t substeps : {1u, 4u}) {
-    World holds(held_rod({.friction = 1.01 * load}), test::limbs(substeps));
+    World holds(held_rod({.friction = 1.01 * load}), test::body_settings(substeps));
     test::run(holds, frame, 120);
     EXPECT_NEAR(angle_of(holds), 90 * test::degree, 1e-5);
-    World slips(held_rod({.friction = 0.99 * load}), test::limbs(substeps));
+    World slips(held_rod({.friction = 0.99 * load}), test::body_settings(substeps));
     test::run(slips, frame, 20);
     const double turned = 0.5 * 0.01 * load / rod_inertia / 9;
     EXPECT_NEAR(angle_of(slips), 90 * test::degree + turned, 0.05 * turned);
@@ -385,7 +385,7 @@ TEST(AngleFriction, HoldsWhatItIsStrongerThan) {
 
 // What friction holds is at rest, and says so.
 TEST(AngleFriction, HoldsAtRest) {
-  World world(held_rod({.friction = 2 * load}), test::limbs());
+  World world(held_rod({.friction = 2 * load}), test::body_settings());
   test::run(world, frame, 60);
   EXPECT_LE(norm(world.velocity(2)), 1e-3);
 }
@@ -399,7 +399,7 @@ TEST(AngleDrive, ReachesItsTargetAsTheLinearOscillatorDoes) {
     const double damping = 2 * ratio * omega * rod_inertia;
     World world(
         held_rod({.target = 90 * test::degree + start, .stiffness = stiffness, .damping = damping}, {}),
-        test::limbs(16));
+        test::body_settings(16));
     double worst = 0;
     for (int i = 0; i < 120; ++i) {
       world.step(frame);
@@ -422,13 +422,13 @@ TEST(AngleDrive, ReachesItsTargetAsTheLinearOscillatorDoes) {
 TEST(AngleDamping, SlowsTheAngle) {
   Scene scene = held_rod({.damping = 1}, {});
   scene.particles[2].velocity = {0, 0.2, 0};
-  World world(scene, test::limbs(4));
+  World world(scene, test::body_settings(4));
   test::run(world, frame, 60);
   EXPECT_NEAR(norm(world.velocity(2)), 0.2 * std::exp(-1 / rod_inertia),
               0.01 * 0.2 * std::exp(-1 / rod_inertia));
 }
 
-/// Five limbs in a row that fly, each particle with a velocity of its own.
+/// Five rods in a row that fly, each particle with a velocity of its own.
 Scene flying_row() {
   test::Random random(4);
   Scene scene;
@@ -440,12 +440,12 @@ Scene flying_row() {
   return scene;
 }
 
-// It takes the motion between limbs alone: momenta stay to 1e-10, and in the end all turn as one.
+// It takes the motion between rods alone: momenta stay to 1e-10, and in the end all turn as one.
 TEST(JointDrag, KeepsMomentaAndStopsTheRest) {
   Scene scene = flying_row();
   scene.joint_drag = 5;
   for (const std::uint32_t substeps : {1u, 4u}) {
-    World world(scene, test::limbs(substeps));
+    World world(scene, test::body_settings(substeps));
     const Momentum before = test::momentum_of(scene, world);
     test::run(world, frame, 360);
     const Momentum after = test::momentum_of(scene, world);
@@ -483,7 +483,7 @@ TEST(Air, SlowsALoneRodAlongAndAcrossItself) {
       scene.gravity = {};
       scene.particles = {test::movable({0, 0, 0}, 0, c.a), test::movable({1, 0, 0}, 0, c.b)};
       scene.rods = {{.a = 0, .b = 1, .mass = 2, .linear_drag = linear, .orthogonal_drag = orthogonal}};
-      World world(scene, test::limbs(substeps));
+      World world(scene, test::body_settings(substeps));
       test::run(world, frame, 60);
       const double left = norm(world.velocity(0)) / norm(c.a), h = frame / substeps;
       EXPECT_NEAR(left, std::exp(-c.rate), 0.3 * c.rate * c.rate * h * left) << c.name;

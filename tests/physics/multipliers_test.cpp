@@ -32,7 +32,7 @@ TEST(Multipliers, DriftUnlessStabilized) {
   struct Worst {
     double first = 0, last = 0;  // in the first second, in the eighth
   };
-  const auto stretch = [&](Stabilization stabilization) {
+  const auto strain = [&](Stabilization stabilization) {
     World world(scene, multipliers(stabilization, Integrator::semi_implicit_euler));
     Worst worst;
     for (int i = 0; i < 8000; ++i) {
@@ -42,8 +42,8 @@ TEST(Multipliers, DriftUnlessStabilized) {
     }
     return worst;
   };
-  const Worst none = stretch(Stabilization::none), baumgarte = stretch(Stabilization::baumgarte),
-              projection = stretch(Stabilization::projection);
+  const Worst none = strain(Stabilization::none), baumgarte = strain(Stabilization::baumgarte),
+              projection = strain(Stabilization::projection);
   EXPECT_NEAR(none.last / none.first, 8, 2) << "as much in every second";
   EXPECT_GT(none.last, 0.02);
   EXPECT_LE(baumgarte.last, 1.5 * baumgarte.first);
@@ -119,8 +119,8 @@ TEST(Multipliers, MoveLoopsAsTheTruthDoes) {
   }
 }
 
-// Trees between several fixed particles: through two, straight at a pin, held by three.
-TEST(Multipliers, MoveTreesWithSeveralPinsAsTheTruthDoes) {
+// Trees between several fixed particles: through two, straight at a tie, held by three.
+TEST(Multipliers, MoveTreesWithSeveralTiesAsTheTruthDoes) {
   Scene arch;
   arch.particles = {test::anchor({0, 0, 0}),         test::loose({0.3, 0, 0}, 1),
                     test::loose({0.6, 0, 0}, 0.5),   test::loose({0.8, -0.3, 0.1}, 2),
@@ -128,9 +128,9 @@ TEST(Multipliers, MoveTreesWithSeveralPinsAsTheTruthDoes) {
                     test::loose({0.9, -0.6, 0.2}, 3)};
   arch.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2, .mass = 1}, {.a = 3, .b = 2}, {.a = 3, .b = 4},
                {.a = 2, .b = 5}, {.a = 3, .b = 6, .mass = 2}};
-  expect_true(arch, MassModel::consistent, "two pins, two rods straight behind one");
+  expect_true(arch, MassModel::consistent, "two ties, two rods straight behind one");
   std::swap(arch.rods[0], arch.rods[3]);  // rooted at the other end
-  expect_true(arch, MassModel::consistent, "two pins, two rods straight before one");
+  expect_true(arch, MassModel::consistent, "two ties, two rods straight before one");
 
   Scene held;
   held.particles = {test::anchor({0, 0, 0}),          test::anchor({1, 0, 0}),
@@ -146,7 +146,7 @@ TEST(Multipliers, MoveTreesWithSeveralPinsAsTheTruthDoes) {
   for (int round = 0; round < 4; ++round) {
     const Scene scene = test::random_tree(
         random,
-        {.movable = 10, .anchors = 4, .pins = 1, .masses = 3, .rod_mass = round % 2 == 0 ? 0.0 : 1.0});
+        {.movable = 10, .anchors = 4, .ties = 1, .masses = 3, .rod_mass = round % 2 == 0 ? 0.0 : 1.0});
     expect_true(scene, MassModel::consistent, "random tree");
   }
 }

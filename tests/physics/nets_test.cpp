@@ -119,7 +119,7 @@ TEST(Nets, InFreeFlightKeepTheirMomentum) {
   }
 }
 
-// With a tolerance rods keep no more stretch than that, and some of it, in half the iterations or less, and
+// With a tolerance rods keep no more strain than that, and some of it, in half the iterations or less, and
 // go nearly the same way: what a substep leaves the next one takes back.
 TEST(Nets, StopAtATolerance) {
   const Scene scene = sideways_net(14);
@@ -136,7 +136,7 @@ TEST(Nets, StopAtATolerance) {
         largest = std::max(largest, test::stretch_of(scene, world).max);
       }
       EXPECT_LE(newton, 0.75 * to_rounding.newton) << to_string(gradient);
-      EXPECT_LE(largest, 1.01 * tolerance);  // C/L^2 is the stretch but for its square
+      EXPECT_LE(largest, 1.01 * tolerance);  // C/L^2 is the strain but for its square
       EXPECT_GE(largest, 1e-2 * tolerance);  // an iteration takes one or two digits off
       EXPECT_LE(test::relative_error(scene, world, test::positions_of(exact)), tolerance);
     }
@@ -144,12 +144,12 @@ TEST(Nets, StopAtATolerance) {
 }
 
 // Mid keeps energy by solving to rounding, whatever the tolerance. A hundredth of an accuracy, at most 1e-6,
-// is one; if both are set the lesser counts: stretch is a velocity, the greater the shorter substeps are, and
+// is one; if both are set the lesser counts: strain is a velocity, the greater the shorter substeps are, and
 // no accuracy could be had.
 TEST(Nets, TakeTheirToleranceFromWhatIsAskedFor) {
   const Scene scene = sideways_net(14);
-  const auto stretch = [&](Settings settings, std::optional<double> tolerance,
-                           std::optional<double> accuracy) {
+  const auto strain = [&](Settings settings, std::optional<double> tolerance,
+                          std::optional<double> accuracy) {
     settings.stop.tolerance = tolerance;
     settings.accuracy = accuracy;
     World world(scene, settings);
@@ -160,10 +160,10 @@ TEST(Nets, TakeTheirToleranceFromWhatIsAskedFor) {
     }
     return largest;
   };
-  EXPECT_LE(stretch(direct(Gradient::mid, 4), 1e-4, {}), 1e-10);
+  EXPECT_LE(strain(direct(Gradient::mid, 4), 1e-4, {}), 1e-10);
   const Settings automatic{.method = Method::automatic, .threads = 1};
-  const double of_coarse = stretch(automatic, {}, 1e-3), of_fine = stretch(automatic, {}, 1e-6),
-               of_both = stretch(automatic, 1e-4, 1e-6);
+  const double of_coarse = strain(automatic, {}, 1e-3), of_fine = strain(automatic, {}, 1e-6),
+               of_both = strain(automatic, 1e-4, 1e-6);
   EXPECT_LE(of_coarse, 1.01e-6);
   EXPECT_GE(of_coarse, 1e-8);
   EXPECT_LE(of_fine, 1.01e-8);

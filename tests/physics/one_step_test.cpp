@@ -9,7 +9,7 @@
 
 #include "plumb/plumb.hpp"
 #include "scenes/generators/generators.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {

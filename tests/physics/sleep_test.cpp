@@ -9,18 +9,18 @@
 
 #include "scenes/humanoid/humanoid.hpp"
 #include "scenes/spec.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 
 namespace plumb {
 namespace {
 
 using test::frame;
 
-/// Balls and a limb that lie on the ground, some 0.1 m apart, and a chain that hangs from an anchor out of
+/// Balls and a rod that lie on the ground, some 0.1 m apart, and a chain that hangs from an anchor out of
 /// their reach. All asleep.
 struct Sleepers {
   Scene scene;
-  std::uint32_t ball = 0, other_ball = 0, limb = 0, chain = 0, anchor = 0;
+  std::uint32_t ball = 0, other_ball = 0, rod = 0, chain = 0, anchor = 0;
 };
 Sleepers sleepers() {
   Sleepers out;
@@ -29,8 +29,8 @@ Sleepers sleepers() {
   scene.planes.push_back({.surface = surface});
   out.ball = test::add_ball(scene, {0, 0.1, 0}, 0.1, 1, {}, surface);
   out.other_ball = test::add_ball(scene, {0.5, 0.1, 0}, 0.1, 1, {}, surface);
-  out.limb = static_cast<std::uint32_t>(scene.particles.size());
-  test::add_limb(scene, {-0.5, 0.05, -0.5}, {-0.5, 0.05, 0.5}, 2, 0.05, surface);
+  out.rod = static_cast<std::uint32_t>(scene.particles.size());
+  test::add_capsule_rod(scene, {-0.5, 0.05, -0.5}, {-0.5, 0.05, 0.5}, 2, 0.05, surface);
   out.anchor = static_cast<std::uint32_t>(scene.particles.size());
   scene.particles.push_back(test::fixed({5, 3, 0}));
   out.chain = out.anchor + 1;
@@ -44,7 +44,7 @@ Sleepers sleepers() {
 
 TEST(Sleepers, CostNothingAndDoNotMoveByABit) {
   const Sleepers s = sleepers();
-  World world(s.scene, test::limbs(1, true));
+  World world(s.scene, test::body_settings(1, true));
   const std::uint64_t before = world.state_hash();
   const StepReport report = test::run(world, frame, 1000);
   EXPECT_EQ(report.awake_islands, 0u);
@@ -57,8 +57,8 @@ TEST(Sleepers, CostNothingAndDoNotMoveByABit) {
 // One is woken; the others sleep on.
 TEST(Sleepers, AreWokenByAForce) {
   const Sleepers s = sleepers();
-  World world(s.scene, test::limbs(1, true));
-  world.set_force(s.limb, {0, 0, 0});
+  World world(s.scene, test::body_settings(1, true));
+  world.set_force(s.rod, {0, 0, 0});
   EXPECT_EQ(world.step(frame).awake_islands, 1u);
   world.set_force(s.ball, {0, 30, 0});
   EXPECT_EQ(world.step(frame).awake_islands, 2u);
@@ -68,7 +68,7 @@ TEST(Sleepers, AreWokenByAForce) {
 
 TEST(Sleepers, AreWokenByAnAnchorThatMoves) {
   const Sleepers s = sleepers();
-  World world(s.scene, test::limbs(1, true));
+  World world(s.scene, test::body_settings(1, true));
   world.move_anchor(s.anchor, {5.1, 3, 0});
   EXPECT_EQ(world.step(frame).awake_islands, 1u);
   for (std::uint32_t i = 0; i < 3; ++i) EXPECT_GT(norm(world.velocity(s.chain + i)), 1e-3) << i;
@@ -79,12 +79,12 @@ TEST(Sleepers, AreWokenByAnAnchorThatMoves) {
 TEST(Sleepers, AreWokenByTouchOneAfterTheOther) {
   Sleepers s = sleepers();
   test::add_ball(s.scene, {-0.35, 0.1, 0}, 0.1, 1, {3, 0, 0}, {.friction = 0, .restitution = 1});
-  World world(s.scene, test::limbs(1, true));
+  World world(s.scene, test::body_settings(1, true));
   std::uint32_t most = 0;
   for (int i = 0; i < 60; ++i) most = std::max(most, world.step(frame).awake_islands);
   EXPECT_EQ(most, 3u);
   EXPECT_GT(world.position(s.ball).x, 0.05);
-  EXPECT_EQ(world.position(s.limb), s.scene.particles[s.limb].position);
+  EXPECT_EQ(world.position(s.rod), s.scene.particles[s.rod].position);
 }
 
 // In a step longer than what it takes to fall asleep a ball that is hit may sleep again before it ends; it is
@@ -111,7 +111,7 @@ TEST(Sleepers, AreWokenAndSleepAgainInOneLongStep) {
 TEST(Sleepers, WakeWholeFigures) {
   Scene scene = scenes::make_humanoid({.body = scenes::BodyType::thin});
   test::add_ball(scene, scene.particles[9].position + Vec3{0.5, 0.1, 0}, 0.05, 2, {-4, 0, 0});
-  World world(scene, test::limbs(1, true));
+  World world(scene, test::body_settings(1, true));
   EXPECT_EQ(world.step(frame).awake_islands, 1u) << "the ball alone";
   StepReport report;
   for (int i = 0; i < 30 && report.awake_islands < 2; ++i) report = world.step(frame);
@@ -122,7 +122,7 @@ TEST(Sleepers, WakeWholeFigures) {
 // A thousand steps of those who fell asleep by themselves.
 TEST(Sleepers, StayWhereTheyFellAsleep) {
   const Scene scene = scenes::load_scene("crowd:humanoids=4,hit=4,body=thin");
-  World world(scene, test::limbs(1, true));
+  World world(scene, test::body_settings(1, true));
   int steps = 0;
   while ((world.step(frame).awake_islands > 0 || steps == 0) && steps < 1800) ++steps;
   ASSERT_LT(steps, 1800) << "someone never slept";
@@ -131,15 +131,15 @@ TEST(Sleepers, StayWhereTheyFellAsleep) {
   EXPECT_EQ(world.state_hash(), before);
 }
 
-// To fall asleep and be woken without being touched is as if one had stayed awake, bit for bit: a limb that
+// To fall asleep and be woken without being touched is as if one had stayed awake, bit for bit: a rod that
 // was dropped aslant, against the same in a world that never sleeps, with as many steps. It would sleep again
 // after half a second.
 TEST(Sleepers, GoOnAsIfTheyHadStayedAwake) {
   for (const Vec3 force : {Vec3{}, Vec3{30, 5, -2}}) {
     Scene scene;
     scene.planes.push_back({});
-    test::add_limb(scene, {-0.5, 0.3, -0.1}, {-0.5, 0.15, 0.5}, 2, 0.05, {.friction = 0.5});
-    World sleeps(scene, test::limbs(1, true)), wakes(scene, test::limbs());
+    test::add_capsule_rod(scene, {-0.5, 0.3, -0.1}, {-0.5, 0.15, 0.5}, 2, 0.05, {.friction = 0.5});
+    World sleeps(scene, test::body_settings(1, true)), wakes(scene, test::body_settings());
     std::uint32_t slept = 0;
     for (int i = 0; i < 600 && slept == 0; ++i) {
       slept = sleeps.step(frame).fell_asleep;

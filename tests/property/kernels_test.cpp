@@ -445,7 +445,7 @@ TYPED_TEST(KernelsOf, AllFiniteFindsEveryPlace) {
 }
 
 // Numbers that a reader can check: a rod of 1 m stretched by 10 % between equal masses comes back to its
-// length in one projection. Its residual is cubic, a quarter of the stretch cubed: 2.5e-4.
+// length in one projection. Its residual is cubic, a quarter of the strain cubed: 2.5e-4.
 TYPED_TEST(KernelsOf, AStretchedRodComesBack) {
   using T = TypeParam;
   std::vector<Isa> isas = vector_isas();

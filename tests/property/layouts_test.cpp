@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "relax/plan.hpp"
 #include "scenes/generators/generators.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
@@ -95,7 +96,7 @@ TEST_P(Layouts, Chain) {
 }
 
 TEST_P(Layouts, LongChain) {
-  expect_equal_bits(scenes::make_chain(8192 + below(random, 1000), 0.1));
+  expect_equal_bits(scenes::make_chain(detail::longest_segments + below(random, 1000), 0.1));
 }
 
 TEST_P(Layouts, Net) {

@@ -75,13 +75,13 @@ struct Midst {
     scatter(state.u, 0.1);
     scatter(state.acceleration, 10);
     scatter(state.acceleration_before, 10);
-    scatter(state.pin_delta, 0.03);
-    scatter(state.pin_u, 0.03);
+    scatter(state.tie_delta, 0.03);
+    scatter(state.tie_u, 0.03);
     scatter(state.mu, 1);
-    scatter(state.pin_mu, 1);
+    scatter(state.tie_mu, 1);
     scatter(state.mu_before, 1);
-    scatter(state.pin_mu_before, 1);
-    for (auto* field : {&state.mu, &state.pin_mu, &state.mu_before, &state.pin_mu_before})
+    scatter(state.tie_mu_before, 1);
+    for (auto* field : {&state.mu, &state.tie_mu, &state.mu_before, &state.tie_mu_before})
       for (std::size_t i = lane; i < field->size(); i += state.lanes)
         (*field)[i] = static_cast<T>((*field)[i] > 0 ? 0.05 * least * (*field)[i] : (*field)[i]);
     work.ratio[lane] = static_cast<T>(0.9 + 0.2 * signed_unit(random));
@@ -106,9 +106,9 @@ struct Midst {
 class Dense {
  public:
   explicit Dense(const TreeView<double>& tree) : tree_(tree), n_(3 * tree.nodes), rods_(tree.nodes - 1) {
-    pins_ = tree.pin_begin[tree.nodes];
+    ties_ = tree.tie_begin[tree.nodes];
     for (std::uint32_t i = 0; i < tree.nodes; ++i)
-      for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) holder_.push_back(i);
+      for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) holder_.push_back(i);
     mass_ = Matrix::Zero(n_, n_);
     for (std::uint32_t i = 0; i < tree.nodes; ++i) {
       add(mass_, i, i, tree.node[tree_fields::node * i]);
@@ -118,35 +118,35 @@ class Dense {
     }
   }
 
-  Eigen::Index constraints() const { return rods_ + pins_; }
-  /// Node i at the first end, and at the other its parent, or none (-1) for a pin.
+  Eigen::Index constraints() const { return rods_ + ties_; }
+  /// Node i at the first end, and at the other its parent, or none (-1) for a tie.
   std::pair<Eigen::Index, Eigen::Index> ends(Eigen::Index c) const {
     if (c < rods_) return {c + 1, tree_.parent[c + 1]};
     return {holder_[static_cast<std::size_t>(c - rods_)], -1};
   }
   Vector3 rod(Eigen::Index c) const {
     const auto [i, p] = ends(c);
-    return c < rods_ ? at(tree_.x, i) - at(tree_.x, p) : at(tree_.x, i) - at(tree_.pin_x, c - rods_);
+    return c < rods_ ? at(tree_.x, i) - at(tree_.x, p) : at(tree_.x, i) - at(tree_.tie_x, c - rods_);
   }
   Vector3 stretching(Eigen::Index c) const {  // e
     const auto [i, p] = ends(c);
-    return at(tree_.delta, i) - (c < rods_ ? at(tree_.delta, p) : at(tree_.pin_delta, c - rods_));
+    return at(tree_.delta, i) - (c < rods_ ? at(tree_.delta, p) : at(tree_.tie_delta, c - rods_));
   }
-  Real multiplier(Eigen::Index c) const { return c < rods_ ? tree_.mu[c + 1] : tree_.pin_mu[c - rods_]; }
+  Real multiplier(Eigen::Index c) const { return c < rods_ ? tree_.mu[c + 1] : tree_.tie_mu[c - rods_]; }
   Vector multipliers() const {
     Vector all(constraints());
     for (Eigen::Index c = 0; c < all.size(); ++c) all[c] = multiplier(c);
     return all;
   }
   Real length2(Eigen::Index c) const {
-    return c < rods_ ? tree_.length2[c + 1] : tree_.pin_length2[c - rods_];
+    return c < rods_ ? tree_.length2[c + 1] : tree_.tie_length2[c - rods_];
   }
-  /// Sum over pins of their coupling to the displacement of the fixed end.
-  Vector pinned(const double* displacement) const {
+  /// Sum over ties of their coupling to the displacement of the fixed end.
+  Vector tied(const double* displacement) const {
     Vector sum = Vector::Zero(n_);
-    for (Eigen::Index k = 0; k < pins_; ++k)
+    for (Eigen::Index k = 0; k < ties_; ++k)
       sum.segment<3>(3 * holder_[static_cast<std::size_t>(k)]) +=
-          Real{tree_.pin[tree_fields::pin * k]} * at(displacement, k);
+          Real{tree_.tie[tree_fields::tie * k]} * at(displacement, k);
     return sum;
   }
   Vector all(const double* field) const {
@@ -155,16 +155,16 @@ class Dense {
     return v;
   }
   Vector load() const {
-    return tree_.ratio[0] * (mass_ * all(tree_.u)) + pinned(tree_.pin_u) +
+    return tree_.ratio[0] * (mass_ * all(tree_.u)) + tied(tree_.tie_u) +
            Real{tree_.kick[0]} * all(tree_.force);
   }
 
-  /// Changes of delta, then of the multipliers of rods and pins.
+  /// Changes of delta, then of the multipliers of rods and ties.
   Vector newton(Real theta) const {
     Matrix matrix = Matrix::Zero(n_ + constraints(), n_ + constraints());
     Vector right = Vector::Zero(n_ + constraints());
     matrix.topLeftCorner(n_, n_) = mass_;
-    right.head(n_) = load() - mass_ * all(tree_.delta) - pinned(tree_.pin_delta);
+    right.head(n_) = load() - mass_ * all(tree_.delta) - tied(tree_.tie_delta);
     for (Eigen::Index c = 0; c < constraints(); ++c) {
       const auto [i, p] = ends(c);
       const Vector3 d = rod(c), e = stretching(c), a = d + theta * e, b = d + e;
@@ -183,16 +183,16 @@ class Dense {
     return matrix.fullPivLu().solve(right);
   }
 
-  /// delta' of M delta' = M delta + kick force + J^T lambda, J delta' = 0, pins from pin_u to pin_delta.
+  /// delta' of M delta' = M delta + kick force + J^T lambda, J delta' = 0, ties from tie_u to tie_delta.
   Vector project() const {
     Matrix matrix = Matrix::Zero(n_ + constraints(), n_ + constraints());
     Vector right = Vector::Zero(n_ + constraints());
     matrix.topLeftCorner(n_, n_) = mass_;
-    right.head(n_) = mass_ * all(tree_.delta) + pinned(tree_.pin_u) - pinned(tree_.pin_delta) +
+    right.head(n_) = mass_ * all(tree_.delta) + tied(tree_.tie_u) - tied(tree_.tie_delta) +
                      Real{tree_.kick[0]} * all(tree_.force);
     for (Eigen::Index c = 0; c < constraints(); ++c) {
       put_rod(matrix, c, -rod(c), rod(c));
-      if (c >= rods_) right[n_ + c] = rod(c).dot(at(tree_.pin_delta, c - rods_));
+      if (c >= rods_) right[n_ + c] = rod(c).dot(at(tree_.tie_delta, c - rods_));
     }
     return matrix.completeOrthogonalDecomposition().solve(right).head(n_);
   }
@@ -246,7 +246,7 @@ class Dense {
   }
 
   TreeView<double> tree_;
-  Eigen::Index n_, rods_, pins_ = 0;
+  Eigen::Index n_, rods_, ties_ = 0;
   std::vector<Eigen::Index> holder_;
   Matrix mass_;
 };
@@ -269,11 +269,11 @@ Case random_case(Random& random, double masses) {
           consistent ? MassModel::consistent : MassModel::lumped};
 }
 
-// To 1e-10 of the solution where masses lie within a factor of 100 and at most one pin holds the tree. Beyond
-// that, blocks of light particles above heavy ones, or with two pins, are stiff along rods and soft across;
+// To 1e-10 of the solution where masses lie within a factor of 100 and at most one tie holds the tree. Beyond
+// that, blocks of light particles above heavy ones, or with two ties, are stiff along rods and soft across;
 // inverting them by cofactors loses up to the square of that ratio, which the next Newton step makes good.
-// Measured over fourteen seeds: 1e-14 and, with masses of 1e-3 to 1e3 kg and pins, 1e-9 for 9 of 10, 3e-5 for
-// 99 of 100; of one tree in 3,000, held by six pins or so, the multipliers are anything (conditions of 1e6).
+// Measured over fourteen seeds: 1e-14 and, with masses of 1e-3 to 1e3 kg and ties, 1e-9 for 9 of 10, 3e-5 for
+// 99 of 100; of one tree in 3,000, held by six ties or so, the multipliers are anything (conditions of 1e6).
 TEST(TreeKernels, NewtonIsTheDenseStep) {
   Random random(11);
   int solved = 0;
@@ -320,18 +320,18 @@ TEST(TreeKernels, NewtonIsTheDenseStep) {
   EXPECT_LE(hard[hard.size() * 99 / 100], 1e-4L);
 }
 
-// The same for velocities. Where pins are redundant, velocities are unique all the same, if the pins rest.
+// The same for velocities. Where ties are redundant, velocities are unique all the same, if the ties rest.
 TEST(TreeKernels, ProjectIsTheDenseProjection) {
   Random random(12);
   for (int round = 0; round < test::scaled(400); ++round) {
     Case kind = random_case(random, 10);
     const bool redundant = round % 4 == 0;  // all eight hold one particle, or two
-    if (redundant) kind = {{.movable = 1, .anchors = 8, .pins = 8, .masses = 10}, MassModel::lumped};
+    if (redundant) kind = {{.movable = 1, .anchors = 8, .ties = 8, .masses = 10}, MassModel::lumped};
     const Scene scene = test::random_tree(random, kind.shape);
     const Island island(scene);
     Midst<double> midst(island, 1);
     midst.fill(0, scene, kind.model, random);
-    if (redundant) std::fill_n(midst.state.pin_delta.data(), midst.state.pin_delta.size(), 0.0);
+    if (redundant) std::fill_n(midst.state.tie_delta.data(), midst.state.tie_delta.size(), 0.0);
     const TreeView<double> view = midst.view();
     tree_kernels<double>(Isa::scalar).prepare(view);
     const Dense dense(view);
@@ -389,7 +389,7 @@ std::vector<double> outcome(Midst<T>& midst, std::uint32_t lane) {
   take(midst.state.x);
   for (const auto* field :
        {&midst.state.u, &midst.state.acceleration, &midst.state.acceleration_before, &midst.state.mu,
-        &midst.state.pin_mu, &midst.state.mu_before, &midst.state.pin_mu_before, &midst.work.delta,
+        &midst.state.tie_mu, &midst.state.mu_before, &midst.state.tie_mu_before, &midst.work.delta,
         &midst.work.load, &midst.work.change, &midst.work.push, &midst.work.jolt, &midst.work.stiffness})
     take(*field);
   return numbers;

@@ -48,17 +48,17 @@ void expect_numbers(const Tree& tree, const LocalGraph& g) {
     path.push_back(i);
     seen_edges.push_back(tree.edge[i]);
   }
-  ASSERT_EQ(tree.pin_begin.size(), tree.nodes() + std::size_t{1});
-  EXPECT_EQ(tree.pin_begin.front(), 0u);
-  EXPECT_EQ(tree.pin_begin.back(), tree.pins.size());
+  ASSERT_EQ(tree.tie_begin.size(), tree.nodes() + std::size_t{1});
+  EXPECT_EQ(tree.tie_begin.front(), 0u);
+  EXPECT_EQ(tree.tie_begin.back(), tree.ties.size());
   for (std::uint32_t i = 0; i < tree.nodes(); ++i)
-    for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
-      EXPECT_EQ(g.movable[tree.pins[k].vertex], 0);
-      EXPECT_TRUE(joins(g.edges[tree.pins[k].edge], tree.vertex[i], tree.pins[k].vertex));
-      if (k > tree.pin_begin[i]) {
-        EXPECT_LT(tree.pins[k - 1].edge, tree.pins[k].edge);
+    for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
+      EXPECT_EQ(g.movable[tree.ties[k].vertex], 0);
+      EXPECT_TRUE(joins(g.edges[tree.ties[k].edge], tree.vertex[i], tree.ties[k].vertex));
+      if (k > tree.tie_begin[i]) {
+        EXPECT_LT(tree.ties[k - 1].edge, tree.ties[k].edge);
       }
-      seen_edges.push_back(tree.pins[k].edge);
+      seen_edges.push_back(tree.ties[k].edge);
     }
   std::sort(seen_edges.begin(), seen_edges.end());
   EXPECT_EQ(seen_edges, test::identity(g.edges.size())) << "every edge once";
@@ -66,14 +66,14 @@ void expect_numbers(const Tree& tree, const LocalGraph& g) {
 
 /// The root as documented.
 void expect_root(const Tree& tree, const LocalGraph& g) {
-  std::vector<int> pins(g.movable.size(), 0);
+  std::vector<int> ties(g.movable.size(), 0);
   for (const Edge& edge : g.edges) {
-    if (g.movable[edge.a] == 0) ++pins[edge.b];
-    if (g.movable[edge.b] == 0) ++pins[edge.a];
+    if (g.movable[edge.a] == 0) ++ties[edge.b];
+    if (g.movable[edge.b] == 0) ++ties[edge.a];
   }
-  const auto most = std::max_element(pins.begin(), pins.end());
+  const auto most = std::max_element(ties.begin(), ties.end());
   if (*most > 1) {
-    EXPECT_EQ(tree.vertex[0], static_cast<std::uint32_t>(most - pins.begin()));
+    EXPECT_EQ(tree.vertex[0], static_cast<std::uint32_t>(most - ties.begin()));
     return;
   }
   for (const Edge& edge : g.edges)
@@ -83,7 +83,7 @@ void expect_root(const Tree& tree, const LocalGraph& g) {
         return;
       }
   const auto children = std::count(tree.parent.begin() + 1, tree.parent.end(), 0u);
-  EXPECT_LE(children, 1) << "without pins an end";
+  EXPECT_LE(children, 1) << "without ties an end";
 }
 
 TEST(TreesOf, RandomTreesAreNumberedAsPromised) {

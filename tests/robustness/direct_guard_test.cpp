@@ -49,7 +49,7 @@ TEST(DirectGuard, CutsStepsThatAreTooLong) {
     EXPECT_EQ(kept.report.unsolved, 0u) << dt;
     EXPECT_EQ(kept.report.fallbacks, 0u) << dt;
     EXPECT_LE(kept.drift, 1e-9) << dt;
-    EXPECT_LE(kept.stretch, 1e-9) << dt;
+    EXPECT_LE(kept.strain, 1e-9) << dt;
   }
 }
 
@@ -98,14 +98,14 @@ TEST(DirectGuard, MassRatiosOfAMillionMillion) {
     for (std::size_t i = 1; i < scene.particles.size(); ++i)
       scene.particles[i].mass = i % 2 == 0 ? 1e6 : 1e-6;
     World world(scene, settings);
-    double stretch = 0;
+    double strain = 0;
     StepReport report;
     for (int i = 0; i < test::scaled(60); ++i) {
       report += world.step(1.0 / 60);
       ASSERT_TRUE(test::all_finite(world)) << "step " << i;
-      stretch = std::max(stretch, test::stretch_of(scene, world).max);
+      strain = std::max(strain, test::stretch_of(scene, world).max);
     }
-    EXPECT_LE(stretch, settings.precision == Precision::double_ ? 1e-9 : 3e-3);
+    EXPECT_LE(strain, settings.precision == Precision::double_ ? 1e-9 : 3e-3);
   });
 }
 TEST(DirectGuard, MassRatiosOfAMillion) {
@@ -114,13 +114,13 @@ TEST(DirectGuard, MassRatiosOfAMillion) {
     for (std::size_t i = 1; i < scene.particles.size(); ++i)
       scene.particles[i].mass = i % 2 == 0 ? 1e3 : 1e-3;
     World world(scene, settings);
-    double stretch = 0;
+    double strain = 0;
     for (int i = 0; i < test::scaled(10); ++i) {
       world.step(1.0 / 60);
       ASSERT_TRUE(test::all_finite(world)) << "step " << i;
-      stretch = std::max(stretch, test::stretch_of(scene, world).max);
+      strain = std::max(strain, test::stretch_of(scene, world).max);
     }
-    EXPECT_LE(stretch, settings.precision == Precision::double_ ? 1e-9 : 3e-3);
+    EXPECT_LE(strain, settings.precision == Precision::double_ ? 1e-9 : 3e-3);
   });
 }
 
@@ -181,7 +181,7 @@ TEST(DirectGuard, ChainsOnWhatIsHeldForGood) {
             const Kept kept = test::run_and_watch(scene, world, 30);
             EXPECT_TRUE(test::all_finite(world));
             EXPECT_EQ(kept.report.unsolved, 0u) << ends[0] << " " << ends[1] << " " << last_first;
-            EXPECT_LE(kept.stretch, settings.precision == Precision::double_ ? 1e-9 : 1e-6);
+            EXPECT_LE(kept.strain, settings.precision == Precision::double_ ? 1e-9 : 1e-6);
           }
         });
       }

@@ -161,11 +161,12 @@ TEST(FrozenIslands, AreCountedOneByOne) {
 // The same in a block that two threads share.
 TEST(FrozenIslands, InBlocksSharedByThreads) {
   test::PoolExecutor pool(2);
+  detail::EagerExecutor eager(pool, test::early);
   for (Scene scene : {scenes::make_chain(5000, 0.1, 1e-8), scenes::make_net(64, 48)}) {
     const auto victim = static_cast<std::uint32_t>(scene.particles.size() - 1);
     scene.particles[victim].mass = 1e-8;
     World alone(scene, {.method = Method::relax, .stop = {.sweeps = 4}, .threads = 1});
-    World shared(scene, {.method = Method::relax, .stop = {.sweeps = 4}, .threads = 2, .executor = &pool});
+    World shared(scene, {.method = Method::relax, .stop = {.sweeps = 4}, .threads = 2, .executor = &eager});
     ASSERT_TRUE(shared.info().parallel);
     for (World* world : {&alone, &shared}) {
       test::run(*world, 1.0 / 60, 5);

@@ -21,8 +21,8 @@ inline double energy_of(const Scene& scene, const World& world, MassModel mass) 
 
 /// The worst of every step of a run.
 struct Kept {
-  double drift = 0;    ///< of energy, relative to the range
-  double stretch = 0;  ///< largest of a rod
+  double drift = 0;   ///< of energy, relative to the range
+  double strain = 0;  ///< largest of a rod
   StepReport report{};
 };
 inline Kept run_and_watch(const Scene& scene, World& world, int steps, double dt = 1.0 / 60,
@@ -33,7 +33,7 @@ inline Kept run_and_watch(const Scene& scene, World& world, int steps, double dt
   for (int i = 0; i < steps; ++i) {
     kept.report += world.step(dt);
     kept.drift = std::max(kept.drift, std::abs(energy_of(scene, world, mass) - before) / range);
-    kept.stretch = std::max(kept.stretch, stretch_of(scene, world).max);
+    kept.strain = std::max(kept.strain, stretch_of(scene, world).max);
   }
   return kept;
 }

@@ -9,6 +9,7 @@
 
 #include "plumb/executor.hpp"
 #include "support/sanitizers.hpp"
+#include "threads/sharing.hpp"
 
 /// Executors that keep the contract of Executor in every way it allows.
 namespace plumb::test {
@@ -16,6 +17,11 @@ namespace plumb::test {
 /// False where the thread sanitizer would take the hand-overs of oneTBB, which is not instrumented, for
 /// races.
 inline constexpr bool can_watch_default_executor = !(thread_sanitizer && PLUMB_TEST_TBB);
+
+/// Sizes from which the tests' executors share work: a part of the usual ones, as threads are tested on
+/// scenes that are too small for them to win.
+inline constexpr detail::SharingThresholds early{.projections = detail::SharingThresholds{}.projections / 5,
+                                                 .rods = detail::SharingThresholds{}.rods / 2};
 
 /// One task after the other on the calling thread, first to last or last to first.
 class SerialExecutor final : public Executor {

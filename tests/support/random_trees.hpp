@@ -14,7 +14,7 @@ namespace plumb::test {
 struct TreeShape {
   std::uint32_t movable = 10;
   std::uint32_t anchors = 2;  ///< fixed particles; each holds one rod or two
-  std::uint32_t pins = 2;     ///< rods to fixed particles at one particle, at most; three hold it for good
+  std::uint32_t ties = 2;     ///< rods to fixed particles at one particle, at most; three hold it for good
   double masses = 1;          ///< of particles: from 1/masses to masses kg, evenly in the logarithm
   double rod_mass = 0;        ///< kg, at most; 0: massless
   bool straggling = true;     ///< parents anywhere; otherwise close by, so that the tree is deep
@@ -55,24 +55,24 @@ inline Scene random_tree(Random& random, const TreeShape& shape) {
     particle.position = scene.particles[name[parent]].position + way;
     add_rod(parent, i);
   }
-  std::vector<std::uint32_t> pins(n, 0);
+  std::vector<std::uint32_t> ties(n, 0);
   const auto find_free = [&] {
     std::uint32_t i = below(random, n);
-    for (std::uint32_t tries = 0; pins[i] >= shape.pins && tries < n; ++tries) i = (i + 1) % n;
+    for (std::uint32_t tries = 0; ties[i] >= shape.ties && tries < n; ++tries) i = (i + 1) % n;
     return i;
   };
   for (std::uint32_t i = n; i < all; ++i) {
     Particle& particle = scene.particles[name[i]];
     particle.fixed = true;
     const std::uint32_t held = find_free();
-    if (pins[held]++ >= shape.pins) continue;  // no particle is free: this one holds nothing
+    if (ties[held]++ >= shape.ties) continue;  // no particle is free: this one holds nothing
     Vec3 way = random_vector(random);
     while (norm(way) < 0.3) way = random_vector(random);
     particle.position = scene.particles[name[held]].position + way;
     add_rod(held, i);
     const std::uint32_t other = below(random, n);
-    if (other == held || pins[other] >= shape.pins || below(random, 3) != 0) continue;
-    ++pins[other];
+    if (other == held || ties[other] >= shape.ties || below(random, 3) != 0) continue;
+    ++ties[other];
     add_rod(other, i);
   }
   shuffle(scene.rods, random);

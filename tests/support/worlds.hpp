@@ -7,19 +7,12 @@
 
 #include "plumb/plumb.hpp"
 #include "plumb/reference/methods.hpp"
-#include "threads/sharing.hpp"
 
 /// What tests ask of a world again and again.
 namespace plumb::test {
 
-/// Threads are tested on scenes too small for them to win.
 /// Every test knows the thesis's other methods.
 inline const bool knows_reference_methods = (register_reference_methods(), true);
-
-inline const bool threads_help_early = [] {
-  detail::sharing_thresholds = {.projections = 20000, .rods = 4096};
-  return true;
-}();
 
 inline std::vector<Vec3> positions_of(const World& world) {
   std::vector<Vec3> positions(world.particle_count());

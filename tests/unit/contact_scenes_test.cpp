@@ -82,7 +82,7 @@ TEST(StandingHumanoid, WithoutABodyIsTheTreeOfTheFrontier) {
   const Scene scene = load_scene("humanoid");
   EXPECT_TRUE(scene.particles[0].fixed);
   EXPECT_TRUE(scene.capsules.empty());
-  EXPECT_FALSE(is_articulated(scene));
+  EXPECT_FALSE(has_more_than_rods(scene));
   // 0.2286 m is 9 inches; legs go off by half their length.
   EXPECT_NEAR(scene.particles[6].position.z, 15 * inch, 1e-15);
   EXPECT_NEAR(scene.particles[7].position.z, -15 * inch, 1e-15);

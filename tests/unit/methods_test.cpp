@@ -10,10 +10,11 @@
 #include <string>
 
 #include "plumb/plumb.hpp"
+#include "plumb/reference/methods.hpp"
 #include "relax/relax_solver.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -214,6 +215,19 @@ TEST(Methods, ARowIsAllThatANewMethodNeeds) {
   EXPECT_EQ(to_string(mine), "mine");
   settings.omega = 1.5;
   EXPECT_NE(refusal(scene, settings).find("mine"), std::string::npos);
+}
+
+// The thesis's other methods are there once, however often they are registered.
+TEST(Methods, OfTheReferenceLibraryAreRegisteredOnce) {
+  register_reference_methods();
+  const std::size_t rows = detail::method_rows().size();
+  register_reference_methods();
+  EXPECT_EQ(detail::method_rows().size(), rows);
+  for (const Method method : {Method::springs, Method::multipliers, Method::featherstone}) {
+    World world(scenes::make_chain(3), {.method = method, .threads = 1});
+    world.step(1e-3);
+    EXPECT_TRUE(test::all_finite(world)) << to_string(method);
+  }
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(SceneFile, RoundTripKeepsEveryBit) {
 }
 
 /// One of everything that is not a particle or a rod, with numbers that need all their digits.
-Scene limbs() {
+Scene bodies_and_joints() {
   Scene scene;
   add_body(scene, {.mass = 0.7, .center = {1.0 / 3, 0, 1}, .inertia = {1.1, 1.2, 1.3, 0.1 / 3, 0, -0.1}});
   add_body(scene, {.mass = 3, .center = {2, 0, 1}, .inertia = {.xx = 1, .yy = 1, .zz = 1}});
@@ -164,8 +164,8 @@ void expect_same(const std::vector<Item>& a, const std::vector<Item>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) expect_same(a[i], b[i]);
 }
 
-TEST(SceneFile, RoundTripKeepsEveryBitOfLimbs) {
-  const Scene scene = limbs();
+TEST(SceneFile, RoundTripKeepsEveryBitOfBodiesAndJoints) {
+  const Scene scene = bodies_and_joints();
   const Scene back = parse_scene(format_scene(scene), "f.json");
   for (std::size_t i = 0; i < scene.particles.size(); ++i)
     EXPECT_EQ(back.particles[i].asleep, scene.particles[i].asleep);
@@ -183,7 +183,7 @@ TEST(SceneFile, RoundTripKeepsEveryBitOfLimbs) {
   EXPECT_EQ(format_scene(back), format_scene(scene));
 }
 
-TEST(SceneFile, LimbsHaveTheDefaultsOfScene) {
+TEST(SceneFile, BodiesAndJointsHaveTheDefaultsOfScene) {
   const Scene scene = parse_scene(with(sound, R"({"a": 0, "b": 1})",
                                        R"(, "capsules": [{"a": 1, "radius": 0.5}],
                                             "planes": [{"normal": [0, 0, 1]}], "pins": [],
@@ -201,7 +201,7 @@ std::string message_of_list(const std::string& list) {
   return message_of(with(sound, R"({"a": 0, "b": 1})", ", " + list));
 }
 
-TEST(SceneFile, WhatIsWrongWithLimbsIsNamedWithItsPath) {
+TEST(SceneFile, WhatIsWrongWithBodiesAndJointsIsNamedWithItsPath) {
   EXPECT_EQ(message_of_list(R"("bodies": {})"), "f.json: bodies must be an array, not an object");
   EXPECT_EQ(message_of_list(R"("bodies": [{"particles": [0, 1]}])"),
             "f.json: bodies[0].particles must have 4 numbers, not 2");

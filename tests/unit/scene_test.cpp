@@ -151,151 +151,151 @@ Scene everything() {
 }
 
 /// The same as refusal(), of a scene that has everything.
-std::string refusal_of_limbs(const std::function<void(Scene&)>& change) {
+std::string refusal_after(const std::function<void(Scene&)>& change) {
   return refusal([&](Scene& s) {
     s = everything();
     change(s);
   });
 }
 
-TEST(Limbs, GoodOnesAreAccepted) {
-  EXPECT_EQ(refusal_of_limbs([](Scene&) {}), "");
+TEST(SceneChecks, GoodOnesAreAccepted) {
+  EXPECT_EQ(refusal_after([](Scene&) {}), "");
   // Asleep though fixed, and a limit at either end of what an angle can be.
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) {
               s.particles[0].asleep = true;
               s.angles[0].upper = std::numbers::pi;
             }),
             "");
   // Weights that are off by rounding, and particles without weight that do not exist.
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) {
               s.pins[0].a = {.particles = {1, 2, 99, 99}, .weights = {0.5, 0.5 + 1e-10, 0, 0}};
             }),
             "");
 }
 
-TEST(Limbs, BodiesHaveFourParticles) {
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies[0].particles[1] = 8; }),
+TEST(SceneChecks, BodiesHaveFourParticles) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies[0].particles[1] = 8; }),
             "body 0: particle 8 does not exist (the scene has 8 particles)");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies[0].particles[2] = 4; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies[0].particles[2] = 4; }),
             "body 0: particle 4 is there twice");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) {
               for (std::size_t i = 4; i < 8; ++i) s.particles[i].position.z = 0;
             }),
             "body 0: its particles lie in one plane");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.rods.erase(s.rods.begin() + 4); }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.rods.erase(s.rods.begin() + 4); }),
             "body 0: no rod keeps its particles 4 and 6 apart");
 }
 
 // Between fixed particles there can be no rod, and none is needed.
-TEST(Limbs, BodiesMayTurnAboutTwoFixedParticles) {
+TEST(SceneChecks, BodiesMayTurnAboutTwoFixedParticles) {
   const auto hinge = [](Scene& s) {
     s.particles[4].fixed = s.particles[6].fixed = true;
     s.rods.erase(s.rods.begin() + 4);
   };
-  EXPECT_EQ(refusal_of_limbs(hinge), "");
+  EXPECT_EQ(refusal_after(hinge), "");
 }
 
-TEST(Limbs, BodiesWeighWhatSolidsDo) {
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies[0].mass = 0; }),
+TEST(SceneChecks, BodiesWeighWhatSolidsDo) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies[0].mass = 0; }),
             "body 0: mass must be positive and finite, got 0 kg");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies[0].center.y = nan; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies[0].center.y = nan; }),
             "body 0: center of mass is not finite");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies[0].inertia.xz = infinity; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies[0].inertia.xz = infinity; }),
             "body 0: inertia is not finite");
   const std::string no_solid =
       "body 0: inertia is not that of a solid: the second moments of its mass must be positive, the smallest "
       "is ";
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies[0].inertia = {.xx = 1, .yy = 1, .zz = 2}; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies[0].inertia = {.xx = 1, .yy = 1, .zz = 2}; }),
             no_solid + "0 kg m^2");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies[0].inertia = {.xx = 1, .yy = 1, .zz = 3}; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies[0].inertia = {.xx = 1, .yy = 1, .zz = 3}; }),
             no_solid + "-0.5 kg m^2");
 }
 
-TEST(Limbs, ABodysParticlesHaveItsMass) {
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.bodies.clear(); }),
+TEST(SceneChecks, ABodysParticlesHaveItsMass) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.bodies.clear(); }),
             "particle 4: has no mass, neither its own nor from a rod, and is not fixed");
 }
 
-TEST(Limbs, PinsJoinTwoPlaces) {
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.pins[0].b.particles[0] = 8; }),
+TEST(SceneChecks, PinsJoinTwoPlaces) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.pins[0].b.particles[0] = 8; }),
             "pin 0, point b: particle 8 does not exist (the scene has 8 particles)");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.pins[0].a.weights[0] = nan; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.pins[0].a.weights[0] = nan; }),
             "pin 0, point a: weight is not finite: nan");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.pins[0].a.weights[1] = 0.5; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.pins[0].a.weights[1] = 0.5; }),
             "pin 0, point a: weights must add up to 1, not 1.5");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.pins[0].a.weights = {}; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.pins[0].a.weights = {}; }),
             "pin 0, point a: weights must add up to 1, not 0");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.pins[0].b = s.pins[0].a; }), "pin 0: both points are the same");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.pins[0].b = s.pins[0].a; }), "pin 0: both points are the same");
+  EXPECT_EQ(refusal_after([](Scene& s) {
               s.particles.push_back(fixed_at({5, 5, 5}));
               s.pins[0] = {point_at(0), point_at(8)};
             }),
             "pin 0: all its particles are fixed");
 }
 
-TEST(Limbs, AlignmentsAreOfSomethingThatMoves) {
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.alignments[0].v.to.particles[0] = 8; }),
+TEST(SceneChecks, AlignmentsAreOfSomethingThatMoves) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.alignments[0].v.to.particles[0] = 8; }),
             "alignment 0, v.to: particle 8 does not exist (the scene has 8 particles)");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.alignments[0].u.from.weights[0] = 2; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.alignments[0].u.from.weights[0] = 2; }),
             "alignment 0, u.from: weights must add up to 1, not 2");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.alignments[0].u.to = s.alignments[0].u.from; }), "");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.alignments[0].u.to = s.alignments[0].u.from; }), "");
+  EXPECT_EQ(refusal_after([](Scene& s) {
               s.alignments[0].u.to = s.alignments[0].u.from;
               s.alignments[0].v.to = s.alignments[0].v.from;
             }),
             "alignment 0: both directions are of length zero");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) {
               s.particles.push_back(fixed_at({5, 5, 5}));
               s.alignments[0].u = s.alignments[0].v = {point_at(0), point_at(8)};
             }),
             "alignment 0: all its particles are fixed");
 }
 
-TEST(Limbs, AnglesHaveDirectionsAndLimits) {
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].u.to = s.angles[0].u.from; }),
+TEST(SceneChecks, AnglesHaveDirectionsAndLimits) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].u.to = s.angles[0].u.from; }),
             "angle 0, u: is of length zero");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].v.to = s.angles[0].v.from; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].v.to = s.angles[0].v.from; }),
             "angle 0, v: is of length zero");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].v.to.weights[0] = 0.9; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].v.to.weights[0] = 0.9; }),
             "angle 0, v.to: weights must add up to 1, not 0.9");
   const std::string limits = "angle 0: limits must be within 0 and pi, the lower below the upper, got ";
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].upper = 4; }), limits + "0 and 4 rad");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].lower = -1; }), limits + "-1 and 3.14159 rad");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].lower = s.angles[0].upper = 1; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].upper = 4; }), limits + "0 and 4 rad");
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].lower = -1; }), limits + "-1 and 3.14159 rad");
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].lower = s.angles[0].upper = 1; }),
             limits + "1 and 1 rad");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].target = nan; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].target = nan; }),
             "angle 0: target must be within 0 and pi, got nan rad");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].friction = -1; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].friction = -1; }),
             "angle 0: friction must be finite and not negative, got -1 N m");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].stiffness = infinity; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].stiffness = infinity; }),
             "angle 0: stiffness must be finite and not negative, got inf N m/rad");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.angles[0].damping = nan; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.angles[0].damping = nan; }),
             "angle 0: damping must be finite and not negative, got nan N m s/rad");
 }
 
-TEST(Limbs, ShapesAndGroundHaveSizesAndSurfaces) {
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.capsules[0].radius = -1; }),
+TEST(SceneChecks, ShapesAndGroundHaveSizesAndSurfaces) {
+  EXPECT_EQ(refusal_after([](Scene& s) { s.capsules[0].radius = -1; }),
             "capsule 0: radius must be finite and not negative, got -1 m");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.capsules[0].b.particles[0] = 8; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.capsules[0].b.particles[0] = 8; }),
             "capsule 0, point b: particle 8 does not exist (the scene has 8 particles)");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.capsules[0].surface.friction = -0.1; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.capsules[0].surface.friction = -0.1; }),
             "capsule 0: friction must be finite and not negative, got -0.1");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.planes[0].surface.restitution = 1.1; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.planes[0].surface.restitution = 1.1; }),
             "plane 0: restitution must be from 0 to 1, got 1.1");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) {
               s.planes[0].normal = {1, 1, 0};
             }),
             "plane 0: normal must be of length 1, not 1.41421");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.planes[0].offset = infinity; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.planes[0].offset = infinity; }),
             "plane 0: offset is not finite: inf");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.boxes[0].center.x = nan; }), "box 0: center is not finite");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.boxes[0].half_size.y = 0; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.boxes[0].center.x = nan; }), "box 0: center is not finite");
+  EXPECT_EQ(refusal_after([](Scene& s) { s.boxes[0].half_size.y = 0; }),
             "box 0: half size must be positive and finite, got 0 m");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) {
+  EXPECT_EQ(refusal_after([](Scene& s) {
               s.boxes[0].orientation = {1, 0, 0, 1};
             }),
             "box 0: orientation must be a quaternion of length 1, not 1.41421");
-  EXPECT_EQ(refusal_of_limbs([](Scene& s) { s.boxes[0].surface.friction = nan; }),
+  EXPECT_EQ(refusal_after([](Scene& s) { s.boxes[0].surface.friction = nan; }),
             "box 0: friction must be finite and not negative, got nan");
 }
 

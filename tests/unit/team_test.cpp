@@ -95,7 +95,7 @@ TEST(Team, RunsPartsAtOnceOnRealThreads) {
   }
 }
 
-TEST(Team, CutsItemsIntoStretchesThatMeet) {
+TEST(Team, CutsItemsIntoRangesThatMeet) {
   for (const unsigned count : {1u, 2u, 3u, 7u})
     for (const std::uint32_t n : {0u, 1u, 5u, 100u, 4294967295u}) {
       EXPECT_EQ(Team::begin_of(n, 0, count), 0u);

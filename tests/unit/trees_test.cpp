@@ -12,18 +12,18 @@ namespace {
 
 using Ids = std::vector<std::uint32_t>;
 
-TEST(Trees, AChainIsNumberedFromItsPin) {
-  // [3] - 2 - 0 - 1, edges in no order: the root is the vertex at the pin.
+TEST(Trees, AChainIsNumberedFromItsTie) {
+  // [3] - 2 - 0 - 1, edges in no order: the root is the vertex at the tie.
   const LocalGraph g{{{0, 1}, {3, 2}, {2, 0}}, {1, 1, 1, 0}};
   const auto tree = find_tree(g.view());
   ASSERT_TRUE(tree);
   EXPECT_EQ(tree->vertex, (Ids{2, 0, 1}));
   EXPECT_EQ(tree->parent, (Ids{0, 0, 1}));
   EXPECT_EQ((Ids{tree->edge[1], tree->edge[2]}), (Ids{2, 0}));
-  EXPECT_EQ(tree->pin_begin, (Ids{0, 1, 1, 1}));
-  ASSERT_EQ(tree->pins.size(), 1u);
-  EXPECT_EQ(tree->pins[0].vertex, 3u);
-  EXPECT_EQ(tree->pins[0].edge, 1u);
+  EXPECT_EQ(tree->tie_begin, (Ids{0, 1, 1, 1}));
+  ASSERT_EQ(tree->ties.size(), 1u);
+  EXPECT_EQ(tree->ties[0].vertex, 3u);
+  EXPECT_EQ(tree->ties[0].edge, 1u);
 }
 
 TEST(Trees, AFreeChainIsNumberedFromAnEnd) {
@@ -32,16 +32,16 @@ TEST(Trees, AFreeChainIsNumberedFromAnEnd) {
   ASSERT_TRUE(tree);
   EXPECT_EQ(tree->vertex, (Ids{1, 0, 2, 3}));
   EXPECT_EQ(tree->parent, (Ids{0, 0, 1, 2}));
-  EXPECT_TRUE(tree->pins.empty());
+  EXPECT_TRUE(tree->ties.empty());
 }
 
-TEST(Trees, TheRootIsWhatPinsHold) {
+TEST(Trees, TheRootIsWhatTiesHold) {
   // [3] - 0 - 1 - 2, and 2 held by 4, 5 and 6: what hangs from it is eliminated before it.
   const LocalGraph g{{{3, 0}, {0, 1}, {1, 2}, {2, 4}, {2, 5}, {2, 6}}, {1, 1, 1, 0, 0, 0, 0}};
   const auto tree = find_tree(g.view());
   ASSERT_TRUE(tree);
   EXPECT_EQ(tree->vertex, (Ids{2, 1, 0}));
-  EXPECT_EQ(tree->pin_begin, (Ids{0, 3, 3, 4}));
+  EXPECT_EQ(tree->tie_begin, (Ids{0, 3, 3, 4}));
 }
 
 TEST(Trees, OneVertexIsATree) {
@@ -49,15 +49,15 @@ TEST(Trees, OneVertexIsATree) {
   const auto tree = find_tree(loose.view());
   ASSERT_TRUE(tree);
   EXPECT_EQ(tree->vertex, (Ids{0}));
-  EXPECT_EQ(tree->pin_begin, (Ids{0, 0}));
+  EXPECT_EQ(tree->tie_begin, (Ids{0, 0}));
 
   const LocalGraph held{{{1, 0}, {0, 2}, {3, 0}}, {1, 0, 0, 0}};
-  const auto pinned = find_tree(held.view());
-  ASSERT_TRUE(pinned);
-  EXPECT_EQ(pinned->pin_begin, (Ids{0, 3}));
+  const auto tied = find_tree(held.view());
+  ASSERT_TRUE(tied);
+  EXPECT_EQ(tied->tie_begin, (Ids{0, 3}));
   for (std::uint32_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(pinned->pins[k].vertex, k + 1);
-    EXPECT_EQ(pinned->pins[k].edge, k) << "in the order of edges";
+    EXPECT_EQ(tied->ties[k].vertex, k + 1);
+    EXPECT_EQ(tied->ties[k].edge, k) << "in the order of edges";
   }
 }
 
@@ -76,12 +76,12 @@ TEST(Trees, BranchesAreNumberedDepthFirst) {
 }
 
 // Fixed vertices do not move, so rods that meet there close nothing: not even two to the same one.
-TEST(Trees, PinsCloseNoCycle) {
+TEST(Trees, TiesCloseNoCycle) {
   const LocalGraph between{{{0, 1}, {2, 0}, {1, 2}}, {1, 1, 0}};
   const auto tree = find_tree(between.view());
   ASSERT_TRUE(tree);
   EXPECT_EQ(tree->nodes(), 2u);
-  EXPECT_EQ(tree->pin_begin, (Ids{0, 1, 2}));
+  EXPECT_EQ(tree->tie_begin, (Ids{0, 1, 2}));
 }
 
 TEST(Trees, CyclesAreNone) {

@@ -82,7 +82,7 @@ void print_info(const InfoOptions& options, const Scene& scene, const SceneFacts
 /// Returns the methods that may move the scene. Those that move no joints are left out where it has some.
 std::vector<MethodInfo> methods_for(const Scene& scene) {
   std::vector<MethodInfo> out = all_methods();
-  if (is_articulated(scene)) std::erase_if(out, [](const MethodInfo& m) { return !m.moves_joints; });
+  if (has_more_than_rods(scene)) std::erase_if(out, [](const MethodInfo& m) { return !m.moves_joints; });
   return out;
 }
 
@@ -110,7 +110,7 @@ int info(const InfoOptions& options) {
   automatic.method = Method::automatic;
   automatic.layout = LayoutChoice::automatic;
   // The layouts are those of relaxation, which knows no bodies, joints or shapes.
-  const World world(scene, is_articulated(scene) ? automatic : options.settings);
+  const World world(scene, has_more_than_rods(scene) ? automatic : options.settings);
   const SceneFacts facts = facts_of(scene);
   if (report) {
     scenes::Json json{{"scene", options.scene}};

@@ -153,7 +153,7 @@ struct Scene {
 };
 
 /// Whether a scene has more than particles and rods: shapes, ground, bodies, joints, air on rods or sleepers.
-PLUMB_API bool is_articulated(const Scene& scene);
+PLUMB_API bool has_more_than_rods(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, body,
 /// joint or shape, and the reason.

@@ -40,8 +40,8 @@ layouts::Tree require_one_way_to_the_ground(const Scene& island, const IslandNam
   const SceneGraph owner(island);
   std::optional<layouts::Tree> tree = layouts::find_tree(owner.view());
   if (!tree) refuse_loop(island, names);
-  if (tree->pins.size() > 1) {
-    const layouts::Tree::Pin first = tree->pins[0], second = tree->pins[1];
+  if (tree->ties.size() > 1) {
+    const layouts::Tree::Tie first = tree->ties[0], second = tree->ties[1];
     const auto [one, other] =
         std::minmax(first, second, [](const auto& a, const auto& b) { return a.edge < b.edge; });
     refuse("rod ", names.rods[other.edge], ": ties to fixed particle ", names.particles[other.vertex],
@@ -139,14 +139,14 @@ class Featherstone final : public MechanicalSystem {
     particles_ = tree.vertex;
     for (std::uint32_t i = 0; i < tree.nodes(); ++i) {
       const double own = island.particles[tree.vertex[i]].mass;
-      if (i == 0 && tree.pins.empty()) {
+      if (i == 0 && tree.ties.empty()) {
         links.push_back({.joint = Joint::translation, .mass = own});
         tips_.push_back(0);
         origin_ = island.particles[tree.vertex[0]].position;
         continue;
       }
-      const std::uint32_t r = i == 0 ? tree.pins[0].edge : tree.edge[i];
-      if (i == 0) anchor_ = tree.pins[0].vertex;
+      const std::uint32_t r = i == 0 ? tree.ties[0].edge : tree.edge[i];
+      if (i == 0) anchor_ = tree.ties[0].vertex;
       const Rod& rod = island.rods[r];
       const double length = rod_length(island, r);
       // Moments of the rod's mass about the joint, from its matrix on its two ends.

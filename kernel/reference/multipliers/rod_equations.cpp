@@ -44,16 +44,16 @@ RodEquations make_rod_equations(const Scene& island, MassModel model) {
     const layouts::Tree& tree = *equations.tree;
     for (std::uint32_t i = 1; i < tree.nodes(); ++i) add_row(tree.edge[i], tree.vertex[i]);
     for (std::uint32_t i = 0; i < tree.nodes(); ++i)
-      for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
-        add_row(tree.pins[k].edge, tree.vertex[i]);
+      for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
+        add_row(tree.ties[k].edge, tree.vertex[i]);
   } else {
     for (std::uint32_t r = 0; r < island.rods.size(); ++r) {
       const Rod& rod = island.rods[r];
       add_row(r, island.particles[rod.a].fixed ? rod.b : rod.a);
     }
   }
-  // A tree with one pin has no redundant rods in any configuration.
-  equations.softened = !equations.tree || equations.tree->pins.size() > 1;
+  // A tree with one tie has no redundant rods in any configuration.
+  equations.softened = !equations.tree || equations.tree->ties.size() > 1;
   if (equations.softened)
     for (RodEquations::Row& row : equations.rows)
       row.compliance = softness * (1 / equations.mass[row.a] +

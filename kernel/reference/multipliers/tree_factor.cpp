@@ -8,7 +8,7 @@
 //   x_i    = H r + (c - d . H r) / s u + P x_p,   P = u nᵀ - kappa H
 //   K_p   += d nᵀ + kappa P,   r_p -= (c - d . H r) / s (d + kappa u) + kappa H r
 //
-// A pin is the same with x_p = 0; as part of its own node it adds d dᵀ / S where it has a compliance, and
+// A tie is the same with x_p = 0; as part of its own node it adds d dᵀ / S where it has a compliance, and
 // takes a rank from H where it has none.
 
 #include <stdexcept>
@@ -25,7 +25,7 @@ class TreeFactor final : public RodFactor {
     const layouts::Tree& tree = *equations.tree;
     const std::uint32_t n = tree.nodes();
     nodes_.resize(n);
-    std::uint32_t pin = n - 1;  // its row
+    std::uint32_t tie = n - 1;  // its row
     std::uint32_t slots = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       Node& node = nodes_[i];
@@ -36,11 +36,11 @@ class TreeFactor final : public RodFactor {
         node.compliance = equations.rows[i - 1].compliance;
         if (node.parent + 1 != i && nodes_[node.parent].slot == no_slot) nodes_[node.parent].slot = slots++;
       }
-      node.first_pin = static_cast<std::uint32_t>(pins_.size());
-      for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k, ++pin)
-        pins_.push_back({pin, equations.rows[pin].compliance, {}, {}});
+      node.first_tie = static_cast<std::uint32_t>(ties_.size());
+      for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k, ++tie)
+        ties_.push_back({tie, equations.rows[tie].compliance, {}, {}});
     }
-    nodes_.push_back({.first_pin = static_cast<std::uint32_t>(pins_.size())});
+    nodes_.push_back({.first_tie = static_cast<std::uint32_t>(ties_.size())});
     count_ = n;
     keeps_multipliers_ = equations.softened;
     slots_.resize(slots);
@@ -64,11 +64,11 @@ class TreeFactor final : public RodFactor {
   struct Node {
     double mass = 0, coupling = 0, compliance = 0;
     std::uint32_t parent = 0;
-    std::uint32_t first_pin = 0;   ///< those of node i end where those of the next begin
+    std::uint32_t first_tie = 0;   ///< those of node i end where those of the next begin
     std::uint32_t slot = no_slot;  ///< where children that do not follow at once leave their part
   };
   /// lambda = rho - y . g, g the force from above, everything eliminated before it included.
-  struct Pin {
+  struct Tie {
     std::uint32_t row;
     double compliance;
     Vec3 y;
@@ -94,17 +94,17 @@ class TreeFactor final : public RodFactor {
     Vec3 q;
   };
 
-  /// With the node's pins: x = q + H g for a force g from above.
+  /// With the node's ties: x = q + H g for a force g from above.
   Held hold(std::uint32_t i, const Block& block, const double* c) {
     Held held{inverse(block.k), {}};
     held.q = held.h * block.r;
-    for (std::uint32_t k = nodes_[i].first_pin; k < nodes_[i + 1].first_pin; ++k) {
-      Pin& pin = pins_[k];
-      const Vec3 d = directions_[pin.row], u = held.h * d;
-      const double over = 1 / (dot(d, u) + pin.compliance * dot(d, d));
-      pin.rho = (c[pin.row] - dot(d, held.q)) * over;
-      pin.y = over * u;
-      held.q += pin.rho * u;
+    for (std::uint32_t k = nodes_[i].first_tie; k < nodes_[i + 1].first_tie; ++k) {
+      Tie& tie = ties_[k];
+      const Vec3 d = directions_[tie.row], u = held.h * d;
+      const double over = 1 / (dot(d, u) + tie.compliance * dot(d, d));
+      tie.rho = (c[tie.row] - dot(d, held.q)) * over;
+      tie.y = over * u;
+      held.q += tie.rho * u;
       held.h = held.h - outer(over, u);
     }
     return held;
@@ -150,18 +150,18 @@ class TreeFactor final : public RodFactor {
     root_ = hold(0, block, c).q;
   }
 
-  /// The multipliers of node i's pins, the last eliminated first. `g`: the force from above.
-  void pull_pins(std::uint32_t i, Vec3 g, double* lambda) const {
-    for (std::uint32_t k = nodes_[i + 1].first_pin; k-- > nodes_[i].first_pin;) {
-      const Pin& pin = pins_[k];
-      lambda[pin.row] = pin.rho - dot(pin.y, g);
-      g += lambda[pin.row] * directions_[pin.row];
+  /// The multipliers of node i's ties, the last eliminated first. `g`: the force from above.
+  void pull_ties(std::uint32_t i, Vec3 g, double* lambda) const {
+    for (std::uint32_t k = nodes_[i + 1].first_tie; k-- > nodes_[i].first_tie;) {
+      const Tie& tie = ties_[k];
+      lambda[tie.row] = tie.rho - dot(tie.y, g);
+      g += lambda[tie.row] * directions_[tie.row];
     }
   }
 
   void substitute(double* x, double* lambda) const {
     store3(x, root_);
-    if (keeps_multipliers_) pull_pins(0, {}, lambda);
+    if (keeps_multipliers_) pull_ties(0, {}, lambda);
     Vec3 last = root_;
     for (std::uint32_t i = 1; i < count_; ++i) {
       const Node& node = nodes_[i];
@@ -173,14 +173,14 @@ class TreeFactor final : public RodFactor {
       store3(x + 3 * i, last);
       if (!keeps_multipliers_) continue;
       lambda[i - 1] = pull;
-      pull_pins(i, pull * directions_[i - 1] - node.coupling * above, lambda);
+      pull_ties(i, pull * directions_[i - 1] - node.coupling * above, lambda);
     }
   }
 
   std::uint32_t count_ = 0;
   bool keeps_multipliers_ = false;
   std::vector<Node> nodes_;
-  std::vector<Pin> pins_;
+  std::vector<Tie> ties_;
   std::vector<Block> slots_;
   std::vector<Map> maps_;
   const Vec3* directions_ = nullptr;

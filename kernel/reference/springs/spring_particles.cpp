@@ -86,8 +86,8 @@ class SpringParticles final : public SpringSystem {
       sum -= masses_[row] * to_eigen(scene().gravity).dot(state.q.segment<3>(row));
     }
     for (const Spring& spring : springs_) {
-      const double stretch = reach_of(spring, state, drive, 0).length - spring.length;
-      sum += 0.5 * settings().springs.stiffness * stretch * stretch;
+      const double extension = reach_of(spring, state, drive, 0).length - spring.length;
+      sum += 0.5 * settings().springs.stiffness * extension * extension;
     }
     return sum;
   }

@@ -1,5 +1,6 @@
-// Loops on fronts. V is double or a vector of doubles; load<V>(), store() and broadcast<V>() are in scope.
-// Every number sees the same operations in the same order whatever V is. Included once per instruction set.
+// These loops eliminate and solve fronts (Duff, Reid 1983). V is double or a vector of doubles, and the file
+// before this one defines load<V>(), store() and broadcast<V>(). Every number sees the same operations in the
+// same order whatever V is. Each instruction set includes this file once.
 #include <cmath>
 #include <cstddef>
 
@@ -8,20 +9,21 @@
 namespace plumb::simd {
 namespace {
 
-/// Pivots eliminated together: within such a panel one after the other, from the rest of the front all at
-/// once.
+/// A panel has so many pivots. They are eliminated from each other one by one, and from the rest of the front
+/// all at once, which reads the rest once a panel.
 constexpr std::uint32_t panel = 32;
-/// Rows that share what is read of the pivots.
-constexpr std::uint32_t row_group = 4;
+/// So many rows share what is read of the pivots.
+constexpr std::uint32_t shared_rows = 4;
 
 template <class V>
 constexpr std::uint32_t width = sizeof(V) / sizeof(double);
 
+/// Returns the first column of the logical vector that a column lies in.
 constexpr std::uint32_t whole_vector(std::uint32_t column) {
   return column / logical_width<double> * logical_width<double>;
 }
 
-/// to -= factor * from, in columns [begin, end), both on whole logical vectors.
+/// Subtracts factor * from in columns [begin, end), where whole logical vectors begin and end.
 template <class V>
 inline __attribute__((always_inline)) void subtract_row(double* to, double factor, const double* from,
                                                         std::uint32_t begin, std::uint32_t end) {
@@ -30,8 +32,8 @@ inline __attribute__((always_inline)) void subtract_row(double* to, double facto
     store(load<V>(to + c) - f * load<V>(from + c), to + c);
 }
 
-/// Columns [begin, end) of L from `at` on, `vectors` at a time: what earlier ones of the panel leave, times
-/// the pivot's inverse.
+/// Makes columns [begin, end) of L, `vectors` vectors from row `at` on. Each is what earlier ones of the
+/// panel leave of it, times the inverse of its pivot.
 template <class V, std::uint32_t vectors>
 inline __attribute__((always_inline)) void divide_columns(const FrontView& front, const double* block,
                                                           std::uint32_t begin, std::uint32_t end,
@@ -52,7 +54,7 @@ inline __attribute__((always_inline)) void divide_columns(const FrontView& front
   }
 }
 
-/// Takes pivots [begin, end) from `rows` rows, `vectors` from column `at` on.
+/// Subtracts what pivots [begin, end) take from `rows` rows, in `vectors` vectors from column `at` on.
 template <class V, std::uint32_t rows, std::uint32_t vectors>
 inline __attribute__((always_inline)) void subtract_product(const FrontView& front, double* block,
                                                             std::uint32_t begin, std::uint32_t end,
@@ -76,14 +78,15 @@ inline __attribute__((always_inline)) void subtract_product(const FrontView& fro
       store(left[i][v], block + (row + i) * stride + at + v * width<V>);
 }
 
-/// L is kept in front.lower alone, so that whole vectors may run over where it would be in the block.
+/// Eliminates the pivots of a front, as FrontKernels says. L stands in front.lower alone, so that whole
+/// vectors may run over its place in the block.
 template <class V>
 std::uint32_t eliminate(const FrontView& front, double* block, const double* smallest) {
   const std::size_t stride = front.stride;
   std::uint32_t left_out = 0;
   for (std::uint32_t begin = 0; begin < front.pivots; begin += panel) {
     const std::uint32_t end = begin + panel < front.pivots ? begin + panel : front.pivots;
-    double own[panel][panel];  // L of the panel's own rows
+    double own[panel][panel];  // holds L in the panel's own rows
     for (std::uint32_t k = begin; k < end; ++k) {
       const double pivot = block[k * stride + k];
       const bool keeps = std::abs(pivot) > smallest[k];
@@ -113,11 +116,11 @@ std::uint32_t eliminate(const FrontView& front, double* block, const double* sma
       for (std::uint32_t i = k + 1; i < end; ++i) lower[i] = own[k - begin][i - begin];
     }
     std::uint32_t row = end;
-    for (; row + row_group <= front.rows; row += row_group) {
+    for (; row + shared_rows <= front.rows; row += shared_rows) {
       for (at = rest; at + 2 * width<V> <= front.stride; at += 2 * width<V>)
-        subtract_product<V, row_group, 2>(front, block, begin, end, row, at);
+        subtract_product<V, shared_rows, 2>(front, block, begin, end, row, at);
       for (; at < front.stride; at += width<V>)
-        subtract_product<V, row_group, 1>(front, block, begin, end, row, at);
+        subtract_product<V, shared_rows, 1>(front, block, begin, end, row, at);
     }
     for (; row < front.rows; ++row)
       for (at = rest; at < front.stride; at += width<V>)
@@ -132,19 +135,21 @@ std::uint32_t eliminate(const FrontView& front, double* block, const double* sma
   return left_out;
 }
 
+/// Solves with L, one column of it after the other.
 template <class V>
 void forward(const FrontView& front, double* x) {
   for (std::uint32_t k = 0; k < front.pivots; ++k)
     subtract_row<V>(x, x[k], front.lower + std::size_t{k} * front.stride, whole_vector(k + 1), front.stride);
 }
 
-/// Sums in as many parts as a logical vector has lanes, whatever V is.
+/// Solves with U. A row's sum has as many parts as a logical vector has lanes, so its bits do not depend on
+/// V.
 template <class V>
 void backward(const FrontView& front, double* x) {
   constexpr std::uint32_t lanes = logical_width<double>;
   for (std::uint32_t k = front.pivots; k-- > 0;) {
     const double own = x[k];
-    x[k] = 0;  // as U's row begins with its pivot
+    x[k] = 0;  // U's row begins with its pivot, which must add nothing
     const double* upper = front.upper + std::size_t{k} * front.stride;
     V part[lanes / width<V>];
     for (V& sum : part) sum = broadcast<V>(0);

@@ -72,8 +72,8 @@ struct KktKernels {
 };
 
 extern const KktKernels kkt_scalar, kkt_sse2, kkt_avx2;
-/// These loops are too short for 512 bits to win, and cores that meet one such instruction between scalar
-/// code lower their clock (Cascade Lake: from 2.7 to 2.4 GHz, for the whole step).
+/// These loops are too short for 512 bits to win. Cores that meet one such instruction between scalar code
+/// lower their clock (Cascade Lake: from 2.7 to 2.4 GHz, for the whole step).
 inline constexpr const KktKernels& kkt_avx512 = kkt_avx2;
 
 /// The table for an instruction set that is_supported().

@@ -1,6 +1,6 @@
-// Blocks of four, and loops on lanes. V is double or a vector of doubles; load<V>(), store() and
-// broadcast<V>() are in scope. Every lane sees the same operations in the same order whatever V is. Included
-// once per instruction set.
+// These loops work on tiles of four and on lanes of right-hand sides. V is double or a vector of doubles, and
+// the file before this one defines load<V>(), store() and broadcast<V>(). Every lane sees the same operations
+// in the same order whatever V is. Each instruction set includes this file once.
 #include <cstddef>
 
 #include "simd/kkt/kkt_kernels.hpp"
@@ -13,7 +13,7 @@ constexpr std::size_t width = sizeof(V) / sizeof(double);
 
 // --- Blocks
 
-/// Four numbers, in one or more vectors.
+/// One or more vectors hold four numbers.
 template <class V>
 struct Vector4 {
   static constexpr std::size_t vectors = 4 / width<V>;
@@ -50,7 +50,7 @@ struct Vector4 {
   }
 };
 
-/// Four by four, in registers.
+/// A tile of 4 x 4 numbers is in registers, one column after the other.
 template <class V>
 struct Matrix4 {
   Vector4<V> columns[4];
@@ -58,7 +58,8 @@ struct Matrix4 {
   explicit Matrix4(const Block& block)
       : columns{Vector4<V>::read(block.of), Vector4<V>::read(block.of + 4), Vector4<V>::read(block.of + 8),
                 Vector4<V>::read(block.of + 12)} {}
-  /// Times four numbers, `stride` apart; in pairs, so that no sum waits for three others.
+  /// Multiplies it with four numbers that stand `stride` apart. It adds in pairs, so that no sum waits for
+  /// three others.
   Vector4<V> times(const double* x, std::size_t stride = 1) const {
     const V x0 = broadcast<V>(x[0]), x1 = broadcast<V>(x[stride]), x2 = broadcast<V>(x[2 * stride]),
             x3 = broadcast<V>(x[3 * stride]);
@@ -68,7 +69,7 @@ struct Matrix4 {
           (columns[0].of[v] * x0 + columns[1].of[v] * x1) + (columns[2].of[v] * x2 + columns[3].of[v] * x3);
     return out;
   }
-  /// Its transpose times a column.
+  /// Multiplies its transpose with a column.
   Vector4<V> transposed_times(const Vector4<V>& x) const {
     Vector4<V> out;
     for (std::size_t v = 0; v < Vector4<V>::vectors; ++v) {
@@ -87,9 +88,9 @@ struct Matrix4 {
   }
 };
 
-/// A symmetric matrix K = L D Lᵀ, from its lower half, becomes what is below the diagonal of L⁻¹ in its first
-/// three columns, and D⁻¹ in the fourth: K⁻¹ itself would lose digits where masses differ. Scalar: one chain
-/// of divisions.
+/// Factorises a symmetric tile K = L D Lᵀ, of which it reads the lower half. The first three columns become
+/// L⁻¹ below its diagonal, and the fourth becomes D⁻¹. K⁻¹ itself would lose digits where masses differ. The
+/// code is scalar, since each division waits for the one before.
 inline void factor_block(double* a) {
   const double d0 = 1 / a[0], l10 = a[1] * d0, l20 = a[2] * d0, l30 = a[3] * d0;
   const double b21 = a[6] - l20 * a[1], b31 = a[7] - l30 * a[1];
@@ -104,6 +105,7 @@ inline void factor_block(double* a) {
   a[12] = d0, a[13] = d1, a[14] = d2, a[15] = d3;
 }
 
+/// Factorises a matrix of tiles from the left to the right, as KktKernels::factor() says.
 template <class V>
 void factor(const KktPattern& pattern, const std::uint32_t* target, Block* blocks) {
   for (std::uint32_t k = 0; k < pattern.columns; ++k) {
@@ -111,7 +113,7 @@ void factor(const KktPattern& pattern, const std::uint32_t* target, Block* block
     factor_block(inverse);
     Block* const first = blocks + pattern.columns + pattern.start[k];
     Block* const end = blocks + pattern.columns + pattern.start[k + 1];
-    for (Block* each = first; each != end; ++each) {  // times L⁻ᵀ
+    for (Block* each = first; each != end; ++each) {  // it becomes itself times L⁻ᵀ
       const Matrix4<V> entry(*each);
       (entry.columns[1] + entry.columns[0] * inverse[1]).write(each->of + 4);
       (entry.columns[2] + (entry.columns[0] * inverse[2] + entry.columns[1] * inverse[6]))
@@ -135,6 +137,7 @@ void factor(const KktPattern& pattern, const std::uint32_t* target, Block* block
   }
 }
 
+/// Solves with L and D, then with Lᵀ.
 template <class V>
 void solve(const KktPattern& pattern, const Block* factors, Quad* x) {
   const Block* const lower = factors + pattern.columns;
@@ -159,8 +162,8 @@ void solve(const KktPattern& pattern, const Block* factors, Quad* x) {
 
 // --- Lanes
 
-/// A block's four unknowns of as many right hand sides as fit into a vector or, where registers allow (AVX2),
-/// into two that do not wait for each other.
+/// The four unknowns of a tile are in registers for as many right-hand sides as a vector holds. Where there
+/// are registers enough (AVX2), `together` is 2, and neither vector waits for the other.
 template <class V, std::size_t together>
 struct LaneVectors {
   V of[together][4];
@@ -179,6 +182,7 @@ struct LaneVectors {
   }
 };
 
+/// Does for lanes of right-hand sides what solve() does for one.
 template <class V>
 void solve_lanes(const KktPattern& pattern, const Block* factors, std::size_t batches, double* x) {
   const Block* const lower = factors + pattern.columns;

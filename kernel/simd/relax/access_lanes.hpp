@@ -17,10 +17,11 @@ using Batch = xsimd::batch<T, PLUMB_ARCH>;
 template <class T>
 constexpr std::uint32_t width = Batch<T>::size;
 
-/// Machine vectors per logical vector.
+/// A logical vector consists of so many machine vectors.
 template <class T>
 constexpr std::uint32_t parts = logical_width<T> / width<T>;
 
+/// Vectors hold the three components of as many places as there are lanes, in m.
 template <class T>
 struct Triple {
   Batch<T> x, y, z;
@@ -43,18 +44,18 @@ PLUMB_INLINE Batch<T> dot(const Triple<T>& a, const Triple<T>& b) {
   return (a.x * b.x + a.y * b.y) + a.z * b.z;
 }
 
-/// The rods of one machine vector: those from lane `first` of logical vector `v`.
+/// A position names the rods of one machine vector, which begin in lane `first` of logical vector `v`.
 struct Position {
   std::size_t v;
   std::size_t first;
 };
-/// The k-th machine vector from the beginning of logical vector `v`.
+/// Returns the k-th machine vector from the beginning of logical vector `v`.
 template <class T>
 PLUMB_INLINE Position position(std::size_t v, std::size_t k) {
   return {v + k / parts<T>, k % parts<T> * width<T>};
 }
 
-/// Field `field` of a per-rod array with `fields` fields.
+/// Loads field `field` of an array that has `fields` fields for every rod.
 template <std::size_t fields, class T>
 PLUMB_INLINE Batch<T> load_field(const T* data, Position at, std::size_t field) {
   return Batch<T>::load_aligned(data + (at.v * fields + field) * logical_width<T> + at.first);
@@ -65,8 +66,8 @@ PLUMB_INLINE Triple<T> load_direction(const T* rod, Position at) {
           load_field<rod_fields>(rod, at, 2)};
 }
 
-/// The two ends of rods, where there are registers to keep them from the beginning of a projection to its
-/// end.
+/// The two ends of rods stay here from the beginning of a projection to its end, where there are registers
+/// enough.
 template <class T>
 struct Ends {
   Triple<T> a, b;
@@ -74,7 +75,7 @@ struct Ends {
 template <class T>
 struct NoEnds {};
 
-/// Neighbouring rods have neighbouring ends.
+/// This access is for rows, in which neighbouring rods have neighbouring ends.
 struct RowAccess {
   static constexpr std::size_t unroll = 4;
 
@@ -86,7 +87,7 @@ struct RowAccess {
     return {Batch<T>::load_unaligned(from), Batch<T>::load_unaligned(from + stride),
             Batch<T>::load_unaligned(from + 2 * stride)};
   }
-  /// b - a for the ends of the rods.
+  /// Returns b - a for the two ends of every rod.
   template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {
     const Triple<T> a = load(data + block.address_a[at.v] + at.first, block.component_stride);
@@ -99,8 +100,8 @@ struct RowAccess {
     value.y.store_unaligned(to + stride);
     value.z.store_unaligned(to + 2 * stride);
   }
-  /// Adds `move_a` to the a ends and takes `move_b` from the b ends. Reads again what it adds to: a vector
-  /// shifted by one lane may end in a padding lane that overlaps numbers written a moment ago.
+  /// Adds `move_a` to the a ends and takes `move_b` from the b ends. It reads again what it adds to, since a
+  /// vector shifted by one lane may end in a padding lane that overlaps numbers written a moment ago.
   template <class T>
   static PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Triple<T>& move_a,
                                  const Triple<T>& move_b) {
@@ -111,8 +112,8 @@ struct RowAccess {
   }
 };
 
-/// Ends anywhere, collected through the stack: hardware gathers are slower than this on the machines
-/// measured.
+/// This access is for ends that lie anywhere. It collects them through the stack, since hardware gathers are
+/// slower on the machines measured.
 struct GatherAccess {
   static constexpr std::size_t unroll = 1;
 
@@ -158,11 +159,11 @@ struct GatherAccess {
   }
 };
 
-/// Ends anywhere, each a record x y z 0, transposed in registers.
+/// This access is for ends that lie anywhere, each as a record x y z 0, and transposes them in registers.
 ///
-/// With 32 registers, both ends of a rod being relaxed are transposed and kept: new ones are made of them as
-/// columns and stored without being read again. With 16, it is faster to transpose only their difference and
-/// to add to the records in memory.
+/// With 32 registers both ends of a rod are transposed and kept. New ones are made of them as columns, and
+/// stored without being read again. With 16 it is faster to transpose their difference alone and to add to
+/// memory.
 struct RecordAccess {
   static constexpr std::size_t unroll = 2;
 

@@ -1,6 +1,6 @@
-// Transposes between records (x y z 0) and columns (x x x ...), for body.hpp. Internal linkage, like it.
-// Compiler vectors rather than xsimd: xsimd 8 has no transpose, and a shuffle with constant indices is all it
-// takes.
+// These functions transpose between records (x y z 0) and columns (x x x ...) for access_lanes.hpp, and have
+// internal linkage as it has. They use the compiler's vectors: xsimd 8 has no transpose, and shuffles with
+// constant indices are all it takes.
 
 #pragma once
 
@@ -38,7 +38,7 @@ inline __attribute__((always_inline)) void store_record(Record<T> record, T* to)
   std::memcpy(to, &record, sizeof record);
 }
 
-/// Row k of a block of four records in each quarter: record 4j + k becomes the j-th four numbers.
+/// Joins every fourth record into one vector: record 4 j + k becomes the j-th four numbers.
 template <class T, std::uint32_t n>
 inline __attribute__((always_inline)) Vector<T, n> join(const Record<T>* records, std::uint32_t k) {
   Vector<T, n> joined;
@@ -55,6 +55,7 @@ inline __attribute__((always_inline)) Vector<T, n> join(const Record<T>* records
   return joined;
 }
 
+/// Takes apart what join() makes.
 template <class T, std::uint32_t n>
 inline __attribute__((always_inline)) void split(Vector<T, n> joined, Record<T>* records, std::uint32_t k) {
   if constexpr (n == 4) {
@@ -70,7 +71,8 @@ inline __attribute__((always_inline)) void split(Vector<T, n> joined, Record<T>*
   }
 }
 
-/// In every four lanes: p0 p1 p2 p3 are indices into the four of `a` (0..3) and of `b` (4..7).
+/// Shuffles every four lanes alike: p0 p1 p2 p3 are indices into the four of `a` (0 to 3) and of `b` (4 to
+/// 7).
 template <int p0, int p1, int p2, int p3, class V>
 inline __attribute__((always_inline)) V shuffle_fours(V a, V b) {
   constexpr int n = sizeof(V) / sizeof(a[0]);

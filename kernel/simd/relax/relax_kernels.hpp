@@ -7,9 +7,9 @@
 
 /// The innermost loops, one body per instruction set, and the table they are called through.
 ///
-/// All bodies do the same operations (+ - * / max, never fused) in the same order on the same logical vectors
-/// (16 floats or 8 doubles), so all give the same bits. `relax_scalar.cpp` is written for reading and is the
-/// oracle of the others, which share `relax_lanes.hpp`.
+/// All bodies do the same operations (+ - * / max, never fused) in the same order on the
+/// same logical vectors (16 floats or 8 doubles). So all give the same bits. `relax_scalar.cpp` is written
+/// for reading and is the oracle of the others, which share `relax_lanes.hpp`.
 namespace plumb::simd {
 
 /// Fields per rod in BlockView::rod and BlockView::weight: logical vectors for each vector of rods.
@@ -20,8 +20,8 @@ template <class T>
 inline constexpr std::uint32_t logical_width = layouts::lane_width<T>;
 
 /// What a kernel needs of a block. Positions in m, displacements in m per substep, lengths squared in m^2.
-/// The shares are k = omega/4 * w/(w_a + w_b): one half of omega, as the correction of |d|^2 - L^2 = C along
-/// d is C/2, and another because directions are kept as twice themselves.
+/// The shares are k = omega/4 * w/(w_a + w_b). One half of omega is there as the correction of |d|^2 - L^2 =
+/// C along d is C/2. Another is there because directions are kept as twice themselves.
 template <class T>
 struct BlockView {
   const T* x;  ///< Positions at the start of the substep.

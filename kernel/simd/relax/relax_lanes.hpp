@@ -1,14 +1,15 @@
-// The vector body of every loop in kernels.hpp, included once per instruction set with PLUMB_ARCH set to its
-// xsimd architecture. Everything has internal linkage: an inline function shared between files compiled for
-// different instruction sets would be merged by the linker into one that not every machine can run.
+// This is the vector body of every loop in relax_kernels.hpp. Each instruction set includes it once and sets
+// PLUMB_ARCH to its xsimd architecture. Everything has internal linkage: of an inline function that several
+// instruction sets share, the linker would keep one that not every machine can run.
 //
-// scalar.cpp says what is computed and why; the operations and their order here are the same.
+// relax_scalar.cpp says what is computed and why. The operations and their order are the same here.
 
 #include "simd/relax/access_lanes.hpp"
 
 namespace plumb::simd {
 namespace {
 
+/// Writes twice the direction of every rod (m) and its violation |d|² − L² (m²), which sweeps read.
 template <class Access, class T>
 void prepare(const BlockView<T>& block, Range range) {
   for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
@@ -24,7 +25,8 @@ void prepare(const BlockView<T>& block, Range range) {
   }
 }
 
-/// A projection between its two halves: twice the direction of the correction, its size, and the ends.
+/// A projection between its two halves consists of twice the direction of the correction (m), its size, and
+/// the ends.
 template <class Access, class T>
 struct Correction {
   Triple<T> m;
@@ -32,6 +34,7 @@ struct Correction {
   [[no_unique_address]] typename Access::template Kept<T> kept;
 };
 
+/// Finds the correction of a rod by Halley's method (thesis eq. 4.7); relax_scalar.cpp says why.
 template <class Access, Gradient gradient, bool uniform, class T>
 PLUMB_INLINE Correction<Access, T> correction(const BlockView<T>& block, Position at,
                                               Batch<T> uniform_length2) {
@@ -79,8 +82,8 @@ PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction
   }
 }
 
-/// Projects the rods of `count` machine vectors. All are begun before the first is finished: each is one long
-/// chain of dependent operations, and the processor's window alone holds only about two.
+/// Projects the rods of `count` machine vectors. All are begun before the first is finished, since the
+/// operations of one depend on each other, and the processor's window alone holds about two.
 template <class Access, Gradient gradient, bool uniform, std::size_t count, class T>
 PLUMB_INLINE void project(const BlockView<T>& block, std::size_t v, Batch<T> length2, Batch<T> share) {
   Correction<Access, T> begun[count];
@@ -103,7 +106,7 @@ PLUMB_INLINE void sweep_range(const BlockView<T>& block, Range range, Batch<T> l
 
 template <class Access, Gradient gradient, class T>
 void sweep(const BlockView<T>& shared, const Range* ranges, std::uint32_t count) {
-  const BlockView<T> block = shared;  // a copy that stores through its pointers cannot change
+  const BlockView<T> block = shared;  // stores through its pointers cannot change a copy
   const Batch<T> length2(block.uniform_length2), share(block.uniform_share);
   for (const Range* range = ranges; range != ranges + count; ++range) {
     if (range->uniform) {
@@ -114,6 +117,7 @@ void sweep(const BlockView<T>& shared, const Range* ranges, std::uint32_t count)
   }
 }
 
+/// Returns the largest of the lanes, or 0; a lane that is not a number does not count.
 template <class T>
 PLUMB_INLINE T largest_lane(const Batch<T>& batch) {
   alignas(64) T lanes[width<T>];
@@ -133,15 +137,14 @@ T violation(const BlockView<T>& block, Range range) {
     const Batch<T> c = load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) + dot(e, sum);
     const Batch<T> inverse = range.uniform ? Batch<T>(block.uniform_inverse_length2)
                                            : load_field<weight_fields>(block.weight, at, 3);
-    largest =
-        xsimd::max(xsimd::abs(c) * inverse, largest);  // of two, max takes the second if one is not a number
+    largest = xsimd::max(xsimd::abs(c) * inverse, largest);  // max takes the second if one is not a number
   }
   return largest_lane(largest);
 }
 
 template <class T>
 void predict(T* __restrict p, const T* __restrict u, const T* __restrict kick, T decay, std::uint32_t n) {
-  if (decay == 1) {  // no drag
+  if (decay == 1) {  // there is no drag
     for (std::uint32_t i = 0; i < n; ++i) p[i] = u[i] + kick[i];
     return;
   }
@@ -158,7 +161,7 @@ void accumulate(T* __restrict p, T* __restrict acc, std::uint32_t n) {
 
 template <class T>
 bool all_finite(const T* x, const T* p, std::uint32_t n) {
-  Batch<T> zero(T(0));  // stays zero unless a number is infinite or not a number
+  Batch<T> zero(T(0));  // it stays zero unless a number is infinite or not a number
   for (std::uint32_t i = 0; i < n; i += width<T>)
     zero = zero + Batch<T>(T(0)) * (Batch<T>::load_aligned(x + i) + Batch<T>::load_aligned(p + i));
   alignas(64) T lanes[width<T>];

@@ -69,10 +69,9 @@ Violation<T> violation_of(const BlockView<T>& block, std::uint32_t v, std::uint3
 
 /// One projection (thesis eq. 4.7): move the ends along m, in proportion to k_a and k_b, so that C becomes 0.
 ///
-/// The step is Halley's, s = C / (L^2 + 3/4 C): its residual is cubic (a rod stretched by 1 % keeps 2.5e-7 of
-/// stretch), it needs no square root, and it stays bounded from collapsed (C = -L^2) to far overstretched
-/// rods. Exact arithmetic never reaches the lower bound on the divisor; rounding can when particles are
-/// thrown far.
+/// The step is Halley's, s = C / (L^2 + 3/4 C): its residual is cubic (a strain of 1 % leaves one of
+/// 2.5e-7), it needs no square root, and it stays bounded from collapsed (C = -L^2) to far overlong rods.
+/// Exact arithmetic never reaches the lower bound on the divisor; rounding can when particles are thrown far.
 template <AccessKind access, Gradient gradient, class T>
 void sweep_range(const BlockView<T>& block, Range range) {
   constexpr std::uint32_t width = logical_width<T>;

@@ -31,22 +31,22 @@ PLUMB_INLINE Vec<V> cross(const Vec<V>& a, const Vec<V>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// 3x3; three rows or three columns as the name says where it is used.
+/// A matrix of 3 x 3 consists of three rows or of three columns, as the name says where it is used.
 template <class V>
 struct Mat {
   Vec<V> v0, v1, v2;
 };
-/// columns * a
+/// Multiplies a matrix given by columns with a.
 template <class V>
 PLUMB_INLINE Vec<V> multiply(const Mat<V>& columns, const Vec<V>& a) {
   return (a.x * columns.v0 + a.y * columns.v1) + a.z * columns.v2;
 }
-/// columns^T * a
+/// Multiplies the transpose of a matrix given by columns with a.
 template <class V>
 PLUMB_INLINE Vec<V> multiply_transposed(const Mat<V>& columns, const Vec<V>& a) {
   return {dot(columns.v0, a), dot(columns.v1, a), dot(columns.v2, a)};
 }
-/// Columns of the inverse of a matrix given by rows.
+/// Returns the columns of the inverse of a matrix given by rows, by cofactors.
 template <class V>
 PLUMB_INLINE Mat<V> inverse(const Mat<V>& rows) {
   const Vec<V> c0 = cross(rows.v1, rows.v2), c1 = cross(rows.v2, rows.v0), c2 = cross(rows.v0, rows.v1);
@@ -59,7 +59,7 @@ PLUMB_INLINE V trace(const Mat<V>& m) {
   return (m.v0.x + m.v1.y) + m.v2.z;
 }
 
-/// Numbers of one lane, or of all.
+/// Reads and writes entries of arrays that hold `lanes` numbers for each, of one lane or of all in a vector.
 template <class V, class T, std::size_t lanes>
 struct At {
   static constexpr std::size_t stride = lanes;

@@ -1,8 +1,8 @@
-// Newton on a line of rods with lumped masses and gradient old: only the multipliers are unknown, and their
-// matrix is tridiagonal. Included after motion_lanes.hpp.
+// These loops take Newton steps on a line of rods with lumped masses and gradient old. Only the multipliers
+// are unknown there, and their matrix is tridiagonal. This file is included after motion_lanes.hpp.
 //
-// Rod k joins nodes k - 1 and k along d_k; the rod of node 0 and, beyond the last node, an absent rod have d
-// = 0 unless a pin holds them. Displacements follow from multipliers,
+// Rod k joins nodes k - 1 and k along d_k. The rod of node 0 and the one beyond the last node are ties; where
+// there is none, d = 0. Displacements follow from multipliers,
 //
 //   delta_k = w_k (load_k + mu_k d_k - mu_{k+1} d_{k+1}),
 //
@@ -13,18 +13,19 @@
 namespace plumb::simd {
 namespace {
 
-/// A row of that matrix.
+/// This is a row of that matrix, with its right-hand side.
 template <class V>
 struct LineRow {
   V below, diagonal, above, right;
 };
 
-/// A rod, what pulls along it, and the node at its end.
+/// A rod has its vector d (m), the violation of its length (m²) and its multiplier.
 template <class V>
 struct LineRod {
   Vec<V> d;
   V violation, mu;
 };
+/// A node has its load, its displacement (m) and its inverse mass w.
 template <class V>
 struct LineNode {
   Vec<V> load, delta;
@@ -46,13 +47,13 @@ PLUMB_INLINE LineRod<V> line_rod(const TreeView<T>& tree, const At& at, std::siz
   return {at.get3(tree.rod, tree_fields::rod * i), at.get(tree.rod, tree_fields::rod * i + 3),
           at.get(tree.mu, i)};
 }
-/// The pin at either end of a line, seen along it; no rod if there is none.
+/// Returns the tie at either end of a line, seen along it, or an absent rod.
 template <class V, class T, class At>
-PLUMB_INLINE LineRod<V> line_pin(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
+PLUMB_INLINE LineRod<V> line_tie(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
                                  T direction) {
   if (!present) return {{V(0), V(0), V(0)}, V(0), V(0)};
-  return {V(direction) * at.get3(tree.pin_rod, tree_fields::rod * k),
-          at.get(tree.pin_rod, tree_fields::rod * k + 3), at.get(tree.pin_mu, k)};
+  return {V(direction) * at.get3(tree.tie_rod, tree_fields::rod * k),
+          at.get(tree.tie_rod, tree_fields::rod * k + 3), at.get(tree.tie_mu, k)};
 }
 template <class V, class T, class At>
 PLUMB_INLINE LineNode<V> line_node(const TreeView<T>& tree, const At& at, std::size_t i,
@@ -61,25 +62,26 @@ PLUMB_INLINE LineNode<V> line_node(const TreeView<T>& tree, const At& at, std::s
   const V w = at.get(tree.node, tree_fields::node * i + 3);
   return {load, w * ((load + before.mu * before.d) - after.mu * after.d), w};
 }
-/// A fixed end.
+/// Returns a fixed end, which has no inverse mass and is displaced as its anchor is.
 template <class V, class T, class At>
 PLUMB_INLINE LineNode<V> line_fixed(const TreeView<T>& tree, const At& at, std::size_t k, bool present) {
   const Vec<V> none{V(0), V(0), V(0)};
-  return {none, present ? at.get3(tree.pin_delta, 3 * k) : none, V(0)};
+  return {none, present ? at.get3(tree.tie_delta, 3 * k) : none, V(0)};
 }
 
-/// Ends of a line of `nodes` nodes that runs from node 0 to the last.
+/// These are the ends of a line that runs from node 0 to the last: whether ties hold them, and the number of
+/// the last one.
 template <class T>
 struct LineEnds {
   explicit LineEnds(const TreeView<T>& tree)
-      : first(tree.pin_begin[1] > 0),
-        last(tree.nodes > 1 && tree.pin_begin[tree.nodes] > tree.pin_begin[tree.nodes - 1]),
-        last_pin(tree.pin_begin[tree.nodes] - 1) {}
+      : first(tree.tie_begin[1] > 0),
+        last(tree.nodes > 1 && tree.tie_begin[tree.nodes] > tree.tie_begin[tree.nodes - 1]),
+        last_tie(tree.tie_begin[tree.nodes] - 1) {}
   bool first, last;
-  std::size_t last_pin;
+  std::size_t last_tie;
 };
 
-/// Adds nu to a multiplier of an active lane.
+/// Adds nu to a multiplier of an active lane and returns it.
 template <class V, class T, class At>
 PLUMB_INLINE V move_multiplier(const At& at, const V& active, T* mu, std::size_t i, const V& nu) {
   const V old = at.get(mu, i), moved = select_nonzero(active, old + nu, old);
@@ -87,7 +89,7 @@ PLUMB_INLINE V move_multiplier(const At& at, const V& active, T* mu, std::size_t
   return moved;
 }
 
-/// One line per lane.
+/// Takes a Newton step on one line per lane.
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
@@ -96,16 +98,16 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   const V zero(0);
   const Vec<V> none{zero, zero, zero};
 
-  // Rods 0 to n forwards: nu_k = right_k - above_k nu_{k+1}.
-  LineRod<V> last{none, zero, zero}, rod = line_pin<V>(tree, at, 0, ends.first, T(1));
+  // Elimination runs over rods 0 to n and leaves nu_k = right_k - above_k nu_{k+1}.
+  LineRod<V> last{none, zero, zero}, rod = line_tie<V>(tree, at, 0, ends.first, T(1));
   LineNode<V> from = line_fixed<V>(tree, at, 0, ends.first);
   V above = zero, right = zero, residual = zero;
   for (std::size_t k = 0; k <= n; ++k) {
     const LineRod<V> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
-                            : k + 1 == n ? line_pin<V>(tree, at, ends.last_pin, ends.last, T(-1))
+                            : k + 1 == n ? line_tie<V>(tree, at, ends.last_tie, ends.last, T(-1))
                                          : LineRod<V>{none, zero, zero};
     const LineNode<V> to =
-        k < n ? line_node<V>(tree, at, k, rod, next) : line_fixed<V>(tree, at, ends.last_pin, ends.last);
+        k < n ? line_node<V>(tree, at, k, rod, next) : line_fixed<V>(tree, at, ends.last_tie, ends.last);
     const LineRow<V> row = line_row(last, from, rod, to, next);
     const V over = reciprocal_or_zero(row.diagonal - row.below * above, zero);
     residual = residual + row.right * row.right;
@@ -118,20 +120,20 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
     from = to;
   }
 
-  // Back, moving multipliers and then the node between two of them.
+  // Substitution runs back. It moves multipliers, and then the node between two of them.
   const V active = at.get(tree.active, 0);
   V nu = at.get(tree.elimination, 2 * n + 1), mu = zero;
-  Vec<V> d = line_pin<V>(tree, at, ends.last_pin, ends.last, T(-1)).d;
-  if (ends.last) mu = move_multiplier(at, active, tree.pin_mu, ends.last_pin, nu);
+  Vec<V> d = line_tie<V>(tree, at, ends.last_tie, ends.last, T(-1)).d;
+  if (ends.last) mu = move_multiplier(at, active, tree.tie_mu, ends.last_tie, nu);
   V sum = zero;
   for (std::size_t k = n; k-- > 0;) {
     const V nu_before = at.get(tree.elimination, 2 * k + 1) - at.get(tree.elimination, 2 * k) * nu;
-    const bool pin = k == 0;
+    const bool tie = k == 0;
     const Vec<V> d_before =
-        pin ? line_pin<V>(tree, at, 0, ends.first, T(1)).d : at.get3(tree.rod, tree_fields::rod * k);
+        tie ? line_tie<V>(tree, at, 0, ends.first, T(1)).d : at.get3(tree.rod, tree_fields::rod * k);
     V mu_before = zero;
-    if (!pin) mu_before = move_multiplier(at, active, tree.mu, k, nu_before);
-    if (pin && ends.first) mu_before = move_multiplier(at, active, tree.pin_mu, 0, nu_before);
+    if (!tie) mu_before = move_multiplier(at, active, tree.mu, k, nu_before);
+    if (tie && ends.first) mu_before = move_multiplier(at, active, tree.tie_mu, 0, nu_before);
     const V w = at.get(tree.node, tree_fields::node * k + 3);
     const Vec<V> change = w * (nu_before * d_before - nu * d);
     sum = sum + dot(change, change);

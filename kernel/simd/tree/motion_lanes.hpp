@@ -4,7 +4,7 @@
 namespace plumb::simd {
 namespace {
 
-/// The vector from `from` to `to` and the violation of its length, made in double.
+/// A rod goes from `from` to `to` (m) and violates its length by C (m²). Both are made in double.
 template <class V>
 struct RodVector {
   Vec<V> d;
@@ -35,6 +35,7 @@ PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, const V& scale_
   at.put(mu, i, scale * last + scale_before * before);
 }
 
+/// Does what TreeKernels::prepare() says, with masses that couple the ends of rods or without.
 template <bool coupled, class V, std::size_t lanes, class T>
 PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
@@ -51,12 +52,12 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
               (u + guess * at.get3(tree.acceleration, 3 * i)) +
                   guess_before * at.get3(tree.acceleration_before, 3 * i));
     Vec<V> load = at.get(tree.node, node * i) * u + kick * at.get3(tree.force, 3 * i);
-    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+    for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
       if (tree.guesses_multipliers)
-        guess_multiplier(at, scale, scale_before, tree.pin_mu, tree.pin_mu_before, k);
-      if constexpr (coupled) load = load + at.get(tree.pin, pin * k) * at.get3(tree.pin_u, 3 * k);
-      prepare_rod<V>(at, place(tree.pin_x, 3 * k), place(tree.x, 3 * i), place(tree.pin_length2, k),
-                     tree.pin_rod, k);
+        guess_multiplier(at, scale, scale_before, tree.tie_mu, tree.tie_mu_before, k);
+      if constexpr (coupled) load = load + at.get(tree.tie, tie * k) * at.get3(tree.tie_u, 3 * k);
+      prepare_rod<V>(at, place(tree.tie_x, 3 * k), place(tree.x, 3 * i), place(tree.tie_length2, k),
+                     tree.tie_rod, k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
@@ -79,19 +80,20 @@ PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
     prepare_nodes<false, V, lanes>(tree, lane);
 }
 
+/// Does what TreeKernels::find_stiffness() says, from the tips to the root.
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane) {
   using namespace tree_fields;
   const At<V, T, lanes> at{lane};
   const auto magnitude = [](const V& mu) { return larger(mu, V(0) - mu); };
   for (std::size_t slot = 0; slot < tree.below_slots; ++slot) at.put(tree.below, slot * below, V(0));
-  V largest(0), carried(0);  // carried: from i + 1 if i is its parent
+  V largest(0), carried(0);  // carried comes from i + 1 if i is its parent
   for (std::size_t i = tree.nodes; i-- > 0;) {
     V pull = carried;
     carried = V(0);
     if (tree.below_slot[i] != no_slot) pull = pull + at.get(tree.below, tree.below_slot[i] * below);
-    for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k)
-      pull = pull + magnitude(at.get(tree.pin_mu, k));
+    for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
+      pull = pull + magnitude(at.get(tree.tie_mu, k));
     if (i > 0) {
       const std::size_t p = tree.parent[i];
       const V own = magnitude(at.get(tree.mu, i));
@@ -108,6 +110,7 @@ PLUMB_INLINE void find_stiffness_lanes(const TreeView<T>& tree, std::size_t lane
   at.put(tree.stiffness, 0, largest);
 }
 
+/// Does what TreeKernels::advance() says.
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};

@@ -1,9 +1,10 @@
-// Newton on one long line cut into as many segments as a logical vector has lanes (partitioned elimination,
-// Wang 1981; SPIKE, Polizzi and Sameh 2006). Included after line_lanes.hpp.
+// These loops take Newton steps on a long line cut into as many segments as a logical vector has
+// lanes (partitioned elimination, Wang 1981; SPIKE, Polizzi and Sameh 2006). This file is included after
+// line_lanes.hpp.
 //
-// Lane l holds nodes l s to l s + s - 1. Its rod 0 leads to the last node of lane l - 1, in lane 0 to the
-// fixed end, and stands where a line keeps its pin. All but the last rod of a segment are eliminated in every
-// lane at once, in terms of the last rod's nu and of that of the lane before,
+// Lane l holds nodes l s to l s + s - 1. Its rod 0 stands where a line keeps its tie. It leads to the last
+// node of lane l - 1, and in lane 0 to the fixed end. All but the last rod of a segment are eliminated in
+// every lane at once, in terms of the last rod's nu and of that of the lane before,
 //
 //   nu_k = alpha_k + beta_k nu_last + gamma_k nu_last_before,
 //
@@ -12,7 +13,8 @@
 namespace plumb::simd {
 namespace {
 
-/// A number per lane with room for a neighbour at either end, to read a vector shifted by one lane.
+/// Every lane has a number here, and there is room for a neighbour at either end, to read a vector shifted by
+/// one lane.
 template <class T>
 struct Neighbors {
   static constexpr std::size_t lanes = logical_width<T>;
@@ -65,7 +67,7 @@ struct NeighborVec {
   }
 };
 
-/// What lanes tell each other.
+/// This is what lanes tell each other.
 template <class T>
 struct SegmentEnds {
   NeighborVec<T> first_d, last_d, last_delta;
@@ -74,7 +76,7 @@ struct SegmentEnds {
   Neighbors<T> nu_first, nu_last;
 };
 
-/// The row of the last rod of every lane.
+/// These are the rows of the last rods of all lanes, one tridiagonal system.
 template <class T>
 struct Separators {
   alignas(64) T below[logical_width<T>], diagonal[logical_width<T>], above[logical_width<T>],
@@ -85,7 +87,7 @@ constexpr std::size_t segment_fields = 3;
 
 template <class V, class T, class At>
 PLUMB_INLINE void put_segment_ends(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends) {
-  const LineRod<V> first = line_pin<V>(tree, at, 0, true, T(1));
+  const LineRod<V> first = line_tie<V>(tree, at, 0, true, T(1));
   const std::size_t s = tree.nodes - 1;
   ends.first_d.put(at.lane, first.d);
   ends.first_mu.put(at.lane, first.mu);
@@ -109,7 +111,7 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
   const std::size_t s = tree.nodes, lane = at.lane;
   const V zero(0);
   LineRod<V> last{ends.last_d.template from_before<V>(lane), zero, zero},
-      rod = line_pin<V>(tree, at, 0, true, T(1));
+      rod = line_tie<V>(tree, at, 0, true, T(1));
   LineNode<V> from{{zero, zero, zero},
                    ends.last_delta.template from_before<V>(lane),
                    ends.last_w.template from_before<V>(lane)};
@@ -153,7 +155,7 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
   ends.gamma.put(lane, gamma);
 }
 
-/// What is left once a lane's own rods and the first of the next are expressed by separators.
+/// Makes the rows that are left once a lane's own rods and the first of the next are expressed by separators.
 template <class V, class T, class At>
 PLUMB_INLINE void close_separator(const TreeView<T>& tree, const At& at, const SegmentEnds<T>& ends,
                                   Separators<T>& rows) {
@@ -202,10 +204,10 @@ PLUMB_INLINE void substitute_segment(const TreeView<T>& tree, const At& at, cons
   Vec<V> d = ends.first_d.template from_after<V>(at.lane);
   for (std::size_t k = tree.nodes; k-- > 0;) {
     const V nu_before = k + 1 == tree.nodes ? own : segment_nu(tree, at, k, own, before);
-    T* const multipliers = k == 0 ? tree.pin_mu : tree.mu;
+    T* const multipliers = k == 0 ? tree.tie_mu : tree.mu;
     const V mu_before = at.get(multipliers, k) + nu_before;
     at.put(multipliers, k, mu_before);
-    const Vec<V> d_before = k == 0 ? at.get3(tree.pin_rod, 0) : at.get3(tree.rod, tree_fields::rod * k);
+    const Vec<V> d_before = k == 0 ? at.get3(tree.tie_rod, 0) : at.get3(tree.rod, tree_fields::rod * k);
     const V w = at.get(tree.node, tree_fields::node * k + 3);
     const Vec<V> change = w * (nu_before * d_before - nu * d);
     sum = sum + dot(change, change);
@@ -217,7 +219,7 @@ PLUMB_INLINE void substitute_segment(const TreeView<T>& tree, const At& at, cons
   at.put(tree.change, 0, sum);
 }
 
-/// `for_lanes(f)` calls f(at) for every machine vector of the logical one.
+/// Takes a Newton step. `for_lanes(f)` calls f(at) for every machine vector of the logical one.
 template <class V, class T, class ForLanes>
 PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_lanes) {
   SegmentEnds<T> ends;
@@ -226,7 +228,7 @@ PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_
   for_lanes([&](const auto& at) { put_last_delta<V>(tree, at, ends); });
   for (std::size_t c = 0; c < 3; ++c) {
     Neighbors<T>& component = c == 0 ? ends.last_delta.x : c == 1 ? ends.last_delta.y : ends.last_delta.z;
-    component.values[0] = tree.pin_delta[c * logical_width<T>];
+    component.values[0] = tree.tie_delta[c * logical_width<T>];
   }
   for_lanes([&](const auto& at) { eliminate_segment<V>(tree, at, ends, rows); });
   for_lanes([&](const auto& at) { close_separator<V>(tree, at, ends, rows); });

@@ -8,19 +8,19 @@
 /// linear in their number. They solve one tree, or a logical vector of equal trees side by side in lanes.
 ///
 /// A tree's nodes are its movable particles, numbered so that a parent comes before its children. Every node
-/// but the first has a rod to its parent. Rods to anchors are called pins of their node here. All bodies do
+/// but the first has a rod to its parent. Rods to anchors are the ties of their node. All bodies do
 /// the same operations in the same order on every lane. A tree therefore moves alike in any lane, alone, and
 /// on any instruction set.
 namespace plumb::simd {
 
-/// Numbers per node or pin in the arrays of TreeView.
+/// Numbers per node or tie in the arrays of TreeView.
 namespace tree_fields {
 inline constexpr std::uint32_t node = 4;  ///< mass_ii; mass_ip to the parent; smallest pivot; 1/least_i
-inline constexpr std::uint32_t pin = 2;   ///< mass_if to the anchor; smallest pivot
+inline constexpr std::uint32_t tie = 2;   ///< mass_if to the anchor; smallest pivot
 inline constexpr std::uint32_t rod = 4;   ///< x_i - x_p as x, y, z; C = (|x_i - x_p|^2 - L^2)/2
 inline constexpr std::uint32_t elimination = 16;  ///< delta_i = P delta_p + q; mu_i = rho + n.delta_p
-inline constexpr std::uint32_t pin_elimination =
-    11;  ///< a; y; rho; for the first of a node's pins also a, kappa of its rod
+inline constexpr std::uint32_t tie_elimination =
+    11;  ///< a; y; rho; for the first of a node's ties also a, kappa of its rod
 inline constexpr std::uint32_t below = 13;  ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
 
@@ -36,23 +36,23 @@ struct TreeView {
   std::uint32_t nodes = 0;
   std::uint32_t lanes = 1;
   const std::uint32_t* parent = nullptr;     ///< Parent of every node; not read for node 0.
-  const std::uint32_t* pin_begin = nullptr;  ///< Start of every node's pins; nodes + 1 entries.
+  const std::uint32_t* tie_begin = nullptr;  ///< Start of every node's ties; nodes + 1 entries.
 
   bool is_coupled = false;  ///< Whether some rod's mass acts on both its ends at once.
-  bool is_plain = false;    ///< Whether none does and there is at most one pin, so that no rod is redundant.
+  bool is_plain = false;    ///< Whether none does and there is at most one tie, so that no rod is redundant.
   const T* node = nullptr;  ///< tree_fields::node numbers per node.
-  const T* pin = nullptr;   ///< tree_fields::pin numbers per pin.
+  const T* tie = nullptr;   ///< tree_fields::tie numbers per tie.
   const double* length2 = nullptr;      ///< Squared length of the rod to the parent, in m^2, per node.
-  const double* pin_length2 = nullptr;  ///< Squared length of the rod to the anchor, in m^2, per pin.
+  const double* tie_length2 = nullptr;  ///< Squared length of the rod to the anchor, in m^2, per tie.
 
   double* x =
       nullptr;     ///< Positions, 3 per node, in double, so that a float solve keeps its digits anywhere.
   T* u = nullptr;  ///< Displacement of the last substep (m), or velocity (m/s), 3 per node.
   const T* force = nullptr;  ///< Force divided by the unit of mass, 3 per node.
 
-  const double* pin_x = nullptr;  ///< Position of the anchor, 3 per pin.
-  const T* pin_delta = nullptr;   ///< The anchor's displacement in this substep, 3 per pin.
-  const T* pin_u = nullptr;       ///< The anchor's displacement in the last substep, 3 per pin.
+  const double* tie_x = nullptr;  ///< Position of the anchor, 3 per tie.
+  const T* tie_delta = nullptr;   ///< The anchor's displacement in this substep, 3 per tie.
+  const T* tie_u = nullptr;       ///< The anchor's displacement in the last substep, 3 per tie.
 
   /// Whether prepare() guesses delta from `u`, `acceleration` and `acceleration_before`. Otherwise delta
   /// stays.
@@ -83,16 +83,16 @@ struct TreeView {
 
   T* delta = nullptr;   ///< Displacement that is solved for, 3 per node.
   T* mu = nullptr;      ///< Multiplier of the rod to the parent, per node; not read for node 0.
-  T* pin_mu = nullptr;  ///< Multiplier of the rod to the anchor, per pin.
+  T* tie_mu = nullptr;  ///< Multiplier of the rod to the anchor, per tie.
   /// Multipliers of the substep before. prepare() keeps the last ones here, to go back to if the new ones
   /// fail.
   T* mu_before = nullptr;
-  T* pin_mu_before = nullptr;    ///< The same of pins.
+  T* tie_mu_before = nullptr;    ///< The same of ties.
   T* load = nullptr;             ///< M u + kick force, 3 per node.
   T* rod = nullptr;              ///< tree_fields::rod numbers per node.
-  T* pin_rod = nullptr;          ///< tree_fields::rod numbers per pin.
+  T* tie_rod = nullptr;          ///< tree_fields::rod numbers per tie.
   T* elimination = nullptr;      ///< tree_fields::elimination numbers per node.
-  T* pin_elimination = nullptr;  ///< tree_fields::pin_elimination numbers per pin.
+  T* tie_elimination = nullptr;  ///< tree_fields::tie_elimination numbers per tie.
   /// Where children of a node other than the next add to its tile, or no_slot; per node.
   const std::uint32_t* below_slot = nullptr;
   std::uint32_t below_slots = 0;  ///< Number of such places.
@@ -109,7 +109,7 @@ struct TreeKernels {
   /// The same for lines with lumped masses and theta 0, in a fraction of the time.
   void (*newton_line)(const TreeView<T>&);
   /// The same for one long line that is cut into as many segments as there are lanes. Node 0 of every lane
-  /// has a pin. In lanes after the first this pin is the rod to the last node of the lane before.
+  /// has a tie. In lanes after the first this tie is the rod to the last node of the lane before.
   void (*newton_segments)(const TreeView<T>&);
   /// Bounds |kick| omega^2 of the waves across a lane's rods, and puts the bound into `stiffness`.
   ///
@@ -121,7 +121,7 @@ struct TreeKernels {
   /// Moves delta, taken as a velocity times a time, onto what no rod resists, and adds what forces do.
   ///
   /// It solves M delta' = M delta + kick force + J^T lambda, J delta' = 0, exactly in one call. Anchors go
-  /// from pin_u to pin_delta.
+  /// from tie_u to tie_delta.
   void (*project)(const TreeView<T>&);
 };
 

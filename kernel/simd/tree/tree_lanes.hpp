@@ -1,31 +1,33 @@
-// The body of every loop in tree_kernels.hpp, for V = T (one lane after the other, the oracle) and for a
-// whole logical vector of lanes. V needs + - * / and the functions load, store, select_nonzero of its header.
+// This is the body of Newton's method on trees, for V = T (one lane after the other, the oracle) and for
+// vectors of lanes. V needs + - * /, and the file before this one defines load, store, select_nonzero and the
+// like.
 //
-// Node i with the rod to its parent p, everything below i eliminated:
+// Once everything below node i is eliminated, i and the rod to its parent p have the equations
 //
 //   K delta_i + kappa delta_p - a nu = r        b . (delta_i - delta_p) = c
 //
-// with a = d + theta e where the force points, b = d + e the gradient of C at the iterate, e = delta_i -
-// delta_p, K a 3x3 block. With H = K^-1, q = H r, u = H a, w = H^T b, s = b . u:
+// Here e = delta_i - delta_p, and K is a block of 3 x 3. The force points along a = d + theta e, and b = d +
+// e is the gradient of C at the iterate. With H = K^-1, q = H r, u = H a, w = H^T b, s = b . u the equations
+// become
 //
 //   nu      = (c - b.q + (b + kappa w) . delta_p) / s
 //   delta_i = q + nu u - kappa H delta_p
 //   K_p    += (kappa u + a) (b + kappa w)^T / s - kappa^2 H
 //   r_p    -= (kappa u + a) (c - b.q) / s + kappa q
 //
-// A pin is the same with delta_p = 0: it takes a rank from H.
+// A tie has the same equations with delta_p = 0. It takes a rank from H.
 
 #include "simd/tree/lane_math.hpp"
 
 namespace plumb::simd {
 namespace {
 
-/// The block of a node while what is below it is added up.
+/// A node has this block while what is below it is added up.
 template <class V>
 struct NodeBlock {
   Mat<V> rows;
   Vec<V> r;
-  V diagonal;  ///< added to all three of the diagonal
+  V diagonal;  ///< It is added to all three numbers of the diagonal.
 };
 
 template <class V, class T, class At>
@@ -56,27 +58,29 @@ PLUMB_INLINE NodeBlock<V> empty_block() {
   return {{none, none, none}, none, zero};
 }
 
-/// A node with everything below it and its own pins eliminated: delta_i = q + H f for a force f from above.
+/// A node whose ties and everything below it are eliminated has delta_i = q + H f for a force f from above.
 template <class V>
 struct Free {
-  Mat<V> h;  ///< columns
+  Mat<V> h;  ///< H is kept by columns.
   Vec<V> q;
-  V residual;  ///< sum over its pins of C^2
+  V residual;  ///< It is the sum of C^2 over its ties.
 };
 
+/// Eliminates the ties of node i one after the other. `linear` leaves theta and C out, as projections of
+/// velocities do.
 template <bool linear, class V, class T, class At>
 PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_t i, NodeBlock<V> block,
                                const Vec<V>& delta, V theta) {
   using namespace tree_fields;
-  for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
+  for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
     if constexpr (!linear) {
-      const Vec<V> a = at.get3(tree.pin_rod, k * rod) + theta * (delta - at.get3(tree.pin_delta, 3 * k));
-      const V mu = at.get(tree.pin_mu, k);
-      block.r = block.r + mu * a - at.get(tree.pin, k * pin) * at.get3(tree.pin_delta, 3 * k);
+      const Vec<V> a = at.get3(tree.tie_rod, k * rod) + theta * (delta - at.get3(tree.tie_delta, 3 * k));
+      const V mu = at.get(tree.tie_mu, k);
+      block.r = block.r + mu * a - at.get(tree.tie, k * tie) * at.get3(tree.tie_delta, 3 * k);
       block.diagonal = block.diagonal - theta * mu;
     } else {
       block.r =
-          block.r + at.get(tree.pin, k * pin) * (at.get3(tree.pin_u, 3 * k) - at.get3(tree.pin_delta, 3 * k));
+          block.r + at.get(tree.tie, k * tie) * (at.get3(tree.tie_u, 3 * k) - at.get3(tree.tie_delta, 3 * k));
     }
   }
   block.rows.v0.x = block.rows.v0.x + block.diagonal;
@@ -87,30 +91,30 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   node.q = multiply(node.h, block.r);
   node.residual = V(0);
   const V size = trace(node.h);
-  for (std::size_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
-    const Vec<V> d = at.get3(tree.pin_rod, k * rod), e = delta - at.get3(tree.pin_delta, 3 * k);
+  for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
+    const Vec<V> d = at.get3(tree.tie_rod, k * rod), e = delta - at.get3(tree.tie_delta, 3 * k);
     Vec<V> a = d, b = d;
     V c = dot(d, e);
     if constexpr (!linear) {
       a = d + theta * e;
       b = d + e;
-      c = at.get(tree.pin_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
+      c = at.get(tree.tie_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
       node.residual = node.residual + c * c;
     }
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
-    const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.pin, k * pin + 1) * size) * dot(b, b));
+    const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.tie, k * tie + 1) * size) * dot(b, b));
     const V rho = (V(0) - c - dot(b, node.q)) * over;
     const Vec<V> y = over * w;
     node.q = node.q + rho * u;
     node.h = {node.h.v0 - y.x * u, node.h.v1 - y.y * u, node.h.v2 - y.z * u};
-    at.put3(tree.pin_elimination, k * pin_elimination, a);
-    at.put3(tree.pin_elimination, k * pin_elimination + 3, y);
-    at.put(tree.pin_elimination, k * pin_elimination + 6, rho);
+    at.put3(tree.tie_elimination, k * tie_elimination, a);
+    at.put3(tree.tie_elimination, k * tie_elimination + 3, y);
+    at.put(tree.tie_elimination, k * tie_elimination + 6, rho);
   }
   return node;
 }
 
-/// The rod to the parent has a force along a, the gradient b and the violation c; kappa couples its ends and
+/// The rod to the parent has a force along a, the gradient b and the violation c. kappa couples its ends, and
 /// mu is its multiplier.
 template <class V>
 struct RodEquation {
@@ -146,17 +150,17 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   return own;
 }
 
-/// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. To
-/// `residual` are added the C^2 of its rod and its pins. All is passed by reference: copies of blocks would
-/// go through memory.
+/// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. The C^2 of
+/// its rod and its ties are added to `residual`. All is passed by reference, since copies of blocks would go
+/// through memory.
 template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
                                  NodeBlock<V>& block, V& residual) {
   using namespace tree_fields;
   const auto [a, b, c, kappa, mu] = rod_equation<linear, plain>(tree, at, i, block, theta);
-  if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
-    at.put3(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 7, a);
-    at.put(tree.pin_elimination, tree.pin_begin[i] * pin_elimination + 10, kappa);
+  if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
+    at.put3(tree.tie_elimination, tree.tie_begin[i] * tie_elimination + 7, a);
+    at.put(tree.tie_elimination, tree.tie_begin[i] * tie_elimination + 10, kappa);
   }
   const Vec<V> delta = at.get3(tree.delta, 3 * i);
   const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
@@ -170,7 +174,7 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   const Vec<V> n = over * (b + kappa * w);
   const Vec<V> q = node.q + rho * u;
 
-  // delta_i = P delta_p + q with P = u n^T - kappa H, by columns.
+  // What is kept is delta_i = P delta_p + q with P = u n^T - kappa H by columns.
   const std::size_t f = i * elimination;
   const Mat<V> columns{n.x * u - kappa * node.h.v0, n.y * u - kappa * node.h.v1, n.z * u - kappa * node.h.v2};
   at.put3(tree.elimination, f, columns.v0);
@@ -180,7 +184,7 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   at.put3(tree.elimination, f + 12, n);
   at.put(tree.elimination, f + 15, rho);
 
-  // What is above adds to its own: kappa P + a n^T, -(kappa q + (rho + mu) a).
+  // The parent adds kappa P + a n^T to its block and -(kappa q + (rho + mu) a) to its right-hand side.
   block.rows.v0 = kappa * Vec<V>{columns.v0.x, columns.v1.x, columns.v2.x} + a.x * n;
   block.rows.v1 = kappa * Vec<V>{columns.v0.y, columns.v1.y, columns.v2.y} + a.y * n;
   block.rows.v2 = kappa * Vec<V>{columns.v0.z, columns.v1.z, columns.v2.z} + a.z * n;
@@ -189,13 +193,14 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   block.diagonal = V(0) - theta * mu;
 }
 
-/// Tips to root. `plain`: lumped masses and at most one pin, so that no rod can be redundant.
+/// Eliminates all nodes from the tips to the root and returns the root's displacement. `plain` trees have
+/// lumped masses and at most one tie, so that no rod can be redundant.
 template <bool linear, bool plain, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   using namespace tree_fields;
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
     at.put(tree.below, slot, V(0));
-  NodeBlock<V> carried = empty_block<V>();  // from i + 1 if i is its parent
+  NodeBlock<V> carried = empty_block<V>();  // it comes from i + 1 if i is its parent
   V residual(0);
   for (std::size_t i = tree.nodes; i-- > 1;) {
     const std::size_t p = tree.parent[i];
@@ -225,21 +230,21 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   return root.q;
 }
 
-/// Multipliers of a node's pins, the last eliminated first. `f` is the force from above.
+/// Adds to the multipliers of a node's ties, the last eliminated first. `f` is the force from above.
 template <class V, class T, class At>
-PLUMB_INLINE void pull_pins(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active) {
+PLUMB_INLINE void pull_ties(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active) {
   using namespace tree_fields;
-  for (std::size_t k = tree.pin_begin[i + 1]; k-- > tree.pin_begin[i];) {
-    const Vec<V> a = at.get3(tree.pin_elimination, k * pin_elimination);
-    const Vec<V> y = at.get3(tree.pin_elimination, k * pin_elimination + 3);
-    const V nu = at.get(tree.pin_elimination, k * pin_elimination + 6) - dot(y, f);
+  for (std::size_t k = tree.tie_begin[i + 1]; k-- > tree.tie_begin[i];) {
+    const Vec<V> a = at.get3(tree.tie_elimination, k * tie_elimination);
+    const Vec<V> y = at.get3(tree.tie_elimination, k * tie_elimination + 3);
+    const V nu = at.get(tree.tie_elimination, k * tie_elimination + 6) - dot(y, f);
     f = f + nu * a;
-    const V mu = at.get(tree.pin_mu, k);
-    at.put(tree.pin_mu, k, select_nonzero(active, mu + nu, mu));
+    const V mu = at.get(tree.tie_mu, k);
+    at.put(tree.tie_mu, k, select_nonzero(active, mu + nu, mu));
   }
 }
 
-/// Root to tips: adds the solution to delta and mu.
+/// Goes from the root to the tips and adds the solution to delta and mu.
 template <bool linear, class V, class T, class At>
 PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>& root) {
   using namespace tree_fields;
@@ -249,9 +254,9 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
     at.put3(tree.delta, 3 * i,
             {select_nonzero(active, now.x, old.x), select_nonzero(active, now.y, old.y),
              select_nonzero(active, now.z, old.z)});
-    at.put3(tree.elimination, i * elimination + 9, change);  // where children with an other number find it
+    at.put3(tree.elimination, i * elimination + 9, change);  // children that do not follow find it here
   };
-  if constexpr (!linear) pull_pins(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active);
+  if constexpr (!linear) pull_ties(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active);
   update(0, root);
   V sum = dot(root, root);
   Vec<V> last = root;
@@ -263,11 +268,11 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
     const Vec<V> change = at.get3(tree.elimination, f + 9) + multiply(columns, above);
     if constexpr (!linear) {
       const V nu = at.get(tree.elimination, f + 15) + dot(at.get3(tree.elimination, f + 12), above);
-      if (tree.pin_begin[i] != tree.pin_begin[i + 1]) {
-        const std::size_t first = tree.pin_begin[i] * pin_elimination;
-        pull_pins(
+      if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
+        const std::size_t first = tree.tie_begin[i] * tie_elimination;
+        pull_ties(
             tree, at, i,
-            nu * at.get3(tree.pin_elimination, first + 7) - at.get(tree.pin_elimination, first + 10) * above,
+            nu * at.get3(tree.tie_elimination, first + 7) - at.get(tree.tie_elimination, first + 10) * above,
             active);
       }
       const V mu = at.get(tree.mu, i);

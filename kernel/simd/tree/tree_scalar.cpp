@@ -1,56 +1,14 @@
-// One lane after the other: the oracle of the vector bodies, and the solver of a tree alone.
-#include <cmath>
-#include <cstddef>
+// One lane goes after the other here. This is the oracle of the vector bodies, and the solver of a tree
+// alone.
+#include "simd/tree/one_lane.hpp"
 
-#include "simd/tree/tree_kernels.hpp"
-
-namespace plumb::simd {
-namespace {
-
-template <class V>
-inline V load(const V* from) {
-  return *from;
-}
-template <class V>
-inline void store(V value, V* to) {
-  *to = value;
-}
-template <class V>
-inline double load_wide(const double* from) {
-  return *from;
-}
-template <class V>
-inline V narrow(double value) {
-  return static_cast<V>(value);
-}
-template <class V>
-inline void add_wide(V value, double* to) {
-  *to += static_cast<double>(value);
-}
-/// a where `mask` is not 0, else b.
-template <class V>
-inline V select_nonzero(V mask, V a, V b) {
-  return mask != 0 ? a : b;
-}
-template <class V>
-inline V larger(V a, V b) {
-  return a > b ? a : b;
-}
-/// 1/s, or 0 if |s| is not above `floor`: a rod or pin that others make redundant then pulls nothing.
-template <class V>
-inline V reciprocal_or_zero(V s, V floor) {
-  return std::abs(s) > floor ? 1 / s : 0;
-}
-
-}  // namespace
-}  // namespace plumb::simd
-
+// The loops need what the file above defines.
 #include "simd/tree/tree_lanes.hpp"
 
-// After what it builds on.
+// Motion needs what the file above defines.
 #include "simd/tree/motion_lanes.hpp"
 
-// After what they build on.
+// Lines and segments need what the files above define.
 #include "simd/tree/line_lanes.hpp"
 #include "simd/tree/segment_lanes.hpp"
 

@@ -1,5 +1,5 @@
-// Trees side by side in the lanes of one vector. Included once per instruction set with PLUMB_ARCH set to its
-// xsimd architecture and PLUMB_ISA to its name.
+// Trees stand side by side in the lanes of one vector. Each instruction set includes this file once and sets
+// PLUMB_ARCH to its xsimd architecture.
 #include <cstddef>
 #include <cstring>
 #include <xsimd/xsimd.hpp>
@@ -20,7 +20,7 @@ template <class T>
 inline __attribute__((always_inline)) void store(const Batch<T>& value, T* to) {
   value.store_aligned(to);
 }
-/// As many doubles as V has lanes, in two registers where V holds floats.
+/// It holds as many doubles as V has lanes, in two registers where V holds floats.
 template <class V>
 using Wide __attribute__((vector_size(V::size * sizeof(double)))) = double;
 template <class V>
@@ -65,10 +65,10 @@ inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>
 
 #include "simd/tree/tree_lanes.hpp"
 
-// After what it builds on.
+// Motion needs what the file above defines.
 #include "simd/tree/motion_lanes.hpp"
 
-// After what they build on.
+// Lines and segments need what the files above define.
 #include "simd/tree/line_lanes.hpp"
 #include "simd/tree/segment_lanes.hpp"
 

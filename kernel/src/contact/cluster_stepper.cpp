@@ -248,7 +248,7 @@ bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, 
     for (std::uint32_t i = 0; woken_ && i < count_; ++i)
       if (!islands_[i].state->asleep && !islands_[i].awake && !islands_[i].state->frozen) {
         islands_[i].awake = true;
-        islands_[i].state->calm = 0;
+        islands_[i].state->slow_time = 0;
         start(islands_[i], h);
       }
   } while (woken_);

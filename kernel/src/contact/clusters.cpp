@@ -30,7 +30,7 @@ void Clusters::wake(std::uint32_t i) {
   LinkageState& state = islands_[i];
   if (!state.asleep) return;
   state.asleep = false;
-  state.calm = 0;
+  state.slow_time = 0;
   awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), i), i);
   if (state.linkage->shapes().empty()) return;
   sleepers_.remove(i, bounds_[i]);
@@ -93,7 +93,7 @@ void Clusters::join_near() {
 
 void Clusters::put_to_sleep(LinkageState& state) {
   state.asleep = true;
-  state.calm = 0;
+  state.slow_time = 0;
   if (state.linkage->shapes().empty()) return;
   bounds_[state.number] = reach(state, top_speed(state), 0, margin_);
   sleepers_.insert(state.number, bounds_[state.number]);

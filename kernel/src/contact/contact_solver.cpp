@@ -154,14 +154,14 @@ void ContactSolver::end_step(StepReport& report) {
 /// Whether a cluster has been slow for long enough to sleep, and something holds it: what nothing holds is
 /// only slow for a while.
 bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) const {
-  bool calm = sleep_, held = false;
+  bool slow = sleep_, held = false;
   for (LinkageState* const state : cluster) {
     if (state->asleep) continue;
-    state->calm = top_speed(*state) < settings_.sleep_speed ? state->calm + dt : 0;
+    state->slow_time = top_speed(*state) < settings_.sleep_speed ? state->slow_time + dt : 0;
     held = held || state->linkage->is_grounded() || !state->kept.empty();
-    calm = calm && state->calm >= sleep_time_;
+    slow = slow && state->slow_time >= sleep_time_;
   }
-  return calm && held;
+  return slow && held;
 }
 
 // --- Accuracy

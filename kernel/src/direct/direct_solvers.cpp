@@ -16,23 +16,24 @@ using layouts::lane_width;
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
 
-/// Whether fixed points may hold a node other than the root for good, by three pins or, in a plane, by two.
-/// Elimination from the tips would divide by zero at its rod to the parent; the solver for loops does not.
+/// Says whether fixed points may hold a node other than the root for good, by three ties or, in a plane, by
+/// two. Elimination from the tips would divide by zero at its rod to the parent; the solver for loops does
+/// not.
 bool is_held_below_root(const layouts::Tree& tree) {
   for (std::uint32_t i = 1; i < tree.nodes(); ++i)
-    if (tree.pin_begin[i + 1] - tree.pin_begin[i] > 1) return true;
+    if (tree.tie_begin[i + 1] - tree.tie_begin[i] > 1) return true;
   return false;
 }
 
 class Maker {
  public:
-  Maker(const Scene& scene, const IslandGroups& groups, const Settings& settings, const DirectRules& rules,
+  Maker(const Scene& scene, const IslandSets& sets, const Settings& settings, const DirectRules& rules,
         StartReport& report)
-      : scene_(scene), groups_(groups), settings_(settings), rules_(rules), report_(report) {}
+      : scene_(scene), sets_(sets), settings_(settings), rules_(rules), report_(report) {}
 
   std::vector<MadeSolver> make() {
-    for (const std::vector<std::uint32_t>& equal : groups_.groups) {
-      const layouts::LocalGraph local = layouts::local_graph(groups_.graph, groups_.islands, equal.front());
+    for (const std::vector<std::uint32_t>& equal : sets_.sets) {
+      const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
       if (!tree || is_held_below_root(*tree))
         add_loops(equal, local.view());
@@ -49,7 +50,7 @@ class Maker {
   Isa isa() const { return settings_.isa.value_or(best_isa()); }
 
   bool is_off_length(std::uint32_t island) const {
-    const auto rods = groups_.islands.edges(island);
+    const auto rods = sets_.islands.edges(island);
     return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
       const Rod& rod = scene_.rods[i];
       const double length = rod_length(scene_, i);
@@ -73,12 +74,12 @@ class Maker {
 
   template <class T>
   void add_lane_group(const std::shared_ptr<TreeKind<T>>& kind, const layouts::Tree& tree,
-                      std::span<const std::uint32_t> group) {
-    const auto trees = static_cast<std::uint32_t>(group.size());
+                      std::span<const std::uint32_t> equal) {
+    const auto trees = static_cast<std::uint32_t>(equal.size());
     auto solver = std::make_unique<TreeSolver<T>>(kind, trees);
     const auto members_of = [&](std::uint32_t lane) {
-      const std::uint32_t island = group[std::min(lane, trees - 1)];
-      return TreeMembers{groups_.islands.vertices(island), groups_.islands.edges(island)};
+      const std::uint32_t island = equal[std::min(lane, trees - 1)];
+      return TreeMembers{sets_.islands.vertices(island), sets_.islands.edges(island)};
     };
     for (std::uint32_t lane = 0; lane < kind->lanes; ++lane)
       solver->fill_lane(lane, scene_, model(), tree, members_of(lane));
@@ -88,10 +89,10 @@ class Maker {
       const auto vertices = members_of(lane).vertices;
       for (std::uint32_t i = 0; i < tree.nodes(); ++i)
         made.places.push_back({vertices[tree.vertex[i]], solver->node_slot(i, lane)});
-      for (std::uint32_t k = 0; k < tree.pins.size(); ++k)
-        made.places.push_back({vertices[tree.pins[k].vertex], solver->pin_slot(k, lane)});
+      for (std::uint32_t k = 0; k < tree.ties.size(); ++k)
+        made.places.push_back({vertices[tree.ties[k].vertex], solver->tie_slot(k, lane)});
     }
-    start(*solver, group, made);
+    start(*solver, equal, made);
     made.solver = std::move(solver);
     made_.push_back(std::move(made));
   }
@@ -103,7 +104,7 @@ class Maker {
       loop_rules_->set_stop_rule(settings_.stop);
     }
     const bool couples = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
-      return carries_mass(scene_, groups_.islands.edges(island), model());
+      return carries_mass(scene_, sets_.islands.edges(island), model());
     });
     const auto topology = std::make_shared<LoopTopology>(local);
     if (couples || is_thin(local)) {
@@ -111,7 +112,7 @@ class Maker {
                                                       LoopStepper::couples(rules_.gradient, model()));
     } else {
       std::vector<Vec3> positions;
-      for (const std::uint32_t vertex : groups_.islands.vertices(equal.front()))
+      for (const std::uint32_t vertex : sets_.islands.vertices(equal.front()))
         positions.push_back(scene_.particles[vertex].position);
       topology->use_lines(positions);
     }
@@ -119,11 +120,11 @@ class Maker {
       MadeSolver made;
       std::vector<std::uint32_t> vertices;
       for (const std::uint32_t i : topology->order) {
-        made.places.push_back({groups_.islands.vertices(island)[i], static_cast<Slot>(vertices.size())});
-        vertices.push_back(groups_.islands.vertices(island)[i]);
+        made.places.push_back({sets_.islands.vertices(island)[i], static_cast<Slot>(vertices.size())});
+        vertices.push_back(sets_.islands.vertices(island)[i]);
       }
       auto solver = std::make_unique<LoopSolver>(
-          loop_rules_, LoopState(topology, scene_, model(), vertices, groups_.islands.edges(island)));
+          loop_rules_, LoopState(topology, scene_, model(), vertices, sets_.islands.edges(island)));
       start(*solver, std::span(&island, 1), made);
       made.solver = std::move(solver);
       made_.push_back(std::move(made));
@@ -149,7 +150,7 @@ class Maker {
   }
 
   const Scene& scene_;
-  const IslandGroups& groups_;
+  const IslandSets& sets_;
   const Settings& settings_;
   const DirectRules& rules_;
   StartReport& report_;
@@ -159,10 +160,10 @@ class Maker {
 
 }  // namespace
 
-std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandSets& sets,
                                             const Settings& settings, const DirectRules& rules,
                                             StartReport& report) {
-  return Maker(scene, groups, settings, rules, report).make();
+  return Maker(scene, sets, settings, rules, report).make();
 }
 
 }  // namespace plumb::detail

@@ -4,25 +4,25 @@
 #include <memory>
 #include <vector>
 
-#include "solver/island_groups.hpp"
+#include "solver/island_sets.hpp"
 #include "solver/made_solver.hpp"
 
 namespace plumb::detail {
 
-/// How a set of islands is solved directly.
+/// These rules say how a set of islands is solved directly.
 struct DirectRules {
   Gradient gradient = Gradient::mid;
   std::uint32_t time_order = 2;
-  bool changes_gradient = false;  ///< trees may take gradient mid while they move calmly
+  bool changes_gradient = false;  ///< Trees may take gradient mid while they are calm.
 
   bool operator==(const DirectRules&) const = default;
 };
 
 /// Makes the solvers of islands of particles and rods: lane groups of equal trees, and islands with loops one
-/// by one. `groups` lists the islands, those with equal graphs together. Positions are projected so that rods
+/// by one. `sets` lists the islands, those with equal graphs together. Positions are projected so that rods
 /// start at their lengths; a first substep would do that by a velocity, the greater the shorter it is. Then
 /// velocities are projected so that nothing pulls on a rod.
-std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_direct_solvers(const Scene& scene, const IslandSets& sets,
                                             const Settings& settings, const DirectRules& rules,
                                             StartReport& report);
 

@@ -12,7 +12,7 @@ constexpr Index none = 0xffffffff;
 /// Fronts up to this many numbers wide are merged with their parents whatever zeros that stores.
 constexpr Index narrow = 16;
 
-/// Later neighbours of each variable, in numbers of the elimination order.
+/// Returns the later neighbours of each variable, in numbers of the elimination order.
 std::vector<std::vector<Index>> later_neighbours(const SparsePattern& pattern,
                                                  const std::vector<Index>& number) {
   std::vector<std::vector<Index>> later(pattern.size.size());
@@ -27,7 +27,7 @@ std::vector<std::vector<Index>> later_neighbours(const SparsePattern& pattern,
   return later;
 }
 
-/// The elimination tree (Liu 1990) by path compression.
+/// Finds the elimination tree (Liu 1990) by path compression.
 std::vector<Index> elimination_tree(const std::vector<std::vector<Index>>& later) {
   const auto n = static_cast<Index>(later.size());
   std::vector<std::vector<Index>> earlier(n);
@@ -45,7 +45,7 @@ std::vector<Index> elimination_tree(const std::vector<std::vector<Index>>& later
   return parent;
 }
 
-/// Children before parents, a parent right after its last child; the widest subtrees last.
+/// Puts children before parents, a parent right after its last child, and the widest subtrees last.
 std::vector<Index> postorder(const std::vector<Index>& parent) {
   const auto n = static_cast<Index>(parent.size());
   std::vector<Index> head(n + std::size_t{1}, none), next(n, none), order, stack;
@@ -82,11 +82,11 @@ double operations_of(std::size_t pivots, std::size_t rows) {
 
 }  // namespace
 
-/// An order made a postorder, and the structure of the factor.
+/// The order is made a postorder here, and the structure of the factor is found.
 struct SparseAnalysis::Symbolic {
   std::vector<Index> order, number, parent;
-  std::vector<std::vector<Index>> below;  ///< per variable: those after it that its elimination touches
-  std::vector<Index> start;               ///< per variable, and the end: where its numbers begin
+  std::vector<std::vector<Index>> below;  ///< Per variable, its elimination touches these after it.
+  std::vector<Index> start;               ///< The numbers of each variable begin here; the end follows.
 
   Index numbers(Index i) const { return start[i + 1] - start[i]; }
 };

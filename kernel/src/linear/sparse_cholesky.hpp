@@ -5,8 +5,8 @@
 
 namespace plumb::detail {
 
-/// L D Lᵀ of a sparse symmetric matrix, of which the lower triangle is read, without pivots. It is Eigen's,
-/// compiled once instead of in every file that factorises.
+/// Factorises a sparse symmetric matrix as L D Lᵀ without pivoting, and reads its lower triangle. The code is
+/// Eigen's, compiled once instead of in every file that factorises.
 class SparseCholesky {
  public:
   using Matrix = Eigen::SparseMatrix<double>;
@@ -18,9 +18,9 @@ class SparseCholesky {
 
   /// Finds an order for all matrices with this pattern.
   void analyze(const Matrix& matrix);
-  /// Of a matrix with the pattern that was analysed. False if a pivot is zero.
+  /// Factorises a matrix with the pattern that was analysed. Returns false if a pivot is zero.
   bool factorize(const Matrix& matrix);
-  /// Whether all pivots of the last factorisation were above zero.
+  /// Says whether all pivots of the last factorisation were above zero.
   bool is_positive() const;
   void solve(const Eigen::VectorXd& right, Eigen::VectorXd& out) const;
 

@@ -9,10 +9,10 @@
 namespace plumb::detail {
 namespace {
 
-/// Eliminates on the graph of nodes, a triple or a constraint each, one with the fewest neighbours first, of
-/// several the one that waits for the shortest chain of others: factor() and solve() wait for arithmetic
-/// along the longest. A constraint comes after all its triples, or as the first one of a triple that is gone:
-/// its pivot is then well away from zero however the others lie.
+/// Eliminates on the graph of nodes, each a triple or a constraint. One with the fewest neighbours goes
+/// first, and of several the one that waits for the fewest others in a row: factor() and solve() wait for the
+/// longest such row. A constraint comes after all its triples, or as the first one of a triple that is gone.
+/// Its pivot is then well away from zero however the others lie.
 class Elimination {
  public:
   Elimination(std::uint32_t threes, std::uint32_t constraints,
@@ -36,12 +36,12 @@ class Elimination {
       if (waiting_[n] == 0) queue_.insert(rank(n));
   }
 
-  /// Nodes in their order, in columns of a triple and a constraint or of up to four constraints: those that
-  /// go one after the other and are neighbours.
+  /// Puts nodes in their order into columns of a triple and a constraint, or of up to four constraints. Those
+  /// share a column that go one after the other and are neighbours.
   std::vector<std::vector<std::uint32_t>> run() {
     std::vector<std::vector<std::uint32_t>> columns;
     std::uint32_t room = 0;
-    std::set<std::uint32_t> last;  // neighbours of the last one
+    std::set<std::uint32_t> last;  // it holds neighbours of the last one
     while (!queue_.empty()) {
       const std::uint32_t n = std::get<2>(*queue_.begin());
       queue_.erase(queue_.begin());
@@ -77,7 +77,7 @@ class Elimination {
     if (n >= threes_) return;
     bool spent = false;
     for (const std::uint32_t c : own_[n]) {
-      if (waiting_[c] == 0) continue;  // already queued, by an earlier triple
+      if (waiting_[c] == 0) continue;  // an earlier triple has queued it
       --waiting_[c];
       if (waiting_[c] == 0 || !spent) {
         if (waiting_[c] > 0) spent = true;
@@ -89,9 +89,10 @@ class Elimination {
 
   std::uint32_t threes_;
   std::vector<std::set<std::uint32_t>> neighbours_;
-  std::vector<std::vector<std::uint32_t>> own_;  ///< of a triple its constraints, of a constraint its triples
-  std::vector<std::uint32_t> waiting_;           ///< triples to go before a constraint may be eliminated
-  std::vector<std::uint32_t> behind_;            ///< the longest chain of neighbours that went one by one
+  std::vector<std::vector<std::uint32_t>>
+      own_;                             ///< A triple has its constraints here, and a constraint its triples.
+  std::vector<std::uint32_t> waiting_;  ///< So many triples go before a constraint may be eliminated.
+  std::vector<std::uint32_t> behind_;   ///< It is the longest row of neighbours that went one by one.
   std::set<Rank> queue_;
 };
 

@@ -9,31 +9,31 @@
 
 namespace plumb::detail {
 
-/// The graph of a square matrix with a symmetric pattern: variables of one or more numbers each, and which of
-/// them meet.
+/// A square matrix with a symmetric pattern has a graph: its variables consist of one or more numbers each,
+/// and some of them meet.
 struct SparsePattern {
-  std::vector<std::uint32_t> size;  ///< numbers per variable
+  std::vector<std::uint32_t> size;  ///< Each variable has so many numbers.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> meet;
-  std::vector<std::uint32_t> order;  ///< variables in the order of their elimination
+  std::vector<std::uint32_t> order;  ///< Variables are eliminated in this order.
 };
 
-/// Where a value goes: added at row `row_part` of variable `row`, column `column_part` of variable `column`.
+/// A value is added at row `row_part` of variable `row` and column `column_part` of variable `column`.
 struct SparseEntry {
   std::uint32_t row, row_part, column, column_part, value;
 };
 
-/// What factorisations of one pattern share: the tree of fronts, dense blocks in which variables with the
-/// same neighbours are eliminated together (Duff, Reid 1983; Liu 1992), and where every number goes.
+/// Factorisations of one pattern share the tree of fronts and the place of every number. Fronts are dense
+/// blocks in which variables with the same neighbours are eliminated together (Duff, Reid 1983; Liu 1992).
 class SparseAnalysis {
  public:
   SparseAnalysis(const SparsePattern& pattern, std::span<const SparseEntry> entries);
 
-  std::size_t size() const { return size_; }            ///< numbers in a vector
-  std::size_t factor_size() const { return numbers_; }  ///< numbers in a factor
-  double operations() const { return operations_; }     ///< multiplications in a factorisation
+  std::size_t size() const { return size_; }            ///< Counts numbers in a vector.
+  std::size_t factor_size() const { return numbers_; }  ///< Counts numbers in a factor.
+  double operations() const { return operations_; }     ///< Counts multiplications in a factorisation.
   std::uint32_t position(std::uint32_t variable) const { return position_[variable]; }
 
-  /// Multiplications that an order costs, without the rest.
+  /// Counts the multiplications that an order costs, and finds nothing else.
   static double estimate(const SparsePattern& pattern);
 
  private:
@@ -42,12 +42,12 @@ class SparseAnalysis {
     std::uint32_t at, value;
   };
   struct Front {
-    std::uint32_t first, pivots, rows;  ///< rows: pivots and those that they fill
-    std::uint32_t stride;               ///< rows with padding
+    std::uint32_t first, pivots, rows;  ///< Rows are pivots and those that they fill.
+    std::uint32_t stride;               ///< It counts rows with padding.
     std::uint32_t parent;
-    std::size_t row_begin;    ///< into rows_: rows after the pivots
-    std::size_t place_begin;  ///< into places_
-    std::size_t factor;       ///< into L and U, pivots x stride
+    std::size_t row_begin;    ///< Rows after the pivots begin here in rows_.
+    std::size_t place_begin;  ///< Places begin here in places_.
+    std::size_t factor;       ///< L and U begin here, with pivots x stride numbers.
     std::uint32_t child_begin, child_end;
   };
   struct Symbolic;
@@ -58,26 +58,26 @@ class SparseAnalysis {
                    std::span<const SparseEntry> entries);
 
   std::size_t size_ = 0, numbers_ = 0, stack_ = 0;
-  std::size_t padded_ = 0;    ///< numbers in L or U with padding
-  std::uint32_t widest_ = 0;  ///< stride
+  std::size_t padded_ = 0;    ///< L and U each have so many numbers with padding.
+  std::uint32_t widest_ = 0;  ///< It is the largest stride.
   double operations_ = 0;
   std::vector<Front> fronts_;
   std::vector<std::uint32_t> rows_, relative_, position_, children_;
   std::vector<Place> places_;
 };
 
-/// L U of an unsymmetric matrix, no exchange of rows. Always the same operations in the same order.
-/// Allocates when made, and never again.
+/// Factorises an unsymmetric matrix as L U without exchange of rows, always by the same operations in the
+/// same order. It allocates when made, and never again.
 class SparseLdu {
  public:
   SparseLdu(const SparseAnalysis& analysis, Isa isa);
 
-  /// `smallest` holds, per number of a vector, the pivot at or below which an equation follows from others:
-  /// it is left out and its unknown stays 0. Returns how many were.
+  /// Factorises. `smallest` holds, per number of a vector, the pivot at or below which an equation follows
+  /// from others. Such an equation is left out, and its unknown stays 0. Returns how many were.
   std::uint32_t factorize(std::span<const double> values, std::span<const double> smallest);
-  /// The solution in place of the right-hand side, both as position() says.
+  /// Puts the solution in place of the right-hand side, both as position() says.
   void solve(std::span<double> x);
-  /// Whether the last factorisation left out the equation at a position.
+  /// Says whether the last factorisation left out the equation at a position.
   bool left_out(std::uint32_t position) const { return inverse_[position] == 0; }
 
  private:
@@ -86,8 +86,8 @@ class SparseLdu {
   const SparseAnalysis* analysis_;
   const simd::FrontKernels* kernels_;
   layouts::AlignedBuffer<double> upper_, lower_, inverse_;
-  layouts::AlignedBuffer<double> block_, x_;  ///< of the front at work
-  std::vector<double> stack_;                 ///< what fronts pass on to their parents
+  layouts::AlignedBuffer<double> block_, x_;  ///< The front at work is here.
+  std::vector<double> stack_;                 ///< Fronts pass this on to their parents.
 };
 
 }  // namespace plumb::detail

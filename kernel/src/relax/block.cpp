@@ -45,8 +45,8 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
     const double w = constants.inverse_mass[particle];
     return weights == Weights::equal ? (w > 0 ? 1.0 : 0.0) : w;
   };
-  // Jacobi: every rod sees a particle with its mass divided by the number of rods at it, so that all of them
-  // can be corrected at once without moving it too far, and momentum stays (mass splitting, Tonge et al.
+  // With Jacobi every rod sees a particle with its mass divided by the number of rods at it. All of them can
+  // then be corrected at once without moving it too far, and momentum stays (mass splitting, Tonge et al.
   // 2012).
   const auto rods_sharing = [&](std::uint32_t particle) {
     return order == SweepOrder::jacobi ? static_cast<double>(constants.valence[particle]) : 1.0;

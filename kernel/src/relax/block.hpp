@@ -14,11 +14,11 @@
 
 namespace plumb::detail {
 
-/// A set of rods solved together, with its numbers in the places its packing gives them.
+/// A block is a set of rods solved together, with its numbers in the places that its packing gives them.
 ///
-/// Between substeps `x` holds positions and displacement(0) the displacement of the last substep (gradient
-/// mid: its velocity times h); displacement(1) the one before. A substep predicts into displacement(1),
-/// relaxes it, and the two change places.
+/// Between substeps `x` holds positions (m) and displacement(0) the displacement of the last substep (m).
+/// With gradient mid that is its velocity times h. displacement(1) is the one before. A substep predicts into
+/// displacement(1), relaxes it, and the two change places.
 template <class T>
 class Block {
  public:
@@ -26,16 +26,17 @@ class Block {
 
   const layouts::Packing& packing() const { return packing_; }
 
-  /// Shares of a correction and squared lengths for every rod, and which ranges need none of them.
+  /// Writes shares of a correction and squared lengths for every rod, and finds which ranges need none of
+  /// them.
   void set_weights(const Constants& constants, Weights weights, SweepOrder order, double omega);
 
-  /// Vectors of stage `stage` of position `q`.
+  /// Returns the vectors of stage `stage` of position `q`.
   simd::Range range(std::uint32_t q, std::size_t stage) const {
     const std::uint32_t begin = q * packing_.position_vectors + packing_.stages[stage].begin;
     return {begin, begin + packing_.stages[stage].count, uniform_[q * packing_.stages.size() + stage] != 0};
   }
-  /// For kernels that relax the displacements `p`; corrections go to the accumulator if there is one
-  /// (Jacobi).
+  /// Returns what kernels need to relax the displacements `p`. Corrections go to the accumulator if there is
+  /// one (Jacobi).
   simd::BlockView<T> view(T* p);
 
   T* x() { return x_.data(); }
@@ -52,29 +53,29 @@ class Block {
   Vec3 read(const T* field, std::uint32_t slot) const;
 
   std::uint32_t rods() const { return rods_before_.back(); }
-  /// Rods of positions [q0, q1), duplicates not counted.
+  /// Counts the rods of positions [q0, q1), each once.
   std::uint32_t rods(std::uint32_t q0, std::uint32_t q1) const { return rods_before_[q1] - rods_before_[q0]; }
   std::uint32_t uniform_rods() const { return uniform_rods_; }
   std::size_t bytes() const;
 
-  /// A fixed slot moves by `move` (m) every substep until anchors are released.
+  /// Lets a fixed slot move by `move` (m) every substep until anchors are released.
   void move_anchor(std::uint32_t slot, Vec3 move);
-  /// Once all are set to move, so that those of a position are found without looking at all.
+  /// Is called once all are set to move, so that those of a position are found without looking at all.
   void sort_moving_anchors();
   void release_anchors();
-  /// Whether velocities along rods may be left over from anchors that move or stopped a step ago, or from
-  /// rods that started off their length.
+  /// Says whether velocities along rods may be left over from anchors that move or stopped a step ago, or
+  /// from rods that started off their length.
   bool is_settling() const { return !moving_anchors_.empty() || settling_; }
   void settle() { settling_ = true; }
-  /// Moving anchors have no momentum: forgets the displacements in `field` of those in positions [q0, q1).
+  /// Forgets the displacements in `field` of moving anchors in positions [q0, q1), which have no momentum.
   void rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const;
 
   /// Puts islands with a non-finite displacement back to the start of the substep, at rest and without forces
-  /// from now on; returns how many there were. Allocates, and ends the program if it cannot. Looks only at
-  /// slots with numbers in positions [q0, q1).
+  /// from now on. Returns how many there were. It allocates, and ends the program if it cannot. It looks only
+  /// at slots with numbers in positions [q0, q1).
   std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) noexcept;
   bool is_frozen(std::uint32_t slot) const { return frozen_slots_[slot] != 0; }
-  /// The position that a slot lies in; 0 if positions depend on each other.
+  /// Returns the position that a slot lies in, or 0 if positions depend on each other.
   std::uint32_t position_of(std::uint32_t slot) const {
     return packing_.coupling == layouts::Coupling::independent
                ? packing_.slot_offset[slot] / packing_.position_elements
@@ -85,7 +86,8 @@ class Block {
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
   std::vector<std::uint32_t> slots_by_element() const;
   std::uint32_t element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const;
-  /// Rods of frozen islands are never moved again and not looked at: their lanes become padding.
+  /// Turns the lanes of frozen islands' rods into padding, so that they are neither moved nor looked at
+  /// again.
   void retire_frozen_rods(std::uint32_t q0, std::uint32_t q1);
   std::uint32_t distinct_rods(std::uint32_t begin, std::uint32_t end) const;
   void find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t>& candidates);
@@ -93,11 +95,11 @@ class Block {
   layouts::Packing packing_;
   layouts::AlignedBuffer<T> x_, displacements_[2], kick_, accumulator_, rod_, weight_;
   unsigned newest_ = 0;
-  std::vector<std::uint8_t> uniform_;  ///< per position and stage
+  std::vector<std::uint8_t> uniform_;  ///< It has an entry per position and stage.
   T uniform_length2_ = 1, uniform_share_ = 0;
   std::uint32_t uniform_rods_ = 0;
-  std::vector<std::uint32_t> rods_before_;     ///< positions + 1 entries
-  std::vector<std::uint32_t> moving_anchors_;  ///< slots, by their place in memory while stepping
+  std::vector<std::uint32_t> rods_before_;     ///< It has positions + 1 entries.
+  std::vector<std::uint32_t> moving_anchors_;  ///< These are slots, by their place in memory while stepping.
   bool settling_ = false;
   std::vector<std::uint8_t> frozen_slots_;
 };

@@ -7,11 +7,12 @@
 
 namespace plumb::detail {
 
-/// What rods and particles weigh, in the scene's order; kept so that weights can change between steps.
+/// These numbers of rods and particles, in the scene's order, are kept so that weights can change between
+/// steps.
 struct Constants {
-  std::vector<double> length2;         ///< m^2, per rod
-  std::vector<double> inverse_mass;    ///< 1/kg, per particle; 0 if fixed
-  std::vector<std::uint32_t> valence;  ///< rods at each particle
+  std::vector<double> length2;         ///< Squared lengths are in m^2, per rod.
+  std::vector<double> inverse_mass;    ///< Inverse masses are in 1/kg, per particle; fixed ones have 0.
+  std::vector<std::uint32_t> valence;  ///< So many rods meet at each particle.
 };
 
 Constants make_constants(const Scene& scene);

@@ -5,7 +5,7 @@
 namespace plumb::detail {
 namespace {
 
-/// Loose fixed particles belong to none.
+/// Counts the islands of a block. Fixed particles that no rod holds belong to none.
 std::uint32_t count_islands(const layouts::Packing& packing) {
   std::vector<std::uint32_t> islands = packing.slot_island;
   std::sort(islands.begin(), islands.end());
@@ -30,7 +30,8 @@ BlockInfo describe(const Block<T>& block) {
   info.colors = packing.colors;
   info.bytes = block.bytes();
   info.uniform_fraction = block.uniform_rods() / std::max(1.0, double{1} * info.rods);
-  // Two ends read and written, the rod's vector and violation read, weights where rods differ, addresses.
+  // A projection reads and writes two ends. It reads the rod's vector and violation, weights where rods
+  // differ, and addresses.
   const double end_numbers = packing.access == layouts::Access::records ? 16 : 12;
   const double numbers = end_numbers + simd::rod_fields + 3 * (1 - info.uniform_fraction);
   const double rods_per_address = packing.access == layouts::Access::rows ? packing.lanes : 1;

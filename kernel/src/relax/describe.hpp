@@ -7,6 +7,7 @@
 
 namespace plumb::detail {
 
+/// Says what a block is and how it lies in memory.
 template <class T>
 BlockInfo describe(const Block<T>& block);
 

@@ -15,8 +15,8 @@ namespace {
 
 using namespace layouts;
 
-// Above this many rods, an island alone in a block can be pipelined through the cache; side by side with
-// others in lanes it could not.
+// An island of more rods than this, alone in a block, can be pipelined through the cache. In lanes beside
+// others it could not.
 constexpr std::uint32_t longest_lane_island = 1024;
 
 // A particle takes four numbers at most, and a packing adds less than this at the end of its streams.
@@ -24,23 +24,19 @@ constexpr std::uint64_t spare_numbers = std::uint64_t{1} << 20;
 constexpr std::uint64_t most_particles = ((std::uint64_t{1} << 32) - spare_numbers) / 4;
 constexpr std::uint64_t most_rods = (std::uint64_t{1} << 31) - 1;
 
-// A chain shorter than this stays in the second cache and on one thread, so that nothing is gained by
-// pipelining its sweeps; segments, whose rows are aligned, are then 8 % faster than streams.
-constexpr std::uint32_t longest_segments = 8192;
-
 class Planner {
  public:
-  Planner(const IslandGroups& groups, LayoutChoice choice, std::span<const std::uint8_t> common,
+  Planner(const IslandSets& sets, LayoutChoice choice, std::span<const std::uint8_t> common,
           std::uint32_t lanes, std::uint32_t element_bytes)
-      : groups_(groups),
-        islands_(groups.islands),
+      : sets_(sets),
+        islands_(sets.islands),
         choice_(choice),
         common_(common),
         lanes_(lanes),
         element_bytes_(element_bytes) {}
 
   std::vector<Packing> make() {
-    for (const auto& group : groups_.groups) add_group(group);
+    for (const auto& set : sets_.sets) add_set(set);
     finish_indexed();
     return std::move(packings_);
   }
@@ -50,27 +46,26 @@ class Planner {
     return {island, islands_.vertices(island), islands_.edges(island)};
   }
 
-  void add_group(const std::vector<std::uint32_t>& group) {
-    const LocalGraph local = local_graph(groups_.graph, islands_, group.front());
+  void add_set(const std::vector<std::uint32_t>& set) {
+    const LocalGraph local = local_graph(sets_.graph, islands_, set.front());
     const ShapeInfo shape = detect_shape(local.view());
-    const auto count = static_cast<std::uint32_t>(group.size());
-    if (wants_lanes(local.edges.size(), shape.shape, count)) return add_lanes(group, local, shape);
+    const auto count = static_cast<std::uint32_t>(set.size());
+    if (wants_lanes(local.edges.size(), shape.shape, count)) return add_lanes(set, local, shape);
     if (shape.shape == Shape::chain && choice_ != LayoutChoice::aos) {
       // Many short chains as blocks of their own would be mostly padding.
       const bool worth_a_block = count < lanes_ || local.edges.size() >= longest_lane_island;
       const bool segments = worth_a_block && local.edges.size() < longest_segments;
       if (choice_ == LayoutChoice::aosoa || (choice_ == LayoutChoice::automatic && segments))
-        return add_each(group, [&](const Piece& p) { return pack_segments(p, shape, lanes_); });
+        return add_each(set, [&](const Piece& p) { return pack_segments(p, shape, lanes_); });
       if (worth_a_block)
-        return add_each(group,
-                        [&](const Piece& p) { return pack_streams(p, shape, lanes_, element_bytes_); });
+        return add_each(set, [&](const Piece& p) { return pack_streams(p, shape, lanes_, element_bytes_); });
     }
     if (shape.shape == Shape::grid && wants_strips(shape)) {
       const std::uint64_t cells = std::uint64_t{round_up(shape.width, 2)} * rows_of_strip(shape) * lanes_;
       require_addressable(cells, 2 * cells);
-      return add_each(group, [&](const Piece& p) { return pack_strips(p, shape, lanes_); });
+      return add_each(set, [&](const Piece& p) { return pack_strips(p, shape, lanes_); });
     }
-    add_indexed(group, local, shape);
+    add_indexed(set, local, shape);
   }
 
   bool wants_lanes(std::size_t edges, Shape shape, std::uint32_t count) const {
@@ -83,23 +78,23 @@ class Planner {
   bool wants_strips(const ShapeInfo& grid) const {
     if (choice_ == LayoutChoice::aosoa) return true;
     if (choice_ != LayoutChoice::automatic) return false;
-    return 2 * grid.height >= rows_of_strip(grid) * lanes_;  // at least half of the lanes hold particles
+    return 2 * grid.height >= rows_of_strip(grid) * lanes_;  // at least half of the lanes then hold particles
   }
   std::uint32_t rows_of_strip(const ShapeInfo& grid) const {
     return round_up((grid.height + lanes_ - 1) / lanes_, 2);
   }
 
   template <class Pack>
-  void add_each(const std::vector<std::uint32_t>& group, Pack&& pack) {
-    for (const std::uint32_t island : group) packings_.push_back(pack(piece(island)));
+  void add_each(const std::vector<std::uint32_t>& set, Pack&& pack) {
+    for (const std::uint32_t island : set) packings_.push_back(pack(piece(island)));
   }
 
-  void add_lanes(const std::vector<std::uint32_t>& group, const LocalGraph& local, const ShapeInfo& shape) {
-    const std::uint64_t islands = (group.size() + lanes_ - 1) / lanes_ * lanes_;
+  void add_lanes(const std::vector<std::uint32_t>& set, const LocalGraph& local, const ShapeInfo& shape) {
+    const std::uint64_t islands = (set.size() + lanes_ - 1) / lanes_ * lanes_;
     require_addressable(islands * local.movable.size(), islands * local.edges.size());
     std::vector<Piece> pieces;
     std::vector<std::uint8_t> common(local.edges.size(), 1);
-    for (const std::uint32_t island : group) {
+    for (const std::uint32_t island : set) {
       pieces.push_back(piece(island));
       for (std::size_t i = 0; i < common.size(); ++i) common[i] &= common_[pieces.back().edges[i]];
     }
@@ -107,7 +102,7 @@ class Planner {
         pack_lanes(pieces, local.view(), color_by_shape(local.view(), shape), common, lanes_));
   }
 
-  void add_indexed(const std::vector<std::uint32_t>& group, const LocalGraph& local, const ShapeInfo& shape) {
+  void add_indexed(const std::vector<std::uint32_t>& set, const LocalGraph& local, const ShapeInfo& shape) {
     // Pending::local is an index into locals_; views are made once that stops growing.
     IndexedPiece indexed{{}, {}, color_by_shape(local.view(), shape), {}};
     indexed.vertex_order =
@@ -115,7 +110,7 @@ class Planner {
     // A chain between two ends at the same fixed particle lists it twice; in memory it stands once.
     if (indexed.vertex_order.size() > local.movable.size()) indexed.vertex_order.pop_back();
     locals_.push_back(local);
-    for (const std::uint32_t island : group) {
+    for (const std::uint32_t island : set) {
       indexed.piece = piece(island);
       pieces_.push_back({locals_.size() - 1, indexed});
     }
@@ -147,7 +142,7 @@ class Planner {
     IndexedPiece indexed;
   };
 
-  const IslandGroups& groups_;
+  const IslandSets& sets_;
   const Islands& islands_;
   LayoutChoice choice_;
   std::span<const std::uint8_t> common_;
@@ -189,10 +184,10 @@ std::vector<std::uint8_t> common_rods(const Scene& scene, const Constants& const
   return common;
 }
 
-std::vector<Packing> plan_blocks(const IslandGroups& groups, LayoutChoice layout,
+std::vector<Packing> plan_blocks(const IslandSets& sets, LayoutChoice layout,
                                  std::span<const std::uint8_t> common, std::uint32_t lanes,
                                  std::uint32_t element_bytes) {
-  return Planner(groups, layout, common, lanes, element_bytes).make();
+  return Planner(sets, layout, common, lanes, element_bytes).make();
 }
 
 }  // namespace plumb::detail

@@ -14,12 +14,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using layouts::Coupling;
 
-/// Largest |C|/L^2 at which gradient mid trusts its own velocities. Beyond it, 2p - u turns the unresolved
-/// part of a step into velocity along the rods; the damped p + kick is then the better estimate. See
-/// README, "Limits".
+/// This is the largest |C|/L^2 at which gradient mid trusts its own velocities. Beyond it 2p - u turns the
+/// unresolved part of a step into velocity along the rods, and the damped p + kick is the better estimate.
 constexpr double mid_guard_violation = 0.05;
 
-/// The team of one that works on independent positions.
+/// This team of one works on independent positions.
 struct Alone {
   static constexpr unsigned parts() { return 1; }
   template <class F>
@@ -32,8 +31,8 @@ struct Alone {
 template <class T>
 struct Moved {
   Block<T>& block;
-  T* last;  ///< displacement of the last substep
-  T* own;   ///< displacement of this one
+  T* last;  ///< It is the displacement of the last substep, in m.
+  T* own;   ///< It is the displacement of this one, in m.
   std::uint32_t q0, q1;
 };
 
@@ -62,7 +61,7 @@ class Substep {
   }
 
  private:
-  // --- Geometry: parts are cut at the same places for particles and rods, so that a thread keeps its cache.
+  // --- Geometry. Parts are cut at the same places for particles and rods, so that a thread keeps its cache.
 
   struct Cut {
     std::uint32_t begin, end;
@@ -71,7 +70,7 @@ class Substep {
     return {q0_ + Team::begin_of(q1_ - q0_, part, crew_.parts()),
             q0_ + Team::begin_of(q1_ - q0_, part + 1, crew_.parts())};
   }
-  /// Cut of `n` items in steps of `grain`.
+  /// Returns a part's share of `n` items, in steps of `grain`.
   Cut share_of(unsigned part, std::uint32_t n, std::uint32_t grain) const {
     const std::uint32_t grains = (n + grain - 1) / grain;
     return {std::min(n, Team::begin_of(grains, part, crew_.parts()) * grain),
@@ -82,7 +81,7 @@ class Substep {
     const Cut q = positions_of(part);
     return {q.begin * packing_.position_elements, q.end * packing_.position_elements};
   }
-  /// f(first element, number of elements) for the particle numbers of a part.
+  /// Calls f(first element, number of elements) for the particle numbers of a part.
   template <class F>
   void for_elements(unsigned part, F&& f) const {
     const Cut cut = elements_of(part);
@@ -90,7 +89,7 @@ class Substep {
     for (std::uint32_t stream = 0; stream < packing_.streams; ++stream)
       f(stream * packing_.stream_pitch + cut.begin, cut.end - cut.begin);
   }
-  /// f(range) for the rods of a part.
+  /// Calls f(range) for the rods of a part.
   template <class F>
   void for_rods(unsigned part, F&& f) const {
     if (packing_.positions > 1 || crew_.parts() == 1) {
@@ -125,7 +124,7 @@ class Substep {
       stopped(StoppedBy::sweeps, stop.sweeps);
       return;
     }
-    // |C|/L^2 = |(1 + stretch)^2 - 1|; the compressed side is the stricter one.
+    // |C|/L^2 is |(1 + strain)^2 - 1|. The compressed side is the stricter one.
     const double bound = stop.tolerance ? *stop.tolerance * (2 - std::min(*stop.tolerance, 1.0)) : 0;
     const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                              std::chrono::duration<double, std::micro>(settings_.budget_us));
@@ -137,8 +136,8 @@ class Substep {
       }
       if (done == stop.sweeps) return stopped(StoppedBy::sweeps, done);
       if (stop.budget_us && done > 0 && Clock::now() >= deadline) return stopped(StoppedBy::budget, done);
-      // Looking costs almost half a sweep: look less often as sweeps add up. A budget needs the clock every
-      // sweep.
+      // Looking costs almost half a sweep, so it comes less often as sweeps add up. A budget needs the clock
+      // every sweep.
       const std::uint32_t next = stop.budget_us ? 1 : std::min(1 + done / 4, stop.sweeps - done);
       sweep(next);
       done += next;
@@ -194,7 +193,7 @@ class Substep {
     }
   }
 
-  /// Ranges to project in order, handed to the kernel many at a time.
+  /// These ranges are projected in order, and handed to the kernel many at a time.
   class Queue {
    public:
     explicit Queue(const Substep& substep) : substep_(substep) {}
@@ -216,7 +215,7 @@ class Substep {
     std::uint32_t count_ = 0;
   };
 
-  /// All rods of one stage, at once.
+  /// Projects all rods of one stage at once.
   void run_stage(std::size_t stage) {
     crew_.for_parts([&](unsigned part) {
       Queue queue(*this);
@@ -253,7 +252,7 @@ class Substep {
     const std::int64_t most =
         parts == 1 ? sweeps_in_flight
                    : std::min(sweeps_in_flight, sweeps_between_barriers(packing_.positions, parts));
-    if (most < 1) {  // too short to share: the leader does it alone
+    if (most < 1) {  // it is too short to share, so the leader does it alone
       for (std::int64_t left = n; left > 0; left -= sweeps_in_flight)
         run_pipeline(std::min(left, sweeps_in_flight), Trapezoid{0, packing_.positions, true, true});
       return;
@@ -294,8 +293,8 @@ class Substep {
   const RelaxSettings<T>& settings_;
   StepReport& report_;
   Crew& crew_;
-  T* u_;  ///< displacement of the last substep
-  T* p_;  ///< displacement of this one
+  T* u_;  ///< It is the displacement of the last substep, in m.
+  T* p_;  ///< It is the displacement of this one, in m.
   simd::BlockView<T> view_;
   std::uint32_t q0_, q1_;
 };

@@ -10,7 +10,7 @@
 
 namespace plumb::detail {
 
-/// What a step needs to know besides the block.
+/// A step needs to know this besides the block.
 template <class T>
 struct RelaxSettings {
   const simd::Kernels<T>* kernels;
@@ -18,12 +18,12 @@ struct RelaxSettings {
   SweepOrder order;
   StopRule stop;
   std::uint32_t substeps;
-  T decay;               ///< factor on displacements from drag, per substep (gradient mid: per half substep)
-  double budget_us = 0;  ///< for this block and one substep, if the stop rule has a budget
+  T decay;  ///< Drag multiplies displacements by it, per substep or, with gradient mid, per half.
+  double budget_us = 0;  ///< It is for this block and one substep, if the stop rule has a budget.
 };
 
-/// Advances positions [q0, q1) of a block by all substeps on the calling thread; the positions must not
-/// depend on others. When all positions of the block are advanced, by whatever threads, the caller says so by
+/// Advances positions [q0, q1) of a block by all substeps on the calling thread. The positions must not
+/// depend on others. Once all positions of the block are advanced, by whatever threads, the caller calls
 /// Block::count_substeps().
 template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,

@@ -14,9 +14,9 @@
 namespace plumb::detail {
 namespace {
 
-/// Shortest rod (m) whose length is kept to rounding: what is left of a violation is some epsilon of L^2,
-/// which must not be flushed to zero. 3.2e-16 m in float (at 1e-17 m rods are off by 1e-4, at 1e-19 m they
-/// break), 1.0e-146 m in double.
+/// Returns the shortest rod (m) whose length is kept to rounding. What is left of a violation is some epsilon
+/// of L^2, which must not be flushed to zero. It is 3.2e-16 m in float and 1.0e-146 m in double. Float rods
+/// of 1e-17 m are off by 1e-4, and of 1e-19 m they break.
 template <class T>
 double shortest_rod() {
   return std::sqrt(static_cast<double>(std::numeric_limits<T>::min()) / std::numeric_limits<T>::epsilon());
@@ -34,14 +34,14 @@ void require_representable(const Scene& scene, Precision precision) {
              shortest_rod<T>(), " m");
 }
 
-/// A scene's particles and those of its rods that relaxation moves.
-Scene relaxed_part(const Scene& scene, const IslandGroups& groups) {
+/// Returns a scene's particles and those of its rods that relaxation moves.
+Scene relaxed_part(const Scene& scene, const IslandSets& sets) {
   Scene out;
   out.particles = scene.particles;
   std::vector<std::uint32_t> rods;
-  for (const auto& group : groups.groups)
-    for (const std::uint32_t island : group)
-      rods.insert(rods.end(), groups.islands.edges(island).begin(), groups.islands.edges(island).end());
+  for (const auto& set : sets.sets)
+    for (const std::uint32_t island : set)
+      rods.insert(rods.end(), sets.islands.edges(island).begin(), sets.islands.edges(island).end());
   std::sort(rods.begin(), rods.end());
   for (const std::uint32_t rod : rods) {
     out.rods.push_back(scene.rods[rod]);
@@ -51,13 +51,13 @@ Scene relaxed_part(const Scene& scene, const IslandGroups& groups) {
 }
 
 template <class T>
-std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandSets& sets,
                                     const std::shared_ptr<RelaxRules>& rules) {
   require_representable<T>(scene, rules->settings.precision);
   std::vector<MadeSolver> out;
   for (layouts::Packing& packing :
-       plan_blocks(groups, rules->settings.layout, common_rods(scene, rules->constants),
-                   layouts::lane_width<T>, sizeof(T))) {
+       plan_blocks(sets, rules->settings.layout, common_rods(scene, rules->constants), layouts::lane_width<T>,
+                   sizeof(T))) {
     MadeSolver& made = out.emplace_back();
     for (Slot slot = 0; slot < packing.slot_vertex.size(); ++slot)
       made.places.push_back({packing.slot_vertex[slot], slot});
@@ -68,27 +68,27 @@ std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandGroups& grou
 
 }  // namespace
 
-std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets& sets,
                                            const Settings& settings, StartReport& report) {
   const auto rules = std::make_shared<RelaxRules>();
   rules->settings = settings;
   rules->verlet = {settings.gradient.value_or(Gradient::new_), scene.drag};
   rules->gravity = scene.gravity;
   rules->constants = make_constants(scene);
-  rules->shared_rods = sharing_thresholds.rods;
+  rules->shared_rods = thresholds_of(settings.executor).rods;
   rules->initial_velocities.resize(scene.particles.size());
-  const Scene part = relaxed_part(scene, groups);
+  const Scene part = relaxed_part(scene, sets);
   rules->relaxed_rods = static_cast<std::uint32_t>(part.rods.size());
-  for (const auto& group : groups.groups)
-    for (const std::uint32_t island : group)
-      for (const std::uint32_t particle : groups.islands.vertices(island))
+  for (const auto& set : sets.sets)
+    for (const std::uint32_t island : set)
+      for (const std::uint32_t particle : sets.islands.vertices(island))
         if (!scene.particles[particle].fixed)
           rules->initial_velocities[particle] = scene.particles[particle].velocity;
   report.projected_velocity =
       std::max(report.projected_velocity,
                project_velocities(part, rules->constants.inverse_mass, rules->initial_velocities));
-  if (settings.precision == Precision::single) return make_blocks<float>(scene, groups, rules);
-  return make_blocks<double>(scene, groups, rules);
+  if (settings.precision == Precision::single) return make_blocks<float>(scene, sets, rules);
+  return make_blocks<double>(scene, sets, rules);
 }
 
 }  // namespace plumb::detail

@@ -27,7 +27,7 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
   for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot)
     block_.write(block_.x(), slot, scene.particles[particle_of(slot)].position);
   if (packed.coupling == layouts::Coupling::independent && !is_controlled()) pieces_ = packed.positions;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> homes;  // (piece, island)
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> homes;  // each is a piece and an island in it
   for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot)
     homes.push_back({piece_of(slot), packed.slot_island[slot]});
   std::sort(homes.begin(), homes.end());
@@ -181,7 +181,7 @@ void RelaxSolver<T>::for_slots(F&& f) {
 
 template <class T>
 ErrorModel RelaxSolver<T>::error_model() const {
-  // Sweeps, not substeps, are what a finer step would need beyond these.
+  // Beyond these a finer step would need more sweeps, not more substeps.
   return {.order = rules_->verlet.gradient == Gradient::new_ ? 1u : 2u,
           .by_comparison = true,
           .most_substeps = sizeof(T) == 4 ? 1u << 8 : 1u << 12};
@@ -221,7 +221,7 @@ void RelaxSolver<T>::mark(std::uint32_t) {
 
 template <class T>
 double RelaxSolver<T>::distance_from_mark(std::uint32_t) const {
-  // Every slot once, by the islands that they belong to, which lie one after the other in packings.
+  // Every slot comes once, by its island; islands lie one after the other in packings.
   double worst = 0, sum = 0;
   std::uint32_t island = layouts::none, particles = 0;
   const auto finish = [&] {
@@ -247,7 +247,7 @@ template <class T>
 bool RelaxSolver<T>::is_slower(std::uint32_t piece, double speed) const {
   const double most = speed * h_;
   const auto [first, end] = slots_of_[piece];
-  for (Slot slot = end; slot-- > first;) {  // mostly from the tip, which moves most
+  for (Slot slot = end; slot-- > first;) {  // the tip mostly comes first, and moves most
     if (piece_of(slot) != piece) continue;
     const Vec3 last = block_.read(block_.displacement(0), slot);
     if (!(std::abs(last.x) <= most && std::abs(last.y) <= most && std::abs(last.z) <= most)) return false;
@@ -287,7 +287,7 @@ void RelaxSolver<T>::add_to_hash(Slot slot, StateHash& hash) const {
 
 template <class T>
 double RelaxSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) const {
-  double most = 0;  // of squares
+  double most = 0;  // it is the largest square of a speed
   for (std::size_t i = 0; i < slots.size(); ++i) {
     out[i] = position(slots[i]);
     const Vec3 v = has_moved_ ? (1 / h_) * block_.read(block_.displacement(0), slots[i])

@@ -6,25 +6,25 @@
 
 #include "relax/block.hpp"
 #include "relax/relax.hpp"
-#include "solver/island_groups.hpp"
+#include "solver/island_sets.hpp"
 #include "solver/made_solver.hpp"
 #include "solver/solver.hpp"
 #include "time/verlet.hpp"
 
 namespace plumb::detail {
 
-/// What all blocks of a scene share.
+/// All blocks of a scene share these.
 struct RelaxRules {
-  Settings settings;  ///< order, weights and the stop rule may change between steps
+  Settings settings;  ///< Order, weights and the stop rule may change between steps.
   Verlet verlet;
-  Vec3 gravity;  ///< m/s²
+  Vec3 gravity;  ///< It is in m/s².
   Constants constants;
-  std::vector<Vec3> initial_velocities;  ///< m/s, per particle
-  std::uint32_t relaxed_rods = 0;        ///< of all blocks: a budget is shared by rods
-  std::uint32_t shared_rods = 0;         ///< a block with at least so many is shared by the whole team
+  std::vector<Vec3> initial_velocities;  ///< They are in m/s, per particle.
+  std::uint32_t relaxed_rods = 0;        ///< Rods of all blocks share a budget.
+  std::uint32_t shared_rods = 0;         ///< The whole team shares a block with at least so many.
 };
 
-/// A block: islands that relaxation moves by sweeps over its rods. Slots are those of its packing.
+/// A block has islands that relaxation moves by sweeps over its rods. Slots are those of its packing.
 ///
 /// A piece is a position of lanes, which shares nothing with the others, or else the whole block. Under the
 /// control of an accuracy it is always the whole block.
@@ -77,7 +77,7 @@ class RelaxSolver final : public Solver {
     Slot slot;
     AnchorMove move;
   };
-  /// What an accuracy takes back.
+  /// An accuracy takes this back.
   struct Motion {
     layouts::AlignedBuffer<T> x, last, before;
     double h = 0;
@@ -94,7 +94,7 @@ class RelaxSolver final : public Solver {
   void change_step(double h);
   void write_kicks();
   void set_anchor_speeds(double seconds);
-  /// f(slot, particle) for every slot but those of frozen islands and of pieces that rest.
+  /// Calls f(slot, particle) for every slot but those of frozen islands and of pieces that rest.
   template <class F>
   void for_slots(F&& f);
 
@@ -102,16 +102,16 @@ class RelaxSolver final : public Solver {
   const simd::Kernels<T>& kernels_;
   Block<T> block_;
   std::uint32_t pieces_ = 1;
-  std::vector<std::uint32_t> islands_, away_;    ///< islands per piece, and those of them moved elsewhere
-  std::vector<std::pair<Slot, Slot>> slots_of_;  ///< per piece, a range that holds its slots
-  std::vector<std::uint8_t> rests_;              ///< per piece: it rests, without displacements
-  double size_ = 1;                              ///< m, RMS length of a rod
-  double h_ = 0;                                 ///< s, of the last substep
-  unsigned parts_ = 1;                           ///< of the team in this step
+  std::vector<std::uint32_t> islands_, away_;    ///< They count islands per piece, and those moved elsewhere.
+  std::vector<std::pair<Slot, Slot>> slots_of_;  ///< A range holds the slots of each piece.
+  std::vector<std::uint8_t> rests_;              ///< A piece that rests has 1, and no displacements.
+  double size_ = 1;                              ///< It is the RMS length of a rod, in m.
+  double h_ = 0;                                 ///< The last substep took it, in s.
+  unsigned parts_ = 1;                           ///< The team has so many in this step.
   bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
-  std::vector<Vec3> forces_;  ///< N, per slot; empty until one is set
+  std::vector<Vec3> forces_;  ///< They are in N, per slot; it is empty until one is set.
   std::vector<MovingAnchor> anchors_;
-  // With an accuracy:
+  // An accuracy needs these:
   Motion saved_[2];
   layouts::AlignedBuffer<T> mark_{};
   double best_substep_ = 0;
@@ -122,7 +122,7 @@ extern template class RelaxSolver<double>;
 
 /// Makes the blocks of islands that relaxation moves. Velocities are projected so that none pulls on a rod.
 /// Throws InputError on numbers that the precision is too coarse for.
-std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandGroups& groups,
+std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets& sets,
                                            const Settings& settings, StartReport& report);
 
 }  // namespace plumb::detail

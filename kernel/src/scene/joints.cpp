@@ -5,7 +5,7 @@
 
 #include "scene/barycentric.hpp"
 #include "scene/refuse.hpp"
-#include "scene/validate_limbs.hpp"
+#include "scene/validate_bodies.hpp"
 
 namespace plumb {
 namespace {

@@ -49,12 +49,12 @@ Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
     const Rod& rod = scene.rods[i];
     const double length = rod_length(scene, i);
-    const double stretch = (norm(positions[rod.b] - positions[rod.a]) - length) / length;
-    sum_of_squares += stretch * stretch;
+    const double strain = (norm(positions[rod.b] - positions[rod.a]) - length) / length;
+    sum_of_squares += strain * strain;
     // The first NaN stays: it compares false with everything, and a maximum that dropped it would hide a rod
     // gone bad.
-    if (!(std::abs(stretch) <= result.max) && !std::isnan(result.max)) {
-      result.max = std::abs(stretch);
+    if (!(std::abs(strain) <= result.max) && !std::isnan(result.max)) {
+      result.max = std::abs(strain);
       result.max_rod = static_cast<std::uint32_t>(i);
     }
   }

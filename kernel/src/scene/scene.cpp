@@ -9,7 +9,7 @@
 #include "scene/barycentric.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
-#include "scene/validate_limbs.hpp"
+#include "scene/validate_bodies.hpp"
 
 namespace plumb {
 namespace {
@@ -110,7 +110,7 @@ void validate(const Scene& scene) {
   detail::validate_shapes(scene);
 }
 
-bool is_articulated(const Scene& scene) {
+bool has_more_than_rods(const Scene& scene) {
   const bool plain = scene.bodies.empty() && scene.pins.empty() && scene.alignments.empty() &&
                      scene.angles.empty() && scene.capsules.empty() && scene.planes.empty() &&
                      scene.boxes.empty();

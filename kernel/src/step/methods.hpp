@@ -7,7 +7,7 @@
 
 #include "plumb/export.hpp"
 #include "plumb/settings.hpp"
-#include "solver/island_groups.hpp"
+#include "solver/island_sets.hpp"
 #include "solver/made_solver.hpp"
 
 namespace plumb::detail {
@@ -59,7 +59,7 @@ struct MethodRow {
   /// Refuses settings that make no sense together; may be null.
   void (*validate)(const Settings& settings) = nullptr;
   /// Makes the solvers of a scene's islands of particles and rods; null for automatic, which chooses.
-  std::vector<MadeSolver> (*make)(const Scene& scene, const IslandGroups& groups, const Settings& settings,
+  std::vector<MadeSolver> (*make)(const Scene& scene, const IslandSets& sets, const Settings& settings,
                                   StartReport& report) = nullptr;
 };
 

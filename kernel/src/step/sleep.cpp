@@ -16,7 +16,7 @@ void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, const Settin
 }
 
 void Sleep::wake(std::span<const std::unique_ptr<Solver>> solvers, Task& task) {
-  task.calm = 0;
+  task.still_time = 0;
   if (!task.asleep) return;
   task.asleep = false;
   ++awake_;
@@ -37,8 +37,8 @@ std::uint32_t Sleep::settle(std::span<const std::unique_ptr<Solver>> solvers, do
   std::uint32_t fell_asleep = 0;
   for (Task& task : tasks_) {
     if (task.asleep) continue;
-    task.calm = task.is_still ? task.calm + dt : 0;
-    if (task.calm < sleep_time_) continue;
+    task.still_time = task.is_still ? task.still_time + dt : 0;
+    if (task.still_time < sleep_time_) continue;
     task.asleep = true;
     --awake_;
     solvers[task.solver]->rest(task.piece);

@@ -11,7 +11,7 @@ namespace plumb::detail {
 /// A piece of a solver, which one thread takes through a step.
 struct Task {
   std::uint32_t solver, piece;
-  double calm = 0;        ///< s, for how long it has not moved but by rounding
+  double still_time = 0;  ///< s, for how long it has not moved but by rounding
   bool is_still = false;  ///< after this step
   bool asleep = false;
 };

@@ -32,6 +32,7 @@ Settings with_threads(Settings settings, unsigned threads) {
 
 Step::Step(const Scene& scene, const Settings& settings)
     : settings_(settings),
+      thresholds_(thresholds_of(settings.executor)),
       workers_(settings),
       compiled_(compile(scene, with_threads(settings, workers_.size()))),
       anchors_(scene, compiled_.solvers.size()),

@@ -57,7 +57,7 @@ class Step {
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 
   Settings settings_;
-  SharingThresholds thresholds_ = sharing_thresholds;
+  SharingThresholds thresholds_;
   Workers workers_;
   Compiled compiled_;
   Anchors anchors_;

@@ -44,7 +44,7 @@ class Team {
   }
   unsigned parts() const { return active_ ? size_ : 1; }
 
-  /// Inside lead(): calls f(i, part) for every i in [0, n): each part works through a stretch of its own,
+  /// Inside lead(): calls f(i, part) for every i in [0, n): each part works through a range of its own,
   /// then helps others. No two calls with the same part run at once.
   template <class F>
   void for_each(std::uint32_t n, F&& f) {

@@ -28,8 +28,8 @@ struct Combination {
   }
 };
 
-/// What all islands of one make have in common: limbs that are held together, their masses, shapes and
-/// joints, and the plan of the factors of
+/// What all islands of one make have in common: bodies and rods that are held together, their masses, shapes
+/// and joints, and the plan of the factors of
 ///   [M Jᵀ; J 0]
 /// with M the exact mass matrix of rods and bodies and J the gradients of all constraints. Constraints are
 /// without dimension: rods (|d|²/L² - 1)/2, alignments (u·v - c)/(|u| |v|); but for pins, in m.

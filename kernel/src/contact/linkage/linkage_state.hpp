@@ -33,7 +33,7 @@ struct LinkageMotion {
   std::vector<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
-  double calm = 0;                 ///< s, for how long it has been slow
+  double slow_time = 0;            ///< s, for how long it has been slow
   std::optional<double> energy{};  ///< J, which free flight keeps
 };
 

@@ -12,15 +12,15 @@ namespace plumb::detail {
 namespace {
 
 /// A scene's particles and whatever holds them together, as edges.
-struct Ties {
-  explicit Ties(const Scene& scene) {
+struct Bonds {
+  explicit Bonds(const Scene& scene) {
     for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
     for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
-    for (const Body& body : scene.bodies) tie(Point{body.particles, {1, 1, 1, 1}});
-    for (const Pin& pin : scene.pins) tie(pin.a, pin.b);
-    for (const Alignment& each : scene.alignments) tie(each.u.from, each.u.to, each.v.from, each.v.to);
-    for (const AngleControl& each : scene.angles) tie(each.u.from, each.u.to, each.v.from, each.v.to);
-    for (const Capsule& capsule : scene.capsules) tie(capsule.a, capsule.b);
+    for (const Body& body : scene.bodies) bond(Point{body.particles, {1, 1, 1, 1}});
+    for (const Pin& pin : scene.pins) bond(pin.a, pin.b);
+    for (const Alignment& each : scene.alignments) bond(each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const AngleControl& each : scene.angles) bond(each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const Capsule& capsule : scene.capsules) bond(capsule.a, capsule.b);
   }
 
   layouts::Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
@@ -34,7 +34,7 @@ struct Ties {
       if (weights[i] != 0) named.push_back(particles[i]);
   }
   /// All to the first that is movable; fixed ones may be its neighbours only.
-  void tie_named() {
+  void bond_named() {
     const auto hub =
         std::find_if(named.begin(), named.end(), [&](std::uint32_t i) { return movable[i] != 0; });
     if (hub != named.end())
@@ -43,9 +43,9 @@ struct Ties {
     named.clear();
   }
   template <class... Points>
-  void tie(const Points&... points) {
+  void bond(const Points&... points) {
     (name(points.particles, points.weights), ...);
-    tie_named();
+    bond_named();
   }
 
   std::vector<std::uint32_t> named;
@@ -138,8 +138,8 @@ std::vector<double> likeness(const Scene& part) {
 }
 
 SceneParts::SceneParts(const Scene& scene) : scene_(scene) {
-  const Ties ties(scene);
-  const layouts::Islands islands = layouts::find_islands(ties.view());
+  const Bonds bonds(scene);
+  const layouts::Islands islands = layouts::find_islands(bonds.view());
   const std::uint32_t count = islands.count();
   island_of_.assign(scene.particles.size(), none);
   for (std::uint32_t i = 0; i < count; ++i)

@@ -17,13 +17,13 @@ void add(double* to, Vec3 v) {
   to[2] += v.z;
 }
 
-/// A rod's directions at the present delta: of its force, of the gradient of C; and C.
-struct Stretched {
+/// At the present delta a rod has the direction of its force, the gradient of C (both m), and C (m²).
+struct RodTerms {
   Vec3 force, gradient;
   double c;
 };
 
-Stretched stretched(const LoopRod& rod, std::uint32_t k, double theta, const LoopWorkspace& work) {
+RodTerms rod_terms(const LoopRod& rod, std::uint32_t k, double theta, const LoopWorkspace& work) {
   const Vec3 d = at(work.d, k), e = at(work.delta, rod.a) - at(work.delta, rod.b);
   return {d + theta * e, d + e, constraint(d, e, work.excess[k])};
 }
@@ -63,7 +63,7 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
     diagonal[a] -= theta * mu;
     if (b < shape.nodes) diagonal[b] -= theta * mu;
     factor.values[system.at(k)] = state.coupling[k] + theta * mu;
-    const Stretched rod = stretched(shape.rods[k], k, theta, work);
+    const RodTerms rod = rod_terms(shape.rods[k], k, theta, work);
     write_rod(&factor.values[system.at(k)], rod.force, rod.gradient, softness(state, k, soft));
   }
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
@@ -88,7 +88,7 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
     put(right + analysis.position(i), at(work.load, i) - state.mass[i] * at(work.delta, i));
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
-    const Stretched rod = stretched(shape.rods[k], k, theta, work);
+    const RodTerms rod = rod_terms(shape.rods[k], k, theta, work);
     const Vec3 pull = state.mu[k] * rod.force;
     add(right + analysis.position(a), pull - state.coupling[k] * at(work.delta, b));
     if (b < shape.nodes)
@@ -120,7 +120,7 @@ double largest_misfit(const LoopState& state, const LoopWorkspace& work,
   double largest = 0;
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
     if (factor.ldu.left_out(factor.system->analysis.position(shape.nodes + k)))
-      largest = std::max(largest, std::abs(stretched(shape.rods[k], k, 0, work).c) / state.length2[k]);
+      largest = std::max(largest, std::abs(rod_terms(shape.rods[k], k, 0, work).c) / state.length2[k]);
   return largest;
 }
 
@@ -133,7 +133,7 @@ double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& 
   }
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
-    const double c = stretched(shape.rods[k], k, 1, work).c;
+    const double c = rod_terms(shape.rods[k], k, 1, work).c;
     sum += state.coupling[k] * dot(at(work.delta, a), at(work.delta, b)) +
            c * c / (2 * softness(state, k, soft));
   }
@@ -142,7 +142,7 @@ double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& 
 
 void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work) {
   for (std::uint32_t k = 0; k < state.mu.size(); ++k)
-    state.mu[k] = -stretched(state.topology->rods[k], k, 1, work).c / softness(state, k, soft);
+    state.mu[k] = -rod_terms(state.topology->rods[k], k, 1, work).c / softness(state, k, soft);
 }
 
 void project_delta(const LoopState& state, double kick, LoopWorkspace& work, LoopWorkspace::Factor& factor) {

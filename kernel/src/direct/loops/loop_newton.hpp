@@ -4,28 +4,32 @@
 
 namespace plumb::detail {
 
-/// d and excess of every rod at the start of a substep.
+/// Measures d (m) and excess (m²) of every rod at the start of a substep.
 void measure_rods(const LoopState& state, LoopWorkspace& work);
 
-/// Newton's matrix at work.delta and state.mu, factorised. `soft` is the compliance of rods in units of their
-/// 2 L^2/mass; with it, multipliers that push are left out of the matrix, so that it is definite for theta 1.
+/// Factorises Newton's matrix at work.delta and state.mu. `soft` is the compliance of rods in units of their
+/// 2 L^2/mass. With it, multipliers that push are left out of the matrix, so that it is definite for theta 1.
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
                       LoopWorkspace::Factor& factor);
 
-/// Newton's change of displacements and multipliers into factor.right; its RMS over nodes relative to a rod.
+/// Puts Newton's change of displacements and multipliers into factor.right. Returns its RMS over nodes
+/// relative to a rod.
 double find_newton_change(const LoopState& state, double theta, double soft, LoopWorkspace& work,
                           LoopWorkspace::Factor& factor);
+/// Adds `scale` times that change to work.delta and state.mu.
 void apply_change(LoopState& state, double scale, LoopWorkspace& work, const LoopWorkspace::Factor& factor);
 
-/// Largest |C| / L^2, at work.delta, of the rods that the factor left out as redundant: whether they fit.
+/// Returns the largest |C| / L^2, at work.delta, of the rods that the factor left out as redundant. It tells
+/// whether they fit.
 double largest_misfit(const LoopState& state, const LoopWorkspace& work, const LoopWorkspace::Factor& factor);
 
-/// (M (delta - delta0), delta - delta0)/2 + sum C^2/(2 soft), but for a constant, with M delta0 = load.
+/// Returns (M (delta - delta0), delta - delta0)/2 + sum C^2/(2 soft), but for a constant, with M delta0 =
+/// load.
 double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work);
-/// mu = -C/soft
+/// Sets mu = -C/soft of every rod.
 void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work);
 
-/// Moves work.delta, a velocity times a time, onto what no rod resists, adding what forces do:
+/// Moves work.delta, a velocity times a time, onto what no rod resists, and adds what forces do. It solves
 /// M delta' = M delta + kick force + J^T lambda, J delta' = 0 with delta of fixed vertices as it is.
 void project_delta(const LoopState& state, double kick, LoopWorkspace& work, LoopWorkspace::Factor& factor);
 

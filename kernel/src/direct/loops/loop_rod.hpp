@@ -4,9 +4,9 @@
 
 namespace plumb::detail {
 
-/// One rod of an island, from a movable node to another or to a fixed vertex.
+/// A rod of an island goes from a movable node to another or to a fixed vertex.
 struct LoopRod {
-  std::uint32_t a, b;  ///< vertices; a is movable
+  std::uint32_t a, b;  ///< They are vertices, and a is movable.
 };
 
 }  // namespace plumb::detail

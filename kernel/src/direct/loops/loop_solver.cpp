@@ -8,13 +8,13 @@
 namespace plumb::detail {
 namespace {
 
-/// s, of the step that brings rods to their lengths: too short for loads to act.
+/// The step that brings rods to their lengths takes so many seconds, too short for loads to act.
 constexpr double projection_step = 1e-9;
 
-/// Strain that nets solved by their lines may keep where an accuracy is set: this share of it, and at most
-/// what float leaves. The next substep takes it back: even 1e-5 changes a net of 128 x 128 after 0.5 s by no
-/// more than 2e-9 of its diagonal. A substep of another length makes a velocity of it, which counts as error
-/// the more, the shorter substeps are.
+/// Where an accuracy is set, nets solved by their lines may keep this share of it as strain, and at most what
+/// float leaves. The next substep takes it back. Even 1e-5 changes a net of 128 x 128 after 0.5 s by no more
+/// than 2e-9 of its diagonal. A substep of another length makes a velocity of it, which counts as error the
+/// more, the shorter substeps are.
 constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
 
 }  // namespace
@@ -139,7 +139,7 @@ void LoopSolver::add_to_hash(Slot slot, StateHash& hash) const {
 }
 
 double LoopSolver::read(std::span<const Slot> slots, std::span<Vec3> out) const {
-  double most = 0;  // of squares
+  double most = 0;  // it is the largest square of a speed
   for (std::size_t i = 0; i < slots.size(); ++i) {
     out[i] = position(slots[i]);
     const double* const u = state_.u.data() + 3 * std::size_t{slots[i]};
@@ -148,7 +148,7 @@ double LoopSolver::read(std::span<const Slot> slots, std::span<Vec3> out) const 
   return std::sqrt(most) / (state_.u_step != 0 ? state_.u_step : 1);
 }
 
-/// A displacement stands for the velocity of now under the force that made it: it gives way to the velocity
+/// A displacement stands for the velocity of now under the force that made it. It gives way to the velocity
 /// before that force changes.
 void LoopSolver::set_force(Slot slot, Vec3 newton) {
   if (rules_->gradient == Gradient::old && state_.u_step != 0) {

@@ -10,7 +10,7 @@
 
 namespace plumb::detail {
 
-/// What all islands with loops share.
+/// All islands with loops share these rules.
 struct LoopRules {
   /// `drag` is in 1/s. Without an accuracy nothing is estimated.
   LoopRules(Gradient of, std::uint32_t order, double drag, std::optional<double> share, Isa instructions)
@@ -27,20 +27,21 @@ struct LoopRules {
   Gradient gradient;
   std::uint32_t time_order;
   std::optional<double> accuracy;
-  bool estimates;  ///< errors, from accelerations, which islands then keep
+  bool estimates;  ///< Errors are estimated from accelerations, which islands then keep.
   Isa isa;
   LoopStepper stepper;
 };
 
-/// One island with loops. Slots are its vertices, of which the movable ones come first.
+/// This solver has one island with loops. Slots are its vertices, of which the movable ones come first.
 class LoopSolver final : public Solver {
  public:
   LoopSolver(std::shared_ptr<LoopRules> rules, LoopState state);
 
-  /// Brings rods to their lengths by one step too short for loads to act. Returns 1 if that cannot be solved;
-  /// the island stays as it is then.
+  /// Brings rods to their lengths by one step too short for loads to act. Returns 1 if that cannot be solved.
+  /// The island stays as it is then.
   std::uint32_t project_positions();
-  /// The velocity (m/s) that a particle starts with; project_velocities() takes from all what pulls on rods.
+  /// Sets the velocity (m/s) that a particle starts with. project_velocities() takes from all what pulls on
+  /// rods.
   void set_velocity(Slot slot, Vec3 velocity);
   void project_velocities();
 
@@ -85,10 +86,11 @@ class LoopSolver final : public Solver {
   std::shared_ptr<LoopRules> rules_;
   mutable LoopState state_;
   mutable LoopWorkspace work_;
-  mutable std::vector<double> velocity_;  ///< m/s, 3 per node; at the end of the last step if known
+  mutable std::vector<double>
+      velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocity_known_ = false;
   bool anchors_changed_ = false, away_ = false;
-  // With an accuracy:
+  // An accuracy needs these:
   LoopMotion saved_[2]{};
   std::vector<double> mark_{};
   double best_substep_ = 0;

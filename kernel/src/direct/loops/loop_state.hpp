@@ -14,13 +14,13 @@
 
 namespace plumb::detail {
 
-/// The linear system of an island, for displacements of nodes and multipliers of rods:
+/// An island has this linear system for displacements of nodes and multipliers of rods:
 ///
 ///   [ M - theta Lambda   -A^T ]        M: mass matrix; Lambda: Laplacian of the multipliers
 ///   [ B                  soft ]        A, B: +direction at a, -direction at b of every rod
 ///
-/// Values: one per node, its diagonal; then per rod the coupling of its ends, what -A^T has at b (3) and at a
-/// (3), what B has at a (3) and at b (3), and soft.
+/// Its values begin with the diagonal of every node. Then every rod has the coupling of its ends, what -A^T
+/// has at b (3) and at a (3), what B has at a (3) and at b (3), and soft.
 struct LoopSystem {
   LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples);
 
@@ -28,46 +28,47 @@ struct LoopSystem {
   std::size_t at(std::uint32_t rod) const { return nodes + std::size_t{per_rod} * rod; }
 
   std::uint32_t nodes;
-  bool couples;  ///< whether ends of a rod meet other than through it
+  bool couples;  ///< It says whether ends of a rod meet other than through it.
   SparseAnalysis analysis;
 };
 
-/// What equal islands share. Vertices: the movable ones (nodes), then the fixed ones.
+/// Equal islands share their topology. Vertices are the movable ones (nodes), then the fixed ones.
 struct LoopTopology {
   explicit LoopTopology(const layouts::Graph& island);
 
-  /// Solves by lines, which `positions` of the island's vertices show.
+  /// Lets the island be solved by lines, which `positions` (m) of its vertices show.
   void use_lines(std::span<const Vec3> positions);
 
   std::uint32_t nodes = 0, vertices;
-  std::vector<std::uint32_t> order;  ///< by vertex, which of the island's it is
+  std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
   std::vector<LoopRod> rods;
-  /// One of both. Lines where factorisations would be dear; systems are then made by who needs them all the
-  /// same.
+  /// One of both is there. Lines are for islands whose factorisations would be dear. Who needs a system all
+  /// the same makes it.
   std::unique_ptr<const LoopSystem> system;
   std::unique_ptr<const RodLines> lines;
 };
 
-/// What steps change of an island.
+/// Steps change these numbers of an island.
 ///
 /// `u` is a velocity (m/s) if `u_step` is 0, and otherwise the displacement of the last substep, of length
 /// u_step (s). Masses are in units of the mean one, multipliers in those units.
 struct LoopMotion {
-  std::vector<double> x;                  ///< m, 3 per vertex
-  std::vector<double> u, mu;              ///< 3 per node; per rod
-  std::vector<Vec3> fixed_last_velocity;  ///< m/s, per fixed vertex
-  /// Where errors are estimated: m/s^2, 3 per node, of the last two substeps, rods included.
+  std::vector<double> x;                  ///< Positions have 3 numbers per vertex, in m.
+  std::vector<double> u, mu;              ///< u has 3 numbers per node, and mu one per rod.
+  std::vector<Vec3> fixed_last_velocity;  ///< There is one per fixed vertex, in m/s.
+  /// Where errors are estimated, these are accelerations of the last two substeps, rods included: 3 per node,
+  /// in m/s^2.
   std::vector<double> acceleration, acceleration_before;
-  std::uint32_t known = 0;      ///< substeps taken, up to the two that accelerations are from
-  std::uint32_t calm = 0;       ///< substeps to be taken with gradient new
-  std::uint32_t next_calm = 0;  ///< how many that will be the next time
-  /// s: longer substeps are cut before they are tried.
+  std::uint32_t known = 0;        ///< So many substeps were taken, up to the two that accelerations are from.
+  std::uint32_t damped = 0;       ///< So many substeps are to be taken with gradient new.
+  std::uint32_t next_damped = 0;  ///< The next time it will be so many.
+  /// Substeps longer than this (s) are cut before they are tried.
   double longest = std::numeric_limits<double>::infinity();
-  double u_step = 0;   ///< s
-  double mu_kick = 0;  ///< s^2: the kick when mu was found; 0: not yet
+  double u_step = 0;   ///< It is in s.
+  double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
 };
 
-/// The numbers of one island that outlive a step. In double, whatever the precision of the world.
+/// These numbers of one island outlive a step. They are in double, whatever the precision of the world.
 struct LoopState : LoopMotion {
   LoopState(std::shared_ptr<const LoopTopology> topology, const Scene& scene, MassModel model,
             std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> edges);
@@ -78,12 +79,14 @@ struct LoopState : LoopMotion {
   void set_force(std::uint32_t node, Vec3 newton);
 
   std::shared_ptr<const LoopTopology> topology;
-  std::vector<double> force, weight;            ///< 3 per node; force and weight (gravity) by unit of mass
-  std::vector<double> mass, coupling, length2;  ///< per node; per rod; m^2, per rod
-  std::vector<Vec3> fixed_velocity;             ///< m/s, per fixed vertex
+  std::vector<double> force,
+      weight;  ///< They have 3 numbers per node, divided by the unit of mass; weight is gravity.
+  std::vector<double> mass, coupling,
+      length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
+  std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
   bool anchors_move = false;
-  double mass_unit = 1;  ///< kg
-  double scale2 = 1;     ///< m^2: mean squared length of a rod
+  double mass_unit = 1;  ///< It is in kg.
+  double scale2 = 1;     ///< It is the mean squared length of a rod, in m^2.
 };
 
 }  // namespace plumb::detail

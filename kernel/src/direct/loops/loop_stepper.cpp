@@ -17,33 +17,34 @@ namespace {
 constexpr int most_iterations = 36;
 constexpr int most_factors = 12;
 constexpr int most_halvings = 10;
-constexpr int most_attempts = 256;  ///< of one substep, all halves together
+constexpr int most_attempts = 256;  ///< They are of one substep, all halves together.
 /// A substep that had to be halved has been tried in vain. So that the next need not be, it is cut into
 /// pieces as short as the shortest half, and longer by this every time.
 constexpr double regrowth = 1.1;
-/// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts:
-/// there is little hope that what did not work then works now. Twice as many each time it does not.
-constexpr std::uint32_t calm_substeps = 16, most_calm_substeps = 1024;
-constexpr int calm_halvings = 1;
+/// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts.
+/// There is little hope that what did not work then works now. Each time it does not, twice as many follow.
+constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
+constexpr int damped_halvings = 1;
 
-/// Of what loads do in a substep: how much rods may add before a solution is taken for one of rounding only.
+/// Rods may add this share of what loads do in a substep, before a solution is taken for one of rounding
+/// only.
 constexpr double energy_tolerance = 1e-6;
 
-/// Newton's last change, RMS over nodes relative to a rod, after which the next would be lost in rounding
-/// where convergence is quadratic, and what may be left where it is linear.
+/// After a change this small, RMS over nodes relative to a rod, the next would be lost in rounding where
+/// convergence is quadratic. The second may be left where convergence is linear.
 constexpr double converged_change = 1e-8, converged_rest = 1e-17;
 
-/// Of redundant rods, as |C|/L^2: with more, the rods do not fit together.
+/// Redundant rods whose |C|/L^2 is larger do not fit together.
 constexpr double most_misfit = 1e-8;
 
 /// With an old factor the change must fall at least this fast, or a new one is made.
 constexpr double slow_rate = 0.1;
-/// With the factor of an earlier substep, at least this fast, or the substep begins again with one of its
-/// own.
+/// With the factor of an earlier substep it must fall at least this fast, or the substep begins again with
+/// one of its own.
 constexpr double lost_rate = 0.5;
 
-/// Multiplications per number of a factor from which one of an earlier substep, with more iterations, is
-/// faster than a new one: a net of 16 x 16 particles has 30.
+/// From so many multiplications per number on, the factor of an earlier substep, with more iterations, is
+/// faster than a new one. A net of 16 x 16 particles has 30.
 constexpr double costly_factor = 30;
 
 /// After so many substeps in a row for which lines were no help they are given up.
@@ -52,22 +53,23 @@ constexpr int most_stalls = 3;
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
-/// Of the compromise: compliance in units of 2 L^2/mass, and when to stop looking for its minimum.
+/// The compromise has this compliance, in units of 2 L^2/mass, and stops looking for its minimum at that
+/// change.
 constexpr double compromise_softness = 1e-5, compromise_change = 1e-9;
 constexpr int compromise_iterations = 60;
 
-void calm_down(LoopState& state) {
-  state.next_calm = std::max(state.next_calm, calm_substeps);
-  state.calm = state.next_calm;
-  state.next_calm = std::min(2 * state.next_calm, most_calm_substeps);
+void damp_from_now(LoopState& state) {
+  state.next_damped = std::max(state.next_damped, damped_substeps);
+  state.damped = state.next_damped;
+  state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
 }
 
-/// How many times u goes into a substep, and force (s^2).
+/// u goes into a substep so many times, and force so many times (s^2).
 struct Coefficients {
   double ratio, kick;
 };
 
-/// As for trees.
+/// They are as for trees.
 Coefficients coefficients(const LoopState& state, double h, Gradient gradient, double drag) {
   if (gradient == Gradient::mid) return {detail::exp(-drag * h / 2) * h, 0.5 * h * h};
   const double last = state.u_step, between = (h + last) / 2;
@@ -120,8 +122,8 @@ LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   return *second;
 }
 
-/// Load, and where Newton starts: displacements and multipliers as they were, for this substep's
-/// length.
+/// Makes the load and the start of Newton's method: displacements and multipliers as they were, for this
+/// substep's length.
 void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const LoopTopology& shape = *state.topology;
   const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
@@ -151,7 +153,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   }
 }
 
-/// Gradient mid keeps energy as far as rods keep their lengths: delta . (M delta - load) is what they did,
+/// Gradient mid keeps energy as far as rods keep their lengths. delta . (M delta - load) is what they did,
 /// zero but for rounding. Where rods are nearly redundant, multipliers can be so large that it is not.
 bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work) const {
   if (state.anchors_move) return true;
@@ -235,8 +237,8 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
 
 double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
-  // Over two substeps, free of what mid swings by from one to the next; half of it is that of one, and h^2/12
-  // times that the error of position.
+  // The change over two substeps is free of what mid swings by from one to the next. Half of it is that of
+  // one, and h^2/12 times that is the error of position.
   double jolt = 0;
   for (std::size_t i = 0; i < state.acceleration.size(); ++i) {
     const double acceleration = (work.delta[i] - ratio * state.u[i]) / kick;
@@ -258,7 +260,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   if (state.anchors_move)
     std::copy(state.fixed_velocity.begin(), state.fixed_velocity.end(), state.fixed_last_velocity.begin());
   if (gradient == gradient_) return error;
-  // As a velocity, which every gradient can go on from.
+  // u becomes a velocity, which every gradient can go on from.
   for (double& u : state.u) u /= h;
   state.u_step = 0;
   return error;
@@ -266,7 +268,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
 
 bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                                Tally& counters) const {
-  const Gradient wanted = state.calm > 0 ? Gradient::new_ : gradient_;
+  const Gradient wanted = state.damped > 0 ? Gradient::new_ : gradient_;
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
     if (solve(state, h, gradient, work, counters)) {
@@ -287,34 +289,34 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
 }
 
 std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
-  if (state.calm > 0) return 1;  // gradient new, which is hardly ever halved
+  if (state.damped > 0) return 1;  // gradient new is hardly ever halved
   return pieces_of(largest_share_ * h / state.longest);
 }
 
 double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
   work.saved = state.motion();
-  const bool is_calm = state.calm > 0;
-  Attempts attempts{.halvings = is_calm ? calm_halvings : most_halvings, .left = 0};
+  const bool is_damped = state.damped > 0;
+  Attempts attempts{.halvings = is_damped ? damped_halvings : most_halvings, .left = 0};
   const std::uint32_t count = cuts(state, h);
   bool solved = true;
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_) {
-      attempts.left = is_calm ? 3 * calm_halvings : most_attempts;
+      attempts.left = is_damped ? 3 * damped_halvings : most_attempts;
       solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
     }
   if (solved) {
     state.longest = attempts.shortest_half > 0 ? attempts.shortest_half : regrowth * state.longest;
     if (attempts.fell_back)
-      calm_down(state);
-    else if (state.calm > 0)
-      --state.calm;
+      damp_from_now(state);
+    else if (state.damped > 0)
+      --state.damped;
     else
-      state.next_calm /= 2;
+      state.next_damped /= 2;
     return attempts.error;
   }
   state.motion() = work.saved;
   compromise(state, h, work, counters);
-  calm_down(state);
+  damp_from_now(state);
   return std::numeric_limits<double>::infinity();
 }
 
@@ -345,7 +347,7 @@ void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work, Ta
   }
   counters.newton += iterations;
   std::fill(state.mu.begin(), state.mu.end(), 0.0);
-  if (!std::isfinite(energy)) return;  // stays where it was
+  if (!std::isfinite(energy)) return;  // it stays where it was
   accept(state, h, Gradient::new_, work);
 }
 
@@ -361,7 +363,7 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
     if (project_by_lines(state, kick, work)) return;
     kick = 0;
   }
-  // Of its own, so that it changes nothing that a later substep starts from.
+  // The factor is its own, so that it changes nothing that a later substep starts from.
   if (shape.lines && !work.projection)
     work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   measure_rods(state, work);
@@ -380,8 +382,8 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   const double step = state.u_step;
   const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
   for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
-  // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
-  // earlier.
+  // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
+  // substep earlier.
   if (step > 0)
     project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
 }

@@ -11,7 +11,7 @@ namespace {
 
 using Index = std::uint32_t;
 
-/// Approximate minimum degree (Amestoy, Davis, Duff 1996) on the graph of nodes.
+/// Orders the graph of nodes by approximate minimum degree (Amestoy, Davis, Duff 1996).
 std::vector<Index> by_degree(const std::vector<LoopRod>& rods, Index nodes) {
   std::vector<Eigen::Triplet<double>> entries;
   for (Index i = 0; i < nodes; ++i) entries.emplace_back(i, i, 1);
@@ -31,7 +31,7 @@ std::vector<Index> by_degree(const std::vector<LoopRod>& rods, Index nodes) {
 }
 
 /// Cuts the graph of nodes in two through the middle level of a breadth-first search from an end of it, and
-/// the halves again (George 1973); small parts are left in the order found.
+/// the halves again (George 1973). Small parts are left in the order found.
 class Dissection {
  public:
   Dissection(const std::vector<LoopRod>& rods, Index nodes)
@@ -53,7 +53,7 @@ class Dissection {
  private:
   static constexpr std::size_t smallest = 12;
 
-  /// The part of `start` by growing distance; levels into level_.
+  /// Returns the part of `start` by growing distance, and writes levels into level_.
   std::vector<Index> search(Index start) {
     const Index part = part_[start];
     const Index seen = ++last_part_;
@@ -78,7 +78,7 @@ class Dissection {
       return;
     }
     std::vector<Index> found = search(nodes.front());
-    if (found.size() < nodes.size()) {  // several pieces
+    if (found.size() < nodes.size()) {  // there are several pieces
       std::vector<Index> others;
       for (const Index i : nodes)
         if (part_[i] == part) others.push_back(i);
@@ -112,8 +112,8 @@ class Dissection {
   Index last_part_ = 0;
 };
 
-/// Nodes in the order given, every rod right after the second of its ends: a rod's pivot is then what both of
-/// its ends can yield, which is never zero but for rods that others make redundant.
+/// Puts nodes in the order given and every rod right after the second of its ends. A rod's pivot is then what
+/// both of its ends can yield, which is never zero but for rods that others make redundant.
 std::vector<Index> with_rods(const std::vector<Index>& nodes, const std::vector<LoopRod>& rods) {
   const auto n = static_cast<Index>(nodes.size());
   std::vector<Index> number(n);

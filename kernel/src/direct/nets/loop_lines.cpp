@@ -13,8 +13,8 @@ namespace plumb::detail {
 namespace {
 
 constexpr int most_iterations = 40;
-/// Slower than this, a shorter substep comes sooner to the end. The first iterations need not be fast:
-/// multipliers that were extrapolated are sorted out in them.
+/// Where iterations converge more slowly than this, a shorter substep comes sooner to the end. The first ones
+/// need not be fast, since they sort out multipliers that were extrapolated.
 constexpr double lost_rate = 0.6;
 constexpr int settling_iterations = 3;
 /// Changes of many rod lengths do not lead back.
@@ -23,16 +23,16 @@ constexpr double hopeless = 30;
 constexpr double settled = 3e-4;
 /// From this share on it pays to accelerate.
 constexpr double slow_rate = 0.1;
-/// Of what is left, what one solution leaves at least: the next one's directions are better.
+/// One solution leaves at least this share of what is left, since the next one's directions are better.
 constexpr double coarse = 0.02;
-/// Of what may be left of the worst rod, the norm over all that is aimed at.
+/// The norm over all rods that is aimed at is this share of what may be left of the worst.
 constexpr double below_tolerance = 0.1;
-/// Nets need 1 to 10.
+/// Conjugate gradients take so many iterations at most. Nets need 1 to 10.
 constexpr int most_gradients = 200;
-/// What rounding leaves of velocities along rods.
+/// Rounding leaves this share of velocities along rods.
 constexpr double projected = 1e-9;
 
-/// Rods as they are, at the start.
+/// Measures rods as they are at the start.
 void measure(const LoopState& state, LineWorkspace& lines) {
   for (std::size_t s = 0; s < lines.lines->slots(); ++s) {
     if (lines.lines->numbers[s] == RodLines::none) continue;
@@ -43,8 +43,8 @@ void measure(const LoopState& state, LineWorkspace& lines) {
   }
 }
 
-/// Where multipliers start: gradient old's run smoothly through substeps of one length; those of the others
-/// swing from one to the next.
+/// Sets where multipliers start. Those of gradient old run smoothly through substeps of one length, and those
+/// of the others swing from one to the next.
 void start(const LoopState& state, double theta, double kick, LineWorkspace& lines) {
   if (kick != lines.past.kick || theta > 0) lines.forget();
   for (std::size_t s = 0; s < lines.mu.size(); ++s) {
@@ -57,7 +57,7 @@ void start(const LoopState& state, double theta, double kick, LineWorkspace& lin
   }
 }
 
-/// What was found.
+/// Keeps what was found.
 void keep(LoopState& state, double kick, LineWorkspace& lines) {
   lines.past.kick = kick;
   lines.past.known = state.mu_kick == 0 ? 0 : std::min(lines.past.known + 1, 2);
@@ -69,7 +69,7 @@ void keep(LoopState& state, double kick, LineWorkspace& lines) {
   }
 }
 
-/// Displacements as loads and multipliers make them, and by how much they change, m.
+/// Makes displacements from loads and multipliers. Returns by how much they change, in m.
 double displace(const LoopState& state, double theta, LoopWorkspace& work) {
   LineWorkspace& lines = *work.lines;
   const std::span<double> directions = lines.solver.directions();
@@ -89,10 +89,10 @@ double displace(const LoopState& state, double theta, LoopWorkspace& work) {
 }
 
 struct Misfit {
-  double largest, norm;  ///< m²; norm is not finite if any is not
+  double largest, norm;  ///< They are in m²; norm is not finite if any is not.
 };
 
-/// C of every rod at work.delta, negative, into `wanted`.
+/// Puts -C of every rod at work.delta into `wanted`.
 Misfit find_misfits(LoopWorkspace& work) {
   constexpr std::size_t lanes = RodLines::lanes;
   LineWorkspace& lines = *work.lines;
@@ -115,9 +115,9 @@ Misfit find_misfits(LoopWorkspace& work) {
   return out;
 }
 
-/// Goes on along what two iterations with the same directions have in common. What such leave is mostly one
-/// mode, where rods turn most, that falls by the same share every time: Anderson's acceleration (1965), one
-/// iteration deep, takes it out. `again`: there was one before.
+/// Goes on along what two iterations with the same directions have in common. They leave mostly one mode,
+/// where rods turn most, that falls by the same share every time. Anderson's acceleration (1965), one
+/// iteration deep, takes it out. `again` says that there was one before.
 void accelerate(bool again, LoopWorkspace& work) {
   constexpr std::size_t lanes = RodLines::lanes;
   LineWorkspace& lines = *work.lines;
@@ -140,7 +140,7 @@ void accelerate(bool again, LoopWorkspace& work) {
     }
   };
   go_on(lines.mu, lines.last_mu);
-  go_on(work.delta, lines.last_delta);  // which depend on multipliers linearly
+  go_on(work.delta, lines.last_delta);  // displacements depend on multipliers linearly
 }
 
 }  // namespace
@@ -184,7 +184,7 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double
       return LineOutcome::solved;
     }
     if (worst > hopeless * state.scale2 || (i >= settling_iterations && worst > lost_rate * last)) break;
-    // The first iteration has no last (0): it counts, so that a second can be accelerated.
+    // The first iteration has no last (0). It counts, so that a second can be accelerated.
     const bool crawls = theta == 0 && worst <= settled * state.scale2 && worst > slow_rate * last;
     if (crawls) lines.start = lines.mu;
     last = worst;

@@ -8,8 +8,8 @@
 namespace plumb::detail {
 namespace {
 
-/// Of what both ends could yield: a smaller pivot of a line is taken for one, as of a line drawn straight
-/// between fixed particles. Only the preconditioner's; it need not be exact.
+/// A pivot of a line below this share of what both ends could yield is taken for 1. A line drawn straight
+/// between fixed particles has such. Only the preconditioner sees it, which need not be exact.
 constexpr double least_pivot = 1e-6;
 
 /// A hub of more rods has no way straight on, and all their pairs are many.
@@ -46,7 +46,7 @@ class Paths {
     };
     for (std::uint32_t k = 0; k < rods_.size(); ++k)
       if (seen[k] == 0 && is_end(k)) follow(k);
-    for (std::uint32_t k = 0; k < rods_.size(); ++k)  // rings
+    for (std::uint32_t k = 0; k < rods_.size(); ++k)  // what is left are rings
       if (seen[k] == 0) follow(k);
     return paths;
   }
@@ -78,7 +78,7 @@ class Paths {
   }
 
   std::span<const LoopRod> rods_;
-  std::vector<std::array<std::uint32_t, 2>> next_;  ///< by rod, at its ends a and b
+  std::vector<std::array<std::uint32_t, 2>> next_;  ///< It is by rod, at its ends a and b.
 };
 
 using Lanes = std::array<double, RodLines::lanes>;
@@ -113,7 +113,7 @@ RodLines::RodLines(std::span<const Line> of, std::span<const LoopRod> rods, std:
         if (empty || j == 0) continue;
         const auto [a, b] = rods[of[p + lane][j - 1]];
         const bool by_a = rods[k].a == a || rods[k].a == b;
-        // Two rods between the same nodes would both be right; they are refused long before.
+        // Of two rods between the same nodes both would be right. They are refused long before.
         joints.back() = by_a ? rods[k].a : rods[k].b;
         turns.back() = joints.back() == (by_a ? a : b) ? 1 : -1;
       }
@@ -207,7 +207,7 @@ void LineSolver::spread(std::span<const double> m, std::span<double> motion) con
   }
 }
 
-/// near_ = the lines' part of A, inverted, times the residual; returns their inner product.
+/// Sets near_ to the inverse of the lines' part of A times the residual. Returns the inner product of both.
 double LineSolver::precondition(std::span<const double> residual) {
   constexpr std::size_t lanes = RodLines::lanes;
   Lanes sum{};
@@ -217,7 +217,7 @@ double LineSolver::precondition(std::span<const double> residual) {
     for (std::size_t s = begin; s < end; s += lanes)
       for (std::size_t lane = 0; lane < lanes; ++lane)
         near_[s + lane] = last[lane] = residual[s + lane] - links_[s + lane] * last[lane];
-    last = {};  // what the rod after takes; a line's first rod takes nothing
+    last = {};  // the rod after takes this, and a line's first rod takes nothing
     for (std::size_t s = end; s > begin;) {
       s -= lanes;
       for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -231,7 +231,7 @@ double LineSolver::precondition(std::span<const double> residual) {
   return sum_of(sum);
 }
 
-/// image_ = A along_, by way of motion_; returns their inner product.
+/// Sets image_ = A along_, by way of motion_. Returns their inner product.
 double LineSolver::multiply() {
   constexpr std::size_t lanes = RodLines::lanes;
   spread(along_, motion_);
@@ -262,7 +262,7 @@ bool LineSolver::solve(std::span<double> b, double goal, int most, std::span<dou
     for (std::size_t s = 0; s < along_.size(); ++s)
       along_[s] = i > 0 ? near_[s] + beta * along_[s] : near_[s];
     const double step = height / multiply();
-    if (!std::isfinite(step)) return false;  // rods that can do nothing about what is left
+    if (!std::isfinite(step)) return false;  // rods can do nothing about what is left
     sum = {};
     for (std::size_t s = 0; s < along_.size(); s += lanes)
       for (std::size_t lane = 0; lane < lanes; ++lane) {

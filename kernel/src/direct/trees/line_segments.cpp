@@ -8,27 +8,27 @@ namespace {
 
 using namespace simd;
 
-/// Nodes per lane from which segments are faster than the line as a whole.
+/// From so many nodes per lane on, segments are faster than the line as a whole.
 constexpr std::uint32_t shortest_segment = 4;
 
-/// The topology of a segment: a line with a pin at its first node.
+/// Returns the topology of a segment, a line with a tie at its first node.
 layouts::Tree segment_tree(std::uint32_t nodes) {
   layouts::Tree tree;
   for (std::uint32_t i = 0; i < nodes; ++i) {
     tree.vertex.push_back(i);
     tree.parent.push_back(i == 0 ? 0 : i - 1);
     tree.edge.push_back(i);
-    tree.pin_begin.push_back(i == 0 ? 0 : 1);
+    tree.tie_begin.push_back(i == 0 ? 0 : 1);
   }
-  tree.pin_begin.push_back(1);
-  tree.pins.push_back({nodes, nodes});
+  tree.tie_begin.push_back(1);
+  tree.ties.push_back({nodes, nodes});
   return tree;
 }
 
 }  // namespace
 
 bool LineSegments::fits(const TreeTopology& topology, std::uint32_t lanes) {
-  return topology.is_line && topology.pins == 1 && topology.pin_begin[1] == 1 &&
+  return topology.is_line && topology.ties == 1 && topology.tie_begin[1] == 1 &&
          topology.nodes >= shortest_segment * lanes;
 }
 
@@ -42,9 +42,9 @@ TreeState<T> LineSegments::cut(const TreeState<T>& whole) const {
               [&](std::size_t from, std::size_t to) { segments.node[to] = whole.node[from]; });
   for_numbers(3, [&](std::size_t from, std::size_t to) { segments.weight[to] = whole.weight[from]; });
   for_numbers(1, [&](std::size_t from, std::size_t to) { segments.length2[to] = whole.length2[from]; });
-  segments.pin_length2[0] = whole.pin_length2[0];
+  segments.tie_length2[0] = whole.tie_length2[0];
   for (std::uint32_t lane = 1; lane < lanes_; ++lane)
-    if (lane * length_ < nodes_) segments.pin_length2[lane] = whole.length2[std::size_t{lane} * length_];
+    if (lane * length_ < nodes_) segments.tie_length2[lane] = whole.length2[std::size_t{lane} * length_];
   std::fill(segments.mass_unit.begin(), segments.mass_unit.end(), whole.mass_unit[0]);
   std::fill(segments.scale2.begin(), segments.scale2.end(), whole.scale2[0]);
   for_numbers(3, [&](std::size_t from, std::size_t to) { segments.force[to] = whole.force[from]; });
@@ -57,16 +57,16 @@ void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) con
   for_node_motion(whole, segments, [&](auto& to, const auto& from) {
     for_numbers(3, [&](std::size_t i, std::size_t j) { to[i] = from[j]; });
   });
-  for_rod_motion(whole, segments, [&](auto& to, auto& pin_to, const auto& from, const auto& pin_from) {
-    for_numbers(1, [&](std::size_t i, std::size_t j) { to[i] = begins(i) ? pin_from[j] : from[j]; });
-    pin_to[0] = pin_from[0];
+  for_rod_motion(whole, segments, [&](auto& to, auto& tie_to, const auto& from, const auto& tie_from) {
+    for_numbers(1, [&](std::size_t i, std::size_t j) { to[i] = begins(i) ? tie_from[j] : from[j]; });
+    tie_to[0] = tie_from[0];
   });
   for_lane_motion(whole, segments, [](auto& to, const auto& from) { to[0] = from[0]; });
   for_numbers(3, [&](std::size_t i, std::size_t j) { whole.force[i] = segments.force[j]; });
-  for (std::uint32_t c = 0; c < 3; ++c) whole.pin_x[c] = segments.pin_x[c * lanes_];
-  whole.pin_velocity[0] = segments.pin_velocity[0];
-  whole.pin_last_velocity[0] = segments.pin_last_velocity[0];
-  whole.pins_move = segments.pins_move;
+  for (std::uint32_t c = 0; c < 3; ++c) whole.tie_x[c] = segments.tie_x[c * lanes_];
+  whole.tie_velocity[0] = segments.tie_velocity[0];
+  whole.tie_last_velocity[0] = segments.tie_last_velocity[0];
+  whole.ties_move = segments.ties_move;
 }
 
 template <class T>
@@ -74,16 +74,16 @@ void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) co
   for_node_motion(segments, whole, [&](auto& to, const auto& from) {
     for_numbers(3, [&](std::size_t i, std::size_t j) { to[j] = from[i]; });
   });
-  for_rod_motion(segments, whole, [&](auto& to, auto& pin_to, const auto& from, const auto& pin_from) {
-    for_numbers(1, [&](std::size_t i, std::size_t j) { (begins(i) ? pin_to : to)[j] = from[i]; });
-    pin_to[0] = pin_from[0];
+  for_rod_motion(segments, whole, [&](auto& to, auto& tie_to, const auto& from, const auto& tie_from) {
+    for_numbers(1, [&](std::size_t i, std::size_t j) { (begins(i) ? tie_to : to)[j] = from[i]; });
+    tie_to[0] = tie_from[0];
   });
   for_lane_motion(segments, whole,
                   [](auto& to, const auto& from) { std::fill(to.begin(), to.end(), from[0]); });
-  for (std::uint32_t c = 0; c < 3; ++c) segments.pin_x[c * lanes_] = whole.pin_x[c];
-  segments.pin_velocity[0] = whole.pin_velocity[0];
-  segments.pin_last_velocity[0] = whole.pin_last_velocity[0];
-  segments.pins_move = whole.pins_move;
+  for (std::uint32_t c = 0; c < 3; ++c) segments.tie_x[c * lanes_] = whole.tie_x[c];
+  segments.tie_velocity[0] = whole.tie_velocity[0];
+  segments.tie_last_velocity[0] = whole.tie_last_velocity[0];
+  segments.ties_move = whole.ties_move;
 }
 
 template <class T>
@@ -96,14 +96,14 @@ template <class T>
 void LineSegments::link(TreeState<T>& segments) const {
   for (std::uint32_t c = 0; c < 3; ++c)
     for (std::uint32_t lane = 1; lane < lanes_; ++lane)
-      segments.pin_x[c * lanes_ + lane] =
+      segments.tie_x[c * lanes_ + lane] =
           segments.x[(std::size_t{3} * (length_ - 1) + c) * lanes_ + lane - 1];
 }
 
 template <class T>
 void LineSegments::trim(TreeWorkspace<T>& work) const {
   for (std::uint32_t i = nodes_; i < length_ * lanes_; ++i) {
-    T* const rods = entry(i) > 0 ? work.rod.data() : work.pin_rod.data();
+    T* const rods = entry(i) > 0 ? work.rod.data() : work.tie_rod.data();
     for (std::uint32_t c = 0; c < tree_fields::rod; ++c)
       rods[(std::size_t{tree_fields::rod} * entry(i) + c) * lanes_ + lane(i)] = 0;
   }
@@ -112,9 +112,9 @@ void LineSegments::trim(TreeWorkspace<T>& work) const {
 template <class T>
 void LineSegments::join_stiffness(const TreeState<T>& segments, TreeWorkspace<T>& work) const {
   const std::size_t last = length_ - 1;
-  const auto& own = last > 0 ? segments.mu : segments.pin_mu;
+  const auto& own = last > 0 ? segments.mu : segments.tie_mu;
   for (std::size_t lane = 0; lane + 1 < lanes_; ++lane) {
-    const T pull = std::abs(own[last * lanes_ + lane]) + std::abs(segments.pin_mu[lane + 1]);
+    const T pull = std::abs(own[last * lanes_ + lane]) + std::abs(segments.tie_mu[lane + 1]);
     const T over = segments.node[(tree_fields::node * last + 3) * lanes_ + lane];
     work.stiffness[lane] = std::max(work.stiffness[lane], 2 * over * pull);
   }

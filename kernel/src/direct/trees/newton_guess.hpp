@@ -10,17 +10,18 @@
 /// Newton's method on a tree starts from what the last substeps found.
 namespace plumb::detail::tree_limits {
 
-/// Below this (change of acceleration)^2 over acceleration^2, starting Newton from the last acceleration
-/// pays; above, it starts farther off than without.
+/// Below this (change of acceleration)^2 over acceleration^2 it pays to start Newton from the last
+/// acceleration. Above, it starts farther off than without.
 inline constexpr double smooth_jolt = 0.05;
 
-/// Multipliers are extrapolated over at most so many times the time between the two they are made of: steps
-/// double at most, where an accuracy chooses them.
+/// Multipliers are extrapolated over at most so many times the time between the two they are made of. Where
+/// an accuracy chooses steps, they double at most.
 inline constexpr double most_extrapolated = 2;
 
-/// Of the last multipliers and of those before, what goes into a first guess. -mu/kick is a tension over a
-/// length, where a substep starts for gradient old: the last two are u_step_before apart, and the next comes
-/// u_step later (both negative in parts of compositions). Gradient mid's swing from one substep to the next.
+/// Returns what factors of the last multipliers and of those before go into a first guess. For gradient old
+/// -mu/kick is a tension over a length where a substep starts. The last two are u_step_before apart, and the
+/// next comes u_step later. Both are negative in parts of compositions. Gradient mid's swing from one substep
+/// to the next, so they are carried on.
 template <class T>
 std::pair<double, double> multiplier_scales(const TreeState<T>& state, std::uint32_t lane, double kick,
                                             Gradient gradient) {

@@ -8,22 +8,22 @@ namespace plumb::detail::tree_limits {
 
 inline constexpr int most_iterations = 12;
 inline constexpr int most_halvings = 10;
-/// Solves of one substep after which the rest of it is left to gradient new: a tree that cannot be solved
+/// After so many solves of one substep the rest of it is left to gradient new. A tree that cannot be solved
 /// must not hold up the others.
 inline constexpr int most_attempts = 200;
 
-/// Newton's last change, RMS over particles relative to a rod, after which the next would be lost in
-/// rounding: convergence is quadratic. For mid tighter: what is left of every substep adds up in the energy
-/// (at 1e-7 to 2e-9 of the range in 12,000 steps of 100 rods with an end mass of 1000).
+/// After a change this small, RMS over particles relative to a rod, the next would be lost in rounding, since
+/// convergence is quadratic. For mid it is smaller: what is left of every substep adds up in the energy. At
+/// 1e-7 it comes to 2e-9 of the range in 12,000 steps of 100 rods with an end mass of 1000.
 template <class T>
 double converged_change(Gradient gradient) {
   if (sizeof(T) == 4) return 1e-4;
   return gradient == Gradient::mid ? 1e-8 : 1e-7;
 }
 
-/// Violation that the last iteration may find: root of the sum of C^2 relative to the square of a rod. What
-/// a sound solve leaves is as small as its change; rods that stay violated although nothing changes any more
-/// contradict each other, or are lost in rounding.
+/// The last iteration may find this violation, the root of the sum of C^2 relative to the square of a rod.
+/// What a sound solve leaves is as small as its change. Rods that stay violated although nothing changes any
+/// more contradict each other, or are lost in rounding.
 template <class T>
 constexpr double solved_residual = sizeof(T) == 8 ? 3e-6 : 3e-3;
 
@@ -31,8 +31,8 @@ constexpr double solved_residual = sizeof(T) == 8 ? 3e-6 : 3e-3;
 inline constexpr double hopeless_change = 30;
 
 /// Gradient old breaks where h times the highest frequency is above 2. A substep is cut into pieces below the
-/// first of these before it is tried, by the tensions of the last one, and does not count as solved above the
-/// second: between 1.6 and 2 chains with heavy ends gain energy, although each step alone is stable. What is
+/// first of these before it is tried, by the tensions of the last one. Above the second it does not count as
+/// solved: between 1.6 and 2 chains with heavy ends gain energy, although each step alone is stable. What is
 /// compared is a bound of the frequency (TreeKernels::find_stiffness).
 inline constexpr double aimed_frequency = 1.25, highest_frequency = 1.6;
 
@@ -40,13 +40,15 @@ constexpr double square(double a) {
   return a * a;
 }
 
-/// After a Newton step that found violations with squares that sum to `residual2` and changed displacements
-/// by the root of `change2`, a mean of squares, m^2. Squares, so that no lane takes a root.
+/// Says whether Newton has converged. Its last step found violations with squares that sum to `residual2`,
+/// and changed displacements by squares of the mean `change2` (m^2). They stay squares, so that no lane takes
+/// a root.
 template <class T>
 bool has_converged(double change2, double residual2, double scale2, Gradient gradient) {
   return change2 <= square(converged_change<T>(gradient)) * scale2 &&
          residual2 <= square(solved_residual<T> * scale2);
 }
+/// Says whether a change is too large to lead back, or is not a number.
 inline bool is_hopeless(double change2, double scale2) {
   return !(change2 <= square(hopeless_change) * scale2);
 }

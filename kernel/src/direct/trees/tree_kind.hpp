@@ -9,31 +9,31 @@
 
 namespace plumb::detail {
 
-/// What lane groups of one topology share: the rules of their steps, and working memory for every thread.
+/// Lane groups of one topology share the rules of their steps, and working memory for every thread.
 template <class T>
 struct TreeKind {
   struct Crew {
     TreeWorkspace<T> work;
-    TreeState<T> alone;  ///< one tree, for substeps that are halved
+    TreeState<T> alone;  ///< It is one tree, for substeps that are halved.
     TreeWorkspace<T> alone_work;
 
     TreeCrew<T> view() { return {work, alone, alone_work}; }
   };
 
-  /// How trees are moved, from the settings.
+  /// These rules come from the settings and say how trees are moved.
   struct Rules {
     Gradient gradient;
     std::uint32_t time_order;
-    bool controlled;        ///< an accuracy is set
-    bool changes_gradient;  ///< trees may take gradient mid while they move calmly
-    double drag;            ///< 1/s
+    bool controlled;        ///< It says whether an accuracy is set.
+    bool changes_gradient;  ///< Trees may take gradient mid while they are calm.
+    double drag;            ///< It is in 1/s.
     Isa isa;
     unsigned threads;
   };
 
   TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules);
 
-  /// Substeps estimate errors of second order by themselves; others show when substeps are compared.
+  /// Substeps estimate errors of second order by themselves. Others show when substeps are compared.
   bool estimates() const {
     return rules.controlled && rules.time_order == 2 && rules.gradient != Gradient::new_;
   }
@@ -42,8 +42,9 @@ struct TreeKind {
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;
   TreeStepper<T> stepper;
-  std::optional<TreeStepper<T>> calm_stepper;  ///< gradient mid, if the gradient may change
-  std::vector<Crew> crews;                     ///< per thread
+  std::optional<TreeStepper<T>>
+      calm_stepper;         ///< It has gradient mid, and is there if the gradient may change.
+  std::vector<Crew> crews;  ///< There is one per thread.
 };
 
 extern template struct TreeKind<float>;

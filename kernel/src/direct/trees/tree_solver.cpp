@@ -15,12 +15,12 @@ constexpr double unchanged = 1e-9;
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
 
-/// s, of the step that brings rods to their lengths: too short for loads to act.
+/// The step that brings rods to their lengths takes so many seconds, too short for loads to act.
 constexpr double projection_step = 1e-9;
 
-/// A tree is calm once gradient mid would need no more substeps than a step has at least: if mid would make
-/// this share of the error allowed in so many steps in turn. Found on chains with end masses of 1 to 10,000
-/// (at rest, swinging and whipping) and on trees of rods with mass.
+/// A tree is calm once gradient mid would need no more substeps than a step has at least. That is so if mid
+/// would make this share of the error allowed in so many steps in turn. The numbers were found on chains with
+/// end masses of 1 to 10,000 (at rest, swinging and whipping) and on trees of rods with mass.
 constexpr double calm_rate = 0.3;
 constexpr int calm_after = 2;
 /// Fewer substeps of gradient old than this are no dearer than one of mid, on lines and on other trees.
@@ -52,7 +52,7 @@ void TreeSolver<T>::finish_layout() {
         std::make_unique<Line>(Line{segments, std::move(state_), TreeWorkspace<T>(*cut.topology, cut.lanes)});
     state_ = std::move(cut);
   }
-  pins_begin_ = state_.topology->nodes * state_.lanes;
+  ties_begin_ = state_.topology->nodes * state_.lanes;
   velocity_ = layouts::AlignedBuffer<T>(state_.u.size());
   if (!kind_->rules.controlled) return;
   for (auto& saved : saved_) saved = std::make_unique<TreeState<T>>(state_.topology, state_.lanes);
@@ -66,13 +66,13 @@ Slot TreeSolver<T>::node_slot(std::uint32_t node, std::uint32_t lane) const {
 }
 
 template <class T>
-Slot TreeSolver<T>::pin_slot(std::uint32_t pin, std::uint32_t lane) const {
-  return pins_begin_ + pin * state_.lanes + lane;
+Slot TreeSolver<T>::tie_slot(std::uint32_t tie, std::uint32_t lane) const {
+  return ties_begin_ + tie * state_.lanes + lane;
 }
 
 template <class T>
 auto TreeSolver<T>::place_of(Slot slot) const -> Place {
-  const Slot at = is_pin(slot) ? slot - pins_begin_ : slot;
+  const Slot at = is_tie(slot) ? slot - ties_begin_ : slot;
   return {at / state_.lanes, at % state_.lanes};
 }
 
@@ -87,7 +87,7 @@ std::uint32_t TreeSolver<T>::project_positions() {
   Tally not_of_a_step;
   stepper.advance(state, projection_step, kind_->crews[0].view(), not_of_a_step);
   std::copy_n(state.x.data(), state.x.size(), before.x.data());
-  state.copy_motion(before);  // but for x
+  state.copy_motion(before);  // all but x goes back
   if (line_) line_->segments.scatter(state, state_);
   return static_cast<std::uint32_t>(not_of_a_step.unsolved);
 }
@@ -223,7 +223,7 @@ bool TreeSolver<T>::is_slower(std::uint32_t, double speed) const {
     if (state_.idle[lane]) continue;
     const double step = state_.u_step[lane];
     const T most = static_cast<T>(speed * (step != 0 ? step : 1));
-    // From the tips, which move most.
+    // The tips come first, which move most.
     for (std::size_t i = state_.u.size() - state_.lanes + lane; i < state_.u.size(); i -= state_.lanes)
       if (!(std::abs(state_.u[i]) <= most)) return false;
   }
@@ -249,14 +249,14 @@ double TreeSolver<T>::size(std::uint32_t) const {
 template <class T>
 Vec3 TreeSolver<T>::position(Slot slot) const {
   const Place place = place_of(slot);
-  if (!is_pin(slot)) return state_.position(place.node, place.lane);
-  const auto at = [&](std::uint32_t c) { return state_.pin_x[state_.at(3 * place.node + c, place.lane)]; };
+  if (!is_tie(slot)) return state_.position(place.node, place.lane);
+  const auto at = [&](std::uint32_t c) { return state_.tie_x[state_.at(3 * place.node + c, place.lane)]; };
   return {at(0), at(1), at(2)};
 }
 
 template <class T>
 Vec3 TreeSolver<T>::velocity(Slot slot) const {
-  if (is_pin(slot)) return {};
+  if (is_tie(slot)) return {};
   find_velocities();
   const Place place = place_of(slot);
   const auto at = [&](std::uint32_t c) {
@@ -268,7 +268,7 @@ Vec3 TreeSolver<T>::velocity(Slot slot) const {
 template <class T>
 void TreeSolver<T>::add_to_hash(Slot slot, StateHash& hash) const {
   hash.add<double>(position(slot));
-  if (is_pin(slot)) return;
+  if (is_tie(slot)) return;
   const Place place = place_of(slot);
   for (std::uint32_t c = 0; c < 3; ++c)
     hash.add(static_cast<double>(state_.u[state_.at(3 * place.node + c, place.lane)]));
@@ -302,7 +302,7 @@ void TreeSolver<T>::keep_velocities(std::uint32_t lane) {
 
 template <class T>
 double TreeSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) const {
-  double most = 0;  // of squares
+  double most = 0;  // it is the largest square of a speed
   for (std::size_t i = 0; i < slots.size(); ++i) {
     const Place place = place_of(slots[i]);
     const std::size_t at = state_.at(3 * place.node, place.lane), lanes = state_.lanes;
@@ -351,14 +351,14 @@ void TreeSolver<T>::set_away(Slot slot, bool away) {
 template <class T>
 void TreeSolver<T>::move_anchor(Slot slot, const AnchorMove& move) {
   const Place place = place_of(slot);
-  state_.pin_velocity[state_.at(place.node, place.lane)] = move.velocity();
-  state_.pins_move = true;
+  state_.tie_velocity[state_.at(place.node, place.lane)] = move.velocity();
+  state_.ties_move = true;
 }
 
 template <class T>
 void TreeSolver<T>::begin_anchors() {
-  anchors_changed_ = state_.pins_move && !std::equal(state_.pin_velocity.begin(), state_.pin_velocity.end(),
-                                                     state_.pin_last_velocity.begin(), [](Vec3 a, Vec3 b) {
+  anchors_changed_ = state_.ties_move && !std::equal(state_.tie_velocity.begin(), state_.tie_velocity.end(),
+                                                     state_.tie_last_velocity.begin(), [](Vec3 a, Vec3 b) {
                                                        return norm(a - b) <= unchanged * norm(a);
                                                      });
 }
@@ -366,20 +366,20 @@ void TreeSolver<T>::begin_anchors() {
 template <class T>
 void TreeSolver<T>::end_anchors() {
   anchors_changed_ = false;
-  if (!state_.pins_move) return;
-  state_.pins_move =
-      std::any_of(state_.pin_velocity.begin(), state_.pin_velocity.end(), [](Vec3 v) { return v != Vec3{}; });
-  state_.pin_last_velocity = state_.pin_velocity;
-  std::fill(state_.pin_velocity.begin(), state_.pin_velocity.end(), Vec3{});
-  std::fill_n(state_.pin_delta.data(), state_.pin_delta.size(), T(0));
-  std::fill_n(state_.pin_u.data(), state_.pin_u.size(), T(0));
+  if (!state_.ties_move) return;
+  state_.ties_move =
+      std::any_of(state_.tie_velocity.begin(), state_.tie_velocity.end(), [](Vec3 v) { return v != Vec3{}; });
+  state_.tie_last_velocity = state_.tie_velocity;
+  std::fill(state_.tie_velocity.begin(), state_.tie_velocity.end(), Vec3{});
+  std::fill_n(state_.tie_delta.data(), state_.tie_delta.size(), T(0));
+  std::fill_n(state_.tie_u.data(), state_.tie_u.size(), T(0));
 }
 
 template <class T>
 void TreeSolver<T>::place_anchor(Slot slot, Vec3 target) {
   const Place place = place_of(slot);
   const double at[3] = {target.x, target.y, target.z};
-  for (std::uint32_t c = 0; c < 3; ++c) state_.pin_x[state_.at(3 * place.node + c, place.lane)] = at[c];
+  for (std::uint32_t c = 0; c < 3; ++c) state_.tie_x[state_.at(3 * place.node + c, place.lane)] = at[c];
 }
 
 // --- Reports
@@ -387,7 +387,7 @@ void TreeSolver<T>::place_anchor(Slot slot, Vec3 target) {
 template <class T>
 void TreeSolver<T>::describe(WorldInfo& info) const {
   const TreeTopology& tree = line_ ? *line_->whole.topology : *state_.topology;
-  info.direct_rods += (line_ ? 1 : state_.trees) * (tree.nodes - 1 + tree.pins);
+  info.direct_rods += (line_ ? 1 : state_.trees) * (tree.nodes - 1 + tree.ties);
   info.changes_gradient = info.changes_gradient || (kind_->calm_stepper && !line_);
 }
 

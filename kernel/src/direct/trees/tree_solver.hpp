@@ -10,9 +10,10 @@
 
 namespace plumb::detail {
 
-/// A lane group: equal trees side by side, or one tree alone; a long line alone is cut into segments.
+/// This solver has a lane group: equal trees side by side, or one tree alone. A long line alone is cut into
+/// segments.
 ///
-/// Slots of movable particles number state.x by triples, and pins follow.
+/// Slots of movable particles number state.x by triples, and ties follow.
 template <class T>
 class TreeSolver final : public Solver {
  public:
@@ -21,15 +22,16 @@ class TreeSolver final : public Solver {
   /// Puts a tree of the scene into a lane, at rest. Lanes without a tree of their own repeat the last one.
   void fill_lane(std::uint32_t lane, const Scene& scene, MassModel model, const layouts::Tree& tree,
                  const TreeMembers& members);
-  /// Once all lanes are filled: cuts a long line, and allocates what an accuracy needs.
+  /// Cuts a long line, and allocates what an accuracy needs. It is called once all lanes are filled.
   void finish_layout();
   Slot node_slot(std::uint32_t node, std::uint32_t lane) const;
-  Slot pin_slot(std::uint32_t pin, std::uint32_t lane) const;
+  Slot tie_slot(std::uint32_t tie, std::uint32_t lane) const;
 
   /// Brings rods to their lengths by one step too short for loads to act. Returns the number of trees for
-  /// which that cannot be solved; they stay as they are.
+  /// which that cannot be solved. They stay as they are.
   std::uint32_t project_positions();
-  /// The velocity (m/s) that a particle starts with; project_velocities() takes from all what pulls on rods.
+  /// Sets the velocity (m/s) that a particle starts with. project_velocities() takes from all what pulls on
+  /// rods.
   void set_velocity(Slot slot, Vec3 velocity);
   void project_velocities();
 
@@ -73,7 +75,7 @@ class TreeSolver final : public Solver {
   void describe(WorldInfo& info) const override;
 
  private:
-  /// One line in segments: how it is cut, and itself for what happens rarely.
+  /// A line in segments is kept as it is cut, and as a whole for what happens rarely.
   struct Line {
     LineSegments segments;
     TreeState<T> whole;
@@ -84,7 +86,7 @@ class TreeSolver final : public Solver {
   };
 
   Place place_of(Slot slot) const;
-  bool is_pin(Slot slot) const { return slot >= pins_begin_; }
+  bool is_tie(Slot slot) const { return slot >= ties_begin_; }
   double advance_one(double h, unsigned part, Tally& report);
   void find_velocities() const;
   void keep_velocities(std::uint32_t lane);
@@ -92,14 +94,15 @@ class TreeSolver final : public Solver {
   std::shared_ptr<TreeKind<T>> kind_;
   mutable TreeState<T> state_;
   mutable std::unique_ptr<Line> line_;
-  std::uint32_t pins_begin_ = 0;                ///< the first slot of a pin
-  mutable layouts::AlignedBuffer<T> velocity_;  ///< m/s, 3 per node; at the end of the last step if known
+  std::uint32_t ties_begin_ = 0;  ///< It is the first slot of a tie.
+  mutable layouts::AlignedBuffer<T>
+      velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocities_known_ = false;
   bool anchors_changed_ = false;
-  bool away_ = false;     ///< a line that is moved elsewhere
-  bool is_calm_ = false;  ///< gradient mid moves it
-  int calm_steps_ = 0;    ///< steps in turn in which mid would have done
-  // With an accuracy:
+  bool away_ = false;     ///< Another solver moves the line.
+  bool is_calm_ = false;  ///< Gradient mid moves it.
+  int calm_steps_ = 0;    ///< In so many steps in turn mid would have done.
+  // An accuracy needs these:
   std::unique_ptr<TreeState<T>> saved_[2];
   layouts::AlignedBuffer<double> mark_{};
   double best_substep_ = 0;

@@ -10,11 +10,12 @@ namespace {
 using layouts::AlignedBuffer;
 using namespace simd;
 
-/// A pivot below this, relative to what it is made of, is rounding: pins make the rod redundant.
+/// A pivot below this, relative to what it is made of, is rounding. Ties then make the rod redundant.
 template <class T>
 constexpr T smallest_pivot = 64 * std::numeric_limits<T>::epsilon();
 
-/// Of a node's mass, what a bound of it is at least: rods whose mass is all in their middle leave none.
+/// A bound of a node's mass is at least this share of it, since rods whose mass is all in their middle leave
+/// none.
 constexpr double least_share = 1e-6;
 
 template <class B>
@@ -28,18 +29,18 @@ void copy_entries(B& to, std::uint32_t to_lanes, std::uint32_t to_lane, const B&
 
 TreeTopology::TreeTopology(const layouts::Tree& tree)
     : nodes(tree.nodes()),
-      pins(static_cast<std::uint32_t>(tree.pins.size())),
+      ties(static_cast<std::uint32_t>(tree.ties.size())),
       parent(tree.parent),
-      pin_begin(tree.pin_begin),
+      tie_begin(tree.tie_begin),
       below_slot(nodes, no_slot),
-      holds_pins(nodes, 0) {
-  const std::uint32_t first_pins = pin_begin[1], last_pins = nodes > 1 ? pins - pin_begin[nodes - 1] : 0;
-  is_line = first_pins <= 1 && last_pins <= 1 && first_pins + last_pins == pins;
+      holds_ties(nodes, 0) {
+  const std::uint32_t first_ties = tie_begin[1], last_ties = nodes > 1 ? ties - tie_begin[nodes - 1] : 0;
+  is_line = first_ties <= 1 && last_ties <= 1 && first_ties + last_ties == ties;
   for (std::uint32_t i = 1; i < nodes; ++i) is_line = is_line && parent[i] + 1 == i;
   for (std::uint32_t i = nodes; i-- > 0;) {
-    if (pin_begin[i] != pin_begin[i + 1]) holds_pins[i] = 1;
+    if (tie_begin[i] != tie_begin[i + 1]) holds_ties[i] = 1;
     if (i == 0) break;
-    if (holds_pins[i]) holds_pins[parent[i]] = 1;
+    if (holds_ties[i]) holds_ties[parent[i]] = 1;
     if (parent[i] + 1 != i && below_slot[parent[i]] == no_slot) below_slot[parent[i]] = below_slots++;
   }
 }
@@ -47,28 +48,28 @@ TreeTopology::TreeTopology(const layouts::Tree& tree)
 template <class T>
 TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t width)
     : topology(std::move(shape)), lanes(width), trees(width), idle(width, 0) {
-  const std::size_t n = std::size_t{topology->nodes} * lanes, p = std::size_t{topology->pins} * lanes;
+  const std::size_t n = std::size_t{topology->nodes} * lanes, p = std::size_t{topology->ties} * lanes;
   node = AlignedBuffer<T>(tree_fields::node * n);
-  pin = AlignedBuffer<T>(tree_fields::pin * p);
+  tie = AlignedBuffer<T>(tree_fields::tie * p);
   u = AlignedBuffer<T>(3 * n);
   acceleration = AlignedBuffer<T>(3 * n);
   acceleration_before = AlignedBuffer<T>(3 * n);
   force = AlignedBuffer<T>(3 * n);
-  pin_delta = AlignedBuffer<T>(3 * p);
-  pin_u = AlignedBuffer<T>(3 * p);
+  tie_delta = AlignedBuffer<T>(3 * p);
+  tie_u = AlignedBuffer<T>(3 * p);
   mu = AlignedBuffer<T>(n);
-  pin_mu = AlignedBuffer<T>(p);
+  tie_mu = AlignedBuffer<T>(p);
   mu_before = AlignedBuffer<T>(n);
-  pin_mu_before = AlignedBuffer<T>(p);
+  tie_mu_before = AlignedBuffer<T>(p);
   length2 = AlignedBuffer<double>(n);
-  pin_length2 = AlignedBuffer<double>(p);
+  tie_length2 = AlignedBuffer<double>(p);
   x = AlignedBuffer<double>(3 * n);
-  pin_x = AlignedBuffer<double>(3 * p);
+  tie_x = AlignedBuffer<double>(3 * p);
   weight = AlignedBuffer<double>(3 * n);
   mass_unit.assign(lanes, 1);
   scale2.assign(lanes, 1);
-  pin_velocity.assign(p, {});
-  pin_last_velocity.assign(p, {});
+  tie_velocity.assign(p, {});
+  tie_last_velocity.assign(p, {});
   for (auto* times : {&u_step, &u_step_before, &mu_kick, &mu_kick_before}) times->assign(lanes, 0);
   smooth.assign(lanes, 0);
   known.assign(lanes, 0);
@@ -77,11 +78,11 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
 /// Masses (kg) are summed up here, by node, while a lane is filled.
 template <class T>
 struct TreeState<T>::Masses {
-  Masses(std::size_t nodes, std::size_t pins)
-      : mass(nodes), least(nodes), first_moment(nodes), coupling(nodes), pin_coupling(pins) {}
+  Masses(std::size_t nodes, std::size_t ties)
+      : mass(nodes), least(nodes), first_moment(nodes), coupling(nodes), tie_coupling(ties) {}
 
   std::vector<double> mass, least, first_moment, coupling;
-  std::vector<double> pin_coupling;  ///< by pin
+  std::vector<double> tie_coupling;  ///< It is by tie.
 };
 
 template <class T>
@@ -95,10 +96,10 @@ template <class T>
 void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel model,
                              const layouts::Tree& tree, const TreeMembers& members) {
   const std::uint32_t nodes = tree.nodes();
-  Masses masses(nodes, tree.pins.size());
-  // Names of their own, not bindings: clang 14 lets no lambda take those.
+  Masses masses(nodes, tree.ties.size());
+  // These have names of their own, since clang 14 lets no lambda take bindings.
   std::vector<double>&mass = masses.mass, &least = masses.least, &first_moment = masses.first_moment;
-  std::vector<double>&coupling = masses.coupling, &pin_coupling = masses.pin_coupling;
+  std::vector<double>&coupling = masses.coupling, &tie_coupling = masses.tie_coupling;
   // Adds the rod of local edge `e`, with `vertex` (local) as its own end; the other may be fixed.
   const auto add_rod = [&](std::uint32_t e, std::uint32_t vertex, std::uint32_t i, double& couples,
                            bool other_moves) {
@@ -119,9 +120,9 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
     mass[i] += particle.mass;
     least[i] += particle.mass;
     first_moment[i] += particle.mass;
-    for (std::uint32_t k = tree.pin_begin[i]; k < tree.pin_begin[i + 1]; ++k) {
-      pin_length2[at(k, lane)] = add_rod(tree.pins[k].edge, tree.vertex[i], i, pin_coupling[k], false);
-      put(pin_x, 3 * k, lane, scene.particles[members.vertices[tree.pins[k].vertex]].position);
+    for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
+      tie_length2[at(k, lane)] = add_rod(tree.ties[k].edge, tree.vertex[i], i, tie_coupling[k], false);
+      put(tie_x, 3 * k, lane, scene.particles[members.vertices[tree.ties[k].vertex]].position);
     }
     if (i == 0) continue;
     const std::uint32_t p = tree.parent[i];
@@ -131,8 +132,8 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   }
   double sum = 0;
   for (std::uint32_t i = 1; i < nodes; ++i) sum += length2[at(i, lane)];
-  for (std::uint32_t k = 0; k < topology->pins; ++k) sum += pin_length2[at(k, lane)];
-  const std::uint32_t rods = nodes - 1 + topology->pins;
+  for (std::uint32_t k = 0; k < topology->ties; ++k) sum += tie_length2[at(k, lane)];
+  const std::uint32_t rods = nodes - 1 + topology->ties;
   scale2[lane] = rods > 0 ? sum / rods : 1;
   write_masses(lane, masses, scene.gravity);
 }
@@ -140,14 +141,14 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
 /// Writes the numbers of a lane that follow from its masses, which are stored relative to their mean.
 template <class T>
 void TreeState<T>::write_masses(std::uint32_t lane, const Masses& masses, Vec3 gravity) {
-  const auto& [mass, least, first_moment, coupling, pin_coupling] = masses;
+  const auto& [mass, least, first_moment, coupling, tie_coupling] = masses;
   const std::uint32_t nodes = topology->nodes;
   double total = 0;
   for (const double m : first_moment) total += m;
   const double unit = total / nodes;
   mass_unit[lane] = unit;
   for (std::uint32_t i = 0; i < nodes; ++i) {
-    const T floor = topology->holds_pins[i] ? smallest_pivot<T> : T(0);
+    const T floor = topology->holds_ties[i] ? smallest_pivot<T> : T(0);
     node[at(tree_fields::node * i, lane)] = static_cast<T>(mass[i] / unit);
     node[at(tree_fields::node * i + 1, lane)] = static_cast<T>(coupling[i] / unit);
     is_coupled = is_coupled || coupling[i] != 0;
@@ -156,10 +157,10 @@ void TreeState<T>::write_masses(std::uint32_t lane, const Masses& masses, Vec3 g
         static_cast<T>(unit / std::max(least[i], least_share * mass[i]));
     put(weight, 3 * i, lane, first_moment[i] * gravity);
     set_force(i, lane, {});
-    for (std::uint32_t k = topology->pin_begin[i]; k < topology->pin_begin[i + 1]; ++k) {
-      pin[at(tree_fields::pin * k, lane)] = static_cast<T>(pin_coupling[k] / unit);
-      is_coupled = is_coupled || pin_coupling[k] != 0;
-      pin[at(tree_fields::pin * k + 1, lane)] = floor;
+    for (std::uint32_t k = topology->tie_begin[i]; k < topology->tie_begin[i + 1]; ++k) {
+      tie[at(tree_fields::tie * k, lane)] = static_cast<T>(tie_coupling[k] / unit);
+      is_coupled = is_coupled || tie_coupling[k] != 0;
+      tie[at(tree_fields::tie * k + 1, lane)] = floor;
     }
   }
 }
@@ -171,19 +172,19 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   };
   for_motion(*this, from, copy);
   copy(node, from.node);
-  copy(pin, from.pin);
+  copy(tie, from.tie);
   copy(force, from.force);
-  copy(pin_delta, from.pin_delta);
-  copy(pin_u, from.pin_u);
+  copy(tie_delta, from.tie_delta);
+  copy(tie_u, from.tie_u);
   copy(length2, from.length2);
-  copy(pin_length2, from.pin_length2);
-  copy(pin_x, from.pin_x);
+  copy(tie_length2, from.tie_length2);
+  copy(tie_x, from.tie_x);
   copy(weight, from.weight);
-  copy(pin_velocity, from.pin_velocity);
-  copy(pin_last_velocity, from.pin_last_velocity);
+  copy(tie_velocity, from.tie_velocity);
+  copy(tie_last_velocity, from.tie_last_velocity);
   copy(mass_unit, from.mass_unit);
   copy(scale2, from.scale2);
-  pins_move = from.pins_move;
+  ties_move = from.ties_move;
   is_coupled = from.is_coupled;
 }
 
@@ -212,8 +213,8 @@ void TreeState<T>::copy_motion(const TreeState& from) {
     std::copy_n(source.data(), source.size(), to.data());
   };
   for_motion(*this, from, copy);
-  copy(pin_x, from.pin_x);
-  copy(pin_last_velocity, from.pin_last_velocity);
+  copy(tie_x, from.tie_x);
+  copy(tie_last_velocity, from.tie_last_velocity);
   frequency2 = from.frequency2;
 }
 
@@ -231,12 +232,12 @@ void TreeState<T>::set_force(std::uint32_t i, std::uint32_t lane, Vec3 newton) {
 
 template <class T>
 TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes) {
-  const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.pins} * lanes;
+  const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.ties} * lanes;
   for (auto* buffer : {&delta, &velocity, &load}) *buffer = AlignedBuffer<T>(3 * n);
   rod = AlignedBuffer<T>(tree_fields::rod * n);
-  pin_rod = AlignedBuffer<T>(tree_fields::rod * p);
+  tie_rod = AlignedBuffer<T>(tree_fields::rod * p);
   elimination = AlignedBuffer<T>(tree_fields::elimination * n);
-  pin_elimination = AlignedBuffer<T>(tree_fields::pin_elimination * p);
+  tie_elimination = AlignedBuffer<T>(tree_fields::tie_elimination * p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
   for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
                        &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
@@ -251,19 +252,19 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
   return {.nodes = shape.nodes,
           .lanes = state.lanes,
           .parent = shape.parent.data(),
-          .pin_begin = shape.pin_begin.data(),
+          .tie_begin = shape.tie_begin.data(),
           .is_coupled = state.is_coupled,
-          .is_plain = !state.is_coupled && shape.pins <= 1,
+          .is_plain = !state.is_coupled && shape.ties <= 1,
           .node = state.node.data(),
-          .pin = state.pin.data(),
+          .tie = state.tie.data(),
           .length2 = state.length2.data(),
-          .pin_length2 = state.pin_length2.data(),
+          .tie_length2 = state.tie_length2.data(),
           .x = state.x.data(),
           .u = state.u.data(),
           .force = state.force.data(),
-          .pin_x = state.pin_x.data(),
-          .pin_delta = state.pin_delta.data(),
-          .pin_u = state.pin_u.data(),
+          .tie_x = state.tie_x.data(),
+          .tie_delta = state.tie_delta.data(),
+          .tie_u = state.tie_u.data(),
           .guesses = guesses,
           .keeps_acceleration = keeps_acceleration,
           .acceleration_before = state.acceleration_before.data(),
@@ -285,14 +286,14 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .jolt = jolt.data(),
           .delta = delta.data(),
           .mu = state.mu.data(),
-          .pin_mu = state.pin_mu.data(),
+          .tie_mu = state.tie_mu.data(),
           .mu_before = state.mu_before.data(),
-          .pin_mu_before = state.pin_mu_before.data(),
+          .tie_mu_before = state.tie_mu_before.data(),
           .load = load.data(),
           .rod = rod.data(),
-          .pin_rod = pin_rod.data(),
+          .tie_rod = tie_rod.data(),
           .elimination = elimination.data(),
-          .pin_elimination = pin_elimination.data(),
+          .tie_elimination = tie_elimination.data(),
           .below_slot = shape.below_slot.data(),
           .below_slots = shape.below_slots,
           .below = below.data()};

@@ -13,7 +13,7 @@
 namespace plumb::detail {
 using namespace tree_limits;
 
-/// load = ratio M u + kick force; u becomes u_delta delta - u_before ratio u.
+/// With these, load = ratio M u + kick force, and u becomes u_delta delta - u_before ratio u.
 template <class T>
 struct TreeStepper<T>::Coefficients {
   double ratio, kick, u_delta, u_before;
@@ -40,11 +40,12 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
     const double decay = drag_ > 0 ? detail::exp(-drag_ * h / 2) : 1;
     return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
   }
-  if (gradient_ == Gradient::mid) {  // falls back from a velocity in mid-flight, not from a start
+  if (gradient_ == Gradient::mid) {  // it falls back from a velocity in mid-flight, not from a start
     const double decay = drag_ > 0 ? detail::exp(-drag_ * h) : 1;
     return {decay * h, mean_decay(drag_ * h) * h * h, 1, 0};
   }
-  // From the middle of the last substep to that of this one; from its start if u is a velocity.
+  // The time is from the middle of the last substep, or from its end if u is a velocity, to the middle of
+  // this one.
   const double between = (h + last) / 2;
   return {(drag_ > 0 ? detail::exp(-drag_ * between) : 1) * (last != 0 ? h / last : h),
           mean_decay(drag_ * between) * h * between, 1, 0};
@@ -52,14 +53,14 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
 
 template <class T>
 void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const {
-  Coefficients of_lane{};  // mostly the same in all: exp() is dear
+  Coefficients of_lane{};  // it is mostly the same in all, and exp() is dear
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
     if (lane == 0 || state.u_step[lane] != state.u_step[lane - 1])
       of_lane = coefficients(state.u_step[lane], h, gradient);
     const auto& [ratio, kick, u_delta, u_before] = of_lane;
     work.ratio[lane] = static_cast<T>(ratio);
     work.kick[lane] = static_cast<T>(kick);
-    // The acceleration of gradient mid carries an undamped oscillation of period 2h; means of two are free of
+    // The acceleration of gradient mid carries an undamped oscillation of period 2h. Means of two are free of
     // it.
     const bool mean = gradient == Gradient::mid;
     work.guess[lane] = state.smooth[lane] ? static_cast<T>(mean ? kick / 2 : kick) : T(0);
@@ -72,32 +73,32 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
     work.mu_scale_before[lane] = static_cast<T>(scale_before);
     work.active[lane] = state.idle[lane] ? T(0) : T(1);
   }
-  if (state.pins_move) set_pin_displacements(state, h, work);
+  if (state.ties_move) set_tie_displacements(state, h, work);
   work.guesses = !is_line(state, gradient);
   work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
 }
 
 template <class T>
-void TreeStepper<T>::put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const {
+void TreeStepper<T>::put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const {
   const std::size_t lanes = state.lanes, first = i / lanes * 3 * lanes + i % lanes;
-  state.pin_delta[first] = static_cast<T>(delta.x);
-  state.pin_delta[first + lanes] = static_cast<T>(delta.y);
-  state.pin_delta[first + 2 * lanes] = static_cast<T>(delta.z);
-  state.pin_u[first] = static_cast<T>(u.x);
-  state.pin_u[first + lanes] = static_cast<T>(u.y);
-  state.pin_u[first + 2 * lanes] = static_cast<T>(u.z);
+  state.tie_delta[first] = static_cast<T>(delta.x);
+  state.tie_delta[first + lanes] = static_cast<T>(delta.y);
+  state.tie_delta[first + 2 * lanes] = static_cast<T>(delta.z);
+  state.tie_u[first] = static_cast<T>(u.x);
+  state.tie_u[first + lanes] = static_cast<T>(u.y);
+  state.tie_u[first + 2 * lanes] = static_cast<T>(u.z);
 }
 
 template <class T>
-void TreeStepper<T>::set_pin_displacements(TreeState<T>& state, double h,
+void TreeStepper<T>::set_tie_displacements(TreeState<T>& state, double h,
                                            const TreeWorkspace<T>& work) const {
-  for (std::size_t i = 0; i < state.pin_velocity.size(); ++i) {
+  for (std::size_t i = 0; i < state.tie_velocity.size(); ++i) {
     // What comes before goes into the load as the tree's own u does, drag included.
     const std::size_t lane = i % state.lanes;
     const double ratio = static_cast<double>(work.ratio[lane]), step = state.u_step[lane];
-    put_pins(state, i, h * state.pin_velocity[i],
-             ratio * (step != 0 ? step : 1) * state.pin_last_velocity[i]);
+    put_ties(state, i, h * state.tie_velocity[i],
+             ratio * (step != 0 ? step : 1) * state.tie_last_velocity[i]);
   }
 }
 
@@ -144,11 +145,11 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
     state.mu_kick_before[lane] = state.mu_kick[lane];
     state.mu_kick[lane] = static_cast<double>(work.kick[lane]);
     state.known[lane] = static_cast<std::uint8_t>(std::min(state.known[lane] + 1, 2));
-    if (!state.pins_move) continue;
-    for (std::size_t i = lane; i < state.pin_x.size(); i += state.lanes)
-      state.pin_x[i] += static_cast<double>(state.pin_delta[i]);
-    for (std::size_t i = lane; i < state.pin_velocity.size(); i += state.lanes)
-      state.pin_last_velocity[i] = state.pin_velocity[i];
+    if (!state.ties_move) continue;
+    for (std::size_t i = lane; i < state.tie_x.size(); i += state.lanes)
+      state.tie_x[i] += static_cast<double>(state.tie_delta[i]);
+    for (std::size_t i = lane; i < state.tie_velocity.size(); i += state.lanes)
+      state.tie_last_velocity[i] = state.tie_velocity[i];
   }
   kernels(state).advance(work.view(state));
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
@@ -159,9 +160,9 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
 template <class T>
 void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane) const {
   for (std::size_t i = lane; i < state.mu.size(); i += state.lanes) state.mu[i] = state.mu_before[i];
-  for (std::size_t i = lane; i < state.pin_mu.size(); i += state.lanes)
-    state.pin_mu[i] = state.pin_mu_before[i];
-  state.mu_kick_before[lane] = 0;  // those before the last are overwritten
+  for (std::size_t i = lane; i < state.tie_mu.size(); i += state.lanes)
+    state.tie_mu[i] = state.tie_mu_before[i];
+  state.mu_kick_before[lane] = 0;  // those before the last are lost
 }
 
 template <class T>
@@ -176,7 +177,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
       ++counters.direct_substeps;
       if (gradient != gradient_) {
         ++counters.fallbacks;
-        // As a velocity, which every gradient can go on from.
+        // u becomes a velocity, which every gradient can go on from.
         for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(state.u[i] / h);
         state.u_step[0] = 0;
       }
@@ -263,7 +264,7 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
     if (advance_halves(alone, h, alone_work, counters)) {
       state.copy_lane(lane, alone, 0);
     } else {
-      state.frequency2 = 0;  // made of multipliers that solve nothing
+      state.frequency2 = 0;  // it was made of multipliers that solve nothing
     }
   }
   return error;
@@ -320,18 +321,18 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
 }
 
 template <class T>
-void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity,
+void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity,
                              TreeWorkspace<T>& work) const {
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
   simd::TreeView<T> view = work.view(state);
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
-  for (std::size_t i = 0; i < pin_velocity.size(); ++i)
-    put_pins(state, i, pin_velocity[i], state.pin_last_velocity[i]);
+  for (std::size_t i = 0; i < tie_velocity.size(); ++i)
+    put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
   kernels(state).prepare(view);
   std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
   kernels(state).project(view);
-  std::fill_n(state.pin_delta.data(), state.pin_delta.size(), T(0));
-  std::fill_n(state.pin_u.data(), state.pin_u.size(), T(0));
+  std::fill_n(state.tie_delta.data(), state.tie_delta.size(), T(0));
+  std::fill_n(state.tie_u.data(), state.tie_u.size(), T(0));
 }
 
 template <class T>
@@ -350,9 +351,9 @@ void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& w
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
-  project(state, state.pin_velocity, work);
+  project(state, state.tie_velocity, work);
   take_finite(state, work, state.u);
-  state.pin_last_velocity = state.pin_velocity;
+  state.tie_last_velocity = state.tie_velocity;
 }
 
 template <class T>
@@ -364,15 +365,15 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     any = any || displacements;
     const T scale = displacements ? static_cast<T>(detail::exp(-drag_ * step / 2) / step) : T(1);
     for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
-    // The displacement of gradient new is the velocity at the end of its substep, that of old half a substep
-    // earlier.
+    // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
+    // substep earlier.
     work.kick[lane] = gradient_ == Gradient::old && displacements
                           ? static_cast<T>(mean_decay(drag_ * step / 2) * step / 2)
                           : T(0);
     work.active[lane] = displacements ? T(1) : T(0);
   }
   if (any) {
-    project(state, state.pin_last_velocity, work);
+    project(state, state.tie_last_velocity, work);
     take_finite(state, work, work.velocity);
   }
 }

@@ -16,36 +16,36 @@ namespace plumb::detail {
 template <class T>
 struct TreeCrew {
   TreeWorkspace<T>& work;
-  TreeState<T>& alone;  ///< one tree, for substeps that are halved
+  TreeState<T>& alone;  ///< It is one tree, for substeps that are halved.
   TreeWorkspace<T>& alone_work;
 };
 
 /// Advances trees by substeps in which all rods of a tree are solved at once by Newton's method.
 ///
-/// With C = (|x_b - x_a|^2 - L^2)/2 for every rod and m = d + theta (change of d) the directions of its
-/// force,
+/// Every rod has C = (|x_b - x_a|^2 - L^2)/2, and its force is along m = d + theta (change of d). The
+/// equations are
 ///
 ///   M delta = load + sum over rods of mu m,    C(x + delta) = 0
 ///
-/// theta 0 is SHAKE (Ryckaert, Ciccotti, Berendsen 1977; load = M u + h^2 f), theta 1/2 the energy-momentum
-/// scheme (Simo, Tarnow 1992; Gonzalez 2000; load = h M v + h^2/2 f, v_new = 2 delta/h - v), theta 1 the
-/// exact limit of the thesis's projection (eq. 4.5-4.7).
+/// theta 0 is SHAKE (Ryckaert, Ciccotti, Berendsen 1977), with load = M u + h^2 f. theta 1/2 is the
+/// energy-momentum scheme (Simo, Tarnow 1992; Gonzalez 2000), with load = h M v + h^2/2 f and v_new = 2
+/// delta/h - v. theta 1 is the exact limit of the thesis's projection (eq. 4.5-4.7).
 ///
-/// Where Newton fails, the tree is put back and takes two steps of half the length, and so on; what still
-/// fails at the shortest length is tried with theta 1, which is the hardest to break; if even that fails the
+/// Where Newton fails, the tree is put back and takes two steps of half the length, and so on. What still
+/// fails at the shortest length is tried with theta 1, which is the hardest to break. If even that fails the
 /// tree stays where it was, and is counted.
 template <class T>
 class TreeStepper {
  public:
-  /// `estimates`: whether advance() is to estimate errors, of time order 2.
+  /// `estimates` says whether advance() is to estimate errors, of time order 2.
   TreeStepper(Gradient gradient, double drag, bool estimates, Isa isa, std::uint32_t time_order = 2);
 
-  /// One substep, composed of shares for a time order above 2, of every tree of a state. Returns an estimate
-  /// of the position error it adds, in m: h^2/12 times the change of acceleration, RMS over the particles of
-  /// the worst tree; infinite where a tree had to be halved.
+  /// Takes one substep, composed of shares for a time order above 2, of every tree of a state. Returns an
+  /// estimate of the position error that it adds, in m. That is h^2/12 times the change of acceleration, RMS
+  /// over the particles of the worst tree. It is infinite where a tree had to be halved.
   double advance(TreeState<T>& state, double h, const TreeCrew<T>& crew, Tally& counters) const;
 
-  /// The same for one line in segments.
+  /// Does the same for one line in segments.
   double advance(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
                  Tally& counters) const;
 
@@ -53,45 +53,45 @@ class TreeStepper {
   /// from fixed ends that change their velocity.
   void project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
-  /// Velocities of all lanes at the end of the last substep (m/s) into work.velocity. Those of gradient old
-  /// fit the rods (RATTLE, Andersen 1983).
+  /// Puts velocities of all lanes at the end of the last substep (m/s) into work.velocity. Those of gradient
+  /// old fit the rods (RATTLE, Andersen 1983).
   void find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
-  /// Whether multipliers alone are unknown, see simd/tree/line_lanes.hpp.
+  /// Says whether multipliers alone are unknown, see simd/tree/line_lanes.hpp.
   static bool is_line(const TreeState<T>& state, Gradient gradient) {
     return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
   }
 
-  /// How many pieces a substep is cut into so that gradient old stays stable, by the tensions of the last
-  /// one. Each piece has all shares: pieces of shares would be of second order.
+  /// Says how many pieces a substep is cut into so that gradient old stays stable, by the tensions of the
+  /// last one. Each piece has all shares: pieces of shares would be of second order.
   std::uint32_t cuts(const TreeState<T>& state, double h) const;
 
  private:
   double advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew, Tally& counters) const;
   double advance_piece(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
                        Tally& counters) const;
-  /// Whether no lane that converged is beyond that limit; those that are count as failed.
+  /// Says whether no lane that converged is beyond that limit. Those that are count as failed.
   bool is_stable(TreeState<T>& state, double h, TreeWorkspace<T>& work,
                  const LineSegments* segments = nullptr) const;
   struct Coefficients;
-  /// `last`: TreeState::u_step.
+  /// `last` is TreeState::u_step, in s.
   Coefficients coefficients(double last, double h, Gradient gradient) const;
   void begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
-  /// Newton until every lane has converged or failed; says whether all converged.
+  /// Iterates until every lane has converged or failed. Says whether all converged.
   bool solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work, Tally& counters) const;
   void accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
-  /// Those that a lane had before a substep that failed.
+  /// Puts back those that a lane had before a substep that failed.
   void restore_multipliers(TreeState<T>& state, std::uint32_t lane) const;
-  /// A tree alone, by recursive halving.
+  /// Advances a tree alone, by recursive halving.
   bool advance_alone(TreeState<T>& state, double h, int depth, int& attempts, TreeWorkspace<T>& work,
                      Tally& counters) const;
   bool advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work, Tally& counters) const;
-  /// Of this substep and the one before.
-  void set_pin_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
-  void put_pins(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
-  /// work.velocity onto what no rod resists when fixed ends go at pin_velocity, into work.delta.
-  void project(TreeState<T>& state, const std::vector<Vec3>& pin_velocity, TreeWorkspace<T>& work) const;
-  /// What was projected, where it could be.
+  /// Sets those of this substep and the one before.
+  void set_tie_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
+  void put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
+  /// Projects work.velocity onto what no rod resists when fixed ends go at tie_velocity, into work.delta.
+  void project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity, TreeWorkspace<T>& work) const;
+  /// Takes what was projected, where it could be.
   void take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
                    layouts::AlignedBuffer<T>& to) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;

@@ -24,7 +24,7 @@ struct Choice {
 /// Islands that are moved alike.
 struct Share {
   Choice choice;
-  std::vector<std::vector<std::uint32_t>> groups;  ///< those with equal graphs together
+  std::vector<std::vector<std::uint32_t>> sets;  ///< those with equal graphs together
 };
 
 Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const std::uint32_t> rods,
@@ -42,7 +42,7 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
 }
 
 /// Whether anything may touch, or an island may have more than particles and rods.
-bool has_more_than_rods(const Scene& scene) {
+bool needs_contact_stage(const Scene& scene) {
   const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
                           !scene.angles.empty() || !scene.capsules.empty() || scene.joint_drag != 0;
   return has_joints ||
@@ -62,7 +62,7 @@ class Compiler {
         is_jointed_(scene.particles.size(), 0) {}
 
   Compiled make() {
-    if (has_more_than_rods(scene_)) make_contact();
+    if (needs_contact_stage(scene_)) make_contact();
     add_islands();
     if (contact_) add_contact();
     place_particles();
@@ -120,13 +120,13 @@ class Compiler {
     const std::vector<Share> shares = shares_of(islands);
     if (settings_.method == Method::automatic) require_settings_read(shares);
     for (const Share& share : shares) {
-      const IslandGroups groups{graph_, islands, share.groups};
+      const IslandSets sets{graph_, islands, share.sets};
       if (share.choice.method != Method::direct) {
-        for (MadeSolver& made : method_row(share.choice.method).make(scene_, groups, settings_, start_))
+        for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
         continue;
       }
-      for (MadeSolver& made : make_direct_solvers(scene_, groups, settings_, share.choice.direct, start_))
+      for (MadeSolver& made : make_direct_solvers(scene_, sets, settings_, share.choice.direct, start_))
         add(std::move(made));
       if (is_first) {
         out_.info.direct_gradient = share.choice.direct.gradient;
@@ -157,7 +157,7 @@ class Compiler {
     std::vector<Share> shares;
     for (const auto& equal : layouts::group_equal_islands(graph_, islands)) {
       const layouts::LocalGraph local = layouts::local_graph(graph_, islands, equal.front());
-      std::vector<std::size_t> joined;  // shares that this group's islands went to
+      std::vector<std::size_t> joined;  // shares that this set's islands went to
       for (const std::uint32_t island : equal) {
         if (is_jointed_[islands.vertices(island).front()] != 0) continue;
         ++islands_of_rods_;
@@ -168,9 +168,9 @@ class Compiler {
         const auto number = static_cast<std::size_t>(share - shares.begin());
         if (std::find(joined.begin(), joined.end(), number) == joined.end()) {
           joined.push_back(number);
-          share->groups.emplace_back();
+          share->sets.emplace_back();
         }
-        share->groups.back().push_back(island);
+        share->sets.back().push_back(island);
       }
     }
     return shares;

@@ -14,8 +14,8 @@ namespace plumb::layouts {
 /// that hangs from a vertex can so be eliminated before the vertex itself. Edges to fixed vertices close no
 /// cycle, since fixed vertices do not move.
 struct Tree {
-  /// An edge to a fixed vertex.
-  struct Pin {
+  /// An edge to a fixed vertex, as a rod to an anchor is.
+  struct Tie {
     std::uint32_t vertex;  ///< The fixed vertex.
     std::uint32_t edge;    ///< The edge to it.
   };
@@ -23,8 +23,8 @@ struct Tree {
   std::vector<std::uint32_t> vertex;  ///< Vertex of every node, the root first.
   std::vector<std::uint32_t> parent;  ///< Parent of every node, with a smaller number; the root has itself.
   std::vector<std::uint32_t> edge;    ///< Edge of every node to its parent; not used for the root.
-  std::vector<std::uint32_t> pin_begin;  ///< Start of each node's entries in `pins`; nodes + 1 entries.
-  std::vector<Pin> pins;                 ///< Edges to fixed vertices, by node, then by edge.
+  std::vector<std::uint32_t> tie_begin;  ///< Start of each node's entries in `ties`; nodes + 1 entries.
+  std::vector<Tie> ties;                 ///< Edges to fixed vertices, by node, then by edge.
 
   /// Number of nodes.
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(vertex.size()); }

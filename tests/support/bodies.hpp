@@ -11,7 +11,7 @@
 #include "scenes/humanoid/limbs.hpp"
 #include "support/direct.hpp"
 
-/// What tests of limbs, joints and contact share.
+/// What tests of bodies, joints and contact share.
 namespace plumb::test {
 
 constexpr double frame = 1.0 / 60;  ///< s
@@ -19,7 +19,7 @@ constexpr double earth = 9.81;      ///< m/s², Scene::gravity
 constexpr double degree = std::numbers::pi / 180;
 
 /// Nothing falls asleep unless it is asked to.
-inline Settings limbs(std::uint32_t substeps = 1, bool sleep = false) {
+inline Settings body_settings(std::uint32_t substeps = 1, bool sleep = false) {
   return {.method = Method::direct, .substeps = substeps, .sleep = sleep, .threads = 1};
 }
 
@@ -36,8 +36,8 @@ inline std::uint32_t add_ball(Scene& scene, Vec3 position, double radius, double
 }
 
 /// A thin rod within a capsule, on two particles of its own. Its rod.
-inline std::uint32_t add_limb(Scene& scene, Vec3 a, Vec3 b, double mass, double radius,
-                              Surface surface = smooth) {
+inline std::uint32_t add_capsule_rod(Scene& scene, Vec3 a, Vec3 b, double mass, double radius,
+                                     Surface surface = smooth) {
   const auto particle = static_cast<std::uint32_t>(scene.particles.size());
   const auto rod = static_cast<std::uint32_t>(scene.rods.size());
   scene.particles.push_back(movable(a, 0));

@@ -5,7 +5,7 @@
 
 #include "plumb/scene.hpp"
 
-/// What validate() asks of all that is more than particles and rods. Everything here throws InputError.
+/// What validate() asks of bodies, joints, shapes and ground. Everything here throws InputError.
 namespace plumb::detail {
 
 /// Where four particles are, in m.

@@ -1,4 +1,4 @@
-#include "scene/validate_limbs.hpp"
+#include "scene/validate_bodies.hpp"
 
 #include <algorithm>
 #include <cmath>

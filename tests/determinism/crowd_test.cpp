@@ -1,12 +1,11 @@
-// Limbs that touch: the same bits whoever's threads do the work, and again with the same.
-
-#include "support/limbs.hpp"
+// Figures that touch: the same bits whoever's threads do the work, and again with the same.
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 
 #include "scenes/spec.hpp"
+#include "support/bodies.hpp"
 #include "support/executors.hpp"
 
 namespace plumb {
@@ -14,13 +13,13 @@ namespace {
 
 /// After five seconds in which 16 of 64 figures are struck, fall and, some of them, fall asleep.
 std::uint64_t crowd_after_300_frames(unsigned threads, Executor* executor = nullptr) {
-  Settings settings = test::limbs(1, true);
+  Settings settings = test::body_settings(1, true);
   settings.threads = threads;
   settings.executor = executor;
   World world(scenes::load_scene("crowd:humanoids=64,hit=16"), settings);
   EXPECT_EQ(world.info().threads, threads);
   const StepReport report = test::run(world, test::frame, 300);
-  EXPECT_GT(report.contacts, 4u) << "in one group at once";
+  EXPECT_GT(report.contacts, 4u) << "in one cluster at once";
   return world.state_hash();
 }
 

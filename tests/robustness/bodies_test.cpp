@@ -1,7 +1,7 @@
-// Scenes with limbs that touch: what cannot move them is refused with the reason, extremes stay finite, and
-// what breaks is one island's alone.
+// Scenes with bodies, joints and contact: what cannot move them is refused with the reason, extremes stay
+// finite, and what breaks is one island's alone.
 
-#include "support/limbs.hpp"
+#include "support/bodies.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ std::string refusal(const std::function<void()>& f) {
 }
 
 // The reason names what was asked for.
-TEST(Limbs, AreRefusedToMethodsThatKnowRodsAlone) {
+TEST(Bodies, AreRefusedToMethodsThatKnowRodsAlone) {
   const Scene scene = scenes::load_scene("humanoid:body=thin");
   for (const Method method : {Method::relax, Method::springs, Method::multipliers, Method::featherstone}) {
     const std::string reason = refusal([&] { World(scene, {.method = method, .threads = 1}); });
@@ -49,15 +49,15 @@ TEST(Limbs, AreRefusedToMethodsThatKnowRodsAlone) {
 }
 
 // A shape or an angle that nothing moves.
-TEST(Limbs, OnFixedParticlesAloneAreRefused) {
+TEST(Bodies, OnFixedParticlesAloneAreRefused) {
   Scene scene;
   scene.particles = {test::fixed({0, 0, 0}), test::fixed({1, 0, 0}), test::movable({0, 1, 0})};
   scene.capsules.push_back({.a = point_at(0), .b = point_at(1), .radius = 0.1});
-  EXPECT_NE(refusal([&] { World(scene, test::limbs()); }).find("fixed"), std::string::npos);
+  EXPECT_NE(refusal([&] { World(scene, test::body_settings()); }).find("fixed"), std::string::npos);
 }
 
-TEST(Limbs, RefuseStepsAndChangesThatMakeNoSense) {
-  World world(scenes::load_scene("humanoid:body=thin"), test::limbs());
+TEST(Bodies, RefuseStepsAndChangesThatMakeNoSense) {
+  World world(scenes::load_scene("humanoid:body=thin"), test::body_settings());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double dt : {0.0, -1.0, nan})
     EXPECT_NE(refusal([&] { world.step(dt); }).find("dt"), std::string::npos);
@@ -78,32 +78,32 @@ Scene lopsided(double unit, double ratio) {
   return scene;
 }
 
-// 1 g to 100 t, in one figure and against the ball. 1 % is the bar for stretch.
-TEST(Limbs, StayFiniteAtExtremeMasses) {
+// 1 g to 100 t, in one figure and against the ball. 1 % is the bar for strain.
+TEST(Bodies, StayFiniteAtExtremeMasses) {
   for (const double unit : {1e-3, 1.0, 1e5})
     for (const double ratio : {1.0, 1e4, 1e-4}) {
       SCOPED_TRACE(testing::Message() << unit << " kg, ratio " << ratio);
       const Scene scene = lopsided(unit, ratio);
-      World world(scene, test::limbs(1, true));
-      double stretch = 0;
+      World world(scene, test::body_settings(1, true));
+      double strain = 0;
       StepReport report;
       for (int i = 0; i < 120; ++i) {
         report += world.step(frame);
         ASSERT_TRUE(test::all_finite(world)) << "step " << i;
-        stretch = std::max(stretch, test::stretch_of(scene, world).max);
+        strain = std::max(strain, test::stretch_of(scene, world).max);
       }
-      EXPECT_LE(stretch, 0.01);
+      EXPECT_LE(strain, 0.01);
       EXPECT_EQ(report.frozen_islands, 0u);
     }
 }
 
-TEST(Limbs, StayFiniteAtExtremeSteps) {
+TEST(Bodies, StayFiniteAtExtremeSteps) {
   for (const char* spec : {"humanoid:body=wide", "stick_box", "drop", "crowd:humanoids=4,hit=4,body=thin"})
     for (const double dt : {1e-5, 1e-3, 0.1, 0.5, 1.0}) {
       SCOPED_TRACE(testing::Message() << spec << ", dt " << dt);
       Scene scene = scenes::load_scene(spec);
       for (Particle& particle : scene.particles) particle.asleep = false;
-      World world(scene, test::limbs(1, true));
+      World world(scene, test::body_settings(1, true));
       for (int i = 0; i < 50; ++i) {
         world.step(dt);
         ASSERT_TRUE(test::all_finite(world)) << "step " << i;
@@ -129,9 +129,9 @@ void expect_alike(const World& world, const World& twin, std::uint32_t first, st
 
 // A force that no step is short enough for: the figure stays where it is, and that is reported. The others go
 // on, to the bit.
-TEST(Limbs, LeaveTheOthersAloneWhenOneCannotBeSolved) {
+TEST(Bodies, LeaveTheOthersAloneWhenOneCannotBeSolved) {
   const Scene scene = figures_and_a_loose_ball();
-  World world(scene, test::limbs()), twin(scene, test::limbs());
+  World world(scene, test::body_settings()), twin(scene, test::body_settings());
   test::run(world, frame, 2);
   test::run(twin, frame, 2);
   const std::vector<Vec3> before = test::positions_of(world);
@@ -147,12 +147,12 @@ TEST(Limbs, LeaveTheOthersAloneWhenOneCannotBeSolved) {
 }
 
 // Nor does what it leaves in memory reach those that are moved after it.
-TEST(Limbs, MoveAfterAnIslandThatBroke) {
+TEST(Bodies, MoveAfterAnIslandThatBroke) {
   Scene scene;
   const std::uint32_t breaks = test::add_ball(scene, {0, 0, 0}, 0.1, 1e-8);
   const std::uint32_t falls = test::add_ball(scene, {50, 0, 0}, 0.1, 1);
   scene.joint_drag = 1;  // which does nothing to a ball, but only the contact solver knows it
-  World world(scene, test::limbs());
+  World world(scene, test::body_settings());
   world.set_force(breaks, {0, 1.7e308, 0});
   std::uint32_t frozen = 0;
   for (int i = 0; i < 10; ++i) frozen += world.step(frame).frozen_islands;
@@ -161,13 +161,13 @@ TEST(Limbs, MoveAfterAnIslandThatBroke) {
 }
 
 // A ball whose numbers run out is put back to where it was, stands still from then on, and is counted once.
-TEST(Limbs, FreezeOnlyTheIslandThatBroke) {
+TEST(Bodies, FreezeOnlyTheIslandThatBroke) {
   const Scene scene = figures_and_a_loose_ball();
   const std::uint32_t ball = 31;
   for (const double mass : {1.0, 1e-8}) {
     Scene light = scene;
     light.particles[ball].mass = mass;
-    World world(light, test::limbs()), twin(light, test::limbs());
+    World world(light, test::body_settings()), twin(light, test::body_settings());
     world.set_force(ball, {0, 1.7e308, 0});
     std::uint32_t frozen = 0;
     for (int i = 0; i < 30; ++i) {

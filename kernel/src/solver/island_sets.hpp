@@ -10,10 +10,10 @@
 namespace plumb::detail {
 
 /// Islands of a scene that one method moves, those with equal graphs together.
-struct IslandGroups {
-  layouts::Graph graph;                            ///< of the whole scene
-  const layouts::Islands& islands;                 ///< of the whole scene
-  std::vector<std::vector<std::uint32_t>> groups;  ///< island numbers
+struct IslandSets {
+  layouts::Graph graph;                          ///< of the whole scene
+  const layouts::Islands& islands;               ///< of the whole scene
+  std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers
 };
 
 }  // namespace plumb::detail

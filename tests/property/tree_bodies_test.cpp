@@ -1,0 +1,112 @@
+// The bodies of the loops of trees, for one lane: a substep's stages against what they are to leave.
+
+#include <gtest/gtest.h>
+
+// Every body is made of those before it.
+// clang-format off
+#include "simd/tree/one_lane.hpp"
+#include "simd/tree/tree_lanes.hpp"
+#include "simd/tree/motion_lanes.hpp"
+#include "simd/tree/line_lanes.hpp"
+#include "simd/tree/segment_lanes.hpp"
+// clang-format on
+
+#include "scenes/generators/generators.hpp"
+#include "support/tree_numbers.hpp"
+
+namespace plumb::simd {
+namespace {
+
+using Numbers = test::TreeNumbers<double>;
+
+/// |x + delta - that of the parent or tie|² - L² of a line's rod i.
+double left_of(const Numbers& n, std::uint32_t i) {
+  double sum = 0;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const double above =
+        i > 0 ? n.state.x[3 * (i - 1) + c] + n.work.delta[3 * (i - 1) + c] : n.state.tie_x[c];
+    const double d = n.state.x[3 * i + c] + n.work.delta[3 * i + c] - above;
+    sum += d * d;
+  }
+  return sum - (i > 0 ? n.state.length2[i] : n.state.tie_length2[0]);
+}
+
+// prepare_lanes(): load = M u + kick force, and rods from where particles are.
+TEST(MotionBody, PreparesLoadsAndRods) {
+  Numbers n(scenes::make_chain(6), 1);
+  prepare_lanes<double, 1>(n.view(), 0);
+  for (std::uint32_t i = 0; i < 6; ++i)
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const double mass = n.state.node[tree_fields::node * i];
+      EXPECT_NEAR(n.work.load[3 * i + c],
+                  mass * n.work.ratio[0] * n.state.u[3 * i + c] + n.work.kick[0] * n.state.force[3 * i + c],
+                  1e-15);
+      if (i > 0) {
+        EXPECT_EQ(n.work.rod[tree_fields::rod * i + c], n.state.x[3 * i + c] - n.state.x[3 * i - 3 + c]);
+      }
+    }
+  EXPECT_NEAR(n.work.rod[tree_fields::rod + 3], 0, 1e-15) << "rods begin at their lengths";
+}
+
+// Newton on the whole tree and on multipliers alone are the same iteration on a line (theta 0): after some
+// steps rods have their lengths and both have the same displacements, to rounding.
+TEST(TreeBody, NewtonOfTreesAndOfLinesAgree) {
+  Numbers tree(scenes::make_chain(12, 0.1, 10), 1), line(scenes::make_chain(12, 0.1, 10), 1);
+  prepare_lanes<double, 1>(tree.view(), 0);
+  prepare_lanes<double, 1>(line.view(), 0);
+  ASSERT_TRUE(tree.view().is_plain);
+  for (int i = 0; i < 8; ++i) {
+    newton_lanes<double, 1>(tree.view(), 0, 0.0);
+    newton_line_lanes<double, 1>(line.view(), 0);
+  }
+  double moved = 0;
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    EXPECT_NEAR(left_of(tree, i), 0, 1e-14);
+    EXPECT_NEAR(left_of(line, i), 0, 1e-14);
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(tree.work.delta[3 * i + c], line.work.delta[3 * i + c], 1e-13);
+      moved = std::max(moved, std::abs(line.work.delta[3 * i + c]));
+    }
+  }
+  EXPECT_GT(moved, 1e-4);
+  EXPECT_LE(tree.work.change[0], 1e-28) << "the last change, squared";
+}
+
+// advance_lanes(): x moves by delta, and only of active lanes.
+TEST(MotionBody, AdvancesActiveLanes) {
+  Numbers n(scenes::make_chain(3), 1);
+  prepare_lanes<double, 1>(n.view(), 0);
+  for (std::size_t i = 0; i < n.work.delta.size(); ++i) n.work.delta[i] = 0.5 * static_cast<double>(i);
+  const double before = n.state.x[4];
+  advance_lanes<double, 1>(n.view(), 0);
+  EXPECT_EQ(n.state.x[4], before + 2);
+  EXPECT_EQ(n.state.u[4], 2) << "u_delta is 1, u_before 0";
+  n.work.active[0] = 0;
+  advance_lanes<double, 1>(n.view(), 0);
+  EXPECT_EQ(n.state.x[4], before + 2);
+}
+
+// Twice the sum of |mu| at a node over its mass, where that is largest.
+TEST(MotionBody, BoundsTheStiffnessByHand) {
+  Numbers n(scenes::make_chain(3), 1);
+  n.state.tie_mu[0] = -1;
+  n.state.mu[1] = -4;
+  n.state.mu[2] = 3;
+  find_stiffness_lanes<double, 1>(n.view(), 0);
+  EXPECT_NEAR(n.work.stiffness[0], 2 * (4 + 3) * n.state.node[tree_fields::node * 1 + 3], 1e-14);
+}
+
+// A vector shifted by one lane: zero comes in at both ends.
+TEST(SegmentBody, NeighborsAreOneLaneAway) {
+  constexpr std::size_t lanes = logical_width<double>;
+  Neighbors<double> of;
+  for (std::size_t lane = 0; lane < lanes; ++lane) of.put(lane, 1.0 + static_cast<double>(lane));
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    EXPECT_EQ(of.own<double>(lane), 1.0 + static_cast<double>(lane));
+    EXPECT_EQ(of.from_before<double>(lane), static_cast<double>(lane));
+    EXPECT_EQ(of.from_after<double>(lane), lane + 1 < lanes ? 2.0 + static_cast<double>(lane) : 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace plumb::simd

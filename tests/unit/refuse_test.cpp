@@ -1,0 +1,84 @@
+// How bad input is refused: one message, made of parts, that says what and why.
+
+#include "scene/refuse.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <limits>
+
+#include "plumb/error.hpp"
+#include "scene/require_points.hpp"
+#include "scene/validate_bodies.hpp"
+#include "support/bodies.hpp"
+
+namespace plumb::detail {
+namespace {
+
+std::string refusal(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Refuse, WritesItsPartsOneAfterTheOther) {
+  EXPECT_EQ(refusal([] { refuse("rod ", 7u, ':', ' ', std::string("length "), 0.25, " m"); }),
+            "rod 7: length 0.25 m");
+  EXPECT_EQ(MessagePart(std::uint64_t{1} << 40).text(), "1099511627776");
+  EXPECT_EQ(MessagePart(1e-300).text(), "1e-300");
+}
+
+TEST(RequirePoints, NamesTheFirstThatIsNotFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal([] { require_points({}); }), "a bounding volume needs a point at least");
+  EXPECT_EQ(refusal([] { require_points(std::array{Vec3{1, 2, 3}}); }), "");
+  EXPECT_EQ(refusal([&] {
+              require_points(std::array{Vec3{1, 2, 3}, Vec3{0, nan, 0}, Vec3{nan, 0, 0}});
+            }),
+            "point 1: position is not finite");
+}
+
+TEST(ValidateBodies, AskForFourPlacesWithAVolume) {
+  Scene scene;
+  for (const Vec3 at : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{1, 1, 0}})
+    scene.particles.push_back(test::movable(at));
+  EXPECT_EQ(positions_of(scene, {4, 0, 1, 2})[0], (Vec3{1, 1, 0}));
+  EXPECT_EQ(refusal([&] { require_particles(scene, 3, {0, 1, 2, 3}); }), "");
+  EXPECT_EQ(refusal([&] {
+              require_particles(scene, 3, {0, 1, 2, 5});
+            }),
+            "body 3: particle 5 does not exist (the scene has 5 particles)");
+  EXPECT_EQ(refusal([&] { require_particles(scene, 3, {0, 1, 2, 1}); }), "body 3: particle 1 is there twice");
+  EXPECT_EQ(refusal([&] { require_volume(3, positions_of(scene, {0, 1, 2, 3})); }), "");
+  EXPECT_EQ(refusal([&] {
+              require_volume(3, positions_of(scene, {0, 1, 2, 4}));
+            }),
+            "body 3: its particles lie in one plane");
+}
+
+// A solid's inertia passes; that of a disc without thickness, of which four particles could be three, does
+// not.
+TEST(ValidateBodies, AskForTheInertiaOfASolid) {
+  EXPECT_EQ(refusal([] { require_solid(0, solid_box(2, {0.1, 0.2, 0.3})); }), "");
+  MassProperties disc = solid_box(2, {0.1, 0.2, 0.3});
+  disc.inertia = {.xx = 1, .yy = 1, .zz = 2};
+  EXPECT_NE(refusal([&] { require_solid(0, disc); }).find("not that of a solid"), std::string::npos);
+}
+
+// Joints and shapes have their own checks, and an empty scene passes all of them.
+TEST(ValidateBodies, LookAtTheirOwnLists) {
+  Scene scene;
+  scene.particles = {test::movable({0, 0, 0}), test::movable({1, 0, 0})};
+  scene.pins = {{point_at(0), point_at(0)}};
+  scene.planes = {{.normal = {0, 2, 0}}};
+  EXPECT_EQ(refusal([&] { validate_bodies(scene); }), "");
+  EXPECT_EQ(refusal([&] { validate_joints(scene); }), "pin 0: both points are the same");
+  EXPECT_EQ(refusal([&] { validate_shapes(scene); }), "plane 0: normal must be of length 1, not 2");
+}
+
+}  // namespace
+}  // namespace plumb::detail
