@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
+#include "interface/island_sets.hpp"
+#include "interface/made_solver.hpp"
 #include "reference/mechanical_system.hpp"
-#include "solver/island_sets.hpp"
-#include "solver/made_solver.hpp"
 
 namespace plumb::detail {
 

@@ -12,7 +12,6 @@
 
 #include "determinism/scenes.hpp"
 #include "plumb/executor.hpp"
-#include "plumb/executor.hpp"
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 

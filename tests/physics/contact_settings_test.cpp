@@ -18,7 +18,8 @@ Scene in_units(double scale) {
   const Surface surface{.friction = 0.4, .restitution = 0.3};
   scene.gravity = scale * scene.gravity;
   scene.planes.push_back({.surface = surface});
-  test::add_capsule_rod(scene, scale * Vec3{-0.5, 0.3, 0}, scale * Vec3{0.4, 0.5, 0.2}, 2, scale * 0.05, surface);
+  test::add_capsule_rod(scene, scale * Vec3{-0.5, 0.3, 0}, scale * Vec3{0.4, 0.5, 0.2}, 2, scale * 0.05,
+                        surface);
   test::add_ball(scene, scale * Vec3{-1.5, 0.1, 0.1}, scale * 0.1, 1, scale * Vec3{3, 0, 0}, surface);
   return scene;
 }

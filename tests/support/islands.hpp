@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "interface/island_sets.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "scene/scene_graph.hpp"
 #include "scenes/generators/generators.hpp"
-#include "solver/island_sets.hpp"
 
 /// The islands of a scene, as solvers are made of them.
 namespace plumb::test {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solver/island_shape.hpp"
+#include "interface/island_shape.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
 

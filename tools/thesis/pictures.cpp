@@ -11,7 +11,8 @@ namespace {
 using scenes::plain_number;
 using scenes::short_number;
 
-constexpr double spring_stiffness = 1000;  // Stiffness k of eq. 3.13, in 1/s. What is shown depends on h k alone.
+constexpr double spring_stiffness =
+    1000;  // Stiffness k of eq. 3.13, in 1/s. What is shown depends on h k alone.
 constexpr int stiff_steps = 20;
 constexpr double velocity_duration = 10;  // Simulated time of the velocities, in s.
 
@@ -34,7 +35,8 @@ std::vector<double> follow(const StiffCase& c, int steps) {
   std::vector<double> out{state.y};
   const double h = c.hk / spring_stiffness;
   for (int i = 0; i < steps; ++i) {
-    state = c.implicit ? implicit_step(state, spring_stiffness, h) : explicit_step(state, spring_stiffness, h);
+    state =
+        c.implicit ? implicit_step(state, spring_stiffness, h) : explicit_step(state, spring_stiffness, h);
     out.push_back(state.y);
   }
   return out;

@@ -8,7 +8,7 @@
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/surroundings.hpp"
 #include "contact/touch.hpp"
-#include "solver/tally.hpp"
+#include "interface/tally.hpp"
 
 namespace plumb::detail {
 

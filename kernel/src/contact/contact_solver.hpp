@@ -9,8 +9,8 @@
 #include "contact/clusters.hpp"
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/linkage/visitor.hpp"
-#include "solver/made_solver.hpp"
-#include "solver/solver.hpp"
+#include "interface/made_solver.hpp"
+#include "interface/solver.hpp"
 
 namespace plumb::detail {
 

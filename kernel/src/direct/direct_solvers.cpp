@@ -5,8 +5,8 @@
 
 #include "direct/loops/loop_solver.hpp"
 #include "direct/trees/tree_solver.hpp"
+#include "interface/island_shape.hpp"
 #include "plumb/layouts/trees.hpp"
-#include "solver/island_shape.hpp"
 
 namespace plumb::detail {
 namespace {

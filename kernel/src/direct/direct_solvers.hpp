@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "solver/island_sets.hpp"
-#include "solver/made_solver.hpp"
+#include "interface/island_sets.hpp"
+#include "interface/made_solver.hpp"
 
 namespace plumb::detail {
 

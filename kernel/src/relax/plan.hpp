@@ -4,15 +4,15 @@
 #include <span>
 #include <vector>
 
+#include "interface/island_sets.hpp"
 #include "plumb/layouts/packing.hpp"
 #include "plumb/settings.hpp"
 #include "relax/constants.hpp"
-#include "solver/island_sets.hpp"
 
 namespace plumb::detail {
 
-/// A chain shorter than this stays in the second cache and on one thread, so that nothing is gained by pipelining its
-/// sweeps. Segments, whose rows are aligned, are then 8 % faster than streams.
+/// A chain shorter than this stays in the second cache and on one thread, so that nothing is gained by
+/// pipelining its sweeps. Segments, whose rows are aligned, are then 8 % faster than streams.
 inline constexpr std::uint32_t longest_segments = 8192;
 
 /// Returns 1 for each rod of the commonest kind with equal masses at both ends.

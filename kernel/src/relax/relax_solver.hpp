@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
+#include "interface/island_sets.hpp"
+#include "interface/made_solver.hpp"
+#include "interface/solver.hpp"
 #include "relax/block.hpp"
 #include "relax/relax.hpp"
-#include "solver/island_sets.hpp"
-#include "solver/made_solver.hpp"
-#include "solver/solver.hpp"
 #include "time/verlet.hpp"
 
 namespace plumb::detail {

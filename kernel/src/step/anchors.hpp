@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "solver/solver.hpp"
+#include "interface/solver.hpp"
 #include "step/places.hpp"
 
 namespace plumb::detail {

@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
+#include "interface/island_sets.hpp"
+#include "interface/made_solver.hpp"
 #include "plumb/export.hpp"
 #include "plumb/settings.hpp"
-#include "solver/island_sets.hpp"
-#include "solver/made_solver.hpp"
 
 namespace plumb::detail {
 

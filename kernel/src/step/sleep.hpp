@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/solver.hpp"
+#include "interface/solver.hpp"
 #include "step/places.hpp"
 
 namespace plumb::detail {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
+#include "interface/tally.hpp"
 #include "math/elementary.hpp"
-#include "solver/tally.hpp"
 
 namespace plumb::detail {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "solver/solver.hpp"
+#include "interface/solver.hpp"
 
 namespace plumb::detail {
 

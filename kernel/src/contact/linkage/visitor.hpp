@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
-#include "solver/solver.hpp"
+#include "interface/solver.hpp"
 
 namespace plumb::detail {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "direct/loops/loop_stepper.hpp"
-#include "solver/solver.hpp"
+#include "interface/solver.hpp"
 
 namespace plumb::detail {
 

@@ -6,7 +6,7 @@
 
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/rod_lines.hpp"
-#include "solver/tally.hpp"
+#include "interface/tally.hpp"
 
 namespace plumb::detail {
 

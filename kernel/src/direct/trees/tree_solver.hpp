@@ -6,7 +6,7 @@
 
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/tree_kind.hpp"
-#include "solver/solver.hpp"
+#include "interface/solver.hpp"
 
 namespace plumb::detail {
 

@@ -7,8 +7,8 @@
 
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/tree_state.hpp"
+#include "interface/tally.hpp"
 #include "plumb/settings.hpp"
-#include "solver/tally.hpp"
 
 namespace plumb::detail {
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
+#include "interface/island_shape.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
-#include "solver/island_shape.hpp"
 
 namespace plumb::detail {
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "interface/state_hash.hpp"
+#include "interface/tally.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/world.hpp"
-#include "solver/state_hash.hpp"
-#include "solver/tally.hpp"
 
 namespace plumb::detail {
 
@@ -74,8 +74,7 @@ class Solver {
   /// Advances a piece by `count` substeps of `h` seconds each and adds to `tally` what that took. Returns
   /// the largest error estimate of a substep (m), if the error model has estimates; infinity for substeps
   /// that had to be cut.
-  virtual double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
-                         Tally& tally) = 0;
+  virtual double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& tally) = 0;
   /// Whether the whole team works on each piece; then advance_with_team() is called instead.
   virtual bool wants_team() const { return false; }
   virtual void advance_with_team(double /*h*/, std::uint32_t /*count*/, Team&, StepReport&) {}

@@ -1,4 +1,4 @@
-#include "solver/island_shape.hpp"
+#include "interface/island_shape.hpp"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "solver/solver.hpp"
+#include "interface/solver.hpp"
 
 namespace plumb::detail {
 
