@@ -89,6 +89,7 @@ TEST(Report, HasEveryField) {
                                                  "halvings",
                                                  "fallbacks",
                                                  "repeated_steps",
+                                                 "elastic_substeps",
                                                  "unsolved",
                                                  "largest_gap",
                                                  "rms_gap",

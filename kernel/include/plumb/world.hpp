@@ -40,8 +40,11 @@ struct StepReport {
   std::uint64_t halvings = 0;         ///< Substeps of an island that did not converge and were cut in two.
   std::uint64_t fallbacks = 0;        ///< Substeps taken with gradient new because nothing else converged.
   std::uint64_t repeated_steps = 0;   ///< Steps of islands that were repeated, finer, to be accurate enough.
-  /// Substeps that gradient new did not solve either. A tree then stays where it was; an island with loops
-  /// takes its rods as slightly elastic. Method multipliers counts projections that did not converge.
+  /// Substeps of islands whose rods did not fit together, taken with slightly elastic rods: what they lack is
+  /// shared.
+  std::uint64_t elastic_substeps = 0;
+  /// Substeps that elastic rods did not solve either; what cannot be moved stays where it was. Method
+  /// multipliers counts projections that did not converge.
   std::uint64_t unsolved = 0;
   /// Steps taken although they were not accurate enough, because shorter ones could not be better. Islands
   /// and adaptive_implicit_euler count here.

@@ -18,6 +18,8 @@ struct Tally : StepReport {
 
   std::uint64_t work() const { return taken_back + newton + block_sweeps + direct_substeps + halvings; }
   bool is_spent() const { return work() >= most_work; }
+  /// Says whether a substep was taken in a way that shorter ones would hardly improve.
+  bool has_given_up() const { return unsolved + elastic_substeps > 0; }
 
   /// A tally of its own for what may be taken back, with the work that is left here.
   Tally begin_try() const {

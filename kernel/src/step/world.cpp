@@ -146,6 +146,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   halvings += other.halvings;
   fallbacks += other.fallbacks;
   repeated_steps += other.repeated_steps;
+  elastic_substeps += other.elastic_substeps;
   unsolved += other.unsolved;
   largest_gap = std::max(largest_gap, other.largest_gap);
   rms_gap = std::max(rms_gap, other.rms_gap);

@@ -132,7 +132,7 @@ struct AccuracyControl {
         moved.keep();
         Tally coarse = counters.begin_try();
         moved.advance(2 * h, windows.length / 2, coarse);
-        if (coarse.unsolved > 0) {  // shorter substeps would hardly do better, and cost as much again
+        if (coarse.has_given_up()) {  // shorter substeps would hardly do better, and cost as much again
           counters.keep(coarse);
           out.is_final = true;
           continue;
@@ -143,7 +143,7 @@ struct AccuracyControl {
       }
       moved.advance(h, windows.length, counters);
       if (is_compared) apart += moved.distance();
-      out.is_final = out.is_final || counters.unsolved > 0;
+      out.is_final = out.is_final || counters.has_given_up();
     }
     out.error = apart / (((1u << order) - 1.0) * windows.length * windows.compared());
     out.is_blind = out.is_blind || counters.fallbacks > 0;

@@ -83,7 +83,7 @@ class ControlledPiece {
     result.is_blind = result.is_blind || report.fallbacks > 0 ||
                       (control.by_comparison && model_.fallback_is_final && report.halvings > 0);
     result.is_final =
-        result.is_final || report.unsolved > 0 || (model_.fallback_is_final && report.fallbacks > 0);
+        result.is_final || report.has_given_up() || (model_.fallback_is_final && report.fallbacks > 0);
     return result;
   }
 

@@ -20,6 +20,7 @@ constexpr Counter table[] = {
     {"halvings", &StepReport::halvings, "substeps cut in two"},
     {"fallbacks", &StepReport::fallbacks, "substeps that fell back to gradient new"},
     {"repeated_steps", &StepReport::repeated_steps, "steps repeated to be accurate"},
+    {"elastic_substeps", &StepReport::elastic_substeps, "substeps with elastic rods"},
     {"unsolved", &StepReport::unsolved, "substeps not solved"},
     {"inaccurate_steps", &StepReport::inaccurate_steps, "steps taken though not accurate enough"},
     {"capped_steps", &StepReport::capped_steps, "steps that reached the most work"},

@@ -36,10 +36,6 @@ void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
   values[13] = soft;
 }
 
-double softness(const LoopState& state, std::uint32_t k, double soft) {
-  return 2 * soft * state.length2[k];
-}
-
 }  // namespace
 
 void measure_rods(const LoopState& state, LoopWorkspace& work) {
@@ -49,6 +45,10 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     put(work.d.data() + 3 * std::size_t{k}, d);
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
   }
+}
+
+double softness(const LoopState& state, std::uint32_t k, double soft) {
+  return 2 * soft * state.length2[k];
 }
 
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
@@ -122,27 +122,6 @@ double largest_misfit(const LoopState& state, const LoopWorkspace& work,
     if (factor.ldu.left_out(factor.system->analysis.position(shape.nodes + k)))
       largest = std::max(largest, std::abs(rod_terms(shape.rods[k], k, 0, work).c) / state.length2[k]);
   return largest;
-}
-
-double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work) {
-  const LoopTopology& shape = *state.topology;
-  double sum = 0;
-  for (std::uint32_t i = 0; i < shape.nodes; ++i) {
-    const Vec3 delta = at(work.delta, i);
-    sum += dot(delta, 0.5 * state.mass[i] * delta - at(work.load, i));
-  }
-  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
-    const auto [a, b] = shape.rods[k];
-    const double c = rod_terms(shape.rods[k], k, 1, work).c;
-    sum += state.coupling[k] * dot(at(work.delta, a), at(work.delta, b)) +
-           c * c / (2 * softness(state, k, soft));
-  }
-  return sum;
-}
-
-void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work) {
-  for (std::uint32_t k = 0; k < state.mu.size(); ++k)
-    state.mu[k] = -rod_terms(state.topology->rods[k], k, 1, work).c / softness(state, k, soft);
 }
 
 void project_delta(const LoopState& state, double kick, LoopWorkspace& work, LoopWorkspace::Factor& factor) {

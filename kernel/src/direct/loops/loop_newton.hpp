@@ -12,6 +12,9 @@ void measure_rods(const LoopState& state, LoopWorkspace& work);
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
                       LoopWorkspace::Factor& factor);
 
+/// Returns the compliance -C/mu of a rod, in m^2, for `soft` in units of 2 L^2.
+double softness(const LoopState& state, std::uint32_t k, double soft);
+
 /// Puts Newton's change of displacements and multipliers into factor.right. Returns its RMS over nodes
 /// relative to a rod.
 double find_newton_change(const LoopState& state, double theta, double soft, LoopWorkspace& work,
@@ -22,12 +25,6 @@ void apply_change(LoopState& state, double scale, LoopWorkspace& work, const Loo
 /// Returns the largest |C| / L^2, at work.delta, of the rods that the factor left out as redundant. It tells
 /// whether they fit.
 double largest_misfit(const LoopState& state, const LoopWorkspace& work, const LoopWorkspace::Factor& factor);
-
-/// Returns (M (delta - delta0), delta - delta0)/2 + sum C^2/(2 soft), but for a constant, with M delta0 =
-/// load.
-double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work);
-/// Sets mu = -C/soft of every rod.
-void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work);
 
 /// Moves work.delta, a velocity times a time, onto what no rod resists, and adds what forces do. It solves
 /// M delta' = M delta + kick force + J^T lambda, J delta' = 0 with delta of fixed vertices as it is.

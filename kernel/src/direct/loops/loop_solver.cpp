@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/loops/settle.hpp"
 #include "time/accuracy.hpp"
 
 namespace plumb::detail {
@@ -37,9 +38,11 @@ std::uint32_t LoopSolver::project_positions() {
   LoopState projected = state_;
   Tally not_of_a_step;
   LoopStepper(Gradient::new_, 0).advance(projected, projection_step, work_, not_of_a_step);
-  if (not_of_a_step.unsolved == 0) state_.x = projected.x;
+  const bool solved = !not_of_a_step.has_given_up();
+  if (solved) state_.x = projected.x;
+  const bool settled = solved || settle(state_, work_);
   if (work_.lines) work_.lines->forget();
-  return static_cast<std::uint32_t>(not_of_a_step.unsolved);
+  return settled ? 0 : 1;
 }
 
 void LoopSolver::set_velocity(Slot slot, Vec3 velocity) {

@@ -15,6 +15,11 @@ LoopTopology::LoopTopology(const layouts::Graph& island) : vertices(island.verti
   std::iota(order.begin(), order.end(), 0u);
 }
 
+LoopTopology::LoopTopology(std::uint32_t movable, std::uint32_t all, std::vector<LoopRod> of)
+    : nodes(movable), vertices(all), order(all), rods(std::move(of)) {
+  std::iota(order.begin(), order.end(), 0u);
+}
+
 void LoopTopology::use_lines(std::span<const Vec3> positions) {
   const std::vector<Line> found = find_lines(rods, nodes, positions);
   const std::vector<std::uint32_t> by_lines = RodLines(found, rods, nodes).node_order();
@@ -23,6 +28,15 @@ void LoopTopology::use_lines(std::span<const Vec3> positions) {
   for (std::uint32_t i = 0; i < vertices; ++i) place[order[i]] = i;
   for (LoopRod& rod : rods) rod = {place[rod.a], place[rod.b]};
   lines = std::make_unique<RodLines>(found, rods, nodes);
+}
+
+LoopState::LoopState(std::shared_ptr<const LoopTopology> shape) : topology(std::move(shape)) {
+  const std::size_t n = topology->nodes, rods = topology->rods.size();
+  x.assign(3 * std::size_t{topology->vertices}, 0);
+  u = force = weight = std::vector<double>(3 * n);
+  mass.assign(n, 0);
+  mu = coupling = length2 = std::vector<double>(rods);
+  fixed_velocity = fixed_last_velocity = std::vector<Vec3>(topology->vertices - n);
 }
 
 LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& scene, MassModel model,

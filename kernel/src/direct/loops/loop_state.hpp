@@ -35,6 +35,8 @@ struct LoopSystem {
 /// Equal islands share their topology. Vertices are the movable ones (nodes), then the fixed ones.
 struct LoopTopology {
   explicit LoopTopology(const layouts::Graph& island);
+  /// Vertices keep their numbers; the movable ones come first, and no rod begins at a fixed one.
+  LoopTopology(std::uint32_t nodes, std::uint32_t vertices, std::vector<LoopRod> rods);
 
   /// Lets the island be solved by lines, which `positions` (m) of its vertices show.
   void use_lines(std::span<const Vec3> positions);
@@ -70,6 +72,8 @@ struct LoopMotion {
 
 /// These numbers of one island outlive a step. They are in double, whatever the precision of the world.
 struct LoopState : LoopMotion {
+  /// Has the right sizes and no numbers.
+  explicit LoopState(std::shared_ptr<const LoopTopology> topology);
   LoopState(std::shared_ptr<const LoopTopology> topology, const Scene& scene, MassModel model,
             std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> edges);
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "direct/loops/elastic_rods.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/nets/loop_lines.hpp"
 #include "math/elementary.hpp"
@@ -53,31 +54,28 @@ constexpr int most_stalls = 3;
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
-/// The compromise has this compliance, in units of 2 L^2/mass, and stops looking for its minimum at that
-/// change.
-constexpr double compromise_softness = 1e-5, compromise_change = 1e-9;
-constexpr int compromise_iterations = 60;
-
 void damp_from_now(LoopState& state) {
   state.next_damped = std::max(state.next_damped, damped_substeps);
   state.damped = state.next_damped;
   state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
 }
 
+}  // namespace
+
 /// u goes into a substep so many times, and force so many times (s^2).
-struct Coefficients {
+struct LoopStepper::Coefficients {
   double ratio, kick;
 };
 
 /// They are as for trees.
-Coefficients coefficients(const LoopState& state, double h, Gradient gradient, double drag) {
-  if (gradient == Gradient::mid) return {detail::exp(-drag * h / 2) * h, 0.5 * h * h};
+auto LoopStepper::coefficients(const LoopState& state, double h, Gradient gradient) const -> Coefficients {
+  if (gradient == Gradient::mid) return {detail::exp(-drag_ * h / 2) * h, 0.5 * h * h};
+  if (gradient != gradient_ && state.u_step == 0)  // falls back from a velocity in flight, not from a start
+    return {detail::exp(-drag_ * h) * h, mean_decay(drag_ * h) * h * h};
   const double last = state.u_step, between = (h + last) / 2;
-  return {detail::exp(-drag * between) * (last != 0 ? h / last : h),
-          mean_decay(drag * between) * h * between};
+  return {detail::exp(-drag_ * between) * (last != 0 ? h / last : h),
+          mean_decay(drag_ * between) * h * between};
 }
-
-}  // namespace
 
 LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
     : system(&of),
@@ -126,7 +124,7 @@ LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
 /// substep's length.
 void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const LoopTopology& shape = *state.topology;
-  const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
+  const auto [ratio, kick] = coefficients(state, h, gradient);
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
@@ -211,7 +209,7 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
   const double theta = theta_of(gradient);
   if (work.lines) {
     begin(state, h, gradient, work);
-    const double kick = coefficients(state, h, gradient, drag_).kick;
+    const double kick = coefficients(state, h, gradient).kick;
     const double tolerance = gradient == Gradient::mid ? finest_line_tolerance : line_tolerance_;
     const LineOutcome outcome = iterate_by_lines(state, theta, kick, tolerance, work, counters);
     if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
@@ -236,7 +234,7 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
 }
 
 double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
-  const auto [ratio, kick] = coefficients(state, h, gradient, drag_);
+  const auto [ratio, kick] = coefficients(state, h, gradient);
   // The change over two substeps is free of what mid swings by from one to the next. Half of it is that of
   // one, and h^2/12 times that is the error of position.
   double jolt = 0;
@@ -315,40 +313,19 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tal
     return attempts.error;
   }
   state.motion() = work.saved;
-  compromise(state, h, work, counters);
+  advance_elastic(state, h, work, counters);
   damp_from_now(state);
   return std::numeric_limits<double>::infinity();
 }
 
-void LoopStepper::compromise(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
-  ++counters.unsolved;
+void LoopStepper::advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
   begin(state, h, Gradient::new_, work);
   measure_rods(state, work);
-  LoopWorkspace::Factor& factor = work.factor(true);
-  factor.h = 0;
-  const double soft = compromise_softness;
-  double energy = elastic_energy(state, soft, work);
-  std::uint64_t iterations = 0;
-  for (bool better = true; better && iterations < compromise_iterations; ++iterations) {
-    set_elastic_multipliers(state, soft, work);
-    factorize_newton(state, 1, soft, work, factor);
-    const double change = find_newton_change(state, 1, soft, work, factor);
-    if (change <= compromise_change) break;
-    std::copy(work.delta.begin(), work.delta.end(), work.trial.begin());
-    better = false;
-    for (double scale = 1; !better && scale > 1e-6; scale /= 2) {
-      std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
-      apply_change(state, scale, work, factor);
-      const double now = elastic_energy(state, soft, work);
-      better = now < energy;
-      if (better) energy = now;
-    }
-    if (!better) std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
-  }
-  counters.newton += iterations;
+  ++counters.elastic_substeps;
+  work.factor(true).h = 0;
+  const bool moves = let_rods_give(state, work, counters);
   std::fill(state.mu.begin(), state.mu.end(), 0.0);
-  if (!std::isfinite(energy)) return;  // it stays where it was
-  accept(state, h, Gradient::new_, work);
+  if (moves) accept(state, h, Gradient::new_, work);
 }
 
 void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {

@@ -7,7 +7,7 @@
 
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/loop_lines.hpp"
-#include "direct/trees/tree_stepper.hpp"
+#include "interface/tally.hpp"
 #include "plumb/settings.hpp"
 
 namespace plumb::detail {
@@ -62,8 +62,8 @@ struct LoopWorkspace {
 /// Rods that others make redundant are those whose pivot vanishes against what both ends could yield. They
 /// are left out where they are found, so that rods that fit together are all kept. Where rods do not fit
 /// together, nothing converges. The island then takes the whole substep with gradient new and slightly
-/// elastic rods, and is counted as unsolved. That minimises |change|^2/2 + sum C^2/(2 soft), a compromise
-/// that always exists. After that, or a fallback, the next substeps are taken with gradient new.
+/// elastic rods (advance_elastic()). After that, or a fallback, the next substeps are taken with gradient
+/// new.
 class LoopStepper {
  public:
   LoopStepper(Gradient gradient, double drag, std::uint32_t time_order = 2);
@@ -90,6 +90,23 @@ class LoopStepper {
   /// lead to a solution.
   double advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
+  /// Takes one substep with gradient new and slightly elastic rods, and counts it. It minimises
+  ///
+  ///   delta . M delta / 2 - load . delta + sum over rods of C^2 / (4 soft L^2),
+  ///
+  /// a compromise that always exists: rods that are too short for their anchors share what they lack. It is
+  /// Newton's method with a line search, without the push of rods that are pressed, which would make the sum
+  /// concave where they buckle. A substep whose minimum is not found counts as unsolved.
+  void advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
+
+  /// Takes one substep as it is, if Newton's method solves it. Otherwise returns false, and only multipliers
+  /// may have changed.
+  bool try_substep(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
+    if (!solve(state, h, gradient_, work, counters)) return false;
+    accept(state, h, gradient_, work);
+    return true;
+  }
+
   /// Says how many pieces a substep is cut into. Each piece has all shares.
   std::uint32_t cuts(const LoopState& state, double h) const;
 
@@ -101,13 +118,14 @@ class LoopStepper {
   void find_velocities(LoopState& state, LoopWorkspace& work) const;
 
  private:
+  struct Coefficients;
+  Coefficients coefficients(const LoopState& state, double h, Gradient gradient) const;
   void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// Iterates with the factor of an earlier substep or not. If that does not converge, mu is as it was.
   bool iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
                Tally& counters) const;
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
   bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
-  void compromise(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
   /// Ends a substep and returns the estimate of its error.
   double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// A part of a substep may try so much, and all parts so far came to the rest.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "plumb/settings.hpp"
 
 /// These limits say when Newton's method on a tree has converged, when it is given up, and what is too stiff
@@ -11,6 +13,9 @@ inline constexpr int most_halvings = 10;
 /// After so many solves of one substep the rest of it is left to gradient new. A tree that cannot be solved
 /// must not hold up the others.
 inline constexpr int most_attempts = 200;
+/// After a substep with elastic rods, at first so many that fail are not halved. Each time that halves are no
+/// help either, it is twice as many.
+inline constexpr std::uint32_t elastic_substeps = 16, most_elastic_substeps = 1024;
 
 /// After a change this small, RMS over particles relative to a rod, the next would be lost in rounding, since
 /// convergence is quadratic. For mid it is smaller: what is left of every substep adds up in the energy. At

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "direct/trees/elastic_tree.hpp"
 #include "direct/trees/tree_stepper.hpp"
 
 namespace plumb::detail {
@@ -16,8 +17,9 @@ struct TreeKind {
     TreeWorkspace<T> work;
     TreeState<T> alone;  ///< It is one tree, for substeps that are halved.
     TreeWorkspace<T> alone_work;
+    std::unique_ptr<ElasticTree<T>> elastic;  ///< It is made when a tree first needs it.
 
-    TreeCrew<T> view() { return {work, alone, alone_work}; }
+    TreeCrew<T> view() { return {work, alone, alone_work, &elastic}; }
   };
 
   /// These rules come from the settings and say how trees are moved.

@@ -84,12 +84,33 @@ std::uint32_t TreeSolver<T>::project_positions() {
   TreeState<T>& state = line_ ? line_->whole : state_;
   TreeState<T> before(state.topology, state.lanes);
   before.copy_motion(state);
+  auto& crew = kind_->crews[0];
   Tally not_of_a_step;
-  stepper.advance(state, projection_step, kind_->crews[0].view(), not_of_a_step);
-  std::copy_n(state.x.data(), state.x.size(), before.x.data());
+  stepper.advance(state, projection_step, {crew.work, crew.alone, crew.alone_work}, not_of_a_step);
+  if (not_of_a_step.unsolved == 0) std::copy_n(state.x.data(), state.x.size(), before.x.data());
   state.copy_motion(before);  // all but x goes back
+  const std::uint32_t unsettled = not_of_a_step.unsolved == 0 ? 0 : settle(state);
   if (line_) line_->segments.scatter(state, state_);
-  return static_cast<std::uint32_t>(not_of_a_step.unsolved);
+  return unsettled;
+}
+
+/// Brings trees to their lengths one by one, where that takes more than Newton's method. Returns how many
+/// stay off them.
+template <class T>
+std::uint32_t TreeSolver<T>::settle(TreeState<T>& state) {
+  const auto& rules = kind_->rules;
+  ElasticTree<T> elastic(*state.topology, rules.gradient, rules.drag, rules.isa);
+  TreeState<T>& alone = kind_->crews[0].alone;
+  std::uint32_t unsettled = 0;
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    if (state.idle[lane]) continue;
+    alone.copy_lane(0, state, lane);
+    if (elastic.settle(alone))
+      state.copy_lane(lane, alone, 0);
+    else
+      ++unsettled;
+  }
+  return unsettled;
 }
 
 template <class T>
@@ -123,8 +144,8 @@ template <class T>
 double TreeSolver<T>::advance_one(double h, unsigned part, Tally& report) {
   auto& crew = kind_->crews[part];
   if (line_)
-    return kind_->stepper.advance(line_->segments, state_, h, {line_->work, line_->whole, crew.alone_work},
-                                  report);
+    return kind_->stepper.advance(line_->segments, state_, h,
+                                  {line_->work, line_->whole, crew.alone_work, &crew.elastic}, report);
   const TreeStepper<T>& stepper = is_calm_ ? *kind_->calm_stepper : kind_->stepper;
   return stepper.advance(state_, h, crew.view(), report);
 }

@@ -73,6 +73,8 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   for (auto* times : {&u_step, &u_step_before, &mu_kick, &mu_kick_before}) times->assign(lanes, 0);
   smooth.assign(lanes, 0);
   known.assign(lanes, 0);
+  elastic.assign(lanes, 0);
+  next_elastic.assign(lanes, 0);
 }
 
 /// Masses (kg) are summed up here, by node, while a lane is filled.

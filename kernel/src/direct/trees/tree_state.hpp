@@ -81,6 +81,8 @@ struct TreeState {
   bool is_coupled = false;  ///< Some rod's mass acts on both its ends at once.
   double frequency2 = 0;  ///< It is of the fastest transverse wave of all lanes, squared, in 1/s^2; gradient
                           ///< old alone has it.
+  /// So many failing substeps are not halved, per lane, and the next time that they are it will be so many.
+  std::vector<std::uint32_t> elastic, next_elastic;
   std::vector<std::uint8_t> smooth;  ///< They say per lane whether the last acceleration foretells the next.
 
  private:
@@ -113,6 +115,8 @@ void for_lane_motion(State& state, Other& other, F&& f) {
   f(state.mu_kick_before, other.mu_kick_before);
   f(state.smooth, other.smooth);
   f(state.known, other.known);
+  f(state.elastic, other.elastic);
+  f(state.next_elastic, other.next_elastic);
 }
 /// Visits all of them, one by one.
 template <class State, class Other, class F>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "direct/trees/elastic_tree.hpp"
 #include "direct/trees/newton_guess.hpp"
 #include "direct/trees/newton_limits.hpp"
 #include "math/elementary.hpp"
@@ -24,6 +25,7 @@ TreeStepper<T>::TreeStepper(Gradient gradient, double drag, bool estimates, Isa 
     : gradient_(gradient),
       drag_(drag),
       estimates_(estimates),
+      isa_(isa),
       shares_(composition(time_order)),
       largest_share_(largest_share(time_order)),
       vector_(simd::tree_kernels<T>(isa)),
@@ -40,7 +42,7 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
     const double decay = drag_ > 0 ? detail::exp(-drag_ * h / 2) : 1;
     return {decay * h, 0.5 * h * h, 2 * decay / h, decay / h};
   }
-  if (gradient_ == Gradient::mid) {  // it falls back from a velocity in mid-flight, not from a start
+  if (gradient != gradient_ && last == 0) {  // it falls back from a velocity in mid-flight, not from a start
     const double decay = drag_ > 0 ? detail::exp(-drag_ * h) : 1;
     return {decay * h, mean_decay(drag_ * h) * h * h, 1, 0};
   }
@@ -193,14 +195,29 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
 }
 
 template <class T>
-bool TreeStepper<T>::advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work,
-                                    Tally& counters) const {
-  ++counters.halvings;
-  int attempts = most_attempts;
-  const bool solved = advance_alone(state, h / 2, 1, attempts, work, counters) &&
-                      advance_alone(state, h / 2, 1, attempts, work, counters);
-  if (!solved) ++counters.unsolved;
-  return solved;
+template <class Load>
+auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, Load&& load) const -> Rescue {
+  TreeState<T>& alone = crew.alone;
+  load();
+  if (alone.elastic[0] == 0) {
+    ++counters.halvings;
+    int attempts = most_attempts;
+    if (advance_alone(alone, h / 2, 1, attempts, crew.alone_work, counters) &&
+        advance_alone(alone, h / 2, 1, attempts, crew.alone_work, counters))
+      return Rescue::halves;
+    load();
+    alone.elastic[0] = std::max(alone.next_elastic[0], elastic_substeps);
+    alone.next_elastic[0] = std::min(2 * alone.elastic[0], most_elastic_substeps);
+  }
+  if (crew.elastic == nullptr) {
+    ++counters.unsolved;
+    return Rescue::none;
+  }
+  if (!*crew.elastic)
+    *crew.elastic = std::make_unique<ElasticTree<T>>(*alone.topology, gradient_, drag_, isa_);
+  --alone.elastic[0];
+  (*crew.elastic)->advance(alone, h, counters);
+  return Rescue::elastic;
 }
 
 template <class T>
@@ -242,7 +259,7 @@ double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>&
 template <class T>
 double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew,
                                      Tally& counters) const {
-  const auto& [work, alone, alone_work] = crew;
+  TreeWorkspace<T>& work = crew.work;
   begin(state, h, gradient_, work);
   bool all = solve(state, gradient_, work, counters);
   if (gradient_ == Gradient::old) all = is_stable(state, h, work) && all;
@@ -260,12 +277,9 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
     error = std::numeric_limits<double>::infinity();
     --counters.direct_substeps;
     restore_multipliers(state, lane);
-    alone.copy_lane(0, state, lane);
-    if (advance_halves(alone, h, alone_work, counters)) {
-      state.copy_lane(lane, alone, 0);
-    } else {
-      state.frequency2 = 0;  // it was made of multipliers that solve nothing
-    }
+    const Rescue rescued = rescue(h, crew, counters, [&] { crew.alone.copy_lane(0, state, lane); });
+    if (rescued != Rescue::none) state.copy_lane(lane, crew.alone, 0);
+    if (rescued != Rescue::halves) state.frequency2 = 0;  // it was made of multipliers that solve nothing
   }
   return error;
 }
@@ -284,7 +298,8 @@ double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state
 template <class T>
 double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>& state, double h,
                                      const TreeCrew<T>& crew, Tally& counters) const {
-  const auto& [work, alone, alone_work] = crew;
+  TreeWorkspace<T>& work = crew.work;
+  TreeState<T>& alone = crew.alone;
   const double nodes = alone.topology->nodes, scale2 = state.scale2[0];
   const auto total = [&](const layouts::AlignedBuffer<T>& lanes) {
     double sum = 0;
@@ -311,12 +326,9 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt) / nodes) : 0;
   }
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore_multipliers(state, lane);
-  segments.gather(state, alone);
-  if (advance_halves(alone, h, alone_work, counters)) {
-    segments.scatter(alone, state);
-  } else {
-    state.frequency2 = 0;
-  }
+  const Rescue rescued = rescue(h, crew, counters, [&] { segments.gather(state, alone); });
+  if (rescued != Rescue::none) segments.scatter(alone, state);
+  if (rescued != Rescue::halves) state.frequency2 = 0;
   return std::numeric_limits<double>::infinity();
 }
 

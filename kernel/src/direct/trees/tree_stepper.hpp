@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -12,12 +13,17 @@
 
 namespace plumb::detail {
 
+template <class T>
+class ElasticTree;
+
 /// Steps of trees work with these buffers, which belong to a thread or to a line in segments.
 template <class T>
 struct TreeCrew {
   TreeWorkspace<T>& work;
   TreeState<T>& alone;  ///< It is one tree, for substeps that are halved.
   TreeWorkspace<T>& alone_work;
+  /// Takes what no halving solves, and is made when first needed. Without it such trees stay where they are.
+  std::unique_ptr<ElasticTree<T>>* elastic = nullptr;
 };
 
 /// Advances trees by substeps in which all rods of a tree are solved at once by Newton's method.
@@ -33,7 +39,8 @@ struct TreeCrew {
 ///
 /// Where Newton fails, the tree is put back and takes two steps of half the length, and so on. What still
 /// fails at the shortest length is tried with theta 1, which is the hardest to break. If even that fails the
-/// tree stays where it was, and is counted.
+/// tree takes the whole substep with elastic rods (ElasticTree), and is counted. For a while it is not halved
+/// then, where it fails again.
 template <class T>
 class TreeStepper {
  public:
@@ -82,10 +89,13 @@ class TreeStepper {
   void accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
   /// Puts back those that a lane had before a substep that failed.
   void restore_multipliers(TreeState<T>& state, std::uint32_t lane) const;
+  /// Takes a substep that failed in another way: of the tree crew.alone, which `load` puts there.
+  enum class Rescue : std::uint8_t { none, halves, elastic };
+  template <class Load>
+  Rescue rescue(double h, const TreeCrew<T>& crew, Tally& counters, Load&& load) const;
   /// Advances a tree alone, by recursive halving.
   bool advance_alone(TreeState<T>& state, double h, int depth, int& attempts, TreeWorkspace<T>& work,
                      Tally& counters) const;
-  bool advance_halves(TreeState<T>& state, double h, TreeWorkspace<T>& work, Tally& counters) const;
   /// Sets those of this substep and the one before.
   void set_tie_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
   void put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
@@ -99,6 +109,7 @@ class TreeStepper {
   Gradient gradient_;
   double drag_;
   bool estimates_;
+  Isa isa_;
   std::span<const double> shares_;
   double largest_share_;
   const simd::TreeKernels<T>& vector_;

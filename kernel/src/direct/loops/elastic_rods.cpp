@@ -1,0 +1,85 @@
+#include "direct/loops/elastic_rods.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "direct/loops/loop_newton.hpp"
+#include "direct/loops/loop_vectors.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Elastic rods have a compliance of the second of these, in units of 2 L^2/mass. The search for the minimum
+/// begins with the first.
+constexpr double softest = 1e-2, stiffest = 0.99e-8;
+/// The search ends after a change this small, RMS over nodes relative to a rod. A step is cut down to this
+/// share of Newton's at the least.
+constexpr double elastic_change = 1e-9, least_scale = 1e-6;
+constexpr int most_elastic_iterations = 40;
+
+/// Returns C of a rod at the present delta, in m^2.
+double constraint_of(const LoopRod& rod, std::uint32_t k, const LoopWorkspace& work) {
+  return constraint(at(work.d, k), at(work.delta, rod.a) - at(work.delta, rod.b), work.excess[k]);
+}
+
+/// Returns delta . M delta / 2 - load . delta + sum of C^2/(2 softness).
+double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work) {
+  const LoopTopology& shape = *state.topology;
+  double sum = 0;
+  for (std::uint32_t i = 0; i < shape.nodes; ++i) {
+    const Vec3 delta = at(work.delta, i);
+    sum += dot(delta, 0.5 * state.mass[i] * delta - at(work.load, i));
+  }
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    const auto [a, b] = shape.rods[k];
+    const double c = constraint_of(shape.rods[k], k, work);
+    sum += state.coupling[k] * dot(at(work.delta, a), at(work.delta, b)) +
+           c * c / (2 * softness(state, k, soft));
+  }
+  return sum;
+}
+
+/// Sets mu = -C/softness of every rod.
+void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work) {
+  for (std::uint32_t k = 0; k < state.mu.size(); ++k)
+    state.mu[k] = -constraint_of(state.topology->rods[k], k, work) / softness(state, k, soft);
+}
+
+/// Changes work.delta until the energy of rods of this softness is least. Returns whether it is.
+bool minimize_elastic(LoopState& state, double soft, LoopWorkspace& work, Tally& counters) {
+  LoopWorkspace::Factor& factor = work.factor(true);
+  double energy = elastic_energy(state, soft, work);
+  for (int i = 0; i < most_elastic_iterations; ++i) {
+    set_elastic_multipliers(state, soft, work);
+    factorize_newton(state, 1, soft, work, factor);
+    const double change = find_newton_change(state, 1, soft, work, factor);
+    ++counters.newton;
+    std::copy(work.delta.begin(), work.delta.end(), work.trial.begin());
+    bool better = false;
+    for (double scale = 1; !better && scale > least_scale; scale /= 2) {
+      std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
+      apply_change(state, scale, work, factor);
+      const double now = elastic_energy(state, soft, work);
+      better = now < energy;
+      if (better) energy = now;
+    }
+    if (!better) std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
+    // What no step along the direction makes better is a minimum, to rounding.
+    if (change <= elastic_change || !better) return std::isfinite(energy);
+  }
+  return false;
+}
+
+}  // namespace
+
+bool let_rods_give(LoopState& state, LoopWorkspace& work, Tally& counters) {
+  if (!minimize_elastic(state, stiffest, work, counters)) {
+    // Stiff rods make the minimum a narrow, winding valley. Softer ones lead into it.
+    double soft = softest;
+    while (soft >= stiffest && minimize_elastic(state, soft, work, counters)) soft /= 10;
+    if (soft == softest) ++counters.unsolved;
+  }
+  return std::isfinite(elastic_energy(state, softest, work));
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,135 @@
+#include "direct/loops/settle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "direct/loops/loop_vectors.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// s, of a step that brings rods to their lengths: too short for loads to act.
+constexpr double settling_step = 1e-9;
+/// The lengths that a bow of the particles gives rods are tried for bows from this share of a rod on, each so
+/// many times as high as the last, up to one in which every rod is its own height lower than the one before.
+constexpr double least_bow = 1e-3, next_bow = 1.1, most_bow = 2;
+/// Rods may give way so many times, one after the other, before rods are tried as they are again.
+constexpr int most_elastic_steps = 3;
+
+/// Returns the number of rods between every vertex and the nearest fixed one, or the first if none is fixed.
+std::vector<std::uint32_t> distances_to_fixed(const LoopTopology& shape) {
+  std::vector<std::vector<std::uint32_t>> neighbours(shape.vertices);
+  for (const auto [a, b] : shape.rods) {
+    neighbours[a].push_back(b);
+    neighbours[b].push_back(a);
+  }
+  std::vector<std::uint32_t> out(shape.vertices, shape.vertices), found;
+  for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) found.push_back(i);
+  if (found.empty()) found.push_back(0);
+  for (const std::uint32_t i : found) out[i] = 0;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    for (const std::uint32_t next : neighbours[found[k]])
+      if (out[next] == shape.vertices) {
+        out[next] = out[found[k]] + 1;
+        found.push_back(next);
+      }
+  return out;
+}
+
+/// Returns the direction in which particles are bent: along gravity, but across the line from the first
+/// vertex to the farthest from it.
+Vec3 bending_direction(const LoopState& state) {
+  Vec3 along{}, pull{};
+  for (std::uint32_t i = 0; i < state.topology->vertices; ++i) {
+    const Vec3 from_first = state.position(i) - state.position(0);
+    if (norm(from_first) > norm(along)) along = from_first;
+    if (i < state.topology->nodes) pull += at(state.weight, i);
+  }
+  if (norm(along) > 0) along = (1 / norm(along)) * along;
+  // Where gravity is along the line, or there is none, an axis serves.
+  for (const Vec3 direction : {pull, Vec3{0, -1, 0}, Vec3{1, 0, 0}}) {
+    const Vec3 across = direction - dot(direction, along) * along;
+    if (norm(across) > 0.1 * norm(direction)) return (1 / norm(across)) * across;
+  }
+  return {0, -1, 0};
+}
+
+/// Returns how high a bow of height 1 (m a rod) lies at every node: steepest near what is fixed.
+std::vector<double> bow_of(const LoopTopology& shape) {
+  const std::vector<std::uint32_t> distances = distances_to_fixed(shape);
+  const double farthest = *std::max_element(distances.begin(), distances.end());
+  std::vector<double> out;
+  for (std::uint32_t i = 0; i < shape.nodes; ++i)
+    out.push_back(distances[i] * (1 - distances[i] / (2 * farthest)));
+  return out;
+}
+
+std::vector<double> bowed(const LoopState& state, const std::vector<double>& bow, Vec3 by) {
+  std::vector<double> x = state.x;
+  for (std::uint32_t i = 0; i < bow.size(); ++i)
+    put(x.data() + 3 * std::size_t{i}, state.position(i) + bow[i] * by);
+  return x;
+}
+
+/// Returns the sum of squares of what rods lack, relative to their lengths.
+double misfit(const LoopState& state, const std::vector<double>& x) {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < state.topology->rods.size(); ++k) {
+    const auto [a, b] = state.topology->rods[k];
+    const Vec3 d = at(x, a) - at(x, b);
+    const double off = dot(d, d) / state.length2[k] - 1;
+    sum += off * off;
+  }
+  return sum;
+}
+
+/// Bends the island in the bow that brings rods nearest to their lengths.
+void bend(LoopState& state) {
+  const std::vector<double> bow = bow_of(*state.topology);
+  const Vec3 direction = std::sqrt(state.scale2) * bending_direction(state);
+  std::vector<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (double share = least_bow; share <= most_bow; share *= next_bow) {
+    std::vector<double> x = bowed(state, bow, share * direction);
+    const double lacking = misfit(state, x);
+    if (lacking >= least) continue;
+    least = lacking;
+    best = std::move(x);
+  }
+  state.x = best;
+}
+
+}  // namespace
+
+bool settle(LoopState& state, LoopWorkspace& work) {
+  const LoopStepper still(Gradient::new_, 0);
+  LoopMotion start = state.motion();
+  // What gives way without a bow crumples, so that comes last.
+  struct Way {
+    bool bends;
+    int elastic_steps;
+  };
+  for (const Way way : {Way{false, 0}, Way{true, most_elastic_steps}, Way{false, most_elastic_steps}}) {
+    state.motion() = start;
+    if (way.bends) bend(state);
+    for (int i = 0; i <= way.elastic_steps; ++i) {
+      std::fill(state.u.begin(), state.u.end(), 0.0);
+      state.u_step = state.mu_kick = 0;
+      Tally counters;
+      if (still.try_substep(state, settling_step, work, counters)) {
+        std::swap(start.x, state.x);
+        state.motion() = start;
+        return true;
+      }
+      still.advance_elastic(state, settling_step, work, counters);
+    }
+  }
+  state.motion() = start;
+  return false;
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,100 @@
+#include "direct/trees/elastic_tree.hpp"
+
+#include <algorithm>
+
+#include "direct/loops/settle.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Nodes keep their numbers, and ties become fixed vertices after them. The rod of node i to its parent is
+/// rod i - 1, and ties' rods follow.
+std::shared_ptr<const LoopTopology> as_loops(const TreeTopology& tree) {
+  std::vector<LoopRod> rods;
+  for (std::uint32_t i = 1; i < tree.nodes; ++i) rods.push_back({i, tree.parent[i]});
+  for (std::uint32_t i = 0; i < tree.nodes; ++i)
+    for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
+      rods.push_back({i, tree.nodes + k});
+  auto out = std::make_shared<LoopTopology>(tree.nodes, tree.nodes + tree.ties, std::move(rods));
+  out->system = std::make_unique<LoopSystem>(out->rods, out->nodes, true);
+  return out;
+}
+
+template <class To, class From>
+void copy(To& to, const From& from) {
+  std::transform(from.data(), from.data() + to.size(), to.begin(),
+                 [](auto value) { return static_cast<double>(value); });
+}
+
+}  // namespace
+
+template <class T>
+ElasticTree<T>::ElasticTree(const TreeTopology& tree, Gradient gradient, double drag, Isa isa)
+    : gradient_(gradient), stepper_(gradient, drag), state_(as_loops(tree)), work_(state_, gradient, isa) {}
+
+template <class T>
+void ElasticTree<T>::load(const TreeState<T>& tree) {
+  const std::uint32_t nodes = tree.topology->nodes, ties = tree.topology->ties;
+  for (std::size_t i = 0; i < 3 * std::size_t{nodes}; ++i) state_.x[i] = tree.x[i];
+  for (std::size_t i = 0; i < 3 * std::size_t{ties}; ++i) state_.x[3 * nodes + i] = tree.tie_x[i];
+  copy(state_.u, tree.u);
+  copy(state_.force, tree.force);
+  copy(state_.weight, tree.weight);
+  state_.u_step = tree.u_step[0];
+  std::fill(state_.mu.begin(), state_.mu.end(), 0.0);
+  state_.mu_kick = 0;
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    state_.mass[i] = static_cast<double>(tree.node[simd::tree_fields::node * i]);
+    if (i == 0) continue;
+    state_.coupling[i - 1] = static_cast<double>(tree.node[simd::tree_fields::node * i + 1]);
+    state_.length2[i - 1] = tree.length2[i];
+  }
+  for (std::uint32_t k = 0; k < ties; ++k) {
+    state_.coupling[nodes - 1 + k] = static_cast<double>(tree.tie[simd::tree_fields::tie * k]);
+    state_.length2[nodes - 1 + k] = tree.tie_length2[k];
+  }
+  state_.fixed_velocity = tree.tie_velocity;
+  state_.fixed_last_velocity = tree.tie_last_velocity;
+  state_.anchors_move = tree.ties_move;
+  state_.mass_unit = tree.mass_unit[0];
+  state_.scale2 = tree.scale2[0];
+}
+
+template <class T>
+void ElasticTree<T>::store(TreeState<T>& tree) const {
+  const std::uint32_t nodes = tree.topology->nodes;
+  for (std::size_t i = 0; i < 3 * std::size_t{nodes}; ++i) {
+    tree.x[i] = state_.x[i];
+    tree.u[i] = static_cast<T>(state_.u[i]);
+  }
+  for (std::size_t i = 0; i < tree.tie_x.size(); ++i) tree.tie_x[i] = state_.x[3 * nodes + i];
+  if (tree.ties_move) tree.tie_last_velocity = tree.tie_velocity;
+  tree.u_step[0] = state_.u_step;
+  tree.u_step_before[0] = 0;
+  for (auto* const each : {&tree.mu, &tree.tie_mu, &tree.mu_before, &tree.tie_mu_before})
+    std::fill_n(each->data(), each->size(), T(0));
+  tree.mu_kick[0] = tree.mu_kick_before[0] = 0;
+  tree.known[0] = 0;
+  tree.smooth[0] = 0;
+  tree.frequency2 = 0;
+}
+
+template <class T>
+void ElasticTree<T>::advance(TreeState<T>& tree, double h, Tally& counters) {
+  load(tree);
+  stepper_.advance_elastic(state_, h, work_, counters);
+  store(tree);
+}
+
+template <class T>
+bool ElasticTree<T>::settle(TreeState<T>& tree) {
+  load(tree);
+  if (!detail::settle(state_, work_)) return false;
+  for (std::size_t i = 0; i < tree.x.size(); ++i) tree.x[i] = state_.x[i];
+  return true;
+}
+
+template class ElasticTree<float>;
+template class ElasticTree<double>;
+
+}  // namespace plumb::detail

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "direct/loops/loop_stepper.hpp"
+#include "direct/trees/tree_state.hpp"
+
+namespace plumb::detail {
+
+/// Takes substeps of trees whose rods do not fit together, as a line between anchors that are too far apart.
+/// The tree is an island for the solver of loops then, whose rods may give.
+template <class T>
+class ElasticTree {
+ public:
+  /// It serves one tree at a time, of this topology.
+  ElasticTree(const TreeTopology& tree, Gradient gradient, double drag, Isa isa);
+
+  /// Takes one substep of a tree alone (LoopStepper::advance_elastic()). Multipliers are forgotten.
+  void advance(TreeState<T>& tree, double h, Tally& counters);
+
+  /// Brings a tree alone, which starts off its lengths, to the nearest place found where they fit, or that is
+  /// left as it was if there is none. Returns false then.
+  bool settle(TreeState<T>& tree);
+
+ private:
+  void load(const TreeState<T>& tree);
+  void store(TreeState<T>& tree) const;
+
+  Gradient gradient_;
+  LoopStepper stepper_;
+  LoopState state_;
+  LoopWorkspace work_;
+};
+
+extern template class ElasticTree<float>;
+extern template class ElasticTree<double>;
+
+}  // namespace plumb::detail

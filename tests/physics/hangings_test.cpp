@@ -1,0 +1,145 @@
+// What a user hangs up must hang: slack lines fall, tight ones hold, and what cannot be shares what it lacks.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "scenes/generators/generators.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr double frame = 1.0 / 60;
+
+/// A line of massless rods between two anchors, drawn straight whatever its length.
+Scene line(std::uint32_t rods, double span, double length) {
+  Scene scene;
+  for (std::uint32_t i = 0; i <= rods; ++i) {
+    const Vec3 at{span * i / rods, 0, 0};
+    scene.particles.push_back(i == 0 || i == rods ? test::fixed(at) : test::movable(at));
+    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .length = length / rods});
+  }
+  return scene;
+}
+
+/// The largest departure from the catenary of equal weights: slopes of neighbouring rods differ by as much
+/// everywhere, the weight over the horizontal pull. It is relative to that.
+double off_catenary(const Scene& scene, const World& world) {
+  std::vector<double> bend;
+  double last = 0;
+  for (std::size_t k = 0; k < scene.rods.size(); ++k) {
+    const Vec3 d = world.position(scene.rods[k].b) - world.position(scene.rods[k].a);
+    const double slope = d.y / d.x;
+    if (k > 0) bend.push_back(slope - last);
+    last = slope;
+  }
+  const auto [least, most] = std::minmax_element(bend.begin(), bend.end());
+  return (*most - *least) / *most;
+}
+
+struct Slack {
+  std::uint32_t rods;
+  double slack;  ///< Share of the span that the line is longer.
+};
+
+class SlackLine : public testing::TestWithParam<Slack> {};
+
+// Drawn straight, they have no direction to give way, and must find one.
+TEST_P(SlackLine, FallsToItsCatenary) {
+  const auto [rods, slack] = GetParam();
+  const double span = 2;
+  Scene scene = line(rods, span, (1 + slack) * span);
+  scene.drag = 4;
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    World world(scene, {.method = Method::direct, .gradient = gradient, .threads = 1});
+    EXPECT_EQ(world.info().unprojected_islands, 0u);
+    const StepReport report = test::run(world, frame, 1500);
+    EXPECT_EQ(report.unsolved + report.elastic_substeps, 0u) << to_string(gradient);
+    EXPECT_LE(off_catenary(scene, world), 1e-9) << to_string(gradient);
+    EXPECT_LE(test::stretch_of(scene, world).max, 1e-11);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rods, SlackLine,
+                         testing::Values(Slack{5, 0.2}, Slack{20, 0.05}, Slack{21, 0.5}, Slack{200, 0.1}));
+
+// Without drag it swings for ever and keeps its energy, with method automatic and no settings at all.
+TEST(Hangings, ASlackLineSwings) {
+  for (const std::uint32_t rods : {5u, 20u, 200u, 1000u}) {
+    const Scene scene = line(rods, 20, 21);
+    World world(scene, {.threads = 1});
+    const double before = test::energy_of(scene, world).total();
+    const StepReport report = test::run(world, frame, 120);
+    EXPECT_EQ(report.unsolved + report.elastic_substeps + report.fallbacks, 0u) << rods;
+    EXPECT_NEAR(test::energy_of(scene, world).total(), before, 1e-9 * std::abs(before)) << rods;
+    EXPECT_LT(world.position(rods / 2).y, -0.5) << rods;
+  }
+}
+
+// A line that is too short for its anchors is straight, and every rod has the same strain.
+TEST(Hangings, ALineThatIsTooShortSharesItsMisfit) {
+  for (const std::uint32_t rods : {5u, 20u, 200u}) {
+    const Scene scene = line(rods, 20, 19);
+    World world(scene, {.threads = 1});
+    EXPECT_EQ(world.info().unprojected_islands, 1u);
+    const StepReport report = test::run(world, frame, 60);
+    EXPECT_EQ(report.unsolved, 0u) << rods;
+    for (const Rod& rod : scene.rods) {
+      const double length = norm(world.position(rod.b) - world.position(rod.a));
+      EXPECT_NEAR(length, 20.0 / rods, 1e-5 * 20 / rods) << rods;
+    }
+  }
+}
+
+// Its anchor is pulled beyond its length and comes back.
+TEST(Hangings, ALineRecoversFromAnAnchorPulledTooFar) {
+  const std::uint32_t rods = 20;
+  Scene scene = line(rods, 19, 20);
+  scene.drag = 1;
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    World world(scene, {.method = Method::direct, .gradient = gradient, .threads = 1});
+    StepReport total;
+    const auto pull = [&](double from, double to, int frames) {
+      total = {};
+      for (int i = 1; i <= frames; ++i) {
+        world.move_anchor(rods, {from + (to - from) * i / frames, 0, 0});
+        total += world.step(frame);
+      }
+      EXPECT_EQ(total.unsolved, 0u) << to_string(gradient) << ", to " << to;
+    };
+    pull(19, 22, 120);
+    EXPECT_GT(total.elastic_substeps, 0u);
+    pull(22, 22, 120);
+    for (std::uint32_t i = 1; i < rods; ++i) {
+      EXPECT_LT(norm(world.position(i) - Vec3{1.1 * i, 0, 0}), 1e-5) << to_string(gradient) << " " << i;
+      EXPECT_LT(norm(world.velocity(i)), 1e-6) << to_string(gradient) << " " << i;
+    }
+    pull(22, 19, 120);
+    pull(19, 19, 1500);
+    EXPECT_EQ(total.elastic_substeps, 0u) << "rods fit again";
+    EXPECT_LE(off_catenary(scene, world), 1e-3) << to_string(gradient);
+    EXPECT_LE(test::stretch_of(scene, world).max, 1e-11) << to_string(gradient);
+  }
+}
+
+// Particles that all start in one place are laid out along gravity.
+TEST(Hangings, ParticlesInOnePlaceAreLaidOut) {
+  Scene scene;
+  scene.particles.push_back(test::fixed({1, 2, 3}));
+  for (std::uint32_t i = 1; i <= 10; ++i) {
+    scene.particles.push_back(test::movable({1, 2, 3}));
+    scene.rods.push_back({.a = i - 1, .b = i, .length = 0.1});
+  }
+  World world(scene, {.threads = 1});
+  EXPECT_EQ(world.info().unprojected_islands, 0u);
+  EXPECT_LE(test::stretch_of(scene, world).max, 1e-11);
+  EXPECT_EQ(test::run(world, frame, 60).unsolved, 0u);
+}
+
+}  // namespace
+}  // namespace plumb
