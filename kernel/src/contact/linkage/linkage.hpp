@@ -99,6 +99,9 @@ class Linkage {
                std::span<double> right) const;
   /// What constraints must do about anchors that move: -J v of fixed particles, into their places of `right`.
   void anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const;
+  /// How constraints bend away from a motion that goes straight on: minus their second derivatives, into
+  /// their places of `right`.
+  void bends(std::span<const Vec3> v, std::span<double> right) const;
   /// out = M v, of movable particles.
   void momenta(std::span<const Vec3> v, std::span<Vec3> out) const;
   /// Gravity, constant forces, air and dampers at `x` and `v`, N; dampers no stronger than a substep of h

@@ -130,6 +130,17 @@ void Linkage::anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std
   }
 }
 
+void Linkage::bends(std::span<const Vec3> v, std::span<double> right) const {
+  for (const RodRow& rod : rods_) {
+    const Vec3 d = v[rod.b] - v[rod.a];
+    right[plan_.position(rod.row)] = -rod.over2 * dot(d, d);
+  }
+  for (const DotRow& each : dots_)
+    right[plan_.position(each.row)] = -2 * each.over * dot(each.u.of(v), each.v.of(v));
+  for (const PinRow& pin : pins_)
+    for (const std::uint32_t row : pin.rows) right[plan_.position(row)] = 0;
+}
+
 void Linkage::momenta(std::span<const Vec3> v, std::span<Vec3> out) const {
   for (std::uint32_t i = 0; i < movable_; ++i) out[i] = masses_[i] * v[i];
   for (const Coupling& c : couplings_) {
