@@ -164,6 +164,26 @@ TEST(OneStep, LinkagesInTheAirHaveTimeOrders) {
   EXPECT_LT(errors[1][0], 0.05 * errors[0][0]);
 }
 
+TEST(OneStep, LinkagesInTheAirKeepEnergyAndMomentumAtEveryOrder) {
+  const Scene scene = tumbler();
+  for (const std::uint32_t order : {2u, 4u, 6u}) {
+    World world(scene,
+                {.method = Method::direct, .gradient = Gradient::old, .time_order = order, .threads = 1});
+    const auto energy = [&] {
+      return measure_energy(scene, test::positions_of(world), test::velocities_of(world),
+                            MassModel::consistent)
+          .total();
+    };
+    const Momentum before = test::momentum_of(scene, world);
+    const double first = energy();
+    test::run(world, 1.0 / 30, 600);
+    const Momentum after = test::momentum_of(scene, world);
+    EXPECT_NEAR(energy(), first, 1e-9 * first) << order;
+    EXPECT_LE(norm(after.angular - before.angular), 1e-9 * norm(before.angular)) << order;
+    EXPECT_LE(norm(after.linear - before.linear), 1e-9) << order;
+  }
+}
+
 /// The same four boxes hang from an anchor, and drag, air, joint drag and a damper brake them.
 Scene braked_tumbler() {
   Scene scene = tumbler();

@@ -1,10 +1,18 @@
 #include "contact/linkage/flight.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
 namespace plumb::detail {
 namespace {
+
+/// Whether nothing turns an island as a whole.
+bool keeps_spin(const LinkageState& state) {
+  const Linkage& linkage = *state.linkage;
+  return !linkage.is_grounded() && linkage.movable() > 1 && !linkage.has_air() &&
+         std::all_of(state.force.begin(), state.force.end(), [](Vec3 force) { return force == Vec3{}; });
+}
 
 /// Constraints are kept to this share of their lengths: larger errors would hide the order.
 constexpr double exact_landing = 1e-11;
@@ -132,6 +140,8 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
     come(method.end, method.stages);
     good = land(state, report);
   }
+  if (good && keeps_spin(state))
+    linkage.turn_to(linkage.angular_momentum(before_x_, before_v_), state.x, state.v);
   if (good) {
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)
       state.acceleration[k] = (1 / (h * h)) * (state.x[k] - before_x_[k] - h * before_v_[k]);
