@@ -166,7 +166,7 @@ struct Settings {
   std::uint32_t substeps = 1;                   ///< h = dt / substeps; the fewest if an accuracy is set.
   /// Order of direct's substeps with gradient old: 2, 4 or 6. The error falls with that power of their
   /// length. A substep is composed of 1, 5 or 9 shorter ones, some backwards (Suzuki 1990; Kahan and Li
-  /// 1997).
+  /// 1997). Linkages alone in the air take Runge-Kutta steps of order 4 or 6, and touching ones order 2.
   std::uint32_t time_order = 2;
   /// Largest growth of the estimated error per second, as a share of the scene's diagonal. It picks substeps,
   /// for direct and for springs with adaptive_implicit_euler.

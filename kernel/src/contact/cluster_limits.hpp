@@ -7,6 +7,8 @@ namespace plumb::detail::contact_limits {
 /// A rod turns by at most so many radians in a substep. Each correction along the gradients of the start then
 /// takes a digit off the violation.
 inline constexpr double most_turn = 0.35;
+/// The same in flight, where it is what accuracy goes by if none is asked for; and where one is.
+inline constexpr double most_turn_in_flight = 0.25, most_turn_if_watched = 1;
 /// Two shapes that approach do so by at most this share of their radii in a substep.
 inline constexpr double most_approach = 0.5;
 /// A force that throws an island farther than this many sizes in a step is left out of its reach.
@@ -25,8 +27,6 @@ inline constexpr double unnoticed = 3e-9;
 inline constexpr double let_be = 1e-6;
 /// Constraints count as solved once they are violated by no more than this share of their lengths.
 inline constexpr double exact = 1e-8;
-/// Shares of composed substeps are solved so far, since larger errors would hide the higher order.
-inline constexpr double exact_in_shares = 1e-13;
 /// A substep makes at most so many corrections of its constraints.
 inline constexpr int most_corrections = 16;
 /// Change (m, times the length scale) that a last sweep may always make, where nothing weighs anything.

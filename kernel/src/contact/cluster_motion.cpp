@@ -141,7 +141,6 @@ void ClusterStepper::scale_loose_motion(double by) {
 // Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
 // much motion as energy was gained: something was lifted. If no shorter substep is to be tried, all stops.
 bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, Tally& report) {
-  if (is_composed_) return true;           // a correction would not be undone by the shares backwards
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
   bool free = count_ == 1 && !touched, driven = false;
   for (std::uint32_t i = 0; i < count_; ++i) {

@@ -267,7 +267,6 @@ bool ClusterStepper::solve_positions(Tally& report) {
   push_held();
   double last = INFINITY;
   int sweeps = 0;
-  const double exactness = is_composed_ ? exact_in_shares : exact;
   for (int correction = 0; correction < most_corrections; ++correction) {
     // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
     double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
@@ -293,7 +292,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
       std::fill(right.begin(), right.end(), 0.0);
       const double violation = linkage.violations(island.there, right);
       worst = std::max(worst, violation);
-      if (violation <= exactness) continue;
+      if (violation <= exact) continue;
       if (!std::isfinite(violation)) return false;
       ++report.newton;
       linkage.plan().solve(state.factors, island.unknowns);
@@ -303,12 +302,12 @@ bool ClusterStepper::solve_positions(Tally& report) {
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    if (worst <= exactness &&
+    if (worst <= exact &&
         (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
-    if (worst > 0.5 || (correction > 3 && worst > exactness && worst > 0.9 * last)) return false;
+    if (worst > 0.5 || (correction > 3 && worst > exact && worst > 0.9 * last)) return false;
     last = worst;
   }
   return false;

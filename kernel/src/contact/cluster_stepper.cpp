@@ -6,7 +6,6 @@
 
 #include "contact/cluster_limits.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
-#include "time/composition.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;
@@ -66,11 +65,18 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   shortest_ = dt / most_guards;
   recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = false;
+  bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
   while (left > 1e-12 * dt) {
     const double least = report.is_spent() ? dt / substeps : dt / most_cuts;
-    const double longest = std::max(std::min(dt / substeps, longest_substep(dt)), least);
+    const double in_flight = rules.is_watched ? most_turn_if_watched : most_turn_in_flight;
+    const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
+    const double longest = std::max(std::min(dt / substeps, cut), least);
     double h = left / std::ceil(left / longest - 1e-9);
-    if (composes(surroundings, rules, h) && substep_in_shares(surroundings, rules.time_order, h, report)) {
+    if (may_fly) {
+      // Cut alike, twice the length would tell no error.
+      report.halvings += rules.is_watched && cut < dt / substeps;
+      may_fly = is_alone(surroundings, h) && fly(surroundings, rules.time_order, h, report);
+      if (!may_fly) continue;
       ++report.direct_substeps;
       left -= h;
       continue;
@@ -92,40 +98,40 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   }
 }
 
-/// Whether a substep is put together from shares: one island, nothing near, and a time order that wants it.
-bool ClusterStepper::composes(const Surroundings& surroundings, const ClusterRules& rules, double h) const {
-  if (rules.time_order == 2 || count_ != 1 || !islands_[0].awake) return false;
+/// Whether nothing is near the only island in a substep.
+bool ClusterStepper::is_alone(const Surroundings& surroundings, double h) const {
   const LinkageState& state = *islands_[0].state;
   return state.linkage->shapes().empty() ||
          !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin));
 }
 
-/// One substep composed of shares, some of them backwards. Rows that push (limits, drives, friction of
-/// joints) are not to be taken backwards: then all is put back, and false is returned.
-bool ClusterStepper::substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h,
-                                       Tally& report) {
-  LinkageState& state = *islands_[0].state;
-  before_shares_ = state.motion();
-  is_composed_ = true;
-  bool done = true;
-  for (const double share : composition(time_order)) {
-    done = substep(surroundings, share * h, report) && rows_.empty() && !state.frozen;
-    if (!done) break;
+/// One substep of a higher order. False, and nothing has moved, if limits, drives or friction of joints may
+/// push.
+bool ClusterStepper::fly(const Surroundings& surroundings, std::uint32_t time_order, double h,
+                         Tally& report) {
+  Island& island = islands_[0];
+  LinkageState& state = *island.state;
+  if (!state.linkage->angles().empty()) {
+    start(island, h);
+    find_contacts(surroundings, h);
+    if (!rows_.empty()) return false;
   }
-  is_composed_ = false;
-  if (done) return true;
-  state.motion() = before_shares_;
-  state.factored = false;
-  return false;
+  const double before = energy();
+  if (!flight_.step(state, time_order, h, report)) return false;
+  island.v = state.v;
+  guard_energy(before, false, false, report);
+  std::copy_n(island.v.begin(), state.linkage->movable(), state.v.begin());
+  state.kept.clear();
+  return true;
 }
 
-double ClusterStepper::longest_substep(double most) const {
+double ClusterStepper::longest_substep(double most, double turn) const {
   double out = most;
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& a = islands_[i];
     if (a.awake) {
       const double turning = a.state->linkage->turning(a.state->v);
-      if (turning * out > most_turn) out = most_turn / turning;
+      if (turning * out > turn) out = turn / turning;
     }
     if (count_ == 1) break;
     const Bounds own = bounds_of(*a.state->linkage, a.state->x, 0);

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/surroundings.hpp"
 #include "contact/touch.hpp"
@@ -18,7 +19,8 @@ ContactSettings scaled(ContactSettings settings);
 /// How a cluster's steps are cut.
 struct ClusterRules {
   std::uint32_t substeps = 1;    ///< of a step, at least
-  std::uint32_t time_order = 2;  ///< of an island alone in the air; 4 and 6 compose substeps
+  std::uint32_t time_order = 2;  ///< of an island alone in the air
+  bool is_watched = false;       ///< errors are estimated, which is to tell the length of substeps in the air
 };
 
 /// Moves islands that touch, or may within a step, through that step together.
@@ -120,9 +122,9 @@ class ClusterStepper {
   };
 
   bool substep(const Surroundings& surroundings, double h, Tally& report);
-  double longest_substep(double most) const;
-  bool composes(const Surroundings& surroundings, const ClusterRules& rules, double h) const;
-  bool substep_in_shares(const Surroundings& surroundings, std::uint32_t time_order, double h, Tally& report);
+  double longest_substep(double most, double turn) const;
+  bool is_alone(const Surroundings& surroundings, double h) const;
+  bool fly(const Surroundings& surroundings, std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
   void freeze(Island& island, Tally& report);
   bool find_positions(const Surroundings& surroundings, double h, Tally& report);
@@ -180,8 +182,7 @@ class ClusterStepper {
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;
   bool woken_ = false, all_near_ = false;
-  bool is_composed_ = false;                  ///< the substep is a share of a composed one
-  LinkageMotion before_shares_;               ///< what a composed substep takes back
+  Flight flight_;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
   double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits

@@ -10,12 +10,13 @@
 namespace plumb::detail {
 namespace {
 
-/// An accuracy below this pays for composed substeps: the error of a figure in the air falls so much faster.
-constexpr double worth_order_4 = 1e-5;
+/// From these accuracies on the higher order takes less time for a figure in the air.
+constexpr double worth_order_4 = 1e-3, worth_order_6 = 1e-6;
 
 std::uint32_t time_order_of(const Settings& settings) {
   const bool chooses = settings.method == Method::automatic && settings.accuracy;
-  return chooses && *settings.accuracy <= worth_order_4 ? 4 : settings.time_order;
+  if (!chooses || *settings.accuracy > worth_order_4) return settings.time_order;
+  return *settings.accuracy > worth_order_6 ? 4 : 6;
 }
 
 /// Gives the mass of rods to their ends, as the solver does that moves them elsewhere.
@@ -137,7 +138,8 @@ std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
 
 double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
                               Tally& report) {
-  steppers_[part].step(cluster(piece), surroundings_, {count, time_order_}, h * count, report);
+  const ClusterRules rules{count, time_order_, !histories_.empty()};
+  steppers_[part].step(cluster(piece), surroundings_, rules, h * count, report);
   return 0;
 }
 

@@ -99,6 +99,9 @@ class Linkage {
                std::span<double> right) const;
   /// What constraints must do about anchors that move: -J v of fixed particles, into their places of `right`.
   void anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const;
+  /// How constraints bend away from a motion that goes straight on: minus their second derivatives, into
+  /// their places of `right`.
+  void bends(std::span<const Vec3> v, std::span<double> right) const;
   /// out = M v, of movable particles.
   void momenta(std::span<const Vec3> v, std::span<Vec3> out) const;
   /// Gravity, constant forces, air and dampers at `x` and `v`, N; dampers no stronger than a substep of h
@@ -112,6 +115,10 @@ class Linkage {
   /// Splits velocities into those of a rigid body, in `rigid`, and the rest; kinetic energy of the rest in J.
   /// Of linkages without fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
+  /// The angular momentum about the centre of mass, kg m²/s, of linkages without fixed particles.
+  Vec3 angular_momentum(std::span<const Vec3> x, std::span<const Vec3> v) const;
+  /// Turns a linkage without fixed particles as a whole, until that is its angular momentum.
+  void turn_to(Vec3 angular, std::span<const Vec3> x, std::span<Vec3> v) const;
 
  private:
   struct RodRow {
@@ -142,6 +149,9 @@ class Linkage {
     double linear, orthogonal, over;  ///< 1/m
   };
   static constexpr std::uint32_t none = 0xffffffff;
+
+  struct Whole;
+  Whole whole(std::span<const Vec3> x, std::span<const Vec3> v) const;
 
   /// Rods, then alignments and pins take their rows in this order; `row` is the next one.
   void add_rods(const Scene& part, std::uint32_t& row);

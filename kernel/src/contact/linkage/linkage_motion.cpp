@@ -130,6 +130,17 @@ void Linkage::anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std
   }
 }
 
+void Linkage::bends(std::span<const Vec3> v, std::span<double> right) const {
+  for (const RodRow& rod : rods_) {
+    const Vec3 d = v[rod.b] - v[rod.a];
+    right[plan_.position(rod.row)] = -rod.over2 * dot(d, d);
+  }
+  for (const DotRow& each : dots_)
+    right[plan_.position(each.row)] = -2 * each.over * dot(each.u.of(v), each.v.of(v));
+  for (const PinRow& pin : pins_)
+    for (const std::uint32_t row : pin.rows) right[plan_.position(row)] = 0;
+}
+
 void Linkage::momenta(std::span<const Vec3> v, std::span<Vec3> out) const {
   for (std::uint32_t i = 0; i < movable_; ++i) out[i] = masses_[i] * v[i];
   for (const Coupling& c : couplings_) {
@@ -201,30 +212,55 @@ double Linkage::turning(std::span<const Vec3> v) const {
   return std::sqrt(square);
 }
 
-double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const {
+/// A linkage without fixed particles, taken as a rigid body.
+struct Linkage::Whole {
+  Vec3 center{}, velocity{}, angular{};
+  Sym3 inertia{};
+
+  /// How it turns with an angular momentum. A straight line of rods does not turn about itself. What keeps
+  /// its inertia from being singular, and what rounding makes of the inverse then, goes out with the second
+  /// solution.
+  Vec3 turn(Vec3 momentum) const {
+    const Sym3 back = inverse(inertia + Sym3::diagonal(1e-8 * trace(inertia) + 1e-300));
+    Vec3 out = back * momentum;
+    out += back * (momentum - inertia * out);
+    return out;
+  }
+};
+
+Linkage::Whole Linkage::whole(std::span<const Vec3> x, std::span<const Vec3> v) const {
   Vec3 linear{}, moment{};
   for (std::uint32_t i = 0; i < movable_; ++i) {
     linear += weights_[i] * v[i];
     moment += weights_[i] * x[i];
   }
-  const Vec3 center = (1 / mass_) * moment, velocity = (1 / mass_) * linear;
-  Vec3 angular{};
-  Sym3 inertia{};
+  Whole out{.center = (1 / mass_) * moment, .velocity = (1 / mass_) * linear};
   for (std::uint32_t i = 0; i < movable_; ++i) {
-    const Vec3 a = x[i] - center;
-    angular += masses_[i] * cross(a, v[i] - velocity);
-    inertia += Sym3::diagonal(masses_[i] * dot(a, a)) - outer_both((0.5 * masses_[i]) * a, a);
+    const Vec3 a = x[i] - out.center;
+    out.angular += masses_[i] * cross(a, v[i] - out.velocity);
+    out.inertia += Sym3::diagonal(masses_[i] * dot(a, a)) - outer_both((0.5 * masses_[i]) * a, a);
   }
   for (const Coupling& c : couplings_) {
-    const Vec3 a = x[c.a] - center, b = x[c.b] - center;
-    angular += c.mass * (cross(a, v[c.b] - velocity) + cross(b, v[c.a] - velocity));
-    inertia += Sym3::diagonal(2 * c.mass * dot(a, b)) - outer_both(c.mass * a, b);
+    const Vec3 a = x[c.a] - out.center, b = x[c.b] - out.center;
+    out.angular += c.mass * (cross(a, v[c.b] - out.velocity) + cross(b, v[c.a] - out.velocity));
+    out.inertia += Sym3::diagonal(2 * c.mass * dot(a, b)) - outer_both(c.mass * a, b);
   }
-  // A straight line of rods does not turn about itself. What keeps its inertia from being singular, and what
-  // rounding makes of the inverse then, goes out with the second solution.
-  const Sym3 back = inverse(inertia + Sym3::diagonal(1e-8 * trace(inertia) + 1e-300));
-  Vec3 turn = back * angular;
-  turn += back * (angular - inertia * turn);
+  return out;
+}
+
+Vec3 Linkage::angular_momentum(std::span<const Vec3> x, std::span<const Vec3> v) const {
+  return whole(x, v).angular;
+}
+
+void Linkage::turn_to(Vec3 angular, std::span<const Vec3> x, std::span<Vec3> v) const {
+  const Whole now = whole(x, v);
+  const Vec3 turn = now.turn(angular - now.angular);
+  for (std::uint32_t i = 0; i < movable_; ++i) v[i] += cross(turn, x[i] - now.center);
+}
+
+double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const {
+  const Whole now = whole(x, v);
+  const Vec3 turn = now.turn(now.angular), center = now.center, velocity = now.velocity;
   double energy = 0;
   for (std::uint32_t i = 0; i < movable_; ++i) {
     rigid[i] = velocity + cross(turn, x[i] - center);

@@ -1,0 +1,156 @@
+#include "contact/linkage/flight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace plumb::detail {
+namespace {
+
+/// Whether nothing turns an island as a whole.
+bool keeps_spin(const LinkageState& state) {
+  const Linkage& linkage = *state.linkage;
+  return !linkage.is_grounded() && linkage.movable() > 1 && !linkage.has_air() &&
+         std::all_of(state.force.begin(), state.force.end(), [](Vec3 force) { return force == Vec3{}; });
+}
+
+/// Constraints are kept to this share of their lengths: larger errors would hide the order.
+constexpr double exact_landing = 1e-11;
+constexpr int most_landings = 12;
+
+/// A method's coefficients: of every stage those of the stages before it, and those of the end.
+struct Tableau {
+  std::size_t stages;
+  double share[7][7];
+  double end[7];
+};
+
+/// Kutta's 3/8 rule (1901) and a method of Butcher (1964). Both have their last stage at the step's end, so
+/// that its factors serve there.
+const Tableau& tableau(std::uint32_t order) {
+  static constexpr Tableau fourth{
+      4, {{}, {1.0 / 3}, {-1.0 / 3, 1}, {1, -1, 1}}, {1.0 / 8, 3.0 / 8, 3.0 / 8, 1.0 / 8}};
+  static constexpr Tableau sixth{7,
+                                 {{},
+                                  {1.0 / 3},
+                                  {0, 2.0 / 3},
+                                  {1.0 / 12, 1.0 / 3, -1.0 / 12},
+                                  {-1.0 / 16, 9.0 / 8, -3.0 / 16, -3.0 / 8},
+                                  {0, 9.0 / 8, -3.0 / 8, -3.0 / 4, 1.0 / 2},
+                                  {9.0 / 44, -9.0 / 11, 63.0 / 44, 18.0 / 11, 0, -16.0 / 11}},
+                                 {11.0 / 120, 0, 27.0 / 40, 27.0 / 40, -4.0 / 15, -4.0 / 15, 11.0 / 120}};
+  return order == 4 ? fourth : sixth;
+}
+
+}  // namespace
+
+/// Adds drag and joint drag, which act by mass, to the forces of a stage.
+void Flight::brake(const Linkage& linkage, const Stage& stage) {
+  const std::uint32_t movable = linkage.movable();
+  const bool has_joints = linkage.joint_drag() != 0 && (movable > 1 || linkage.is_grounded());
+  rigid_.assign(movable, Vec3{});
+  if (has_joints && !linkage.is_grounded()) linkage.split(stage.x, stage.v, rigid_);
+  braked_.resize(movable);
+  momentum_.resize(movable);
+  const double by = has_joints ? linkage.joint_drag() : 0;
+  for (std::uint32_t k = 0; k < movable; ++k)
+    braked_[k] = linkage.drag() * stage.v[k] + by * (stage.v[k] - rigid_[k]);
+  linkage.momenta(braked_, momentum_);
+  for (std::uint32_t k = 0; k < movable; ++k) force_[k] -= momentum_[k];
+}
+
+/// Finds the accelerations of a stage by the factors there.
+void Flight::accelerate(const LinkageState& state, Stage& stage, double h) {
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = numbers(unknowns_);
+  linkage.bends(stage.v, right);
+  linkage.forces(stage.x, stage.v, state.force, h, force_);
+  if (linkage.drag() != 0 || linkage.joint_drag() != 0) brake(linkage, stage);
+  linkage.put(force_, right);
+  linkage.plan().solve(state.factors, unknowns_);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) stage.a[k] = linkage.taken(right, k);
+}
+
+/// Takes from velocities what constraints forbid where the factors are.
+void Flight::take_forbidden(LinkageState& state) {
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = numbers(unknowns_);
+  momentum_.resize(linkage.movable());
+  linkage.momenta(state.v, momentum_);
+  linkage.anchor_rates(state.x, state.v, right);
+  linkage.put(momentum_, right);
+  linkage.plan().solve(state.factors, unknowns_);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
+}
+
+/// Brings positions onto the constraints by the factors of the last stage, and velocities by those there.
+bool Flight::land(LinkageState& state, Tally& report) {
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = numbers(unknowns_);
+  for (int i = 0;; ++i) {
+    std::fill(right.begin(), right.end(), 0.0);
+    const double violation = linkage.violations(state.x, right);
+    if (violation <= exact_landing) break;
+    if (!std::isfinite(violation) || i == most_landings) return false;
+    ++report.newton;
+    linkage.plan().solve(state.factors, unknowns_);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += linkage.taken(right, k);
+  }
+  if (!state.factor()) return false;
+  take_forbidden(state);
+  return true;
+}
+
+bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& report) {
+  const Linkage& linkage = *state.linkage;
+  const Tableau& method = tableau(order);
+  const std::size_t count = state.x.size();
+  before_x_ = state.x;
+  before_v_ = state.v;
+  force_.resize(linkage.movable());
+  unknowns_.assign(linkage.plan().columns(), simd::Quad{});
+  const auto come = [&](const double* shares, std::size_t stages) {
+    for (std::size_t k = 0; k < count; ++k) {
+      Vec3 x = before_x_[k], v = before_v_[k];
+      for (std::size_t s = 0; s < stages; ++s) {
+        if (shares[s] == 0) continue;
+        x += (h * shares[s]) * stages_[s].v[k];
+        v += (h * shares[s]) * stages_[s].a[k];
+      }
+      state.x[k] = x;
+      state.v[k] = v;
+    }
+  };
+  bool good = state.factored || state.factor();
+  if (good && linkage.is_grounded()) {  // anchors may have changed their velocity
+    take_forbidden(state);
+    std::copy_n(state.v.begin(), linkage.movable(), before_v_.begin());
+  }
+  for (std::size_t s = 0; good && s < method.stages; ++s) {
+    come(method.share[s], s);
+    if (s > 0) good = state.factor();
+    Stage& stage = stages_[s];
+    stage.x = state.x;
+    stage.v = state.v;
+    stage.a.assign(count, Vec3{});
+    ++report.newton;
+    if (good) accelerate(state, stage, h);
+  }
+  if (good) {
+    come(method.end, method.stages);
+    good = land(state, report);
+  }
+  if (good && keeps_spin(state))
+    linkage.turn_to(linkage.angular_momentum(before_x_, before_v_), state.x, state.v);
+  if (good) {
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+      state.acceleration[k] = (1 / (h * h)) * (state.x[k] - before_x_[k] - h * before_v_[k]);
+    return true;
+  }
+  state.x = before_x_;
+  state.v = before_v_;
+  state.factored = false;
+  return false;
+}
+
+}  // namespace plumb::detail

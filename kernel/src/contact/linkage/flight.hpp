@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "contact/linkage/linkage_state.hpp"
+#include "solver/tally.hpp"
+
+namespace plumb::detail {
+
+/// Moves an island alone in the air by Runge-Kutta steps of order 4 or 6: accelerations that keep the second
+/// derivatives of constraints, one factorisation each, and at the end positions and velocities that keep the
+/// constraints themselves. Nothing pushes but gravity, forces, air and drag.
+class Flight {
+ public:
+  /// One step of h. False if constraints are not kept; then nothing has moved.
+  bool step(LinkageState& state, std::uint32_t order, double h, Tally& report);
+
+ private:
+  static constexpr std::size_t most_stages = 7;
+  /// Where a stage is, how it moves and how that changes.
+  struct Stage {
+    std::vector<Vec3> x, v, a;
+  };
+
+  void brake(const Linkage& linkage, const Stage& stage);
+  void accelerate(const LinkageState& state, Stage& stage, double h);
+  void take_forbidden(LinkageState& state);
+  bool land(LinkageState& state, Tally& report);
+
+  std::array<Stage, most_stages> stages_;
+  std::vector<Vec3> before_x_, before_v_, force_, rigid_, braked_, momentum_;
+  std::vector<simd::Quad> unknowns_;
+};
+
+}  // namespace plumb::detail
