@@ -17,7 +17,7 @@ struct Touch {
   double a = 0, b = 0;
 };
 
-/// Is a line from p to q (m) with a radius (m): the middle of a capsule.
+/// This is a line from p to q (m) with a radius (m): the middle of a capsule.
 struct Segment {
   Vec3 p, q;
   double radius;

@@ -19,7 +19,7 @@ class Team;
 /// Says where a solver keeps a particle. Every solver numbers its own.
 using Slot = std::uint32_t;
 
-/// Is the straight path (m) of a fixed particle in a step of `dt` (s).
+/// This is the straight path (m) of a fixed particle in a step of `dt` (s).
 struct AnchorMove {
   Vec3 from, to;
   double dt;
@@ -34,8 +34,8 @@ struct ErrorModel {
   /// returns an estimate of its own.
   bool by_comparison = true;
   std::uint32_t most_substeps = 1u << 20;  ///< substeps of a step; shorter ones would be rounding
-  /// Whether a finer step would fall back too. It would if a substep that fell back to gradient new was tried
-  /// at a thousandth of its length before.
+  /// Says whether a finer step would fall back too. It would if a substep that fell back to gradient new was
+  /// tried at a thousandth of its length before.
   bool fallback_is_final = false;
 };
 
@@ -106,7 +106,7 @@ class Solver {
                              double /*allowed*/, unsigned /*part*/, Tally&) {
     return false;
   }
-  /// Is told the end of a controlled step: its substeps of `h` (s), the error (m) of each, and the longest
+  /// Tells the end of a controlled step: its substeps of `h` (s), the error (m) of each, and the longest
   /// substep allowed (s).
   virtual void end_controlled_step(std::uint32_t /*piece*/, double /*error*/, double /*h*/,
                                    double /*longest*/, double /*allowed*/, unsigned /*part*/) {}
@@ -115,7 +115,7 @@ class Solver {
 
   /// Returns whether a piece may be put to rest at all.
   virtual bool can_rest() const { return true; }
-  /// Is called after a piece was woken.
+  /// The world calls this after a piece was woken.
   virtual void wake(std::uint32_t /*piece*/) {}
   /// Returns whether no particle of a piece moves faster than `speed` (m/s).
   virtual bool is_slower(std::uint32_t piece, double speed) const = 0;

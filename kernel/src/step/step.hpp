@@ -35,7 +35,7 @@ class Step {
   const WorldInfo& info() const { return compiled_.info; }
 
  private:
-  /// Is a line of the step: what it does, and whether this scene needs it.
+  /// This is a line of the step: what it does, and whether this scene needs it.
   struct Stage {
     void (Step::*run)(StepReport& report);
     bool (Step::*is_needed)() const;
