@@ -10,7 +10,7 @@
 
 namespace plumb::bench {
 
-/// A command line from which a program takes its own flags; the rest is for others.
+/// Holds a command line from which a program takes its own flags. The rest is for others.
 class Flags {
  public:
   Flags(int argc, char** argv) : words_(argv, argv + argc) {}
@@ -40,7 +40,7 @@ class Flags {
     return {};
   }
 
-  /// The value as a number of at least `least`. Throws std::invalid_argument if it is none.
+  /// Takes the value as a number of at least `least`. Throws std::invalid_argument if it is none.
   std::uint32_t take_count(const std::string& name, std::uint32_t otherwise, std::uint32_t least) {
     const auto text = take_value(name);
     if (!text) return otherwise;
@@ -50,7 +50,7 @@ class Flags {
     return *count;
   }
 
-  /// The program and what nobody took.
+  /// Returns the program's name and what nobody took.
   std::vector<std::string>& rest() { return words_; }
 
  private:
