@@ -15,7 +15,7 @@ class Flags {
  public:
   Flags(int argc, char** argv) : words_(argv, argv + argc) {}
 
-  /// --name
+  /// Takes --name, and returns whether it was there.
   bool take(const std::string& name) {
     const auto found = std::find(words_.begin(), words_.end(), name);
     if (found == words_.end()) return false;
@@ -23,7 +23,7 @@ class Flags {
     return true;
   }
 
-  /// --name VALUE or --name=VALUE. Throws std::invalid_argument if there is no value.
+  /// Takes --name VALUE or --name=VALUE. Throws std::invalid_argument if there is no value.
   std::optional<std::string> take_value(const std::string& name) {
     for (auto word = words_.begin(); word != words_.end(); ++word) {
       if (word->starts_with(name + "=")) {

@@ -35,8 +35,8 @@ struct StepReport {
   /// still.
   std::uint32_t frozen_islands = 0;
 
-  // Of islands that are solved directly. Of what is repeated for accuracy, `newton` alone counts all
-  // attempts.
+  // The next members count what direct solves did. Of what is repeated for accuracy, `newton` alone counts
+  // all attempts.
   std::uint64_t direct_substeps = 0;  ///< Substeps that islands took, those after halvings included.
   std::uint64_t newton = 0;           ///< Newton steps, summed over islands.
   std::uint64_t halvings = 0;         ///< Substeps of an island that did not converge and were cut in two.
@@ -52,11 +52,12 @@ struct StepReport {
   /// the fewest substeps, none of which was cut.
   std::uint64_t capped_steps = 0;
 
-  // Of method springs, at the end of a step. Of several steps or islands the worst counts.
+  // The next two members describe method springs at the end of a step. Of several steps or islands the worst
+  // counts.
   double largest_gap = 0;  ///< Largest gap between ends of rigid rods that should meet, in m (figure 4.5).
   double rms_gap = 0;      ///< Root mean square of these gaps over the joints of an island, in m.
 
-  // Of scenes with shapes that touch.
+  // The next members describe scenes with shapes that touch.
   std::uint64_t contacts = 0;        ///< Most points at which something pushed in one cluster's substep.
   std::uint64_t guarded_energy = 0;  ///< Substeps that would have gained energy and were held back.
   std::uint32_t awake_islands = 0;   ///< Islands awake at the end of the step.

@@ -13,8 +13,8 @@ inline constexpr double most_approach = 0.5;
 /// The reach of an island leaves out a force that would throw it farther than this many of its sizes in a
 /// step. Larger values join more islands into a cluster.
 inline constexpr double farthest_throw = 10;
-/// A pull that moved an island by more than this share of its size in a substep counts as a hit. The next
-/// substep starts from smaller pulls, because they are likely to last.
+/// A pull that moved an island by more than this share of its size in a substep was a hit, and is not
+/// expected again. The next substep starts from smaller pulls, which are likely to last.
 inline constexpr double farthest_pull = 0.05;
 /// A step is cut into at most this many substeps.
 inline constexpr double most_cuts = 4096;
