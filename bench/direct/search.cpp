@@ -19,7 +19,7 @@ constexpr std::array omegas{1.0, 1.5, 1.8, 1.9, 1.95};
 constexpr std::array<std::uint32_t, 3> frame_rates{20, 30, 60};
 constexpr std::uint32_t most_substeps = 1u << 16;
 constexpr double never = std::numeric_limits<double>::infinity();
-/// Float is not tried below this error, which it does not reach.
+/// Float is not tried below this error, since its rounding takes too large a part of it.
 constexpr double float_error = 1e-4;
 
 /// Says where a sequence of settings leads and how far.
@@ -242,7 +242,7 @@ struct Path {
       const Trial& before = trials[trials.size() - 3];
       effort.slope = std::log2(before.error / effort.last.error) / 2;
     }
-    // A slope steeper than second order does not last, and a flatter one than the lower bound leads nowhere.
+    // A slope steeper than second order does not last. One that is not positive leads nowhere.
     effort.slope = std::min(effort.slope, 2.0);
     const double factor = effort.slope > 0 ? std::pow(effort.last.error / error, 1 / effort.slope) : never;
     effort.ms = factor > farthest ? never : effort.ms * factor;

@@ -19,8 +19,8 @@ std::uint32_t time_order_of(const Settings& settings) {
   return chooses && *settings.accuracy <= worth_order_4 ? 4 : settings.time_order;
 }
 
-/// Gives the mass of rods to their ends, as relaxation does, so that an island weighs the same in both
-/// solvers.
+/// Gives the mass of rods to their ends, as the solver of their home does, so that an island weighs the same
+/// in both solvers.
 void lump_masses(Scene& part) {
   for (std::size_t i = 0; i < part.rods.size(); ++i) {
     const RodMass mass = rod_mass(part, i, MassModel::lumped);
