@@ -72,7 +72,7 @@ class Baseline final : public Stepper {
     return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z), static_cast<T>(w)};
   }
 
-  /// Position Verlet (thesis eq. 4.5).
+  /// Predicts by position Verlet (thesis eq. 4.5).
   void predict() {
     for (std::size_t i = 0; i < now_.size(); ++i) {
       Vector& x = now_[i];
@@ -85,7 +85,7 @@ class Baseline final : public Stepper {
     }
   }
 
-  /// Thesis eq. 4.7.
+  /// Corrects every rod by thesis eq. 4.7.
   void sweep() {
     for (const Link& link : links_) {
       Vector& a = now_[link.a];

@@ -10,8 +10,8 @@ namespace {
 constexpr std::array shapes{Shape::chain, Shape::net, Shape::ensemble, Shape::graph};
 constexpr std::array levels{Level::l1, Level::l2, Level::l3, Level::dram};
 
-// A world holds about 80 bytes per rod of a chain in float, 56 of a net, 70 of a graph, and twice that in
-// double; a sweep touches a third of them.
+// These sizes fill the levels. A world holds about 80 bytes per rod of a chain in float, 56 of a net, 70 of a
+// graph, and twice that in double. A sweep touches a third of them.
 constexpr std::uint32_t float_sizes[4][4] = {
     {255, 8191, 131071, 4000000}, {16, 64, 256, 1400}, {16, 256, 4096, 81920}, {128, 4096, 65536, 1200000}};
 constexpr std::uint32_t double_sizes[4][4] = {

@@ -13,11 +13,11 @@
 namespace plumb::bench {
 namespace {
 
-/// A sample lasts at least this long, and its warming half of it: longer than a processor takes to change its
-/// clock from one instruction set to another.
+/// A sample lasts at least this long, and its warming half of it. That is longer than a processor takes to
+/// change its clock from one instruction set to another. A longer one makes runs longer and samples quieter.
 constexpr double sample_s = 3e-3;
 
-/// A second where that is cheap.
+/// Returns how many steps come before the first sample: a second of motion where that is cheap.
 std::uint32_t run_up_steps(Level level) {
   switch (level) {
     case Level::l1:
@@ -31,11 +31,11 @@ std::uint32_t run_up_steps(Level level) {
   return 1;
 }
 
-/// A contender made ready to step.
+/// This is a contender made ready to step.
 struct Entrant {
   std::unique_ptr<Stepper> stepper;
-  const WorldStepper* world = nullptr;  ///< none: a baseline
-  std::uint32_t steps = 1;              ///< of a sample
+  const WorldStepper* world = nullptr;  ///< null for a baseline
+  std::uint32_t steps = 1;              ///< steps in a sample
   std::uint32_t warming = 0;
   Outcome* outcome = nullptr;
 };
@@ -71,7 +71,7 @@ double finite_stretch(const Entrant& entrant, const Scene& scene) {
   return max;
 }
 
-/// Steps everyone to the same time, and sets how many steps a sample has: for worlds as many as the fastest
+/// Steps everyone to the same time, and sets how many steps a sample has. Worlds take as many as the fastest
 /// needs.
 void run_up(std::vector<Entrant>& entrants, const Scene& scene, Level level) {
   double fastest = 1e9;
@@ -81,7 +81,7 @@ void run_up(std::vector<Entrant>& entrants, const Scene& scene, Level level) {
     double step_s = entrant.stepper->run(outcome.run_up_steps, sweeps);
     outcome.run_up_stretch = finite_stretch(entrant, scene);
     outcome.steps = outcome.run_up_steps;
-    if (level != Level::dram) {  // the first step of all was slower
+    if (level != Level::dram) {  // the very first step was slower, so that it does not count
       step_s = std::min(step_s, entrant.stepper->run(2, sweeps));
       outcome.steps += 2;
     }

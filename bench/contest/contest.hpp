@@ -10,32 +10,32 @@
 
 namespace plumb::bench {
 
-/// Sweeps of a timed step, and of the longer step that shows what a sweep alone takes.
+/// A timed step has this many sweeps. The longer step shows what a sweep alone takes.
 inline constexpr std::uint32_t sweeps = 20, long_sweeps = 40;
 
-/// What was measured of a contender.
+/// Holds what was measured of a contender.
 struct Outcome {
   std::vector<double> step_s{};  ///< seconds per step, one sample per round
-  /// Seconds per sweep without prediction, preparation and advance: what a longer step takes longer. Of some
-  /// rounds where scenes are large; none for a baseline.
+  /// Holds seconds per sweep without prediction, preparation and advance, from the time that a longer step
+  /// takes longer. It covers some of the rounds where scenes are large, and none for a baseline.
   std::vector<double> sweep_s{};
   std::uint32_t rods = 0;
-  unsigned threads = 1;        ///< that worked
-  std::size_t bytes = 0;       ///< state and rods; 0 for a baseline
-  double bytes_per_sweep = 0;  ///< per rod, see sweep_bytes_per_rod()
+  unsigned threads = 1;        ///< threads that worked
+  std::size_t bytes = 0;       ///< bytes of state and rods; 0 for a baseline
+  double bytes_per_sweep = 0;  ///< bytes per rod, see sweep_bytes_per_rod()
   std::uint32_t run_up_steps = 0;
   double run_up_stretch = 0;  ///< largest |stretch| after the run-up, which is the same for all contenders
-  std::uint64_t steps = 0;    ///< run-up, warming and timed
-  double max_stretch = 0;     ///< largest |stretch| after all of them
+  std::uint64_t steps = 0;    ///< steps of run-up, warming and samples together
+  double max_stretch = 0;     ///< largest |stretch| after all steps
   std::uint64_t state_hash = 0;
 
   double ns_per_projection(std::size_t round) const;
   double least_ns() const;
   double median_ns() const;
-  double median_sweep_ns() const;  ///< per projection; 0 if not measured
+  double median_sweep_ns() const;  ///< ns per projection; 0 if not measured
 };
 
-/// One way of stepping the scene of a contest: a world, or a baseline.
+/// This is one way of stepping the scene of a contest: a world, or a baseline.
 struct Contender {
   bool is_baseline = false;
   std::string arrangement{};  ///< layout of a world, order of a baseline's rods
@@ -43,14 +43,14 @@ struct Contender {
   Isa isa = Isa::scalar;
   unsigned threads = 1;
   bool is_reference = false;  ///< others must end in its bits
-  bool listed = true;         ///< false: takes part for comparison only
+  bool listed = true;         ///< if false, it takes part for comparison only
   Outcome outcome{};
 
-  /// Such as "relax/chain/float/auto/avx512/threads:1/links:8191".
+  /// Returns a name such as "relax/chain/float/auto/avx512/threads:1/links:8191".
   std::string name(const Case& c) const;
 };
 
-/// Times contenders over one scene side by side: round by round, each in turn, so that a noisy minute falls
+/// Times contenders over one scene side by side. They take turns in every round, so that a noisy minute falls
 /// on all of them alike. All worlds make the same steps and must end in the same bits.
 class Contest {
  public:
@@ -70,15 +70,15 @@ class Contest {
     return std::any_of(contenders_.begin(), contenders_.end(), [](const Contender& c) { return c.listed; });
   }
 
-  /// Takes all samples; only the first call does anything. Throws CheckFailed if worlds differ from each
+  /// Takes all samples. Only the first call does anything. Throws CheckFailed if worlds differ from each
   /// other or anything is not finite.
   void measure();
   bool is_measured() const { return measured_; }
 
   const Case& scene_case() const { return case_; }
   const std::vector<Contender>& contenders() const { return contenders_; }
-  /// Time of the baseline with rods in that order over time of contender `i` in the same round; 0 without
-  /// one.
+  /// Returns the time of the baseline with rods in that order over the time of contender `i` in the same
+  /// round. It is 0 without such a baseline.
   double speedup(std::size_t i, const std::string& order, std::size_t round) const;
   double median_speedup(std::size_t i, const std::string& order) const;
   bool has_baseline(const std::string& order) const { return baseline(order) != nullptr; }

@@ -6,19 +6,19 @@
 
 namespace plumb::bench {
 
-/// s, the frame of every scene here; one substep.
+/// Every scene here has frames of this length (s), each of one substep.
 inline constexpr double frame_length = 1.0 / 60;
 
-/// Something that steps a scene and can be timed.
+/// Steps a scene and can be timed.
 class Stepper {
  public:
   virtual ~Stepper() = default;
   /// Makes `steps` steps of `sweeps` sweeps each, and returns seconds per step.
   virtual double run(std::uint32_t steps, std::uint32_t sweeps) = 0;
-  /// From now on steps may make only `most_sweeps` sweeps and take the others to last as long: outside the
-  /// caches baselines would otherwise take most of a run. Worlds make all.
+  /// Lets steps make only `most_sweeps` sweeps from now on, and take the others to last as long. Outside the
+  /// caches baselines would otherwise take most of a run. Worlds make all sweeps.
   virtual void extrapolate_beyond(std::uint32_t most_sweeps) { static_cast<void>(most_sweeps); }
-  /// Of the scene that it was made from.
+  /// Returns the stretch of the scene that it was made from.
   virtual Stretch stretch(const Scene& scene) const = 0;
 };
 

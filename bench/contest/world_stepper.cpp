@@ -34,7 +34,7 @@ double sweep_bytes_per_rod(const WorldInfo& info, Precision precision) {
     const double particle_numbers = block.layout == "aos" ? 4 : 3;
     const double rod_numbers = 4 + 3 * (1 - block.uniform_fraction);
     const double addresses =
-        block.shape == "graph" ? 8 : 8 * number / 64;  // an address pair per rod or per vector
+        block.shape == "graph" ? 8 : 8 * number / 64;  // bytes of an address pair per rod or per vector
     bytes +=
         2 * number * particle_numbers * block.particles + (number * rod_numbers + addresses) * block.rods;
   }

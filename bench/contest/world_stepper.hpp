@@ -7,12 +7,13 @@
 
 namespace plumb::bench {
 
-/// plumb, through the interface that everybody uses.
+/// Steps plumb through the interface that everybody uses.
 class WorldStepper final : public Stepper {
  public:
   WorldStepper(const Scene& scene, const Settings& settings) : world_(scene, settings) {}
 
-  /// Throws CheckFailed if a step projected another number of rods than it was asked to.
+  /// Makes steps as Stepper says. Throws CheckFailed if a step projected another number of rods than it was
+  /// asked to.
   double run(std::uint32_t steps, std::uint32_t sweeps) override;
   Stretch stretch(const Scene& scene) const override;
   const World& world() const { return world_; }
@@ -22,8 +23,8 @@ class WorldStepper final : public Stepper {
   std::uint32_t sweeps_ = 0;
 };
 
-/// Bytes that one sweep must move per rod if it is a pass of its own over memory: displacements read and
-/// written once per particle, the rod's own numbers and addresses read.
+/// Returns the bytes that one sweep must move per rod if it is a pass of its own over memory. Displacements
+/// are read and written once per particle, the rod's own numbers and addresses are read.
 double sweep_bytes_per_rod(const WorldInfo& info, Precision precision);
 
 }  // namespace plumb::bench

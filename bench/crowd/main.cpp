@@ -1,4 +1,4 @@
-// bench_crowd: what a frame of falling, touching and sleeping humanoids costs, and how exact it is.
+// bench_crowd measures what a frame of falling, touching and sleeping humanoids costs, and how exact it is.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -17,15 +17,15 @@ constexpr double frame = 1.0 / 60;
 
 enum Phase : std::int64_t { falling, touching };
 
-/// `awake` of the figures, the first, are in the air, 5 m up, or topple from where they stand; the others
-/// sleep.
+/// Makes `count` figures. The first `awake` of them are in the air, 5 m up, or topple from where they stand.
+/// The others sleep.
 Scene figures(std::uint32_t count, std::uint32_t awake, Phase phase) {
   Scene scene = scenes::make_crowd({.humanoids = count, .hit = 0});
   const std::size_t each = scene.particles.size() / count;
   for (std::size_t i = 0; i < awake * each; ++i) {
     Particle& particle = scene.particles[i];
     particle.asleep = false;
-    // No two alike, as figures in a game are not.
+    // No two figures are alike, as they are not in a game.
     const double turn = static_cast<double>(i / each);
     particle.velocity = {0.4 * particle.position.y * std::cos(turn), 0,
                          0.4 * particle.position.y * std::sin(turn)};
@@ -34,7 +34,7 @@ Scene figures(std::uint32_t count, std::uint32_t awake, Phase phase) {
   return scene;
 }
 
-/// The steps of a phase, from its start to its end.
+/// Holds the steps of a phase, from its start to its end.
 struct Film {
   Scene scene;
   Settings settings;
@@ -47,7 +47,7 @@ struct Film {
   }
 };
 
-/// How far rods and ground are from being kept, at the end.
+/// Reports how far rods and ground are from being kept, at the end.
 void say_errors(benchmark::State& state, const Film& film) {
   std::vector<Vec3> positions(film.world->particle_count());
   film.world->copy_positions(positions);
@@ -58,7 +58,8 @@ void say_errors(benchmark::State& state, const Film& film) {
   state.counters["depth_m"] = deepest;
 }
 
-/// An iteration is a whole film: figures that hit the ground cost more than those that lie.
+/// Times a phase. An iteration is a whole film, because figures that hit the ground cost more than those that
+/// lie.
 void show(benchmark::State& state, Film& film, double figures) {
   for (auto _ : state) {
     state.PauseTiming();
@@ -95,7 +96,7 @@ void asleep(benchmark::State& state) {
   show(state, film, 10000);
 }
 
-/// Of `count` figures 100 are awake.
+/// Steps `count` figures of which 100 are awake.
 void few_awake(benchmark::State& state) {
   Film film{.scene = figures(static_cast<std::uint32_t>(state.range(0)), 100, touching),
             .settings = {.method = Method::direct, .threads = 1},

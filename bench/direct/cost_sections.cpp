@@ -31,7 +31,7 @@ void append_csv(std::string& csv, const char* section, const std::vector<NewtonC
   }
 }
 
-/// One row per contestant; ratios are to the contestant of the same numbers and gradient that is alone.
+/// Makes one row per contestant. Ratios are to the contestant of the same numbers and gradient that is alone.
 Sheet cost_sheet(const std::vector<NewtonCost>& costs) {
   Sheet sheet({"", "links", "gradient", "numbers", "substep", "Newton steps", "per Newton step", "kernel",
                "substep, alone / this", "kernel, alone / this", "substep, scalar / this", "halvings"});
@@ -84,7 +84,7 @@ Section line_section(const Plan& plan) {
   Section out;
   std::vector<NewtonCost> costs;
   Goals goals;
-  for (const std::uint32_t links : {1000u, 10000u}) {  // longer ones do not converge as a whole in float
+  for (const std::uint32_t links : {1000u, 10000u}) {  // longer chains do not converge as a whole in float
     std::fprintf(stderr, "line of %u\n", links);
     const auto more = measure_long_chain(links, std::max(plan.rounds, 2u));
     for (const Precision precision : {Precision::single, Precision::double_}) {

@@ -8,7 +8,7 @@
 
 namespace plumb::bench {
 
-/// The worst of many ratios that share a goal.
+/// Keeps the worst of many ratios that share a goal.
 struct Worst {
   double value = 0;
   std::string where{};
@@ -27,7 +27,7 @@ struct Worst {
   }
 };
 
-/// Goals beside what was measured.
+/// Lists goals beside what was measured.
 class Goals {
  public:
   void at_least(const std::string& what, double value, double goal) {

@@ -1,5 +1,5 @@
-// bench_direct: what method direct costs per rod, and how long it takes to a given error, against scalar
-// solves, relaxation, and other libraries.
+// bench_direct measures what method direct costs per rod, and how long it takes to a given error. It compares
+// it with scalar solves, relaxation and other libraries.
 #include <cmath>
 #include <cstdio>
 #include <optional>

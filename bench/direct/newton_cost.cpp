@@ -21,7 +21,7 @@ namespace {
 
 using namespace detail;
 
-constexpr double substep = 1.0 / 480;  // s
+constexpr double substep = 1.0 / 480;  // length of a substep, s
 constexpr double sample_s = 1e-3;
 
 double seconds_of(const std::function<void()>& work) {
@@ -30,7 +30,7 @@ double seconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The equal chains of a scene as trees, `lanes` at a time, as DirectSimulation holds them.
+/// Makes trees of the equal chains of a scene, `lanes` at a time, as DirectSimulation holds them.
 template <class T>
 struct Trees {
   Trees(const Scene& scene, std::uint32_t width) {
@@ -54,13 +54,13 @@ struct Trees {
   std::vector<TreeState<T>> states;
 };
 
-/// Something that can make substeps, and call its Newton kernel alone.
+/// Makes substeps, and calls its Newton kernel alone.
 class Contestant {
  public:
   virtual ~Contestant() = default;
   virtual void step(detail::Tally& counters) = 0;
   virtual void call_kernel() = 0;
-  /// What repeated calls change for good: multipliers, by rounding.
+  /// Saves what repeated calls change for good, which is the multipliers, by rounding.
   virtual void save() = 0;
   virtual void restore() = 0;
   virtual double rods_per_kernel() const = 0;
@@ -103,7 +103,7 @@ class InLanes final : public Contestant {
       stepper_.advance(state, substep, {work_, alone_, alone_work_}, counters);
   }
   void call_kernel() override {
-    TreeState<T>& state = trees_.states.back();  // which the workspace was last used for
+    TreeState<T>& state = trees_.states.back();  // the state that the workspace was last used for
     if (TreeStepper<T>::is_line(state, gradient_)) {
       kernels_.newton_line(work_.view(state));
     } else {
@@ -180,7 +180,7 @@ void enter(std::vector<std::unique_ptr<Contestant>>& all, const NewtonCost& cost
   all.back()->cost = cost;
 }
 
-/// All by turns, as many substeps each.
+/// Times all contestants by turns, as many substeps each.
 void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
   const FlushDenormals flush;
   constexpr double never = std::numeric_limits<double>::infinity();
@@ -195,7 +195,7 @@ void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
     one->restore();
     one->cost.substep_ns = one->cost.newton_ns = one->cost.kernel_ns = never;
   }
-  // Long enough for the fastest that what the others left in caches does not count.
+  // A sample of the fastest is so long that what the others left in caches does not count.
   const int steps = static_cast<int>(std::ceil(sample_s / fastest));
   for (std::uint32_t round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -230,7 +230,7 @@ std::vector<NewtonCost> costs_of(const std::vector<std::unique_ptr<Contestant>>&
   return costs;
 }
 
-/// All but the baseline must have moved to the same bits as the first of them.
+/// Checks that all but the baseline have moved to the same bits as the first of them.
 void check_same(const std::vector<std::unique_ptr<Contestant>>& all, std::size_t first) {
   for (std::size_t i = first; i < all.size(); ++i)
     if (all[i]->positions() != all[first]->positions())

@@ -7,29 +7,31 @@
 
 namespace plumb::bench {
 
-/// Nanoseconds per rod of stepping trees, the least of all rounds.
+/// Holds nanoseconds per rod of stepping trees, the least of all rounds.
 struct NewtonCost {
   Precision precision = Precision::single;
   Gradient gradient = Gradient::old;
   std::uint32_t links = 0;
-  bool alone = false;  ///< a tree alone, one number after the other: the baseline
+  bool alone = false;  ///< one tree alone, one number after the other: the baseline
   Isa isa = Isa::scalar;
-  double substep_ns = 0;          ///< everything in a substep
-  double newton_ns = 0;           ///< the same per Newton step
-  double kernel_ns = 0;           ///< a call of the Newton kernel, on prepared state
-  double newton_per_substep = 0;  ///< Newton steps
-  std::uint64_t halvings = 0;  ///< substeps that did not converge and were cut in two; 0 but where float ends
+  double substep_ns = 0;          ///< ns of everything in a substep
+  double newton_ns = 0;           ///< ns of everything in a substep, per Newton step
+  double kernel_ns = 0;           ///< ns of a call of the Newton kernel, on prepared state
+  double newton_per_substep = 0;  ///< Newton steps per substep
+  std::uint64_t halvings =
+      0;  ///< substeps that did not converge and were cut in two; 0 except where float ends
 };
 
-/// An ensemble of 256 chains of 32 links, end mass 10, side by side in lanes with every instruction set, and
-/// one chain after the other: precision float and double, gradients old and mid, all by turns. Throws
-/// CheckFailed if instruction sets end in different bits.
+/// Times an ensemble of 256 chains of 32 links with end mass 10. Contestants are chains side by side in lanes
+/// with every instruction set, and one chain after the other. They run in float and double with gradients old
+/// and mid, all by turns. Throws CheckFailed if instruction sets end in different bits.
 std::vector<NewtonCost> measure_lanes(std::uint32_t rounds);
 
-/// One chain of that many links, gradient old: in segments with every instruction set, and as a whole.
+/// Times one chain of that many links with gradient old: in segments with every instruction set, and as a
+/// whole.
 std::vector<NewtonCost> measure_long_chain(std::uint32_t links, std::uint32_t rounds);
 
-/// Of those, the entry that matches, or none.
+/// Returns the entry of `costs` that matches, or null.
 const NewtonCost* find_cost(const std::vector<NewtonCost>& costs, Precision precision, Gradient gradient,
                             bool alone, Isa isa);
 

@@ -6,16 +6,18 @@
 
 namespace plumb::bench {
 
-/// What another library takes to meet a target, in ms per simulated second; `ms` 0 if none met it. Measured
-/// elsewhere, on one core of another machine (Zen 5, 3.75 GHz, g++ 12 -O3): a ratio to it is not one of two
-/// numbers of the same run.
+/// Holds what another library takes to meet a target, in ms per simulated second. `ms` is 0 if none met it.
+///
+/// Times were measured on one core of another machine (Zen 5, 3.75 GHz, g++ 12 -O3). A ratio to one is not a
+/// ratio of two numbers of the same run.
 struct Peer {
   std::string_view name;
   double ms;
 };
 
-/// Chains of that many links, last particle that many times as heavy, straight to the side at first. Cheapest
-/// of Jolt 5.5's soft body, Box2D v3, Bullet 3.24's multibody, MuJoCo and Simbody.
+/// Holds the cheapest of Jolt 5.5's soft body, Box2D v3, Bullet 3.24's multibody, MuJoCo and Simbody. They
+/// moved a chain of that many links, straight to the side at first. Its last particle is `end_mass` times as
+/// heavy as the others.
 struct PeerRow {
   std::uint32_t links;
   double end_mass;
@@ -33,11 +35,11 @@ inline constexpr PeerRow peer_rows[] = {
     {1000, 1000, {{{"Box2D", 148}, {"none", 0}, {"none", 0}}}},
 };
 
-/// 1000 chains of 32 rods, end mass 10, side by side, with 1.1 % RMS stretch: 3.4 ms per frame of 1/60 s.
-/// Here ms per chain and simulated second.
+/// This peer moved 1000 chains of 32 rods with end mass 10 side by side, with 1.1 % RMS stretch. It took 3.4
+/// ms per frame of 1/60 s; the number here is ms per chain and simulated second.
 inline constexpr Peer peer_ensemble{"Jolt soft, 5 iterations", 3.4 * 60 / 1000};
 
-/// That chain's row, or null.
+/// Returns the row of such a chain, or null.
 inline const PeerRow* find_peer(std::uint32_t links, double end_mass) {
   for (const PeerRow& row : peer_rows)
     if (row.links == links && row.end_mass == end_mass) return &row;

@@ -19,19 +19,19 @@ constexpr std::array omegas{1.0, 1.5, 1.8, 1.9, 1.95};
 constexpr std::array<std::uint32_t, 3> frame_rates{20, 30, 60};
 constexpr std::uint32_t most_substeps = 1u << 16;
 constexpr double never = std::numeric_limits<double>::infinity();
-/// Below this error float is not tried.
+/// Float is not tried below this error, since its rounding takes too large a part of it.
 constexpr double float_error = 1e-4;
 
-/// Where a sequence of settings leads and how far.
+/// Says where a sequence of settings leads and how far.
 struct Route {
   const Problem& problem;
   const std::vector<Target>& targets;
-  double most_s = 0;       ///< of wall-clock time for a run
-  double most_ms = never;  ///< per simulated second
+  double most_s = 0;       ///< seconds of wall-clock time for a run
+  double most_ms = never;  ///< ms per simulated second
 };
 
-/// Follows a sequence of ever finer settings, as long as the hardest target is not met and runs stay short,
-/// and two further: substeps that are too long are cut, and shorter ones can be cheaper.
+/// Follows a sequence of ever finer settings, as long as the hardest target is not met and runs stay short.
+/// It goes two settings further, because substeps that are too long are cut, and shorter ones can be cheaper.
 template <class Next>
 void follow(const Route& route, Setting setting, std::vector<Trial>& trials, Next&& refine) {
   constexpr int most_that_meet = 3;
@@ -60,7 +60,7 @@ std::vector<Precision> precisions_for(const std::vector<Target>& targets) {
   return {Precision::double_};
 }
 
-/// The cheapest few that meet the target.
+/// Takes the cheapest few trials that meet the target.
 void take_cheapest(const std::vector<Trial>& trials, const Target& target, std::size_t count,
                    std::vector<Trial>& out) {
   std::vector<Trial> met;
@@ -82,8 +82,8 @@ Setting relaxed(Gradient gradient, double omega, Precision precision, std::uint3
                        .threads = 1}};
 }
 
-/// Whether relaxation with as many substeps could meet the target if it converged: gradients old and mid do
-/// to what direct finds.
+/// Returns whether relaxation could not meet the target with as many substeps even if it converged. Gradients
+/// old and mid would converge to what direct finds.
 bool is_hopeless(const std::vector<Trial>& direct, Gradient gradient, std::uint32_t substeps,
                  const Target& target) {
   return std::any_of(direct.begin(), direct.end(), [&](const Trial& trial) {
@@ -93,12 +93,12 @@ bool is_hopeless(const std::vector<Trial>& direct, Gradient gradient, std::uint3
   });
 }
 
-/// The cheapest relaxation that takes no longer than `cap_ms`, or none.
+/// Returns the cheapest relaxation that takes no longer than `cap_ms`, or nothing.
 std::optional<Trial> search_relaxed(const Problem& problem, const Target& target, double cap_ms,
                                     const std::vector<Trial>& direct) {
   std::optional<Trial> best;
   const Precision precision = target.error > float_error ? Precision::single : Precision::double_;
-  const double rate_s = [&] {  // per sweep and substep
+  const double rate_s = [&] {  // seconds per sweep and substep
     const Setting probe = relaxed(Gradient::new_, 1, precision, 2, 16);
     return run_trial(problem, probe, never).ms / (60 * probe.updates());
   }();
@@ -130,7 +130,7 @@ const Trial* Answer::best() const {
 
 namespace {
 
-/// All runs that are not of relaxation.
+/// Holds all runs that are not of relaxation.
 struct Runs {
   std::vector<Trial> direct, with_accuracy, with_substeps;
 };
@@ -159,7 +159,7 @@ Runs run_all(const Route& route) {
   return runs;
 }
 
-/// The cheapest runs of each kind that meet the target, timed again beside each other.
+/// Returns the cheapest runs of each kind that meet the target, timed again beside each other.
 Answer answer_of(const Problem& problem, const Target& target, const Runs& runs, const SearchLimits& limits) {
   Answer answer{.target = target};
   std::vector<Trial> candidates;
@@ -210,10 +210,10 @@ std::vector<Answer> search(const Problem& problem, const std::vector<Target>& ta
 
 namespace {
 
-/// By how many times the work of a run is extrapolated at most; beyond, a target is out of reach.
+/// The work of a run is extrapolated by this factor at most. Beyond it a target counts as out of reach.
 constexpr double farthest = 1e5;
 
-/// A family of ever more expensive relaxations.
+/// Holds a family of ever more expensive relaxations.
 struct Path {
   Setting next;
   bool by_sweeps;
@@ -227,7 +227,7 @@ struct Path {
     else
       next.settings.substeps *= 2;
   }
-  /// Until a run takes `most_s` or comes within `error`.
+  /// Refines until a run takes `most_s` (s) or comes within `error`.
   void go_on(const Problem& problem, double error, double most_s) {
     while (trials.empty() ||
            (!(trials.back().error <= error) && 2e-3 * trials.back().ms * problem.duration <= most_s))
@@ -242,7 +242,7 @@ struct Path {
       const Trial& before = trials[trials.size() - 3];
       effort.slope = std::log2(before.error / effort.last.error) / 2;
     }
-    // Steeper than second order does not last; flatter than this leads nowhere.
+    // A slope steeper than second order does not last. One that is not positive leads nowhere.
     effort.slope = std::min(effort.slope, 2.0);
     const double factor = effort.slope > 0 ? std::pow(effort.last.error / error, 1 / effort.slope) : never;
     effort.ms = factor > farthest ? never : effort.ms * factor;
@@ -263,7 +263,7 @@ Effort relax_effort(const Problem& problem, double error, bool over_relaxed, dou
       paths.push_back({relaxed(Gradient::mid, omega, Precision::double_, substeps, 1), true});
   }
   for (Path& path : paths) path.go_on(problem, error, first_s);
-  // What seems out of reach by what it has come to.
+  // What seems out of reach is judged by what it has come to.
   const auto is_better = [&](const Path& a, const Path& b) {
     const double ms_a = a.effort(error).ms, ms_b = b.effort(error).ms;
     return ms_a != ms_b ? ms_a < ms_b : a.trials.back().error < b.trials.back().error;
@@ -278,7 +278,7 @@ std::optional<Trial> direct_effort(const Problem& problem, double error, double 
   const Target target{.name = "", .stretch = never, .error = error};
   std::vector<Trial> trials, candidates;
   double least_ms = never;  // dearer settings need not be refined
-  // A tolerance is for nets; others are solved to rounding whatever it is.
+  // A tolerance is for nets alone. Other islands are solved to rounding whatever it is.
   const std::pair<Gradient, StopRule> kinds[] = {
       {Gradient::old, {.tolerance = std::min(error, 1e-6)}}, {Gradient::old, {}}, {Gradient::mid, {}}};
   for (const std::uint32_t frames : frame_rates) {
@@ -301,7 +301,7 @@ std::optional<Trial> direct_effort(const Problem& problem, double error, double 
 
 namespace {
 
-/// One frame from where `scene` is: its stretch as error, and ms.
+/// Steps one frame from where `scene` is. Returns its stretch as error, and ms.
 Trial run_frame(const Scene& scene, const Setting& setting) {
   World world(scene, setting.settings);
   const auto start = std::chrono::steady_clock::now();
@@ -338,7 +338,7 @@ FrameEffort frame_effort(const Problem& problem, double stretch, double most_s) 
     for (const double omega : omegas)
       if ((omega != 1) == (effort == &out.over))
         paths.push_back({relaxed(Gradient::mid, omega, Precision::double_, 1, 64), true});
-    // The most promising goes on alone.
+    // The most promising path goes on alone.
     for (const double until_s : {most_s / 8, most_s}) {
       for (Path& path : paths) {
         while (path.trials.empty() ||

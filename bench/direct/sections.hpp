@@ -10,7 +10,7 @@ struct Plan {
   std::uint32_t rounds = 25;
 };
 
-/// Tables as Markdown, and the same numbers as rows of CSV.
+/// Holds tables as Markdown, and the same numbers as rows of CSV.
 struct Section {
   std::string text, csv;
   Section& operator+=(const Section& other) {
@@ -20,15 +20,16 @@ struct Section {
   }
 };
 
-/// Of every row: section, scene, target or contestant, what was measured, value, unit, setting.
+/// Every row has a section, a scene, a target or contestant, what was measured, its value and unit, and a
+/// setting.
 inline constexpr const char* csv_header = "section,scene,case,quantity,value,unit,setting\n";
 
 Section lanes_section(const Plan& plan);
 Section line_section(const Plan& plan);
-/// Time to an error for chains: fixed settings, automatic, ensembles, other libraries; and relaxation on the
-/// longest chain.
+/// Measures time to an error for chains: fixed settings, automatic, ensembles and other libraries. It also
+/// measures relaxation on the longest chain.
 Section targets_section(const Plan& plan);
-/// Time to an error for scenes with loops, against relaxation.
+/// Measures time to an error for scenes with loops, against relaxation.
 Section loops_section(const Plan& plan);
 
 }  // namespace plumb::bench

@@ -26,11 +26,11 @@ const std::vector<Target> usual_targets{
     {"5 %, 5 %", 0.05, 0.05}, {"1 %, 1 %", 0.01, 0.01}, {"1 %, 0.1 %", 0.01, 0.001}};
 const Target finest_target{"1 %, 1e-6", 0.01, 1e-6};
 
-/// An answer with what is compared with it.
+/// Holds an answer with what is compared with it.
 struct Row {
   std::string scene;
   Answer answer;
-  double ensemble_ms = 0;  ///< per chain and simulated second
+  double ensemble_ms = 0;  ///< ms per chain and simulated second
   std::string ensemble_setting{};
   Peer peer{"", 0};
   double truth_error = 0;
@@ -44,7 +44,7 @@ Problem chain_problem(std::uint32_t links, double end_mass) {
   return problem;
 }
 
-/// Tests hold some truths from Taylor series; the one computed here must agree.
+/// Compares a truth with that of a Taylor series, if tests hold one. The two must agree.
 void compare_with_file(const Problem& problem, std::uint32_t links, double end_mass, std::string& notes) {
   const std::filesystem::path path =
       std::filesystem::path(PLUMB_BENCH_TRUTHS) /
@@ -55,7 +55,7 @@ void compare_with_file(const Problem& problem, std::uint32_t links, double end_m
       notes += problem.name + ": " + short_number(position_error(problem, frame.positions), 2) + ". ";
 }
 
-/// The answers' best direct settings again, for many equal chains at once, timed by turns.
+/// Times the answers' best direct settings again by turns, for many equal chains at once.
 void time_ensembles(const Scene& ensemble, double chains, std::vector<Row>& rows, std::size_t first,
                     double budget_s) {
   Problem problem{.name = "", .scene = ensemble};
@@ -160,9 +160,10 @@ void append_rows(std::string& csv, const std::vector<Row>& rows) {
   }
 }
 
-// Between its two corners a net's upper row begins straight, and no finite pull holds it.
+// Nets hang from one corner only. Between two corners a net's upper row begins straight, and no finite pull
+// holds it.
 
-/// A net that hangs from one corner only, and folds.
+/// Makes a net that hangs from one corner only, and folds.
 Scene folding_net(std::uint32_t side) {
   Scene scene = scenes::make_net(side, side);
   Particle& corner = scene.particles[side - 1];
@@ -179,7 +180,7 @@ std::string frame_text(const FrameEffort& frame) {
   return sheet.to_markdown();
 }
 
-/// What the section on times to an error shows.
+/// Holds what the section on times to an error shows.
 struct Targets {
   std::vector<Row> rows;
   std::string notes;  ///< how far truths are from those of Taylor series
@@ -187,7 +188,7 @@ struct Targets {
   FrameEffort frame;
 };
 
-/// The longest and heaviest chain, to a finer target.
+/// Measures the longest and heaviest chain, to a finer target.
 void measure_finest(const Problem& problem, const Plan& plan, Targets& out) {
   for (const Answer& answer : search(problem, {finest_target}, {.trial_s = 1, .relax = false}))
     out.rows.push_back({.scene = problem.name, .answer = answer, .truth_error = problem.truth_error});

@@ -80,7 +80,7 @@ Trial run_trial(const Problem& problem, const Setting& setting, double most_stre
     world.step(1.0 / setting.frames);
     s += seconds_since(start);
     world.copy_positions(positions);
-    // Written so that a value that is not a number wins.
+    // The comparison is written so that a value that is not a number wins.
     const double stretch = measure_stretch(problem.scene, positions).max;
     if (!(stretch <= trial.stretch)) trial.stretch = stretch;
     if (trial.stretch <= most_stretch && s <= most_s) continue;

@@ -11,28 +11,28 @@
 
 namespace plumb::bench {
 
-/// A scene, how long it moves, and where it truly is then.
+/// Holds a scene, how long it moves, and where it truly is then.
 struct Problem {
   std::string name;
   Scene scene;
   double duration = 1;        ///< s
   std::vector<Vec3> truth{};  ///< positions at the end, m
-  double truth_error = 0;     ///< how well that is known, relative to the diagonal
-  double diagonal = 1;        ///< m, of the scene's first bounding box
+  double truth_error = 0;     ///< error of the truth, relative to the diagonal
+  double diagonal = 1;        ///< diagonal of the scene's first bounding box, m
 };
 
-/// Finds the truth: method direct with gradient old, every run with twice the substeps of the one before,
-/// extrapolated by Richardson, until two extrapolations lie within `tolerance` or a run takes longer than
-/// `most_s`, three at least. The first has `substeps` in a frame.
+/// Finds the truth by method direct with gradient old. Every run has twice the substeps of the one before,
+/// and Richardson's method extrapolates. It ends once two extrapolations lie within `tolerance` or a run
+/// takes longer than `most_s` (s), after three runs at least. The first run has `substeps` in a frame.
 void find_truth(Problem& problem, double tolerance, double most_s, std::uint32_t substeps = 8);
 
-/// RMS distance of positions to the truth, relative to the diagonal.
+/// Returns the RMS distance of positions to the truth, relative to the diagonal.
 double position_error(const Problem& problem, const std::vector<Vec3>& positions);
 
-/// One way of stepping a scene. One thread.
+/// Names one way of stepping a scene, on one thread.
 struct Setting {
   Settings settings{};
-  std::uint32_t frames = 60;  ///< per second, of World::step
+  std::uint32_t frames = 60;  ///< calls of World::step per second
 
   std::string name() const;
   double updates() const { return double{1} * settings.substeps * settings.stop.sweeps; }
@@ -40,9 +40,9 @@ struct Setting {
 
 struct Trial {
   Setting setting{};
-  double error = 0;    ///< at the end, see position_error()
-  double stretch = 0;  ///< largest at any frame's end
-  double ms = 0;       ///< per simulated second, in World::step alone
+  double error = 0;    ///< error at the end, see position_error()
+  double stretch = 0;  ///< largest stretch at any frame's end
+  double ms = 0;       ///< ms per simulated second, in World::step alone
   bool finished = true;
 };
 
@@ -52,10 +52,11 @@ struct Target {
   bool is_met(const Trial& trial) const { return trial.stretch <= stretch && trial.error <= error; }
 };
 
-/// Runs it once. Gives up as soon as a frame ends with a stretch above `most_stretch`, or time has passed.
+/// Runs a setting once. Gives up as soon as a frame ends with a stretch above `most_stretch`, or time has
+/// passed.
 Trial run_trial(const Problem& problem, const Setting& setting, double most_stretch, double most_s = 1e9);
 
-/// Replaces ms of every trial by the least of several runs, made by turns, within about `budget_s`.
+/// Replaces ms of every trial by the least of several runs, made by turns, within about `budget_s` (s).
 void time_again(const Problem& problem, std::vector<Trial>& trials, double budget_s);
 
 }  // namespace plumb::bench

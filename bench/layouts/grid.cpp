@@ -55,7 +55,8 @@ std::vector<Contender> baselines(const Case& c, bool listed) {
   return list;
 }
 
-/// Which worlds may be alive together: outside the caches those of one layout and instruction set.
+/// Groups the contenders whose worlds may be alive together. Outside the caches these are the worlds of one
+/// layout and instruction set.
 std::map<std::pair<LayoutChoice, Isa>, std::vector<Contender>> heats(const Case& c,
                                                                      std::vector<Contender> all) {
   std::map<std::pair<LayoutChoice, Isa>, std::vector<Contender>> heats;

@@ -1,7 +1,7 @@
-// bench_layouts: what a rod projection costs, by shape, layout, precision, instruction set, threads and size,
-// beside what a plain loop takes and what the machine allows.
+// bench_layouts measures what a rod projection costs, by shape, layout, precision, instruction set, threads
+// and size. It shows that beside what a plain loop takes and what the machine allows.
 //
-// Contests take their samples themselves, side by side (contest.hpp); Google Benchmark names, filters and
+// Contests take their samples themselves, side by side (contest.hpp). Google Benchmark names, filters and
 // counts them and writes JSON. A repetition of a benchmark is one sample.
 #include <benchmark/benchmark.h>
 
@@ -46,7 +46,7 @@ Options take_options(Flags& flags) {
   return options;
 }
 
-/// Hands Google Benchmark what is left of the command line, after settings of our own that it may override: a
+/// Hands Google Benchmark what is left of the command line, after settings of our own that it may override. A
 /// repetition is one iteration.
 void initialize_benchmark(Flags& flags, std::uint32_t rounds) {
   std::vector<std::string> words = flags.rest();
@@ -68,7 +68,7 @@ void initialize_benchmark(Flags& flags, std::uint32_t rounds) {
   benchmark::AddCustomContext("commit", machine.commit);
 }
 
-/// Leaves out what nobody asked for, but for what it would be compared with.
+/// Leaves out what nobody asked for, unless something is compared with it.
 void keep_wanted(std::vector<std::shared_ptr<Contest>>& contests, const std::string& filter) {
   if (filter.empty() || filter == "all" || filter.front() == '-') return;
   const std::regex wanted(filter, std::regex::extended);
@@ -109,7 +109,7 @@ void report_limit(benchmark::State& state, Limits& limits, std::size_t i, std::u
   state.counters[row.is_bandwidth ? "bytes_per_second" : "ns_per_projection"] = sample;
 }
 
-/// `report(state, round)` is called once per repetition.
+/// Registers a benchmark. `report(state, round)` is called once per repetition.
 template <class Report>
 void add_benchmark(const std::string& name, std::uint32_t rounds, Report report) {
   benchmark::RegisterBenchmark(name.c_str(),
@@ -157,7 +157,7 @@ int run(int argc, char** argv) {
   LineReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
   const std::string tables = summary_text(contests, limits);
-  if (tables.empty()) return 0;  // only listed
+  if (tables.empty()) return 0;  // benchmarks were only listed
   const std::string text = quiet_text(quiet) + "\n\n" + tables;
   std::printf("\n%s", text.c_str());
   finish_output(summary, text);

@@ -12,7 +12,7 @@ namespace {
 using scenes::plain_number;
 using scenes::short_number;
 
-/// f(contest, index, contender) for every listed contender that was measured.
+/// Calls f(contest, index, contender) for every listed contender that was measured.
 template <class F>
 void for_listed(const std::vector<std::shared_ptr<Contest>>& contests, F&& f) {
   for (const auto& contest : contests) {
@@ -23,7 +23,7 @@ void for_listed(const std::vector<std::shared_ptr<Contest>>& contests, F&& f) {
   }
 }
 
-/// Nothing for a number that was not measured.
+/// Returns a number as text, or nothing for one that was not measured.
 std::string number(double value) {
   return value == 0 ? "" : plain_number(value);
 }

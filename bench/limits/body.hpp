@@ -1,5 +1,5 @@
-// The body of the loops in limit_kernels.hpp, included once per instruction set with PLUMB_VECTOR(T) set to
-// its vector of T. Internal linkage throughout, as in kernel/simd.
+// This is the body of the loops in limit_kernels.hpp. It is included once per instruction set with
+// PLUMB_VECTOR(T) set to its vector of T. It has internal linkage throughout, as in kernel/simd.
 
 #include <type_traits>
 
@@ -10,7 +10,7 @@
 namespace plumb::bench {
 namespace {
 
-/// The register inside an xsimd batch; a number is its own.
+/// Returns the register inside an xsimd batch; a number is its own.
 template <class V>
 PLUMB_INLINE auto& bits(V& v) {
   if constexpr (std::is_floating_point_v<V>) {
@@ -34,11 +34,12 @@ struct Triple {
   V x, y, z;
 };
 
-/// Rods of one common length and share, corrected along their new direction: the operations of the kernel's
-/// sweep and none of its loads and stores. The compiler is told that end a changes each time and that both
-/// ends are used; nothing of a projection goes into the next, so the processor has as many in flight as it
-/// can hold. Where there are registers for two (32 of 64 bytes), two are begun before the first is finished,
-/// which helps it a little.
+/// Projects rods of one common length and share, corrected along their new direction. It has the operations
+/// of the kernel's sweep and none of its loads and stores.
+///
+/// The compiler is told that end a changes each time and that both ends are used. Nothing of a projection
+/// goes into the next, so the processor has as many in flight as it can hold. Where there are registers for
+/// two (32 of 64 bytes), two are begun before the first is finished, which helps it a little.
 template <class V, class T>
 std::uint64_t project(std::uint64_t rods) {
   constexpr std::uint64_t lanes = sizeof(V) / sizeof(T), begun = sizeof(V) == 64 ? 2 : 1;

@@ -7,11 +7,11 @@
 
 namespace plumb::bench {
 
-/// Loops that do nothing but show what a machine can do, one set per instruction set.
+/// Holds loops that do nothing but show what a machine can do. There is one set per instruction set.
 struct LimitKernels {
-  /// x += p, `n` a multiple of 16, both on 64-byte boundaries.
+  /// Computes x += p. `n` is a multiple of 16, and both arrays lie on 64-byte boundaries.
   void (*add)(float* x, const float* p, std::size_t n);
-  /// Projects about `rods` rods without memory, and returns how many it were.
+  /// Projects about `rods` rods without memory. Returns how many it were.
   std::uint64_t (*project_float)(std::uint64_t rods);
   std::uint64_t (*project_double)(std::uint64_t rods);
 };

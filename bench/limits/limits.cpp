@@ -38,7 +38,7 @@ double sample_projection(std::uint64_t (*project)(std::uint64_t)) {
   return 1e9 * seconds_between(start, Clock::now()) / static_cast<double>(done);
 }
 
-/// Two arrays, worked through by `threads` threads, each in its own part.
+/// Adds two arrays with `threads` threads, each in its own part.
 class Adder {
  public:
   Adder(std::size_t bytes, unsigned threads)
@@ -46,7 +46,7 @@ class Adder {
     for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = 1e-6f;
   }
 
-  /// Bytes per second, after a pass that is not counted.
+  /// Returns bytes per second, after a pass that is not counted.
   double sample() {
     constexpr std::size_t least_bytes = std::size_t{64} << 20;
     const std::size_t passes = std::max<std::size_t>(2, least_bytes / (2 * sizeof(float) * x_.size()));
@@ -98,7 +98,7 @@ void Limits::measure() {
   if (!rows_.front().samples.empty()) return;
   for (std::uint32_t round = 0; round < rounds_; ++round)
     for (Row& row : rows_) row.samples.push_back(row.sample());
-  for (Row& row : rows_) row.sample = nullptr;  // and its arrays
+  for (Row& row : rows_) row.sample = nullptr;  // frees its arrays, too
 }
 
 const Limits::Row& Limits::row(const std::string& name) const {

@@ -9,11 +9,11 @@
 
 namespace plumb::bench {
 
-/// What this machine can do at most, measured in the same run as what it does.
-///   limit/projection/<number>/<isa>      ns per rod projection with everything in registers
-///   limit/bandwidth/<level>/threads:<n>  bytes per second of x += p (two reads, one write) over two arrays
-///   that fill
-///                                        the level; threads split them
+/// Measures what this machine can do at most, in the same run as what it does.
+///
+/// - limit/projection/<number>/<isa>: ns per rod projection with everything in registers.
+/// - limit/bandwidth/<level>/threads:<n>: bytes per second of x += p (two reads, one write). The two arrays
+///   fill the level, and threads split them.
 class Limits {
  public:
   struct Row {
@@ -23,16 +23,16 @@ class Limits {
     std::function<double()> sample{};
   };
 
-  /// Threads 1 and, on a machine that has them, 2.
+  /// Prepares the limits for 1 thread and, on a machine that has them, 2.
   explicit Limits(std::uint32_t rounds);
 
   /// Takes all samples, round by round. Only the first call does anything.
   void measure();
   const std::vector<Row>& rows() const { return rows_; }
 
-  /// The least of the samples.
+  /// Returns the least of the samples, in ns.
   double projection_ns(Precision precision, Isa isa) const;
-  /// The most of the samples.
+  /// Returns the most of the samples, in bytes per second.
   double bytes_per_second(Level level, unsigned threads) const;
 
  private:

@@ -8,9 +8,9 @@
 
 namespace plumb::bench {
 
-/// Runs prepare(thread) and then work(thread) on `threads` threads, this one included, and returns the
-/// seconds from when the first begins its work until the last is through. They begin together: waits spin, as
-/// waking a thread may take longer than what is timed.
+/// Runs prepare(thread) and then work(thread) on `threads` threads, this one included. Returns the seconds
+/// from when the first begins its work until the last is through. They begin together: waits spin, as waking
+/// a thread may take longer than what is timed.
 template <class Prepare, class Work>
 double run_together(unsigned threads, Prepare&& prepare, Work&& work) {
   using Clock = std::chrono::steady_clock;

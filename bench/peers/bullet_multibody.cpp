@@ -1,4 +1,4 @@
-// Bullet's multibody: links on spherical joints, by Featherstone's algorithm.
+// This file measures Bullet's multibody: links on spherical joints, moved by Featherstone's algorithm.
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
@@ -51,7 +51,8 @@ class BulletMultibody : public Peer {
       const Link& link = model.links[i];
       const btScalar inertia = bead_inertia(link);
       const int parent = link.parent == Link::none ? -1 : link.parent - static_cast<int>(begin);
-      // The centre of mass, Bullet's origin of a link, is the particle; the parent's is where the joint is.
+      // Bullet's origin of a link is its centre of mass, here the particle. The parent's origin is where the
+      // joint is.
       body->setupSpherical(static_cast<int>(i - begin), link.mass, btVector3(inertia, inertia, inertia),
                            parent, btQuaternion::getIdentity(), btVector3(0, 0, 0), to_bullet(link.offset),
                            true);
@@ -69,7 +70,8 @@ class BulletMultibody : public Peer {
     particles_.push_back(std::move(particles));
   }
 
-  /// From the base outwards: asking Bullet for one link after the other walks to the base for each.
+  /// Copies positions and velocities from the base outwards. Asking Bullet for one link after the other walks
+  /// to the base for each.
   void copy_body(const btMultiBody& body, const std::vector<std::uint32_t>& particles, Frame& frame) {
     const std::size_t links = particles.size();
     angular_.resize(links + 1);
@@ -98,7 +100,7 @@ class BulletMultibody : public Peer {
   btMultiBodyConstraintSolver solver_;
   btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   std::vector<std::unique_ptr<btMultiBody>> bodies_;
-  std::vector<std::vector<std::uint32_t>> particles_;  ///< of the bodies' links
+  std::vector<std::vector<std::uint32_t>> particles_;  ///< by body: the particles of its links
   std::vector<btVector3> angular_, linear_;
   std::vector<btQuaternion> turns_;
 };

@@ -1,4 +1,4 @@
-// Bullet's soft body: particles and links, positions corrected link by link (PBD).
+// This file measures Bullet's soft body: particles and links, positions corrected link by link (PBD).
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
@@ -25,7 +25,7 @@ class BulletSoft : public Peer {
     info.m_gravity = gravity;
     info.air_density = 0;
     info.water_density = 0;
-    // One body for each thing that hangs, as a user would have it.
+    // Each thing that hangs is one body, as a user would have it.
     for (std::size_t begin = 0; begin < model.links.size();) {
       std::size_t end = begin;
       while (end < model.links.size() && model.links[end].root == model.links[begin].root) ++end;
@@ -55,7 +55,7 @@ class BulletSoft : public Peer {
  private:
   void add_body(const Model& model, std::size_t begin, std::size_t end, int iterations) {
     auto body = std::make_unique<btSoftBody>(&world_.getWorldInfo());
-    // Before the nodes, which refer to it.
+    // The material comes before the nodes, which refer to it.
     btSoftBody::Material* material = body->appendMaterial();
     material->m_kLST = 1;
     std::vector<std::uint32_t> particles;
@@ -64,7 +64,7 @@ class BulletSoft : public Peer {
       particles.push_back(particle);
     };
     add(model.links[begin].root, 0);
-    // From the fixed end outwards, which corrects a chain better than other orders.
+    // Links go from the fixed end outwards, which corrects a chain better than other orders.
     for (std::size_t i = begin; i < end; ++i) {
       const Link& link = model.links[i];
       add(link.particle, link.mass);
@@ -88,13 +88,13 @@ class BulletSoft : public Peer {
   btSequentialImpulseConstraintSolver solver_;
   btSoftRigidDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   std::vector<std::unique_ptr<btSoftBody>> bodies_;
-  std::vector<std::vector<std::uint32_t>> particles_;  ///< of the bodies' nodes
+  std::vector<std::vector<std::uint32_t>> particles_;  ///< by body: the particles of its nodes
 };
 
 }  // namespace
 
 PeerFamily bullet_soft_family() {
-  // Each step damps: the error is of first order.
+  // Each step damps, so that the error is of first order.
   PeerFamily family{.name = "Bullet soft", .must_reach = 2e-2};
   for (const int iterations : {1, 4, 16, 64})
     family.paths.push_back(

@@ -1,4 +1,4 @@
-// bench_peers: run time against error of other libraries, on the scenes of plumb frontier.
+// bench_peers measures run time against error of other libraries, on the scenes of plumb frontier.
 #include <algorithm>
 #include <cstdio>
 #include <optional>
@@ -45,9 +45,9 @@ constexpr const char* usage =
     "Scenes: %s\n"
     "Libraries: %s\n";
 
-/// Models are checked here: quickly moved, and far from chaos.
+/// Models are checked on this problem, which moves quickly and is far from chaos.
 constexpr const char* checked_on = "N5_r10";
-/// For a path, at most: enough for every family to come as near as it must.
+/// A path of the check takes at most this long (s), which lets every family come as near as it must.
 constexpr double check_s = 0.3;
 
 const double targets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
@@ -66,7 +66,7 @@ std::string names_of(const std::vector<Item>& items) {
   return out;
 }
 
-/// scenes::named(), of an option's value.
+/// Finds named items as scenes::named() does, in an option's value.
 template <class Item>
 std::vector<Item> named(const std::string& option, std::string_view list, const std::vector<Item>& all) {
   try {
@@ -91,7 +91,8 @@ double nearest(const PeerResult& result) {
   return least;
 }
 
-/// What is built of a scene in another library must move as the scene does. Leaves those whose models do.
+/// Checks that what is built of a scene in another library moves as the scene does. Leaves the families whose
+/// models do.
 bool check(std::vector<PeerFamily>& families, const PeerLimits& limits) {
   Problem problem;
   for (const Problem& known : frontier::all_problems())

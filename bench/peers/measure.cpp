@@ -14,11 +14,13 @@ using Clock = std::chrono::steady_clock;
 using frontier::Point;
 using frontier::Problem;
 
-/// Beyond, rods are torn.
+/// Rods with a larger strain than this count as torn.
 constexpr double most_stretch = 1;
-/// A path ends after so many levels without a smaller error: chaotic chains come near the truth by chance.
+/// A path ends after this many levels without a smaller error. It does not end at the first, because chaotic
+/// chains come near the truth by chance.
 constexpr int most_vain_levels = 3;
-/// A setting is timed again if it would be on its family's front were it so many times as fast.
+/// A setting is timed again if it would be on its family's front were it this many times as fast. A larger
+/// value times more settings.
 constexpr double nearly = 1.5;
 constexpr std::uint32_t most_repetitions = 20;
 
@@ -31,7 +33,7 @@ bool all_finite(const Frame& frame) {
          std::all_of(frame.velocities.begin(), frame.velocities.end(), is_finite);
 }
 
-/// One level of a path.
+/// Names one level of a path.
 struct Setting {
   const PeerPath* path;
   std::uint32_t level;
@@ -43,7 +45,7 @@ struct Outcome {
   std::string reason{};
 };
 
-/// A problem and how another library is to see it.
+/// Holds a problem and how another library is to see it.
 class Course {
  public:
   explicit Course(const Problem& problem)
@@ -54,7 +56,7 @@ class Course {
 
   std::size_t links() const { return links_.size(); }
 
-  /// Late after `most_s`, set-up included.
+  /// Runs a setting. The run is late after `most_s` (s), set-up included.
   Outcome run(const Setting& setting, double most_s) const {
     const auto begin = Clock::now();
     const auto peer = make(setting);
@@ -82,7 +84,7 @@ class Course {
     return out;
   }
 
-  /// ms per simulated second, of stepping alone.
+  /// Returns ms per simulated second, of stepping alone.
   double time(const Setting& setting) const {
     const auto peer = make(setting);
     const auto before = Clock::now();
@@ -112,7 +114,7 @@ class Course {
   double energy_range_ = 0;
 };
 
-/// Settings beside the points that came of them.
+/// Holds settings beside the points that came of them.
 struct Measured {
   std::vector<Setting> settings{};
   PeerResult result{};
@@ -142,7 +144,7 @@ void follow(const Course& course, const Problem& problem, const PeerPath& path, 
       if (!outcome.reason.empty()) out.result.reason = outcome.reason;
       continue;
     }
-    // Twice as fine takes about twice as long.
+    // A level that is twice as fine takes about twice as long.
     const double took = seconds_since(start) - before;
     const double error = outcome.point.position_error;
     out.settings.push_back({&path, level});

@@ -1,4 +1,5 @@
-// MuJoCo: bodies on ball joints in joint coordinates; no contacts, limits or other constraints.
+// This file measures MuJoCo: bodies on ball joints in joint coordinates, without contacts, limits or other
+// constraints.
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -11,18 +12,20 @@
 namespace plumb::bench {
 namespace {
 
-/// Levels of nested bodies in one file: the XML reader refuses what is nested more than 100 deep (500 in
+/// One file nests bodies this deep at most. The XML reader refuses what is nested more than 100 deep (500 in
 /// other versions), so long chains go on in a file that is included.
 constexpr std::size_t deepest = 64;
 
-/// What a link turns with about its particle, in kg·m². MuJoCo factorises the mass matrix of all joints, in
-/// which the little that bead_inertia() leaves about a rod's axis remains when the inertias of all that hangs
-/// on the joint are subtracted from each other: it is to stand out from their rounding.
+/// Returns what a link turns with about its particle, in kg·m².
+///
+/// MuJoCo factorises the mass matrix of all joints. The inertias of all that hangs on a joint are subtracted
+/// from each other there. The little that bead_inertia() leaves about a rod's axis must stand out from their
+/// rounding.
 double standing_out(const Link& link, double largest_inertia) {
   return std::max(bead_inertia(link), 1e-13 * largest_inertia);
 }
 
-/// All masses as far from the root as rods reach: a bound on what is subtracted.
+/// Returns a bound on what is subtracted, as if all masses were as far from the root as rods reach.
 double largest_inertia(const Model& model) {
   std::vector<double> reach(model.links.size());
   double most = 0, mass = 0;
@@ -36,11 +39,11 @@ double largest_inertia(const Model& model) {
   return mass * most * most;
 }
 
-/// What MuJoCo calls where it would otherwise end the program.
+/// Throws MuJoCo's error. MuJoCo would otherwise end the program.
 void throw_error(const char* text) {
   throw std::runtime_error(std::string("MuJoCo: ") + text);
 }
-/// Warnings are counted in mjData; by default they also go to a file in the folder one happens to be in.
+/// Does nothing. Warnings are counted in mjData; by default they also go to a file in the current folder.
 void ignore_warning(const char*) {}
 
 std::string numbers(std::initializer_list<double> values) {
@@ -59,7 +62,7 @@ std::string file_name(std::size_t number) {
   return "part" + std::to_string(number) + ".xml";
 }
 
-/// The scene as MuJoCo's XML: the first file holds all, or includes the others.
+/// Describes the scene as MuJoCo's XML. The first file holds all, or includes the others.
 class Description {
  public:
   Description(const Model& model, const std::string& integrator, double dt)
@@ -80,7 +83,7 @@ class Description {
   const std::vector<std::string>& files() const { return files_; }
 
  private:
-  /// A body's frame has its origin at its joint, where the parent's particle is.
+  /// Appends a body. Its frame has its origin at its joint, where the parent's particle is.
   void append_body(std::string& text, std::size_t i, std::size_t depth) {
     if (depth > 0 && depth % deepest == 0) {
       const std::size_t number = files_.size();
@@ -133,7 +136,8 @@ std::unique_ptr<mjModel, Deleter> load(const Description& description) {
   return model;
 }
 
-/// MuJoCo's own order is depth first; the particles of its bodies but the first, which is the world.
+/// Returns the particles of MuJoCo's bodies but the first, which is the world. MuJoCo's own order is depth
+/// first.
 std::vector<std::uint32_t> body_particles(const Model& model) {
   std::vector<std::vector<std::size_t>> children(model.links.size());
   std::vector<std::size_t> open;
@@ -166,13 +170,13 @@ class MuJoCo : public Peer {
 
   void step_frame() override {
     for (std::uint32_t step = 0; step < steps_; ++step) mj_step(model_.get(), data_.get());
-    // A state that is not finite is put back to the start, with a warning.
+    // MuJoCo puts a state that is not finite back to the start, with a warning.
     for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC})
       if (data_->warning[warning].number > 0) throw std::runtime_error("MuJoCo: the state is not finite");
   }
 
   void copy_state(Frame& frame) override {
-    // After a step these are still those of its beginning.
+    // After a step these values are still those of its beginning.
     mj_kinematics(model_.get(), data_.get());
     mj_comPos(model_.get(), data_.get());
     mj_comVel(model_.get(), data_.get());
@@ -196,8 +200,8 @@ class MuJoCo : public Peer {
 }  // namespace
 
 PeerFamily mujoco_family() {
-  // Its mass matrix has an entry for every link and each that it hangs from: one frame of a chain of 1000
-  // rods takes minutes, set-up included.
+  // MuJoCo's mass matrix has an entry for every link and each that it hangs from. One frame of a chain of
+  // 1000 rods takes minutes, set-up included.
   PeerFamily family{.name = "MuJoCo", .must_reach = 1e-5, .most_links = 300};
   for (const std::string integrator : {"Euler", "implicit", "RK4"})
     family.paths.push_back(

@@ -14,7 +14,8 @@
 namespace plumb::bench {
 namespace {
 
-/// A fixed particle with a chain of three, the last of which has a branch; rods drawn either way round.
+/// Makes a fixed particle with a chain of three, the last of which has a branch. Rods are drawn either way
+/// round.
 Scene branched() {
   Scene scene;
   scene.particles = {{.position = {2, 0, 0}, .mass = 3},
@@ -66,9 +67,9 @@ TEST(Links, AreRefusedWhereTheModelsWouldBeOthers) {
   EXPECT_THROW(find_links(given_length), InputError);
 }
 
-/// A tree, which a chain alone does not try: bodies in another order than the scene's particles. All
-/// libraries start where the scene does, and their centres of mass accelerate alike; after a hundredth of a
-/// second of steps of first order and more, positions agree to much less than the 0.5 mm they have fallen.
+/// A tree tries what a chain does not: bodies in another order than the scene's particles. All libraries
+/// start where the scene does, and their centres of mass accelerate alike. After a hundredth of a second of
+/// steps of first order and more, positions agree to much less than the 0.5 mm they have fallen.
 TEST(Peers, MoveATreeAlike) {
   const Scene scene = branched();
   const std::vector<Link> links = find_links(scene);
@@ -78,7 +79,7 @@ TEST(Peers, MoveATreeAlike) {
     Frame frame;
     for (const Particle& particle : scene.particles) frame.positions.push_back(particle.position);
     frame.velocities.resize(scene.particles.size());
-    // Fine steps; the accuracies of the last path are fine at half its levels.
+    // Steps are fine here. The accuracies of the last path are fine at half its levels.
     const PeerPath& path = family.paths.back();
     const auto peer = path.make(model, 9);
     peer->copy_state(frame);
@@ -95,7 +96,7 @@ TEST(Peers, MoveATreeAlike) {
     }
 }
 
-/// What bench_peers has written: every family it was built with, and numbers that can be.
+/// The file that bench_peers has written holds every family it was built with, and numbers that can be.
 TEST(File, IsReadBack) {
   const char* file = std::getenv("PLUMB_PEERS_CSV");
   if (!file) GTEST_SKIP() << "PLUMB_PEERS_CSV names no file";

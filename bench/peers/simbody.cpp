@@ -1,4 +1,5 @@
-// Simbody: mobilized bodies on ball joints, in linear time, by steps of fixed or of chosen length.
+// This file measures Simbody: mobilized bodies on ball joints, in linear time, by steps of fixed or of chosen
+// length.
 #include <cmath>
 
 #include "peer.hpp"
@@ -36,7 +37,7 @@ class Simbody : public Peer {
 
   void step_frame() override {
     ++frame_;
-    // The last one without the rounding of the division, or its state would be interpolated.
+    // The last time is taken without the rounding of the division, or its state would be interpolated.
     const double time = static_cast<double>(frame_) / frames_per_second;
     system_.step_to(std::abs(time - duration_) < 1e-9 ? duration_ : time);
   }
@@ -57,7 +58,7 @@ class Simbody : public Peer {
   std::vector<Triple> positions_, velocities_;
 };
 
-/// Steps chosen to an accuracy, from 1/2 on by quarters.
+/// Makes a path of steps that Simbody chooses to an accuracy, from 1/2 on by quarters.
 PeerPath accuracy_path(const std::string& label, SimbodyMethod method) {
   const auto accuracy = [](std::uint32_t level) { return std::ldexp(0.5, -2 * static_cast<int>(level)); };
   return {.levels = 20,
@@ -72,7 +73,7 @@ PeerPath accuracy_path(const std::string& label, SimbodyMethod method) {
           }};
 }
 
-/// Steps of one length.
+/// Makes a path of steps of one length.
 PeerPath step_path(const std::string& label, SimbodyMethod method) {
   return halving_path(
       "Simbody " + label, "", [=](const Model& model, std::uint32_t steps) -> std::unique_ptr<Peer> {

@@ -4,19 +4,19 @@
 #include <memory>
 #include <vector>
 
-/// Simbody behind standard types alone: its headers are C++17 and do not compile as C++20, where its
-/// comparisons are ambiguous, and the rest of this program does not compile as C++17.
+/// This file hides Simbody behind standard types. Its headers are C++17 and do not compile as C++20, where
+/// its comparisons are ambiguous. The rest of this program does not compile as C++17.
 namespace plumb::bench {
 
 using Triple = std::array<double, 3>;
 
-/// A body whose origin is its centre of mass, on a ball joint.
+/// Describes a body whose origin is its centre of mass, on a ball joint.
 struct SimbodyLink {
-  int parent = -1;     ///< index of an earlier link; -1: the ground
-  Triple joint{};      ///< m, in the parent's frame
-  Triple offset{};     ///< m, from the joint to the centre of mass
-  double mass = 0;     ///< kg
-  double inertia = 0;  ///< kg·m², about every axis through the centre of mass
+  int parent = -1;     ///< index of an earlier link; -1 is the ground
+  Triple joint{};      ///< place in the parent's frame, m
+  Triple offset{};     ///< from the joint to the centre of mass, m
+  double mass = 0;     ///< mass, kg
+  double inertia = 0;  ///< inertia about every axis through the centre of mass, kg·m²
 };
 
 enum class SimbodyMethod {
@@ -29,8 +29,8 @@ enum class SimbodyMethod {
 
 struct SimbodyPlan {
   SimbodyMethod method{};
-  double accuracy = 0;  ///< of a step, that chooses its length; semi_explicit_euler: unused
-  double step = 0;      ///< s; the other methods: unused
+  double accuracy = 0;  ///< accuracy of a step that chooses its length; semi_explicit_euler does not use it
+  double step = 0;      ///< step, s; the other methods do not use it
   double duration = 1;  ///< s
 };
 
@@ -39,10 +39,10 @@ class SimbodySystem {
   SimbodySystem(const std::vector<SimbodyLink>& links, const Triple& gravity, const SimbodyPlan& plan);
   ~SimbodySystem();
 
-  /// To a time in s. Before the end of the plan's duration the state is interpolated, as Simbody does by
-  /// default; at the end a step ends.
+  /// Steps to a time in s. Before the end of the plan's duration the state is interpolated, as Simbody does
+  /// by default. At the end a step ends.
   void step_to(double time);
-  /// Of the links' centres of mass, in m and m/s.
+  /// Copies positions (m) and velocities (m/s) of the links' centres of mass.
   void copy_state(std::vector<Triple>& positions, std::vector<Triple>& velocities) const;
 
  private:

@@ -4,7 +4,7 @@
 
 namespace plumb::bench {
 
-/// What was timed is not what should have been timed: its numbers mean nothing.
+/// Reports that what was timed is not what should have been timed, so that its numbers mean nothing.
 class CheckFailed : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

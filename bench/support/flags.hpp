@@ -10,12 +10,12 @@
 
 namespace plumb::bench {
 
-/// A command line from which a program takes its own flags; the rest is for others.
+/// Holds a command line from which a program takes its own flags. The rest is for others.
 class Flags {
  public:
   Flags(int argc, char** argv) : words_(argv, argv + argc) {}
 
-  /// --name
+  /// Takes --name, and returns whether it was there.
   bool take(const std::string& name) {
     const auto found = std::find(words_.begin(), words_.end(), name);
     if (found == words_.end()) return false;
@@ -23,7 +23,7 @@ class Flags {
     return true;
   }
 
-  /// --name VALUE or --name=VALUE. Throws std::invalid_argument if there is no value.
+  /// Takes --name VALUE or --name=VALUE. Throws std::invalid_argument if there is no value.
   std::optional<std::string> take_value(const std::string& name) {
     for (auto word = words_.begin(); word != words_.end(); ++word) {
       if (word->starts_with(name + "=")) {
@@ -40,7 +40,7 @@ class Flags {
     return {};
   }
 
-  /// The value as a number of at least `least`. Throws std::invalid_argument if it is none.
+  /// Takes the value as a number of at least `least`. Throws std::invalid_argument if it is none.
   std::uint32_t take_count(const std::string& name, std::uint32_t otherwise, std::uint32_t least) {
     const auto text = take_value(name);
     if (!text) return otherwise;
@@ -50,7 +50,7 @@ class Flags {
     return *count;
   }
 
-  /// The program and what nobody took.
+  /// Returns the program's name and what nobody took.
   std::vector<std::string>& rest() { return words_; }
 
  private:

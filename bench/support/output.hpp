@@ -7,8 +7,8 @@
 
 namespace plumb::bench {
 
-/// A file to be written at the end of a run, opened at its beginning: nobody wants to hear after minutes that
-/// it cannot be written. None for an empty path; throws InputError.
+/// Opens a file at the beginning of a run that is written at its end. Nobody wants to hear after minutes that
+/// it cannot be written. Returns nothing for an empty path. Throws InputError if the file cannot be opened.
 inline std::optional<scenes::OutputFile> open_output(const std::string& path) {
   if (path.empty()) return {};
   return std::optional<scenes::OutputFile>(std::in_place, path);

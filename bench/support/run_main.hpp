@@ -6,8 +6,8 @@
 
 namespace plumb::bench {
 
-/// What a benchmark's main() returns: run's own status, 2 for bad usage and 1 for what else it throws, said
-/// on stderr after the program's name.
+/// Returns what a benchmark's main() returns: run's own status, 2 for bad usage and 1 for what else it
+/// throws. It says the reason on stderr after the program's name.
 inline int run_main(const char* name, int (*run)(int, char**), int argc, char** argv) {
   try {
     return run(argc, argv);

@@ -5,12 +5,12 @@
 
 namespace plumb::bench {
 
-/// Rows of texts under a header, as CSV for programs and as Markdown for people; Markdown's columns are
+/// Holds rows of texts under a header, as CSV for programs and as Markdown for people. Markdown's columns are
 /// padded, so that it also reads well in a terminal.
 class Sheet {
  public:
   explicit Sheet(std::vector<std::string> header) : header_(std::move(header)) {}
-  /// As many cells as the header has.
+  /// Adds a row, which must have as many cells as the header.
   void add_row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   bool empty() const { return rows_.empty(); }
 

@@ -9,7 +9,7 @@ inline double least(const std::vector<double>& samples) {
   return *std::min_element(samples.begin(), samples.end());
 }
 
-/// Of an even number of samples, the mean of the two in the middle.
+/// Returns the median. Of an even number of samples it is the mean of the two in the middle.
 inline double median(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   const std::size_t n = samples.size();

@@ -19,7 +19,7 @@ constexpr double sample_s = 2e-3;
 
 using Worlds = std::array<std::unique_ptr<WorldStepper>, 2>;
 
-/// The first on one thread, the second on two of `executor`, or of the built-in one.
+/// Makes two worlds: the first runs on one thread, the second on two of `executor`, or of the built-in one.
 Worlds make_worlds(const Case& c, const Scene& scene, std::uint32_t sweeps, Executor* executor) {
   Worlds worlds;
   for (unsigned i = 0; i < 2; ++i) {
@@ -33,8 +33,8 @@ Worlds make_worlds(const Case& c, const Scene& scene, std::uint32_t sweeps, Exec
   return worlds;
 }
 
-/// Samples of one duel; `steps` per sample. With a pause before each, a sample is a step that comes out of
-/// it.
+/// Takes the samples of one duel, with `steps` per sample. With a pause before each, a sample is a step that
+/// comes out of it.
 void hold(Duel& duel, Worlds& worlds, std::uint32_t steps, std::uint32_t rounds, double pause_s) {
   for (std::uint32_t round = 0; round < rounds; ++round) {
     for (unsigned turn = 0; turn < 2; ++turn) {

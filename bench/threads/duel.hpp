@@ -7,27 +7,27 @@
 
 namespace plumb::bench {
 
-/// One thread against two over the same scene.
+/// Compares one thread with two over the same scene.
 struct Duel {
   Case c{};
   std::uint32_t rods = 0;
   std::uint32_t sweeps = 0;
   bool is_paused =
       false;  ///< steps come one by one after a pause, as frames do, and helpers have gone to sleep
-  bool is_parallel = false;     ///< false: plumb gave the second thread nothing to do
+  bool is_parallel = false;     ///< if false, plumb gave the second thread nothing to do
   std::vector<double> one_s{};  ///< seconds per step, one sample per round
   std::vector<double> two_s{};
 
-  /// Median over rounds of two threads' time over one's; below 1 two threads win.
+  /// Returns the median over rounds of two threads' time over one's. Below 1 two threads win.
   double ratio() const;
-  /// The same of the least times.
+  /// Returns the ratio of the least times.
   double ratio_of_least() const;
   double projections() const { return double{1} * rods * sweeps; }
 };
 
-/// Two duels: step after step, and with pauses of `pause_s` between steps. Rounds alternate in who begins.
-/// With `any_size` two threads share work that plumb itself would leave to one. Throws CheckFailed if the two
-/// worlds end in different bits.
+/// Holds two duels: step after step, and with pauses of `pause_s` (s) between steps. Rounds alternate in who
+/// begins. With `any_size` two threads share work that plumb itself would leave to one. Throws CheckFailed if
+/// the two worlds end in different bits.
 std::vector<Duel> hold_duels(const Case& c, std::uint32_t sweeps, std::uint32_t rounds, double pause_s,
                              bool any_size);
 

@@ -1,5 +1,5 @@
-// bench_threads: from which size on two threads are faster than one. plumb has two thresholds for that; they
-// should be where the ratio of times falls below 1 for good, so that two threads are never slower.
+// bench_threads measures from which size on two threads are faster than one. plumb has two thresholds for
+// that. They should be where the ratio of times falls below 1 for good, so that two threads are never slower.
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -62,7 +62,7 @@ Options take_options(Flags& flags) {
 constexpr Shape shapes[] = {Shape::chain, Shape::ensemble, Shape::net, Shape::graph};
 constexpr std::uint32_t sweep_counts[] = {5, 20};
 
-/// A scene of about that many rods.
+/// Makes a scene of about that many rods.
 Case case_of(Shape shape, Precision precision, std::uint32_t rods) {
   Case c{.shape = shape, .precision = precision};
   switch (shape) {
@@ -97,7 +97,7 @@ std::vector<Duel> hold_all(const Options& options) {
   return duels;
 }
 
-/// The duels of one column, by size.
+/// Returns the duels of one column, by size.
 std::vector<const Duel*> column(const std::vector<Duel>& duels, Shape shape, std::uint32_t sweeps,
                                 bool is_paused) {
   std::vector<const Duel*> list;
@@ -106,7 +106,8 @@ std::vector<const Duel*> column(const std::vector<Duel>& duels, Shape shape, std
   return list;
 }
 
-/// The smallest from which on two threads win at every size; none if they lose at the largest.
+/// Returns the smallest size from which on two threads win at every size, or null if they lose at the
+/// largest.
 const Duel* first_win(const std::vector<const Duel*>& sizes) {
   const Duel* first = nullptr;
   for (auto duel = sizes.rbegin(); duel != sizes.rend() && (*duel)->is_parallel && (*duel)->ratio() < 1;

@@ -12,7 +12,7 @@
 
 namespace plumb::detail {
 
-/// Coordinates and velocities of a mechanical system, in coordinates of its own.
+/// Holds coordinates and velocities of a mechanical system, in coordinates of its own.
 struct MechanicalState {
   Eigen::VectorXd q;
   Eigen::VectorXd v;
@@ -20,8 +20,8 @@ struct MechanicalState {
   bool finite() const { return q.allFinite() && v.allFinite(); }
 };
 
-/// What acts on an island from outside, by the island's particles. Anchors are its fixed particles; within a
-/// substep they move in straight lines.
+/// Says what acts on an island from outside, by the island's particles. Anchors are its fixed particles.
+/// Within a substep they move in straight lines.
 struct Drive {
   std::vector<Vec3> forces;             ///< Forces on movable particles, in N.
   std::vector<Vec3> anchors;            ///< Positions of anchors at the start of the substep, in m.
@@ -33,12 +33,12 @@ struct Drive {
   }
 };
 
-/// Rates of coordinates and velocities at one instant.
+/// Holds the rates of coordinates and velocities at one instant.
 struct MechanicalSlope {
   Eigen::VectorXd q, v;
 };
 
-/// The equations of motion of one island by one of the thesis's other methods, in double precision.
+/// Holds the equations of motion of one island by one of the thesis's other methods, in double precision.
 class MechanicalSystem {
  public:
   virtual ~MechanicalSystem() = default;
@@ -75,21 +75,21 @@ class MechanicalSystem {
                         const Drive& drive, double h);
 
   Integrator integrator_;
-  MechanicalSlope slopes_[4];  ///< Slopes of integrate(), kept so that a substep allocates nothing.
+  MechanicalSlope slopes_[4];  ///< These slopes of integrate() are kept, so that a substep allocates nothing.
   MechanicalState stage_;
 };
 
-/// One substep of h seconds by an explicit integrator. Throws std::logic_error on an implicit one.
+/// Takes one substep of h seconds by an explicit integrator. Throws std::logic_error on an implicit one.
 void integrate(Integrator integrator, MechanicalSystem& system, MechanicalState& state, const Drive& drive,
                double h);
 
-/// The scene's numbers of an island's particles and rods, to name them to the user.
+/// Holds the scene's numbers of an island's particles and rods, to name them to the user.
 struct IslandNames {
   std::span<const std::uint32_t> particles, rods;
 };
 
-/// The system of one island, by the settings' method: springs, multipliers or featherstone. Throws InputError
-/// if the method cannot move it (loops under featherstone).
+/// Makes the system of one island, by the settings' method: springs, multipliers or featherstone. Throws
+/// InputError if the method cannot move it (loops under featherstone).
 std::unique_ptr<MechanicalSystem> make_system(const Scene& island, const Settings& settings,
                                               const IslandNames& names);
 

@@ -63,7 +63,7 @@ void ReferenceSolver::end_anchors() {
 
 namespace {
 
-/// One island as a scene of its own.
+/// Returns one island as a scene of its own.
 Scene island_scene(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
   const layouts::LocalGraph local = layouts::local_graph(sets.graph, sets.islands, island);
   Scene out;

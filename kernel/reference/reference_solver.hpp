@@ -9,10 +9,10 @@
 
 namespace plumb::detail {
 
-/// One island moved by one of the thesis's other methods. Slots are its particles.
+/// Moves one island by one of the thesis's other methods. Slots are its particles.
 class ReferenceSolver final : public Solver {
  public:
-  /// `diagonal` (m) of the scene is what an accuracy is relative to.
+  /// Takes an island. `diagonal` (m) of the scene is what an accuracy is relative to.
   ReferenceSolver(const Scene& island, const Settings& settings, const IslandNames& names, double diagonal);
 
   std::uint32_t islands(std::uint32_t) const override { return 1; }
@@ -45,7 +45,7 @@ class ReferenceSolver final : public Solver {
 
  private:
   std::unique_ptr<MechanicalSystem> system_;
-  MechanicalState state_, last_;  ///< now, and the last that was finite
+  MechanicalState state_, last_;  ///< the state now, and the last that was finite
   Drive drive_;
   std::vector<std::uint8_t> fixed_;
   bool frozen_ = false;

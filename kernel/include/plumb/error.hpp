@@ -7,8 +7,8 @@
 
 namespace plumb {
 
-/// Bad input. The message names the particle, rod or setting and the reason. It is thrown before anything
-/// changes.
+/// Reports bad input. The message names the particle, rod or setting and the reason. It is thrown before
+/// anything changes.
 class PLUMB_VISIBLE InputError : public std::invalid_argument {
  public:
   /// Keeps the message, one sentence or more.

@@ -17,11 +17,11 @@ namespace plumb {
 /// executor only if its `run` may be called from several threads at once; the built-in one may.
 class PLUMB_API Executor {
  public:
-  /// What is run: a function of a context and of an index.
+  /// This is the type of what is run: a function of a context and of an index.
   using Task = void (*)(void* context, unsigned index);
 
   virtual ~Executor() = default;
-  /// Number of tasks that are expected to run at once; at least 1.
+  /// Returns the number of tasks that are expected to run at once, at least 1.
   virtual unsigned concurrency() const = 0;
   /// Calls `task` for every index below `n`, as the contract says.
   virtual void run(unsigned n, Task task, void* context) = 0;

@@ -8,7 +8,7 @@
 
 namespace plumb {
 
-/// A symmetric 3x3 tensor of inertia, in kg m².
+/// Holds a symmetric 3x3 tensor of inertia, in kg m².
 struct Inertia {
   double xx = 0;  ///< Diagonal entry, in kg m².
   double yy = 0;  ///< Diagonal entry, in kg m².
@@ -17,24 +17,24 @@ struct Inertia {
   double xz = 0;  ///< Entry of the tensor, in kg m².
   double yz = 0;  ///< Entry of the tensor, in kg m².
 
-  /// Whether all entries are equal.
+  /// Returns whether all entries are equal.
   friend constexpr bool operator==(const Inertia&, const Inertia&) = default;
 };
 
-/// What a rigid body weighs.
+/// Says what a rigid body weighs.
 struct MassProperties {
   double mass = 0;    ///< Mass, in kg.
   Vec3 center{};      ///< Centre of mass, in m.
   Inertia inertia{};  ///< About that centre, in kg m², in the axes given.
 };
 
-/// A particle for its mass alone.
+/// Stands for a particle where only its mass and place count.
 struct PointMass {
   Vec3 position{};  ///< Position, in m.
   double mass = 0;  ///< Mass, in kg.
 };
 
-/// Weighs a set of points: centre by thesis eq. 2.2, inertia about it by eq. 2.13 and 4.1.
+/// Weighs a set of points. The centre follows thesis eq. 2.2, the inertia about it eq. 2.13 and 4.1.
 ///
 /// A set without mass has its centre at the origin. Throws InputError with the number of a point whose mass
 /// is negative or that is not finite.
@@ -52,16 +52,16 @@ PLUMB_API MassProperties solid_sphere(double mass, double radius);
 /// Weighs a cylinder of `length` (m) along x with half a sphere on either end.
 PLUMB_API MassProperties solid_capsule(double mass, double radius, double length);
 
-/// The inertia about another point, `offset` (m) away from the centre of mass, by the theorem of parallel
-/// axes.
+/// Returns the inertia (kg m²) about another point, `offset` (m) away from the centre of mass, by the theorem
+/// of parallel axes.
 PLUMB_API Inertia inertia_about(const MassProperties& body, Vec3 offset);
 
-/// Four points of equal mass with exactly the mass, the centre of mass and the inertia given.
+/// Returns four points of equal mass with exactly the mass, the centre of mass and the inertia given.
 ///
 /// They are a regular tetrahedron, stretched along the principal axes. A flat body has them in a plane, a
 /// thin one on a line. Throws InputError on a mass that is not positive and finite, and on anything else that
-/// is not finite. It also refuses an inertia that no body has: one principal moment exceeds the sum of the
-/// others.
+/// is not finite. It also refuses an inertia that no body has, in which one principal moment exceeds the sum
+/// of the others.
 PLUMB_API std::array<PointMass, 4> four_points(const MassProperties& body);
 
 }  // namespace plumb

@@ -6,24 +6,26 @@
 #include "plumb/scene.hpp"
 
 /// @file
-/// Bodies and the joints between them, from shared particles, rods, ball joints and alignments
+/// This file makes bodies and the joints between them from shared particles, rods, ball joints and alignments
 /// (thesis 3.2.5).
 ///
 /// All joints are exact: what a joint forbids is zero to rounding. All functions take places and axes as the
-/// scene stands, in m and in the axes of space. An axis may have any length but zero. All throw InputError,
-/// before anything changes, on a rod, a body or a body's particle that is not there, and on what is not
-/// finite. Points that are handed over wait for validate().
+/// scene stands, in m and in the axes of space. An axis may have any length but zero.
+///
+/// All functions throw InputError, before anything changes, on a rod, a body or a body's particle that is not
+/// there. They also throw it on what is not finite. Points that are handed over are checked by validate()
+/// only.
 namespace plumb {
 
-/// The place of a particle.
+/// Returns the place of a particle.
 PLUMB_API Point point_at(std::uint32_t particle);
-/// A place on the axis of a rod, `fraction` of the way from a to b, also beyond its ends.
+/// Returns a place on the axis of a rod, `fraction` of the way from a to b. It may lie beyond the ends.
 PLUMB_API Point point_on_rod(const Scene& scene, std::uint32_t rod, double fraction);
-/// A place anywhere on a body, by where it is now (m). Throws InputError if the body's particles lie in one
-/// plane.
+/// Returns a place anywhere on a body, by where it is now (m). Throws InputError if the body's particles lie
+/// in one plane.
 PLUMB_API Point point_on_body(const Scene& scene, std::uint32_t body, Vec3 position);
 
-/// Where a place is, as the scene stands, in m. The scene must hold its particles.
+/// Returns where a place is, as the scene stands, in m. The scene must hold its particles.
 PLUMB_API Vec3 position_of(const Scene& scene, const Point& point);
 
 /// Adds a body at rest with exactly the mass, the centre of mass and the inertia given, and returns its
@@ -33,7 +35,7 @@ PLUMB_API Vec3 position_of(const Scene& scene, const Point& point);
 /// four_points(), so that the mass matrix is a quarter of the mass on each. Throws InputError if the inertia
 /// is that of a plate or a line, or if the body is thinner than validate() allows.
 PLUMB_API std::uint32_t add_body(Scene& scene, const MassProperties& properties);
-/// The same on four particles of the scene. It adds the rods between them that are missing, except between
+/// Adds a body on four particles of the scene. It adds the rods between them that are missing, except between
 /// two anchors. It goes through all rods of the scene.
 PLUMB_API std::uint32_t add_body(Scene& scene, const std::array<std::uint32_t, 4>& particles,
                                  const MassProperties& properties);

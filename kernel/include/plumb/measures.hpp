@@ -10,8 +10,8 @@
 
 namespace plumb {
 
-/// Strain, (current length − rest length) / rest length, over all rods of a scene. Files and reports call it
-/// stretch.
+/// Holds the strain, (current length − rest length) / rest length, over all rods of a scene. Files and
+/// reports call it stretch.
 struct Stretch {
   double rms = 0;             ///< Root mean square, without a unit.
   double max = 0;             ///< Largest absolute value, without a unit.
@@ -21,12 +21,12 @@ struct Stretch {
 /// number of positions.
 PLUMB_API Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions);
 
-/// Energies, in J. A consistent mass matrix and lumped masses keep different energies: measure with the model
-/// that moved the scene.
+/// Holds energies, in J. A consistent mass matrix and lumped masses keep different energies. Measure with the
+/// model that moved the scene.
 struct Energy {
   double kinetic = 0;    ///< Kinetic energy, in J.
   double potential = 0;  ///< Potential energy −Σ m g·x, in J.
-  /// Their sum, in J.
+  /// Returns their sum, in J.
   double total() const { return kinetic + potential; }
 };
 /// Measures energies at `positions` (m) and `velocities` (m/s), one each per particle. Throws InputError on
@@ -34,10 +34,10 @@ struct Energy {
 PLUMB_API Energy measure_energy(const Scene& scene, std::span<const Vec3> positions,
                                 std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
-/// Total mass × |g| × diagonal of the first bounding box, in J. Energy drift is relative to it.
+/// Returns total mass × |g| × diagonal of the first bounding box, in J. Energy drift is relative to it.
 PLUMB_API double energy_range(const Scene& scene);
 
-/// Momentum of the movable particles.
+/// Holds the momentum of the movable particles.
 struct Momentum {
   Vec3 linear;          ///< Linear momentum, in kg·m/s.
   Vec3 angular;         ///< Angular momentum about the origin, in kg·m²/s.
@@ -48,15 +48,15 @@ struct Momentum {
 PLUMB_API Momentum measure_momentum(const Scene& scene, std::span<const Vec3> positions,
                                     std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
-/// One saved instant of a trajectory or of a truth, with arrays in the scene's particle order.
+/// Holds one saved instant of a trajectory or of a truth, with arrays in the scene's particle order.
 struct Frame {
   double t = 0;                  ///< Time, in s.
   std::vector<Vec3> positions;   ///< Positions, in m.
   std::vector<Vec3> velocities;  ///< Velocities, in m/s.
 };
 
-/// Root mean square distance over all particles between positions and truth, in m. Throws InputError if the
-/// two differ in number.
+/// Returns the root mean square distance over all particles between positions and truth, in m. Throws
+/// InputError if the two differ in number.
 PLUMB_API double rms_distance(std::span<const Vec3> positions, std::span<const Vec3> truth);
 
 }  // namespace plumb

@@ -1,5 +1,6 @@
 /// @file
-/// plumb: articulated things made of particles and rods. This header includes all headers of the kernel.
+/// plumb simulates articulated things made of particles and rods. This header includes all headers of the
+/// kernel.
 ///
 ///     plumb::Scene scene;                                   // describe: metres, kilograms, seconds
 ///     scene.particles = {{.position = {0, 0, 0}, .fixed = true}, {.position = {1, 0, 0}, .mass = 1}};

@@ -14,15 +14,15 @@
 
 namespace plumb {
 
-/// A point with mass. A fixed particle, an anchor, never moves by itself: its inverse mass is 0 and its mass
-/// is ignored.
+/// This is a point with mass. A fixed particle, an anchor, never moves by itself. Its inverse mass is 0 and
+/// its mass is ignored.
 struct Particle {
   Vec3 position{};     ///< Position, in m.
   Vec3 velocity{};     ///< Velocity, in m/s.
   double mass = 0;     ///< Mass in kg. A movable particle needs mass of its own or from its rods.
   bool fixed = false;  ///< Whether it is an anchor.
-  bool asleep =
-      false;  ///< An island whose movable particles all sleep stands still until something touches it.
+  /// An island whose movable particles all sleep stands still until something touches it.
+  bool asleep = false;
 };
 
 /// Keeps particles `a` and `b` at `length`. Its own mass lies evenly along it, unless `center` and `inertia`
@@ -35,13 +35,13 @@ struct Rod {
   double center = 0.5;  ///< Centre of its mass, as a fraction of the way from a to b.
   std::optional<double>
       inertia{};  ///< About its centre of mass, in kg m². None: evenly spread, mass · length²/12.
-  /// Rate at which air slows the rod along its axis, in 1/s (thesis 2.1.5).
+  /// Air slows the rod along its axis at this rate, in 1/s (thesis 2.1.5).
   double linear_drag = 0;
-  /// Rate at which air slows the rod across its axis, in 1/s (thesis 2.1.6).
+  /// Air slows the rod across its axis at this rate, in 1/s (thesis 2.1.6).
   double orthogonal_drag = 0;
 };
 
-/// A place that moves with a body or a rod: a weighted mean of up to four particles.
+/// This is a place that moves with a body or a rod: a weighted mean of up to four particles.
 ///
 /// Weights add up to 1, to within 1e-9. A place outside has negative weights. Slots with weight 0 are not
 /// read.
@@ -50,11 +50,12 @@ struct Point {
   std::array<double, 4> weights{};           ///< Weights, in the order of `particles`.
 };
 
-/// A rigid solid with a full tensor of inertia, carried by four particles that do not lie in one plane.
+/// This is a rigid solid with a full tensor of inertia, carried by four particles that do not lie in one
+/// plane.
 ///
-/// Rods keep the four apart, and the scene lists these like all others (add_body()): six, less those between
-/// two fixed particles. The body's mass acts on the four by the exact kinetic energy (body_mass()). It adds
-/// to masses of their own.
+/// Rods keep the four apart, and the scene lists them like all others (add_body()). There are six, less those
+/// between two fixed particles. The body's mass acts on the four by the exact kinetic energy (body_mass()),
+/// and adds to masses of their own.
 struct Body {
   std::array<std::uint32_t, 4> particles{};  ///< Indices into Scene::particles.
   double mass = 0;                           ///< Mass, in kg.
@@ -62,29 +63,29 @@ struct Body {
   Inertia inertia{};  ///< About that centre, in kg m², in the axes of space, as the scene stands.
 };
 
-/// A ball joint: two places that coincide and need not be at a shared particle.
+/// This is a ball joint: two places that coincide and need not be at a shared particle.
 struct Pin {
   Point a{};  ///< A place on one side.
   Point b{};  ///< The place on the other side.
 };
 
-/// From one place to another. Both belong to one body if its angle with another is meant, and to two bodies
-/// if their distance along another direction is meant.
+/// Leads from one place to another. Both belong to one body if its angle with another is meant. They belong
+/// to two bodies if their distance along another direction is meant.
 struct Direction {
   Point from{};  ///< Where it starts.
   Point to{};    ///< Where it ends.
 };
 
-/// Keeps the dot product of two directions (m²) as it is in the scene: a right angle, or a place in a plane.
-/// One of the two may have length zero, as that from a place in the plane to another.
+/// Keeps the dot product of two directions (m²) as it is in the scene, such as a right angle or a place in a
+/// plane. One of the two may have length zero, such as that from a place in the plane to another.
 struct Alignment {
   Direction u{};  ///< One direction.
   Direction v{};  ///< The other.
 };
 
-/// What acts on the angle between two directions: limits, dry friction, and a drive towards a pose.
+/// Says what acts on the angle between two directions: limits, dry friction, and a drive towards a pose.
 ///
-/// The angle is in (0, pi). Right angles are measured best; near 0 and pi an angle has no derivative and is
+/// The angle is in (0, pi). Right angles are measured best. Near 0 and pi an angle has no derivative and is
 /// measured badly.
 struct AngleControl {
   Direction u{};                         ///< One direction.
@@ -97,14 +98,15 @@ struct AngleControl {
   double damping = 0;                    ///< Damping of the drive, in N m s/rad.
 };
 
-/// How something feels when touched. Of two surfaces the larger restitution counts, and the geometric mean of
-/// their friction.
+/// Says how something feels when touched. Of two surfaces the larger restitution counts, and the geometric
+/// mean of their friction.
 struct Surface {
   double friction = 0.5;   ///< Coulomb's coefficient.
   double restitution = 0;  ///< Share of the normal velocity that is kept, 0 to 1 (thesis eq. 2.32).
 };
 
-/// A shape: all that is within `radius` of the line between two places. It is a sphere if they are the same.
+/// This is a shape: all that is within `radius` of the line between two places. It is a sphere if they are
+/// the same.
 struct Capsule {
   Point a{};          ///< One end of the line.
   Point b{};          ///< The other end.
@@ -112,14 +114,14 @@ struct Capsule {
   Surface surface{};  ///< How it feels.
 };
 
-/// Solid ground: everything with normal·x < offset.
+/// This is solid ground: everything with normal·x < offset.
 struct Plane {
   Vec3 normal{0, 1, 0};  ///< Unit vector out of the ground.
   double offset = 0;     ///< Distance of the surface from the origin along the normal, in m.
   Surface surface{};     ///< How it feels.
 };
 
-/// A solid box that does not move.
+/// This is a solid box that does not move.
 struct Box {
   Vec3 center{};                                  ///< Centre, in m.
   Vec3 half_size{};                               ///< Half of its sides, in m.
@@ -127,19 +129,19 @@ struct Box {
   Surface surface{};                              ///< How it feels.
 };
 
-/// How a rod's mass acts on its two ends.
+/// Says how a rod's mass acts on its two ends.
 ///
 /// `lumped` puts point masses there, with the right centre of mass but the inertia of a dumbbell (the
 /// thesis). `consistent` takes the exact kinetic energy of a straight thin rod.
 enum class MassModel : std::uint8_t { lumped, consistent };
 
-/// What a user describes, in double precision and in the user's own order.
+/// Holds what a user describes, in double precision and in the user's own order.
 struct Scene {
   std::vector<Particle> particles;  ///< Particles; rods and points name them by index.
   std::vector<Rod> rods;            ///< Rods between them.
   Vec3 gravity{0, -9.81, 0};        ///< Acceleration, in m/s².
   double drag = 0;                  ///< Rate in 1/s; velocities decay as exp(-drag · t).
-  /// Rate in 1/s at which an island loses all motion but that of a rigid whole. It acts as friction in all
+  /// An island loses all motion but that of a rigid whole at this rate, in 1/s. It acts as friction in all
   /// joints alike, and keeps momentum and angular momentum.
   double joint_drag = 0;
 
@@ -152,7 +154,8 @@ struct Scene {
   std::vector<Box> boxes{};             ///< Solid boxes that do not move.
 };
 
-/// Whether a scene has more than particles and rods: shapes, ground, bodies, joints, air on rods or sleepers.
+/// Returns whether a scene has more than particles and rods: shapes, ground, bodies, joints, air on rods or
+/// sleepers.
 PLUMB_API bool has_more_than_rods(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, body,
@@ -173,22 +176,23 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - a normal or a quaternion that is not of length one, to within 1e-9.
 PLUMB_API void validate(const Scene& scene);
 
-/// The length of rod `i` in m, with the default (distance between its particles) filled in.
+/// Returns the length of rod `i` in m. If none is given, that is the distance between its particles.
 PLUMB_API double rod_length(const Scene& scene, std::size_t i);
 
-/// The mass matrix of a rod on its ends, in kg. Its kinetic energy is aa/2 va·va + ab va·vb + bb/2 vb·vb.
+/// Holds the mass matrix of a rod on its ends, in kg. Its kinetic energy is aa/2 va·va + ab va·vb + bb/2
+/// vb·vb.
 struct RodMass {
   double aa = 0;  ///< Of the first end.
   double ab = 0;  ///< Between the ends.
   double bb = 0;  ///< Of the second end.
 };
-/// The mass matrix of rod `i` on its ends.
+/// Returns the mass matrix of rod `i` on its ends.
 ///
-/// Consistent: with s the fraction of the way from a to b, the entries are the integrals of (1-s)², s(1-s)
-/// and s² over its mass. An evenly spread mass gives mass/6 [[2, 1], [1, 2]]. Lumped: ab is 0.
+/// Let s be the fraction of the way from a to b. The consistent entries are the integrals of (1-s)², s(1-s)
+/// and s² over the rod's mass. An evenly spread mass gives mass/6 [[2, 1], [1, 2]]. If lumped, ab is 0.
 PLUMB_API RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
 
-/// The 4 x 4 mass matrix of body `i` on its four particles, in kg.
+/// Returns the 4 x 4 mass matrix of body `i` on its four particles, in kg.
 ///
 /// With M_jk its entries, the kinetic energy is half the sum of M_jk v_j·v_k over all j and k, exactly that
 /// of the solid. A place x that moves with the body has barycentric weights w_j(x) = a_j + b_j·(x - center).
@@ -196,11 +200,11 @@ PLUMB_API RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model);
 /// second moments about the centre, in kg m². validate() says which particles a body may have.
 PLUMB_API std::array<std::array<double, 4>, 4> body_mass(const Scene& scene, std::size_t i);
 
-/// Mass of every particle in kg, with its share of the lumped mass of its rods and a quarter of its bodies'.
-/// Anchors get infinity.
+/// Returns the mass of every particle in kg, with its share of the lumped mass of its rods and a quarter of
+/// its bodies'. Anchors get infinity.
 PLUMB_API std::vector<double> lumped_masses(const Scene& scene);
 
-/// Diagonal of the axis-aligned box around all particles, in m. Errors are relative to it.
+/// Returns the diagonal of the axis-aligned box around all particles, in m. Errors are relative to it.
 PLUMB_API double bounding_diagonal(const Scene& scene);
 
 }  // namespace plumb

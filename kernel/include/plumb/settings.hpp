@@ -13,39 +13,42 @@ namespace plumb {
 
 class Executor;
 
-/// How rods are kept at their length.
+/// Says how rods are kept at their length.
 ///
 /// `relax` corrects one rod after the other (thesis §3.2). `direct` solves all rods of an island at once, to
-/// rounding. `automatic` picks between these two for every island. The others are what the thesis compares
-/// with: stiff springs (§3.3), Lagrange multipliers (§3.4) and Featherstone's articulated bodies (§3.5). They
-/// run in double on one thread, and need plumb::reference and register_reference_methods().
+/// rounding. `automatic` picks between these two for every island.
+///
+/// The others are what the thesis compares with: stiff springs (§3.3), Lagrange multipliers (§3.4) and
+/// Featherstone's articulated bodies (§3.5). They run in double on one thread, and need plumb::reference and
+/// register_reference_methods().
 enum class Method : std::uint8_t { automatic, relax, direct, springs, multipliers, featherstone };
 
-/// What the table of methods says of one of them.
+/// Holds what the table of methods says of one of them.
 struct MethodInfo {
   Method method = Method::automatic;  ///< The method.
   std::string_view name{};            ///< Its name, as the command and its reports spell it.
   std::string_view moves{};           ///< What it moves, in words.
   bool moves_joints = false;          ///< Whether it moves bodies, joints, and shapes that touch.
-  /// Names of the settings that it reads, of those that not every method reads.
+  /// It reads these settings, of those that not every method reads.
   std::vector<std::string_view> reads{};
 };
 
-/// All methods of this program, in the order of Method. Those of plumb::reference are among them once they
-/// are registered.
+/// Returns all methods of this program, in the order of Method. Those of plumb::reference are among them once
+/// they are registered.
 PLUMB_API std::vector<MethodInfo> all_methods();
 
-/// Where on the way from the old to the new configuration a correction's direction is taken.
+/// Says where on the way from the old to the new configuration a correction's direction is taken.
 ///
 /// `new_` takes the new position: the thesis's projection, of first order, which damps. `old` takes the old
-/// one: SHAKE, of second order, which breaks when a substep h exceeds 2/omega_max of the fastest wave. `mid`
-/// takes the middle: the energy–momentum scheme, of second order. Solved directly, it keeps energy to
+/// one: SHAKE, of second order, which breaks when a substep h exceeds 2/omega_max of the fastest wave.
+///
+/// `mid` takes the middle: the energy–momentum scheme, of second order. Solved directly, it keeps energy to
 /// rounding; relaxed, it keeps energy to second order.
 enum class Gradient : std::uint8_t { new_, old, mid };
 
-/// How springs, multipliers and featherstone go through time.
+/// Says how springs, multipliers and featherstone go through time.
 ///
-/// In this order: forward Euler (thesis eq. 3.13), Euler with the new velocities, the midpoint rule,
+/// The first four are forward Euler (thesis eq. 3.13), Euler with the new velocities, the midpoint rule and
 /// classical Runge–Kutta. Springs also have linearised backward Euler (eq. 3.16–3.22), in equal steps or in
 /// steps that keep Settings::accuracy.
 enum class Integrator : std::uint8_t {
@@ -57,103 +60,110 @@ enum class Integrator : std::uint8_t {
   adaptive_implicit_euler
 };
 
-/// What the springs of method springs hold together. `rigid_rods` are rods with an orientation each, which
-/// springs hold at their joints (thesis §4.4.1). `particles` are held at the rods' lengths (figure 3.13).
+/// Says what the springs of method springs hold together. `rigid_rods` are rods with an orientation each,
+/// which springs hold at their joints (thesis §4.4.1). `particles` are held at the rods' lengths (figure
+/// 3.13).
 enum class SpringModel : std::uint8_t { rigid_rods, particles };
 
-/// What every spring of method springs is like.
+/// Says what every spring of method springs is like.
 struct SpringSettings {
   SpringModel model = SpringModel::rigid_rods;  ///< What springs hold together.
   double stiffness = 1e4;                       ///< Stiffness of every spring, in N/m.
-  /// Damping of every spring, as a share of the critical damping of the two masses it joins. Critical is
-  /// 2 sqrt(stiffness · reduced mass).
+  /// Every spring has this share of the critical damping of the two masses it joins. Critical is 2
+  /// sqrt(stiffness · reduced mass).
   double damping_ratio = 0.1;
 
-  /// Whether all members are equal.
+  /// Returns whether all members are equal.
   friend constexpr bool operator==(const SpringSettings&, const SpringSettings&) = default;
 };
 
-/// What method multipliers does against drift, since it keeps accelerations alone. It does nothing, it feeds
-/// violations back (Baumgarte), or it projects positions and velocities after every substep.
+/// Says what method multipliers does against drift, since it keeps accelerations alone. It does nothing, it
+/// feeds violations back (Baumgarte), or it projects positions and velocities after every substep.
 enum class Stabilization : std::uint8_t { none, baumgarte, projection };
 
-/// How method multipliers keeps rods at their length.
+/// Says how method multipliers keeps rods at their length.
 struct MultiplierSettings {
   Stabilization stabilization = Stabilization::projection;  ///< What is done against drift.
   double baumgarte_rate = 10;  ///< Rate at which a violation decays, critically damped, in 1/s.
 
-  /// Whether all members are equal.
+  /// Returns whether all members are equal.
   friend constexpr bool operator==(const MultiplierSettings&, const MultiplierSettings&) = default;
 };
 
-/// Which share of a correction each end takes. `mass` shares by inverse mass (thesis eq. 4.7); `equal` gives
-/// half to each (eq. 4.6), which is another motion where masses differ.
+/// Says which share of a correction each end takes. `mass` shares by inverse mass (thesis eq. 4.7). `equal`
+/// gives half to each (eq. 4.6), which is another motion where masses differ.
 enum class Weights : std::uint8_t { mass, equal };
 
-/// In which order a sweep visits rods. Gauss–Seidel visits colour after colour. Jacobi corrects all rods from
-/// the same positions; it splits each particle's mass over its rods, so that it converges and keeps momentum.
+/// Says in which order a sweep visits rods. Gauss–Seidel visits colour after colour. Jacobi corrects all rods
+/// from the same positions. It splits each particle's mass over its rods, so that it converges and keeps
+/// momentum.
 enum class SweepOrder : std::uint8_t { gauss_seidel, jacobi };
 
-/// In which numbers a world computes. A scene is always described in double.
+/// Says in which numbers a world computes. A scene is always described in double.
 enum class Precision : std::uint8_t { single, double_ };
 
-/// How particles lie in memory (layouts/README.md); `automatic` picks by an island's shape.
+/// Says how particles lie in memory (layouts/README.md). `automatic` picks by an island's shape.
 enum class LayoutChoice : std::uint8_t { automatic, aos, soa, aosoa };
 
-/// Instruction sets with a compiled body. Every one of them gives the same bits.
+/// Names an instruction set with a compiled body. Every one of them gives the same bits.
 enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512 };
 
-/// All instruction sets, slowest first, whether this processor runs them or not.
+/// Returns all instruction sets, slowest first, whether this processor runs them or not.
 PLUMB_API std::span<const Isa> all_isas();
-/// Whether this processor runs `isa` and this build holds it; `scalar` is always supported.
+/// Returns whether this processor runs `isa` and this build holds it; `scalar` is always supported.
 PLUMB_API bool is_supported(Isa isa);
-/// The best instruction set that is supported.
+/// Returns the best instruction set that is supported.
 PLUMB_API Isa best_isa();
 
-/// When to stop sweeping in a substep. A tolerance or a budget can stop earlier than `sweeps` does;
+/// Says when sweeping stops in a substep. A tolerance or a budget can stop earlier than `sweeps` does.
 /// StepReport::stopped_by says what did.
 struct StopRule {
   std::uint32_t sweeps = 10;  ///< Most sweeps a substep makes; at least 1.
-  /// Largest absolute strain allowed, relative to the rod's length. Relaxation stops when all rods of a block
-  /// are within it.
+  /// Relaxation stops when the absolute strain of every rod of a block is within this. A larger value takes
+  /// fewer sweeps and stretches rods more.
   ///
-  /// Method direct uses it for nets that it solves by their lines, with gradient old or new, between 1e-11
-  /// and 1e-2 of their mean rod. Without a tolerance it solves them to 1e-11. Where an accuracy is set, the
-  /// bound is the least of the tolerance, a hundredth of the accuracy and 1e-6. All else is solved to
-  /// rounding.
+  /// Method direct uses it for nets that it solves by their lines, with gradient old or new. It must then lie
+  /// between 1e-11 and 1e-2 of their mean rod. Without a tolerance it solves them to 1e-11. Where an accuracy
+  /// is set, the bound is the least of the tolerance, a hundredth of the accuracy and 1e-6. All else is
+  /// solved to rounding.
   std::optional<double> tolerance{};
   std::optional<double>
       budget_us{};  ///< Most time of sweeping per step(), in microseconds. Results then depend on the clock.
 };
 
-/// What contact and sleep go by: lengths and speeds for things of about a metre, and shares.
+/// Holds what contact and sleep go by: lengths and speeds for things of about a metre, and shares.
 struct ContactSettings {
   /// Every length and speed here is multiplied by this. Give 0.01 for things of a centimetre, or 100 where a
   /// scene counts in centimetres.
   double length_scale = 1;
-  /// Distance (m) within which shapes are kept from touching before they do. More finds contacts earlier and
-  /// costs rows.
+  /// Shapes within this distance (m) of each other are kept from touching. A larger one finds contacts
+  /// earlier and costs rows.
   double margin = 2e-3;
-  /// Overlap (m) that is left as it is, so that what lies on something keeps touching it.
+  /// This overlap (m) is left as it is, so that what lies on something keeps touching it. A larger one lets
+  /// things sink in deeper.
   double slop = 5e-4;
-  /// Share of an overlap beyond the slop, and of an angle beyond its limit, that a substep takes back; one
-  /// that is cut takes less in proportion. More ends overlaps sooner and throws things apart faster.
+  /// A substep takes back this share of an overlap beyond the slop, and of an angle beyond its limit. One
+  /// that is cut takes back less in proportion. A larger share ends overlaps sooner and throws things apart
+  /// faster.
   double recovery = 0.1;
-  /// Approach (m/s) below which nothing bounces: it would for ever.
+  /// Nothing bounces that approaches more slowly than this (m/s), because it would bounce for ever. A larger
+  /// speed lets things come to rest sooner.
   double bounce_speed = 0.05;
-  /// Gap (m) that a substep may miss; one that misses more is taken again, shorter.
+  /// A substep may miss a gap by this much (m). One that misses more is taken again, shorter. A larger value
+  /// repeats fewer substeps and lets shapes overlap more.
   double tolerance = 1e-5;
-  /// What the last sweep over contacts may still change, as a share of what gravity does in a substep. At
-  /// 4e-3 toppling figures lie within 0.1 mm of where tighter sweeps leave them after 1.6 s.
+  /// The last sweep over contacts may change this share of what gravity does in a substep. A larger share
+  /// takes fewer sweeps and leaves larger errors. At 4e-3 toppling figures lie within 0.1 mm of where tighter
+  /// sweeps leave them after 1.6 s.
   double sweep_tolerance = 4e-3;
-  /// Speed (m/s) below which islands that something holds are at rest. After Settings::sleep_time they sleep.
+  /// Islands that something holds are at rest below this speed (m/s). After Settings::sleep_time they sleep.
   double sleep_speed = 0.02;
 
-  /// Whether all members are equal.
+  /// Returns whether all members are equal.
   friend constexpr bool operator==(const ContactSettings&, const ContactSettings&) = default;
 };
 
-/// How a scene is simulated. Settings that are not set stand for what gradient_of(), integrator_of() and
+/// Says how a scene is simulated. Settings that are not set stand for what gradient_of(), integrator_of() and
 /// mass_model_of() say.
 struct Settings {
   Method method = Method::automatic;         ///< What keeps rods at their length.
@@ -168,19 +178,22 @@ struct Settings {
   /// length. A substep is composed of 1, 5 or 9 shorter ones, some backwards (Suzuki 1990; Kahan and Li
   /// 1997). Linkages alone in the air take Runge-Kutta steps of order 4 or 6, and touching ones order 2.
   std::uint32_t time_order = 2;
-  /// Largest growth of the estimated error per second, as a share of the scene's diagonal. It picks substeps,
-  /// for direct and for springs with adaptive_implicit_euler.
+  /// The estimated error grows by no more than this share of the scene's diagonal per second. It picks
+  /// substeps, for direct and for springs with adaptive_implicit_euler. A larger value takes fewer substeps.
   std::optional<double> accuracy{};
-  /// Most work of an island in a step: Newton steps, sweeps and substeps, those of repeated tries included.
-  /// An island that reaches it takes the rest as it comes, uncut and inaccurate, and is counted
-  /// (StepReport::capped_steps). Substeps and sweeps that are asked for by number are always taken.
+  /// An island does no more work than this in a step: Newton steps, sweeps and substeps, those of repeated
+  /// tries included.
+  ///
+  /// An island that reaches it takes the rest of the step in the fewest substeps, uncut and inaccurate, and
+  /// is counted (StepReport::capped_steps). Substeps and sweeps that are asked for by number are always
+  /// taken.
   std::uint64_t most_work = 20'000;
   StopRule stop{};                         ///< When relaxation stops sweeping.
   std::optional<Integrator> integrator{};  ///< None: semi_implicit_euler for springs, else rk4.
   SpringSettings springs{};                ///< What method springs uses.
   MultiplierSettings multipliers{};        ///< What method multipliers uses.
-  /// Whether islands that touch something sleep once they are slow. Islands of particles and rods that stand
-  /// still but for rounding always do. Sleepers cost nothing until they wake.
+  /// Islands that touch something sleep once they are slow, if this is true. Islands of particles and rods
+  /// that stand still but for rounding always do. Sleepers cost nothing until they wake.
   bool sleep = true;
   double sleep_time = 0.5;                        ///< Time (s) that an island is at rest before it sleeps.
   ContactSettings contact{};                      ///< Lengths, speeds and shares of contact.
@@ -190,11 +203,11 @@ struct Settings {
   Executor* executor = nullptr;  ///< None: make_default_executor(). It must outlive the World.
 };
 
-/// The gradient that settings stand for, which depends on the method if none is set.
+/// Returns the gradient that settings stand for, which depends on the method if none is set.
 PLUMB_API Gradient gradient_of(const Settings& settings);
-/// The integrator that settings stand for, which depends on the method if none is set.
+/// Returns the integrator that settings stand for, which depends on the method if none is set.
 PLUMB_API Integrator integrator_of(const Settings& settings);
-/// The mass model that settings stand for, which depends on the method if none is set.
+/// Returns the mass model that settings stand for, which depends on the method if none is set.
 PLUMB_API MassModel mass_model_of(const Settings& settings);
 
 /// Refuses settings that make no sense: omega outside (0, 2), no substeps, no sweeps and the like. Throws
@@ -205,7 +218,7 @@ PLUMB_API void validate(const Settings& settings);
 PLUMB_API void validate(const StopRule& rule);
 
 /// @{
-/// The name of a choice, as the command and its reports spell it.
+/// Returns the name of a choice, as the command and its reports spell it.
 PLUMB_API std::string_view to_string(Method);
 PLUMB_API std::string_view to_string(Precision);
 PLUMB_API std::string_view to_string(Gradient);

@@ -15,26 +15,28 @@
 
 namespace plumb {
 
-/// What ended the sweeps. Where blocks or substeps differ, the latest in this list is reported.
+/// Says what ended the sweeps. Where blocks or substeps differ, the latest in this list is reported.
 enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
-/// The name of what ended the sweeps, as reports spell it.
+/// Returns the name of what ended the sweeps, as reports spell it.
 PLUMB_API std::string_view to_string(StoppedBy);
 
-/// What one step did and what it skipped. Counts add up over substeps and blocks.
+/// Says what one step did and what it skipped. Counts add up over substeps and blocks.
 struct StepReport {
   std::uint64_t substeps = 0;                 ///< Substeps of the step, once for the world.
   std::uint64_t block_sweeps = 0;             ///< Sweeps over a block, summed over blocks and substeps.
   std::uint64_t rod_projections = 0;          ///< Rods projected, without padding.
   StoppedBy stopped_by = StoppedBy::nothing;  ///< What ended the sweeps.
-  /// Blocks, times substeps, that were within tolerance after prediction and were not swept.
+  /// Counts blocks, times substeps, that were within tolerance after prediction and were not swept.
   std::uint64_t skipped_within_tolerance = 0;
-  /// Substeps of a block in which gradient mid did not converge. Their velocity is that of the step itself.
+  /// Counts substeps of a block in which gradient mid did not converge. Their velocity is that of the step
+  /// itself.
   std::uint64_t mid_guarded = 0;
-  /// Islands that went non-finite in this step. Each was put back to its last finite state and stands still.
+  /// Counts islands that went non-finite in this step. Each was put back to its last finite state and stands
+  /// still.
   std::uint32_t frozen_islands = 0;
 
-  // Of islands that are solved directly. Of what is repeated for accuracy, `newton` alone counts all
-  // attempts.
+  // The next members count what direct solves did. Of what is repeated for accuracy, `newton` alone counts
+  // all attempts.
   std::uint64_t direct_substeps = 0;  ///< Substeps that islands took, those after halvings included.
   std::uint64_t newton = 0;           ///< Newton steps, summed over islands.
   std::uint64_t halvings = 0;         ///< Substeps of an island that did not converge and were cut in two.
@@ -46,18 +48,19 @@ struct StepReport {
   /// Substeps that elastic rods did not solve either; what cannot be moved stays where it was. Method
   /// multipliers counts projections that did not converge.
   std::uint64_t unsolved = 0;
-  /// Steps taken although they were not accurate enough, because shorter ones could not be better. Islands
-  /// and adaptive_implicit_euler count here.
+  /// Counts steps that were taken although they were not accurate enough, because shorter ones could not be
+  /// better. Islands and adaptive_implicit_euler count here.
   std::uint64_t inaccurate_steps = 0;
-  /// Steps of islands, or of islands side by side, that reached Settings::most_work. They ended with the
-  /// fewest substeps, none of which was cut.
+  /// Counts steps of islands, or of islands side by side, that reached Settings::most_work. They ended with
+  /// the fewest substeps, none of which was cut.
   std::uint64_t capped_steps = 0;
 
-  // Of method springs, at the end of a step. Of several steps or islands the worst counts.
+  // The next two members describe method springs at the end of a step. Of several steps or islands the worst
+  // counts.
   double largest_gap = 0;  ///< Largest gap between ends of rigid rods that should meet, in m (figure 4.5).
   double rms_gap = 0;      ///< Root mean square of these gaps over the joints of an island, in m.
 
-  // Of scenes with shapes that touch.
+  // The next members describe scenes with shapes that touch.
   std::uint64_t contacts = 0;        ///< Most points at which something pushed in one cluster's substep.
   std::uint64_t guarded_energy = 0;  ///< Substeps that would have gained energy and were held back.
   std::uint32_t awake_islands = 0;   ///< Islands awake at the end of the step.
@@ -67,7 +70,7 @@ struct StepReport {
   PLUMB_API StepReport& operator+=(const StepReport& other);
 };
 
-/// How one block of a scene is laid out, for `plumb info` and reports.
+/// Says how one block of a scene is laid out, for `plumb info` and reports.
 struct BlockInfo {
   std::string shape;                ///< chain, grid, lanes (equal islands side by side), graph or linkage.
   std::string layout;               ///< aos, soa or aosoa.
@@ -79,7 +82,7 @@ struct BlockInfo {
   double bytes_per_projection = 0;  ///< Bytes that one rod's projection reads and writes, before any cache.
   double uniform_fraction = 0;      ///< Share of rods that need no length and weights of their own.
 };
-/// How a scene was compiled, for `plumb info` and reports.
+/// Says how a scene was compiled, for `plumb info` and reports.
 struct WorldInfo {
   std::uint32_t particles = 0;     ///< Particles of the scene.
   std::uint32_t rods = 0;          ///< Rods of the scene.
@@ -95,10 +98,10 @@ struct WorldInfo {
   std::uint32_t linkages = 0;  ///< Kinds of islands in a scene with bodies, joints or contact; else 0.
   std::uint64_t skipped_per_rod_weights = 0;  ///< Rods in uniform ranges, whose weights are not read.
   bool skipped_drag = true;                   ///< Whether no displacement is multiplied by drag.
-  double projected_velocity =
-      0;  ///< Largest change of an initial velocity, in m/s, made so that none pulls on a rod.
-  /// Largest change of an initial position, in m, made so that rods start at their lengths. Method direct
-  /// makes it on islands without bodies or shapes.
+  /// Initial velocities changed by at most this much, in m/s, so that none pulls on a rod.
+  double projected_velocity = 0;
+  /// Initial positions changed by at most this much, in m, so that rods start at their lengths. Method direct
+  /// makes the change on islands without bodies or shapes.
   double projected_position = 0;
   std::uint32_t unprojected_islands = 0;  ///< Islands where that could not be solved, which stay as they are.
   std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
@@ -106,7 +109,7 @@ struct WorldInfo {
 
 class World;
 
-/// Positions (m) or velocities (m/s) of a World in the scene's particle order, read in place.
+/// Shows positions (m) or velocities (m/s) of a World in the scene's particle order, read in place.
 ///
 /// Nothing is copied, and what is read is always the present state. A view is valid while the world lives and
 /// is not moved.
@@ -124,12 +127,12 @@ class StateView {
   Field field_;
 };
 
-/// A scene compiled for stepping.
+/// Holds a scene compiled for stepping.
 ///
 /// Under methods relax and direct the state of a particle is its position and the displacement of the last
 /// substep. Two stored positions would lose g·h² below one unit in the last place of a float.
 ///
-/// A world is not thread-safe: one thread at a time may use it, reading included, since velocities are
+/// A world is not thread-safe. One thread at a time may use it, reading included, since velocities are
 /// computed when they are first read. Different worlds may be used at the same time. A world keeps no
 /// reference to its scene.
 class PLUMB_API World {
@@ -167,26 +170,26 @@ class PLUMB_API World {
   std::uint32_t rod_count() const;       ///< Rods of the scene.
   double time() const;                   ///< Simulated time, in s.
 
-  /// Positions in m, in the scene's order, as a view.
+  /// Returns positions in m, in the scene's order, as a view.
   StateView positions() const { return {*this, StateView::Field::position}; }
-  /// Velocities in m/s at the end of the step, in the scene's order, as a view. They are as accurate as the
-  /// positions, of second order for relax.
+  /// Returns velocities in m/s at the end of the step, in the scene's order, as a view. They are as accurate
+  /// as the positions, of second order for relax.
   StateView velocities() const { return {*this, StateView::Field::velocity}; }
   /// Copies positions (m) into `out`. Throws InputError unless it has particle_count() elements.
   void copy_positions(std::span<Vec3> out) const;
   /// Copies velocities (m/s) into `out`. Throws InputError unless it has particle_count() elements.
   void copy_velocities(std::span<Vec3> out) const;
-  /// Position of a particle, in m. Throws InputError on an unknown one.
+  /// Returns the position of a particle, in m. Throws InputError on an unknown one.
   Vec3 position(std::uint32_t particle) const;
-  /// Velocity of a particle, in m/s. Throws InputError on an unknown one.
+  /// Returns the velocity of a particle, in m/s. Throws InputError on an unknown one.
   Vec3 velocity(std::uint32_t particle) const;
 
-  /// A 64-bit FNV-1a hash of all positions and displacements, in the scene's order. Springs, multipliers and
-  /// featherstone hash velocities instead of displacements. It is equal for every instruction set and number
-  /// of threads.
+  /// Returns a 64-bit FNV-1a hash of all positions and displacements, in the scene's order. Springs,
+  /// multipliers and featherstone hash velocities instead of displacements. It is equal for every instruction
+  /// set and number of threads.
   std::uint64_t state_hash() const;
 
-  /// How the scene was compiled.
+  /// Says how the scene was compiled.
   const WorldInfo& info() const;
 
  private:

@@ -56,7 +56,7 @@ ArticulatedBody::ArticulatedBody(std::vector<Link> links) : links_(std::move(lin
   find_kinds();
 }
 
-/// Whether it is slender along x, so that the passes need only its direction.
+/// Returns whether the link is slender along x, so that the passes need only its direction.
 bool ArticulatedBody::is_rod(std::uint32_t i) const {
   const Link& link = links_[i];
   const auto along_x = [](Vec3 v) { return v.y == 0 && v.z == 0; };
@@ -66,7 +66,7 @@ bool ArticulatedBody::is_rod(std::uint32_t i) const {
          (nodes_[i].second > 0 || link.grip.x != 0);
 }
 
-/// Whether the link has no inertia about an axis through its joint, and which.
+/// Returns whether the link has no inertia about an axis through its joint, and sets that axis.
 bool ArticulatedBody::is_slender(std::uint32_t i, Vec3& axis) const {
   const Link& link = links_[i];
   if (link.joint != Joint::spherical) return false;
@@ -127,8 +127,8 @@ void ArticulatedBody::accelerations(const VectorXd& q, const VectorXd& v, const 
   accelerate(load, out.data());
 }
 
-/// A rod of direction u, P = 1 - u uᵀ, carries mass M and force f at its tip. Its direction accelerates by
-/// beta across and -|u'|² u along it, its tip by a + L (beta - |u'|² u), so that
+/// Eliminates a rod of direction u that carries mass M and force f at its tip, with P = 1 - u uᵀ. Its
+/// direction accelerates by beta across and by -|u'|² u along it, its tip by a + L (beta - |u'|² u), so that
 ///
 ///   (second P + L² P M P) beta + P (first + L M) a + L P (f - L |u'|² M u) = 0
 ///
@@ -144,7 +144,7 @@ ArticulatedBody::PointLoad ArticulatedBody::eliminate_rod(std::uint32_t i, const
   const double speed2 = dot(turn, turn);
   const Vec3 y = length * (tip.mass * u);
   const double along = length * dot(u, y);
-  // Across u; along it anything that keeps the matrix well conditioned.
+  // Across u the matrix is that of the equation. Along u it may be anything that keeps it well conditioned.
   const Sym3 lm = length * tip.mass;
   const double filler = length * trace(lm);
   const Sym3 k =
@@ -171,7 +171,7 @@ ArticulatedBody::PointLoad ArticulatedBody::eliminate_rod(std::uint32_t i, const
 
 /// This pass goes from the tips to the base.
 void ArticulatedBody::eliminate(const VectorXd& q, const VectorXd& v, const BodyLoad& load) {
-  PointLoad carried;  // from i + 1, if it follows
+  PointLoad carried;  // what rod i + 1 hands on, if it follows
   for (auto i = static_cast<std::uint32_t>(nodes_.size()); i-- > 0;) {
     const Node& node = nodes_[i];
     if (node.general != none) {
@@ -196,7 +196,7 @@ void ArticulatedBody::eliminate(const VectorXd& q, const VectorXd& v, const Body
 /// This pass goes from the base to the tips.
 void ArticulatedBody::accelerate(const BodyLoad& load, double* rates) {
   const Vec3 base = load.base_acceleration - load.gravity;
-  Vec3 last{};  // acceleration of the tip of the rod before
+  Vec3 last{};  // acceleration of the last rod's tip
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
     if (node.general != none) {
@@ -219,7 +219,7 @@ void ArticulatedBody::rates(const VectorXd& q, const VectorXd& v, VectorXd& out)
       for (std::uint32_t k = 0; k < count_coordinates(node.joint); ++k) out[node.q + k] = v[node.v + k];
       continue;
     }
-    // Half the quaternion (0, omega) times q.
+    // The rate of a quaternion q is half the quaternion (0, omega) times q.
     const Quaternion now = load_quaternion(&q[node.q]);
     const Vec3 half = 0.5 * load3(&v[node.v]);
     out[node.q] = -dot(half, now.v);

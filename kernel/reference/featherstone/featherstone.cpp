@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Names the first rod, in the scene's order, whose ends the rods before it join already.
+/// Refuses a loop: names the first rod, in the scene's order, whose ends the rods before it join already.
 [[noreturn]] void refuse_loop(const Scene& island, const IslandNames& names) {
   std::vector<std::uint32_t> above(island.particles.size());
   std::iota(above.begin(), above.end(), 0u);
@@ -51,14 +51,14 @@ layouts::Tree require_one_way_to_the_ground(const Scene& island, const IslandNam
   return *tree;
 }
 
-/// The shortest turn from x to the unit vector `to`, as w, x, y, z.
+/// Stores the shortest turn from x to the unit vector `to`, as w, x, y, z.
 void store_turn(double* q, Vec3 to) {
   const Vec3 x{1, 0, 0};
-  if (to.x < -0.5) {  // first half a turn about z, so that what is left is far from half a turn
+  if (to.x < -0.5) {  // half a turn about z comes first, so that what is left is far from half a turn
     const Vec3 half{-1, 0, 0};
     const Vec3 axis = cross(half, to);
     const double w = 1 + dot(half, to), over = 1 / std::sqrt(w * w + dot(axis, axis));
-    // (w, axis) times (0, 0, 0, 1)
+    // The product is (w, axis) times (0, 0, 0, 1).
     q[0] = -over * axis.z;
     store3(q + 1, over * Vec3{axis.y, -axis.x, w});
     return;
@@ -133,7 +133,7 @@ class Featherstone final : public MechanicalSystem {
     set_start(island, mass_model_of(settings));
   }
 
-  /// Link i moves the tree's node i: its particle and the rod above it.
+  /// Makes the links. Link i moves the tree's node i: its particle and the rod above it.
   void make_body(const Scene& island, MassModel model, const layouts::Tree& tree) {
     std::vector<Link> links;
     particles_ = tree.vertex;
@@ -149,12 +149,12 @@ class Featherstone final : public MechanicalSystem {
       if (i == 0) anchor_ = tree.ties[0].vertex;
       const Rod& rod = island.rods[r];
       const double length = rod_length(island, r);
-      // Moments of the rod's mass about the joint, from its matrix on its two ends.
+      // The moments of the rod's mass about the joint follow from its mass matrix on its two ends.
       const RodMass mass = rod_mass(island, r, model);
       const double far = rod.b == tree.vertex[i] ? mass.bb : mass.aa;
       const double total = mass.aa + 2 * mass.ab + mass.bb + own;
       const double first = (far + mass.ab + own) * length, second = (far + own) * length * length;
-      // A link may have no mass: its particle's may all be in the rods that follow.
+      // A link may have no mass, since all of its particle's may be in the rods that follow.
       const double center = total > 0 ? first / total : 0;
       const double inertia = std::max(0.0, second - first * center);
       links.push_back({.parent = i == 0 ? Link::base : tree.parent[i],
@@ -173,12 +173,12 @@ class Featherstone final : public MechanicalSystem {
   void set_start(const Scene& island, MassModel model) {
     start_.q.setZero(body_->coordinates());
     start_.v.setZero(body_->speeds());
-    const std::size_t floating = anchor_ == Link::base ? 1 : 0;  // links before the first rod
+    const std::size_t floating = anchor_ == Link::base ? 1 : 0;  // number of links before the first rod
     for (std::size_t i = floating; i < particles_.size(); ++i) {
       const Vec3 d =
           island.particles[particles_[i]].position - island.particles[joints_[i - floating]].position;
       const double size = norm(d);
-      // Ends at one place have no direction; any will do.
+      // Two ends at one place have no direction, and any will do.
       store_turn(&start_.q[body_->coordinate(static_cast<std::uint32_t>(i))],
                  size > 0 ? (1 / size) * d : Vec3{0, -1, 0});
     }
@@ -201,7 +201,7 @@ class Featherstone final : public MechanicalSystem {
     body_->accelerations(start_.q, rest_, {.forces = impulses}, start_.v);
   }
 
-  /// By link; false if there are none.
+  /// Gathers the forces by link. Returns false if there are none.
   bool gather_forces(const Drive& drive) {
     bool any = false;
     for (std::size_t i = 0; i < particles_.size(); ++i) {
@@ -214,17 +214,18 @@ class Featherstone final : public MechanicalSystem {
   Vec3 gravity_;
   double drag_;
   std::optional<ArticulatedBody> body_;
-  std::uint32_t anchor_ = Link::base;  ///< the island's number of the fixed particle; base: none, it floats
-  Vec3 origin_{};                      ///< m, of a floating base's coordinates
-  Vec3 anchor_velocity_{};             ///< of the last substep
-  std::vector<std::uint32_t> particles_;  ///< by link
+  std::uint32_t anchor_ =
+      Link::base;  ///< the island's number of the fixed particle; base if there is none and the island floats
+  Vec3 origin_{};  ///< origin of a floating base's coordinates, m
+  Vec3 anchor_velocity_{};                ///< the anchor's velocity in the last substep
+  std::vector<std::uint32_t> particles_;  ///< by link's number
   std::vector<std::uint32_t> joints_;     ///< by rod: the particle at its joint
-  std::vector<double> tips_;              ///< m, by link: of its particle from its joint
+  std::vector<double> tips_;              ///< by link: its particle's distance from its joint, m
   MechanicalState start_;
   std::vector<Vec3> forces_;
   std::vector<LinkMotion> motions_;
   std::vector<Vec3> positions_, velocities_;  ///< by the island's particle, as last placed
-  VectorXd rest_, change_;                    ///< no speeds; what a blow of the anchor makes of them
+  VectorXd rest_, change_;                    ///< zero speeds; what a blow of the anchor makes of them
 };
 
 }  // namespace

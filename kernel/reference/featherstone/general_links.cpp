@@ -14,7 +14,7 @@ void ArticulatedBody::place_general(const VectorXd& q, const VectorXd& v) {
     const Link& link = links_[i];
     const Node& node = nodes_[i];
     General& general = general_[node.general];
-    // A rod's children are spherical, and need nothing of it.
+    // The children of a rod are spherical and need nothing of it but where its tip is.
     const bool on_rod = link.parent != Link::base && nodes_[link.parent].general == none;
     const General& parent =
         link.parent == Link::base || on_rod ? ground : general_[nodes_[link.parent].general];
@@ -52,7 +52,8 @@ void ArticulatedBody::place_general(const VectorXd& q, const VectorXd& v) {
   }
 }
 
-/// Its own inertia about its joint and what its velocity and the force on it make of it.
+/// Starts with the link's own inertia about its joint, and with what its velocity and the force on it make of
+/// that.
 void ArticulatedBody::start_general(General& general, const Link& link, Vec3 force) const {
   const Mat3& r = general.rotation;
   const Sym3 turning = symmetric(r * full(tensor(link.inertia)) * transposed(r));
@@ -81,7 +82,7 @@ void ArticulatedBody::add_child(General& parent, const Articulated& child, Vec3 
   sum.m += child.m;
 }
 
-/// To the parent of a spherical joint, which passes on forces alone.
+/// Hands on to the parent of a spherical joint, which passes on forces alone.
 void ArticulatedBody::hand_on(std::uint32_t i, const PointLoad& load) {
   const std::uint32_t p = nodes_[i].parent;
   if (p == Link::base) return;
@@ -106,7 +107,7 @@ void ArticulatedBody::eliminate_general(std::uint32_t i, const BodyLoad& load) {
       general.h = inverse(all.m);
       return;
     case Joint::spherical: {
-      // Without inertia about the axis: any at all will do, since nothing turns about it.
+      // There is no inertia about the axis. Any value will do there, since nothing turns about it.
       general.h = inverse(all.a + outer(trace(all.a), general.axis));
       const Vec3 left = all.n - Vec3{torque(0), torque(1), torque(2)};
       const Mat3 hb{general.h * all.b.x, general.h * all.b.y, general.h * all.b.z};
@@ -137,7 +138,8 @@ void ArticulatedBody::eliminate_general(std::uint32_t i, const BodyLoad& load) {
   add_child(general_[nodes_[node.parent].general], up, general.arm, general.turn_bias, general.bias);
 }
 
-/// Of the link's joint as the parent carries it. Not for rods that follow their parent.
+/// Returns the acceleration of the link's joint as the parent carries it. It is not for rods that follow
+/// their parent.
 Vec3 ArticulatedBody::joint_acceleration(std::uint32_t i, Vec3 base) const {
   const std::uint32_t p = nodes_[i].parent;
   if (p == Link::base) return base;

@@ -7,7 +7,7 @@
 
 namespace plumb::detail {
 
-/// A quaternion stands for a turn. It need not have length one.
+/// Stands for a turn as a quaternion, which need not have length one.
 struct Quaternion {
   double w;
   Vec3 v;
@@ -18,7 +18,8 @@ inline Quaternion load_quaternion(const double* q) {
 inline double norm2(const Quaternion& q) {
   return q.w * q.w + dot(q.v, q.v);
 }
-/// Of a quaternion of any length, so that the stages of an integrator need not keep it at one.
+/// Returns the matrix of a quaternion of any length, so that the stages of an integrator need not keep it at
+/// one.
 inline Mat3 rotation(const Quaternion& q) {
   const double s = 2 / norm2(q);
   const Vec3 v = q.v;
@@ -26,12 +27,12 @@ inline Mat3 rotation(const Quaternion& q) {
           {s * (v.x * v.y - q.w * v.z), 1 - s * (v.x * v.x + v.z * v.z), s * (v.y * v.z + q.w * v.x)},
           {s * (v.x * v.z + q.w * v.y), s * (v.y * v.z - q.w * v.x), 1 - s * (v.x * v.x + v.y * v.y)}};
 }
-/// Where it takes x; `s` is 2 / norm2(q).
+/// Returns where a quaternion takes x; `s` is 2 / norm2(q).
 inline Vec3 first_axis(const Quaternion& q, double s) {
   const Vec3 v = q.v;
   return {1 - s * (v.y * v.y + v.z * v.z), s * (v.x * v.y + q.w * v.z), s * (v.x * v.z - q.w * v.y)};
 }
-/// Rodrigues' formula.
+/// Returns the matrix of a turn about a unit axis by an angle (rad), by Rodrigues' formula.
 inline Mat3 rotation(Vec3 axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   const Mat3 one{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -41,7 +42,7 @@ inline Mat3 rotation(Vec3 axis, double angle) {
 inline Sym3 tensor(const Inertia& i) {
   return {i.xx, i.xy, i.xz, i.yy, i.yz, i.zz};
 }
-/// m (|c|² - c cᵀ).
+/// Returns m (|c|² - c cᵀ), the inertia of a point of mass m at c.
 inline Sym3 point_inertia(double mass, Vec3 c) {
   return Sym3::diagonal(mass * dot(c, c)) - outer(mass, c);
 }

@@ -36,7 +36,7 @@ Interval extent_along(Vec3 axis, std::span<const Vec3> points) {
   return extent;
 }
 
-/// How far a box reaches from its centre along a direction, times the direction's length.
+/// Returns how far a box reaches from its centre along a direction, times the direction's length.
 double reach(const Obb& box, Vec3 direction) {
   return box.half_size.x * std::abs(dot(box.axis[0], direction)) +
          box.half_size.y * std::abs(dot(box.axis[1], direction)) +
@@ -115,7 +115,8 @@ bool overlap(const Obb& a, const Obb& b) {
     if (separates(axis, a, b)) return false;
   for (const Vec3 axis : b.axis)
     if (separates(axis, a, b)) return false;
-  // Of parallel edges the product is zero, which separates nothing, or noise, an axis like any other.
+  // The product of parallel edges is zero, which separates nothing, or noise, which is an axis like any
+  // other.
   for (const Vec3 u : a.axis)
     for (const Vec3 v : b.axis)
       if (separates(cross(u, v), a, b)) return false;

@@ -1,5 +1,6 @@
-// The convex hull of points, by quickhull: of what is still outside a face the furthest point goes first,
-// which keeps the faces fat; what is outside by no more than the thickness given counts as inside.
+// This file finds the convex hull of points by quickhull (Barber, Dobkin, Huhdanpaa 1996). Of the points
+// outside a face the furthest goes first, which keeps the faces fat. Points that are outside by no more than
+// a given thickness count as inside.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,7 +23,7 @@ struct Face {
   double height(Vec3 p) const { return dot(normal, p) - offset; }
 };
 
-/// The number of the point for which f is largest, and f there.
+/// Returns the number of the point for which f is largest, and f there.
 template <class F>
 std::pair<std::uint32_t, double> furthest(std::span<const Vec3> points, F&& f) {
   std::pair<std::uint32_t, double> best{0, -std::numeric_limits<double>::infinity()};
@@ -40,7 +41,7 @@ class Hull {
         ++f;
       } else {
         add_point(furthest_outside(faces_[f]));
-        f = 0;  // faces have moved
+        f = 0;  // faces have moved in the list, so that the walk begins again
       }
     }
   }

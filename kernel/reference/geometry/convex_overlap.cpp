@@ -1,7 +1,9 @@
-// Whether two convex meshes overlap: whether the origin is in the set of differences of their points. The
-// search (Gilbert, Johnson, Keerthi 1988) walks towards it over simplices of that set's corners, in ten
-// rounds or so. Nearer than 1e-8 of their size its direction is lost to rounding and it goes in circles;
-// separating axes tell then.
+// This file finds whether two convex meshes overlap, that is whether the origin is in the set of differences
+// of their points.
+//
+// The search (Gilbert, Johnson, Keerthi 1988) walks towards the origin over simplices of that set's corners,
+// in ten rounds or so. Nearer than 1e-8 of their size its direction is lost to rounding and it goes in
+// circles. Separating axes tell then.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -23,7 +25,7 @@ double extent(const std::vector<Vec3>& points) {
   return extent;
 }
 
-/// Up to four points and the place nearest to the origin between them.
+/// Holds up to four points, and the place between them that is nearest to the origin.
 struct Simplex {
   std::array<Vec3, 4> point{};
   std::size_t size = 0;
@@ -74,7 +76,7 @@ Simplex nearest_part(const Simplex& all) {
   return best;
 }
 
-/// Whether the differences are all on one side of the origin along an axis, by more than `gap` (m).
+/// Returns whether all differences lie on one side of the origin along an axis, by more than `gap` (m).
 bool separates(Vec3 axis, const ConvexMesh& a, const ConvexMesh& b, double gap) {
   const auto clear = [&](Vec3 way) {
     return dot(way, furthest(a.vertices, -1 * way) - furthest(b.vertices, way)) > gap * norm(way);

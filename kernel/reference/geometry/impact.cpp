@@ -26,7 +26,7 @@ void require_impact(const RigidMotion& a, const RigidMotion& b, Vec3 normal, dou
   if (!(restitution >= 0 && restitution <= 1)) refuse("restitution must be from 0 to 1, got ", restitution);
 }
 
-/// The inverse inertia, zero for a body of infinite mass, which nothing turns.
+/// Returns the inverse inertia. It is zero for a body of infinite mass, which nothing turns.
 detail::Sym3 inverse_inertia(const RigidMotion& body, const char* name) {
   if (std::isinf(body.mass)) return {};
   const Inertia& i = body.inertia;
@@ -38,7 +38,7 @@ detail::Sym3 inverse_inertia(const RigidMotion& body, const char* name) {
   return inverse(detail::Sym3{i.xx, i.xy, i.xz, i.yy, i.yz, i.zz});
 }
 
-/// What an impulse of 1 kg m/s along the normal changes, in m/s and rad/s.
+/// Holds what an impulse of 1 kg m/s along the normal changes, in m/s and rad/s.
 struct Response {
   double speed;
   Vec3 spin;
@@ -50,7 +50,8 @@ Response response(const RigidMotion& body, Vec3 contact, Vec3 normal, const char
   return {1 / body.mass, spin, 1 / body.mass + dot(cross(spin, arm), normal)};
 }
 
-/// The impulse that turns the velocity `apart` of a against b, along the normal, into -restitution times it.
+/// Returns the impulse that turns the velocity `apart` of a against b, along the normal, into -restitution
+/// times it.
 double impulse_of(double apart, double restitution, double given_way) {
   return std::max(-(1 + restitution) * apart / given_way, 0.0);
 }

@@ -32,7 +32,8 @@ class Multipliers final : public MechanicalSystem {
       store3(&start_.q[3 * i], island.particles[particle].position);
       store3(&start_.v[3 * i], island.particles[particle].velocity);
     }
-    // Gravity on a node: what accelerating everything by g alike takes, so the row sum of the mass matrix.
+    // The weight of a node is the row sum of the mass matrix, because accelerating everything by g alike
+    // takes that force.
     weight_ = equations.mass;
     for (const RodEquations::Row& row : equations.rows) {
       weight_[row.a] += row.coupling;
@@ -55,7 +56,7 @@ class Multipliers final : public MechanicalSystem {
       const double speed = dot(d, w), off = 0.5 * (dot(d, d) - row.length2);
       solver_.c[r] = -dot(w, w) - rate * (2 * speed + rate * off);
       if (drag_ == 0) return;
-      // The force -drag M v: as part of the unknown, a + drag v, it needs no product with the matrix.
+      // The force -drag M v needs no product with the matrix if the unknown is a + drag v.
       const bool hangs = row.b == RodEquations::none;
       const Vec3 fixed = hangs ? drive.anchor_velocities[row.fixed] : Vec3{};
       solver_.c[r] += drag_ * dot(d, w + fixed);
@@ -91,7 +92,7 @@ class Multipliers final : public MechanicalSystem {
   }
 
  private:
-  /// f(row number, row, d, its rate) for every row; sets the solver's directions.
+  /// Calls f(row number, row, d, its rate) for every row, and sets the solver's directions.
   template <class F>
   void for_rows(const MechanicalState& state, const Drive& drive, double t, F&& f) {
     const std::vector<RodEquations::Row>& rows = solver_.equations().rows;
@@ -110,8 +111,8 @@ class Multipliers final : public MechanicalSystem {
     }
   }
 
-  /// The least change, weighted by mass, after which velocities pull on no rod. Anchors had the velocities
-  /// `before` until now: what of a rod's mass is coupled to its anchor feels the blow at once.
+  /// Makes the least change, weighted by mass, after which velocities pull on no rod. Anchors had the
+  /// velocities `before` until now. What of a rod's mass is coupled to its anchor feels the blow at once.
   void project_velocities(MechanicalState& state, const Drive& drive, double t,
                           const std::vector<Vec3>& before) {
     solver_.f.setZero();
@@ -127,7 +128,8 @@ class Multipliers final : public MechanicalSystem {
     if (changes) state.v += solver_.solve();
   }
 
-  /// Newton's method on the lengths |d| = L, which takes a single rod back in one step from however far.
+  /// Solves for the lengths |d| = L by Newton's method, which takes a single rod back in one step from
+  /// however far.
   void project_positions(MechanicalState& state, const Drive& drive, double t) {
     constexpr int most_rounds = 30;
     constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
@@ -139,7 +141,7 @@ class Multipliers final : public MechanicalSystem {
         const double now = norm(d), length = std::sqrt(row.length2);
         const double off = (dot(d, d) - row.length2) / (now + length);
         solver_.c[r] = -now * off;
-        // Relative to what rounding of the coordinates alone makes of it.
+        // A violation is compared with what rounding of the coordinates alone makes of it.
         const double size = length + norm(load3(&state.q[3 * row.a]));
         largest = std::max(largest, std::abs(off) / size);
       });
@@ -158,8 +160,8 @@ class Multipliers final : public MechanicalSystem {
   double drag_;
   RodSolver solver_;
   std::vector<std::uint32_t> node_;      ///< by the island's particle
-  std::vector<double> weight_;           ///< kg, by node
-  std::vector<Vec3> anchor_velocities_;  ///< of the last substep
+  std::vector<double> weight_;           ///< kg, by node: what gravity pulls on
+  std::vector<Vec3> anchor_velocities_;  ///< velocities in the last substep
   MechanicalState start_;
 };
 

@@ -10,8 +10,9 @@
 namespace plumb::detail {
 namespace {
 
-/// Relative to what a rod gives way by itself, |d|² (1/m_a + 1/m_b). Small enough that two or three
-/// refinements reach rounding, large enough that the factors keep half their digits.
+/// A softened row gives way by this share of what its rod gives way by itself, |d|² (1/m_a + 1/m_b). It is so
+/// small that two or three refinements reach rounding. It is so large that the factors keep half their
+/// digits.
 constexpr double softness = 1e-8;
 
 }  // namespace
@@ -70,7 +71,7 @@ RodSolver::RodSolver(const Scene& island, MassModel model) : equations_(make_rod
   lambda_ = c;
 }
 
-/// What x_ and lambda_ leave of f and c; returns the largest of c, relative to its terms.
+/// Computes what x_ and lambda_ leave of f and c. Returns the largest of c, relative to its terms.
 double RodSolver::residuals() {
   left_f_ = f;
   for (std::size_t i = 0; i < equations_.mass.size(); ++i)
@@ -92,7 +93,7 @@ double RodSolver::residuals() {
     }
     left_c_[r] -= dot(d, difference);
     terms = std::abs(c[r]) + norm(d) * terms;
-    // What is not a number stays.
+    // A value that is not a number stays the largest.
     if (!std::isnan(largest) && !(std::abs(left_c_[r]) <= largest * terms))
       largest = std::abs(left_c_[r]) / terms;
   }

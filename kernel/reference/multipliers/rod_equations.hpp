@@ -11,9 +11,9 @@
 
 namespace plumb::detail {
 
-/// The movable particles of an island as nodes, and its rods as rows of the constraint Jacobian J (thesis
-/// §3.1.7): row r is d_r on the columns of node a and -d_r on those of node b, d_r = x_a - x_b. The mass
-/// matrix M has a number per node, and couples the two ends of rods whose mass is consistent.
+/// Takes the movable particles of an island as nodes, and its rods as rows of the constraint Jacobian J
+/// (thesis §3.1.7). With d_r = x_a - x_b, row r is d_r on the columns of node a and -d_r on those of node b.
+/// The mass matrix M has a number per node, and couples the two ends of rods whose mass is consistent.
 struct RodEquations {
   static constexpr std::uint32_t none = 0xffffffff;
 
@@ -29,17 +29,17 @@ struct RodEquations {
 
   std::vector<std::uint32_t> particle;  ///< The island's number of every node.
   std::vector<double> mass;             ///< Diagonal of M by node, in kg.
-  std::vector<Row>
-      rows;  ///< Rows. On a tree row i - 1 is the rod of node i to its parent; rods to anchors follow.
+  std::vector<Row> rows;  ///< Each rod is a row. On a tree row i - 1 is the rod of node i to its parent; rods
+                          ///< to anchors follow.
   std::optional<layouts::Tree> tree;
-  bool softened =
-      false;  ///< Whether rows may be redundant: they then have a compliance, which refinement takes out.
+  bool softened = false;  ///< Says whether rows may be redundant. They then have a compliance, which
+                          ///< refinement takes out.
 
   Eigen::Index unknowns() const { return 3 * static_cast<Eigen::Index>(mass.size()); }
 };
 RodEquations make_rod_equations(const Scene& island, MassModel model);
 
-/// Solves M x - Jᵀ lambda = f, J x + S lambda = c, S the compliances; lambda has a number per row.
+/// Solves M x - Jᵀ lambda = f, J x + S lambda = c, with S the compliances. lambda has a number per row.
 class RodFactor {
  public:
   virtual ~RodFactor() = default;
@@ -49,13 +49,13 @@ class RodFactor {
                      Eigen::VectorXd& lambda) = 0;
 };
 
-/// On a tree: from the tips to the root every node is eliminated together with the rod above it, in time
-/// linear in their number (Baraff 1996, Linear-time dynamics using Lagrange multipliers).
+/// Makes the factor of a tree. Every node is eliminated together with the rod above it, from the tips to the
+/// root. Time is linear in their number (Baraff 1996, Linear-time dynamics using Lagrange multipliers).
 std::unique_ptr<RodFactor> make_tree_factor(const RodEquations& equations);
-/// Solves any graph by a sparse LDLᵀ factorisation, whose order is found once.
+/// Makes the factor of any graph, a sparse LDLᵀ factorisation whose order is found once.
 std::unique_ptr<RodFactor> make_sparse_factor(const RodEquations& equations);
 
-/// The equations of an island and the numbers of one solution.
+/// Holds the equations of an island and the numbers of one solution.
 class RodSolver {
  public:
   RodSolver(const Scene& island, MassModel model);
@@ -66,9 +66,11 @@ class RodSolver {
   std::vector<Vec3> directions;  ///< Directions of the rows, in m, which the caller sets.
   Eigen::VectorXd f, c;          ///< Right-hand sides, which the caller sets.
 
-  /// M x - Jᵀ lambda = f, J x = c to rounding. Where rows are redundant, their compliances make the matrix
-  /// definite, and refinement takes their error out of everything that a rod can pull on (the proximal point
-  /// method: each round leaves the share compliance / (compliance + stiffness^-1) of it).
+  /// Solves M x - Jᵀ lambda = f, J x = c to rounding.
+  ///
+  /// Where rows are redundant, their compliances make the matrix definite. Refinement takes their error out
+  /// of everything that a rod can pull on (the proximal point method). Each round leaves the share compliance
+  /// / (compliance + stiffness^-1) of it.
   const Eigen::VectorXd& solve();
 
  private:

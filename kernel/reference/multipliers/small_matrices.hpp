@@ -4,7 +4,7 @@
 
 #include "plumb/vec3.hpp"
 
-/// 3x3 matrices for the linear-time methods: plain values, all inlined.
+/// This file holds 3x3 matrices for the linear-time methods: plain values, all inlined.
 namespace plumb::detail {
 
 inline Vec3 load3(const double* p) {
@@ -16,7 +16,7 @@ inline void store3(double* p, Vec3 v) {
   p[2] = v.z;
 }
 
-/// A symmetric 3x3 matrix.
+/// This is a symmetric 3x3 matrix.
 struct Sym3 {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
 
@@ -41,17 +41,17 @@ struct Sym3 {
 inline double trace(const Sym3& m) {
   return m.xx + m.yy + m.zz;
 }
-/// s a aᵀ.
+/// Returns s a aᵀ.
 inline Sym3 outer(double s, Vec3 a) {
   const Vec3 b = s * a;
   return {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.y, a.y * b.z, a.z * b.z};
 }
-/// a bᵀ + b aᵀ.
+/// Returns a bᵀ + b aᵀ.
 inline Sym3 outer_both(Vec3 a, Vec3 b) {
   return {2 * a.x * b.x, a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x,
           2 * a.y * b.y, a.y * b.z + a.z * b.y, 2 * a.z * b.z};
 }
-/// By cofactors; of a singular matrix not finite.
+/// Inverts by cofactors. The inverse of a singular matrix is not finite.
 inline Sym3 inverse(const Sym3& m) {
   const double cxx = m.yy * m.zz - m.yz * m.yz, cxy = m.xz * m.yz - m.xy * m.zz,
                cxz = m.xy * m.yz - m.xz * m.yy;
@@ -64,7 +64,7 @@ inline Sym3 inverse(const Sym3& m) {
           over * (m.xx * m.yy - m.xy * m.xy)};
 }
 
-/// A 3x3 matrix by its columns.
+/// This is a 3x3 matrix by its columns.
 struct Mat3 {
   Vec3 x{}, y{}, z{};
 
@@ -78,22 +78,22 @@ struct Mat3 {
 inline Mat3 full(const Sym3& m) {
   return {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}};
 }
-/// The half above the diagonal, of a matrix known to be symmetric.
+/// Returns the half above the diagonal of a matrix that is known to be symmetric.
 inline Sym3 symmetric(const Mat3& m) {
   return {m.x.x, m.y.x, m.z.x, m.y.y, m.z.y, m.z.z};
 }
 inline Mat3 transposed(const Mat3& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
-/// Mᵀ v.
+/// Returns Mᵀ v.
 inline Vec3 transposed_times(const Mat3& m, Vec3 v) {
   return {dot(m.x, v), dot(m.y, v), dot(m.z, v)};
 }
-/// a bᵀ.
+/// Returns a bᵀ.
 inline Mat3 outer(Vec3 a, Vec3 b) {
   return {b.x * a, b.y * a, b.z * a};
 }
-/// [a]x, the matrix of a x.
+/// Returns [a]x, the matrix that takes x to a × x.
 inline Mat3 cross_matrix(Vec3 a) {
   return {{0, a.z, -a.y}, {-a.z, 0, a.x}, {a.y, -a.x, 0}};
 }

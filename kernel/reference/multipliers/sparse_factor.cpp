@@ -9,8 +9,9 @@ namespace {
 
 using Matrix = SparseCholesky::Matrix;
 
-/// [[M, Jᵀ], [J, -S]] in x and -lambda: quasi-definite, so that an LDLᵀ factorisation without pivots exists
-/// in any order (Vanderbei 1995). Scaled so that the diagonal of M and that of J diag(M)^-1 Jᵀ are one.
+/// Factorises [[M, Jᵀ], [J, -S]] in x and -lambda. The matrix is quasi-definite, so that an LDLᵀ
+/// factorisation without pivots exists in any order (Vanderbei 1995). It is scaled so that the diagonal of M
+/// and that of J diag(M)^-1 Jᵀ are one.
 class SparseFactor final : public RodFactor {
  public:
   explicit SparseFactor(const RodEquations& equations) : equations_(equations) {
@@ -86,7 +87,7 @@ class SparseFactor final : public RodFactor {
   }
 
  private:
-  /// Of a row's entries in the values of the matrix.
+  /// Says where a row's entries are in the values of the matrix.
   struct Places {
     Eigen::Index diagonal = 0, a[3] = {}, b[3] = {};
   };

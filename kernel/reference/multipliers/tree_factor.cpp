@@ -1,15 +1,16 @@
-// Node i with the row to its parent p, everything below i eliminated, K and r what is left of M and f:
+// Node i stands with the row to its parent p. Everything below i is eliminated, and K and r are what is left
+// of M and f there:
 //
 //   K x_i + kappa x_p - d lambda = r        d . (x_i - x_p) + S lambda = c
 //
-// With H = K^-1, u = H d, s = d . u + S, n = (d + kappa u) / s:
+// With H = K^-1, u = H d, s = d . u + S and n = (d + kappa u) / s the solution is:
 //
 //   lambda = (c - d . H r) / s + n . x_p
 //   x_i    = H r + (c - d . H r) / s u + P x_p,   P = u nᵀ - kappa H
 //   K_p   += d nᵀ + kappa P,   r_p -= (c - d . H r) / s (d + kappa u) + kappa H r
 //
-// A tie is the same with x_p = 0; as part of its own node it adds d dᵀ / S where it has a compliance, and
-// takes a rank from H where it has none.
+// A tie obeys the same equations with x_p = 0. As part of its own node it adds d dᵀ / S to K where it has a
+// compliance, and takes a rank from H where it has none.
 
 #include <stdexcept>
 
@@ -25,7 +26,7 @@ class TreeFactor final : public RodFactor {
     const layouts::Tree& tree = *equations.tree;
     const std::uint32_t n = tree.nodes();
     nodes_.resize(n);
-    std::uint32_t tie = n - 1;  // its row
+    std::uint32_t tie = n - 1;  // the tie's row
     std::uint32_t slots = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       Node& node = nodes_[i];
@@ -49,7 +50,7 @@ class TreeFactor final : public RodFactor {
 
   void factorize(const std::vector<Vec3>& directions) override { directions_ = directions.data(); }
 
-  /// Factorises and solves in one pass; a second solve is as dear as the first, and rare.
+  /// Factorises and solves in one pass. A second solve costs as much as the first, and is rare.
   void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& c, Eigen::VectorXd& x,
              Eigen::VectorXd& lambda) override {
     x.resize(f.size());
@@ -64,17 +65,18 @@ class TreeFactor final : public RodFactor {
   struct Node {
     double mass = 0, coupling = 0, compliance = 0;
     std::uint32_t parent = 0;
-    std::uint32_t first_tie = 0;   ///< those of node i end where those of the next begin
-    std::uint32_t slot = no_slot;  ///< where children that do not follow at once leave their part
+    std::uint32_t first_tie = 0;   ///< the node's first tie; its ties end where those of the next node begin
+    std::uint32_t slot = no_slot;  ///< place where children that do not follow at once leave their part
   };
-  /// lambda = rho - y . g, g the force from above, everything eliminated before it included.
+  /// Holds lambda = rho - y . g of a tie. g is the force from above, that of everything eliminated before
+  /// included.
   struct Tie {
     std::uint32_t row;
     double compliance;
     Vec3 y;
     double rho;
   };
-  /// What is left of a node's equations.
+  /// Holds what is left of a node's equations.
   struct Block {
     Sym3 k;
     Vec3 r;
@@ -83,7 +85,7 @@ class TreeFactor final : public RodFactor {
       r += o.r;
     }
   };
-  /// x_i = u (rho + n . x_p) + q - kappa H x_p, lambda = rho + n . x_p.
+  /// Holds x_i = u (rho + n . x_p) + q - kappa H x_p and lambda = rho + n . x_p.
   struct Map {
     Vec3 u, n, q;
     double rho;
@@ -94,7 +96,7 @@ class TreeFactor final : public RodFactor {
     Vec3 q;
   };
 
-  /// With the node's ties: x = q + H g for a force g from above.
+  /// Adds the node's ties, so that x = q + H g for a force g from above.
   Held hold(std::uint32_t i, const Block& block, const double* c) {
     Held held{inverse(block.k), {}};
     held.q = held.h * block.r;
@@ -112,7 +114,7 @@ class TreeFactor final : public RodFactor {
 
   void eliminate(const double* f, const double* c) {
     for (Block& slot : slots_) slot = {};
-    Block carried;  // from i + 1, if i is its parent
+    Block carried;  // what node i + 1 hands on, if i is its parent
     for (std::uint32_t i = count_; i-- > 1;) {
       const Node& node = nodes_[i];
       Block block = carried;
@@ -150,7 +152,7 @@ class TreeFactor final : public RodFactor {
     root_ = hold(0, block, c).q;
   }
 
-  /// The multipliers of node i's ties, the last eliminated first. `g`: the force from above.
+  /// Finds the multipliers of node i's ties, the last eliminated first. `g` is the force from above.
   void pull_ties(std::uint32_t i, Vec3 g, double* lambda) const {
     for (std::uint32_t k = nodes_[i + 1].first_tie; k-- > nodes_[i].first_tie;) {
       const Tie& tie = ties_[k];

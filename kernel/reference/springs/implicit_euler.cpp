@@ -26,7 +26,8 @@ void BlockMatrix::set_pattern(Index blocks, Index size,
   factor_.analyze(matrix_);
 }
 
-// All columns of a block have the same rows, so that one place and a stride say where its entries are.
+// Finds where a block's entries are. All columns of a block have the same rows, so that one place and a
+// stride say it.
 BlockMatrix::Block BlockMatrix::find(std::uint32_t row, std::uint32_t column) const {
   const Index first_column = size_ * Index{column};
   const auto* const outer = matrix_.outerIndexPtr();
@@ -75,7 +76,7 @@ void ImplicitEuler::analyze(const SpringSystem& system) {
   analyzed_ = true;
 }
 
-/// Adds h K v: how the springs' forces change while everything moves on at v for h.
+/// Adds h K v, by which the springs' forces change while everything moves on at v for h.
 void ImplicitEuler::add_pulls(const SpringSystem& system, const VectorXd& v, double h, VectorXd& out) const {
   const Index size = system.body_size();
   const auto point_velocity = [&](std::uint32_t body, const Vector3d& arm) -> Vector3d {
@@ -98,8 +99,9 @@ void ImplicitEuler::add_pulls(const SpringSystem& system, const VectorXd& v, dou
     out.segment<3>(size * i + 3) -= h * linear_.turning[i] * v.segment<3>(size * i + 3);
 }
 
-/// M - h D - h² K. A body's point moves by dx + dtheta × arm, so a spring adds, with W = h damping + h²
-/// stiffness and X the matrix of an arm's cross product, [1; X_a] W [1, -X_b] to the block (a, b).
+/// Assembles M - h D - h² K. A body's point moves by dx + dtheta × arm. A spring therefore adds [1; X_a] W
+/// [1, -X_b] to the block (a, b), with W = h damping + h² stiffness and X the matrix of an arm's cross
+/// product.
 void ImplicitEuler::assemble(const SpringSystem& system, double h) {
   diagonal_entries_ = (1 + h * system.drag()) * system.masses();
   matrix_.set_diagonal(diagonal_entries_);
@@ -130,14 +132,14 @@ void ImplicitEuler::assemble(const SpringSystem& system, double h) {
 }
 
 void ImplicitEuler::step(SpringSystem& system, MechanicalState& state, const Drive& drive, double h) {
-  // Anchors where they will be: the forces are those at the end of the step.
+  // Anchors are where they will be, since the forces are those at the end of the step.
   system.find_forces(state, drive, h, right_);
   system.linearize(state, drive, h, linear_);
   if (!analyzed_) analyze(system);
   add_pulls(system, state.v, h, right_);
   right_ *= h;
   assemble(system, h);
-  // Not positive definite only by overflow; what is not finite is the caller's to notice.
+  // Only overflow makes the matrix not positive definite. The caller notices what is not finite.
   if (!matrix_.solve(right_, change_))
     change_.setConstant(right_.size(), std::numeric_limits<double>::quiet_NaN());
   state.v += change_;

@@ -16,28 +16,28 @@ namespace plumb::detail {
 
 class SpringSystem;
 
-/// A body's number that stands for an anchor.
+/// This number of a body stands for an anchor.
 inline constexpr std::uint32_t no_body = std::numeric_limits<std::uint32_t>::max();
 
-/// A spring near where it is now. With d the change of its point on body a minus that on body b, the force
-/// on a changes by -(stiffness d + damping d'), on b by the opposite.
+/// Describes a spring near where it is now. Let d be the change of its point on body a minus that on body b.
+/// The force on a then changes by -(stiffness d + damping d'), that on b by the opposite.
 struct LinearSpring {
   std::uint32_t a = no_body, b = no_body;  ///< Bodies at its ends; a is one, b may be none.
   Eigen::Vector3d arm_a{0, 0, 0},
       arm_b{0, 0, 0};                  ///< From the centre of mass to the end, in m; not used for points.
   Eigen::Matrix3d stiffness, damping;  ///< In N/m and N s/m; symmetric and not negative.
 };
-/// All springs. For every body also the torque per angle (N m/rad, not negative) by which forces at its ends
-/// turn it back as it turns: that of a rod under tension.
+/// Lists all springs, and for every body a torque per angle (N m/rad, not negative). Forces at its ends turn
+/// the body back by that torque as it turns, as those of a rod under tension do.
 struct Linearization {
   std::vector<LinearSpring> springs;
   Eigen::VectorXd turning;
 };
 
-/// A symmetric matrix of square blocks whose pattern is known beforehand, and its solutions.
+/// Holds a symmetric matrix of square blocks whose pattern is known beforehand, and solves with it.
 class BlockMatrix {
  public:
-  /// The place of a tile in the values of the matrix.
+  /// Says where a tile is in the values of the matrix.
   struct Block {
     Eigen::Index first = 0, stride = 0;
   };
@@ -59,11 +59,12 @@ class BlockMatrix {
   SparseCholesky factor_;
 };
 
-/// Backward Euler, linearised (thesis eq. 3.16 to 3.22), for second-order systems: with K and D the
-/// derivatives of the forces by positions and velocities, (M - h D - h² K) dv = h (f + h K v), which is eq.
-/// 3.22 with the positions eliminated. Where the exact K would not be negative (springs and rods under
-/// compression, sideways) the part is left out, so that the matrix stays positive definite at every step; it
-/// costs no order.
+/// Takes steps of backward Euler, linearised (thesis eq. 3.16 to 3.22), for second-order systems. With K and
+/// D the derivatives of the forces by positions and velocities, (M - h D - h² K) dv = h (f + h K v). This is
+/// eq. 3.22 with the positions eliminated.
+///
+/// Springs and rods under compression have a K that is not negative sideways. That part is left out, so that
+/// the matrix stays positive definite at every step. It costs no order.
 class ImplicitEuler {
  public:
   void step(SpringSystem& system, MechanicalState& state, const Drive& drive, double h);

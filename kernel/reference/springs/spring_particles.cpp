@@ -1,5 +1,5 @@
-// A rope of particles and springs (thesis figure 3.13 and eq. 3.11): lumped masses, every rod a spring of its
-// length, damped along itself.
+// This file models a rope of particles and springs (thesis figure 3.13 and eq. 3.11). Masses are lumped, and
+// every rod is a spring of its length, damped along itself.
 #include <algorithm>
 #include <cmath>
 
@@ -105,7 +105,7 @@ class SpringParticles final : public SpringSystem {
     double length = 0;           ///< Rest length, in m.
     double damping = 0;          ///< Damping along itself, in N s/m.
   };
-  /// How a spring stands and moves, from a to b.
+  /// Says how a spring stands and moves, from a to b.
   struct Reach {
     double length = 0;
     Vector3d along{0, 0, 0};     ///< Unit vector; zero if the ends coincide.

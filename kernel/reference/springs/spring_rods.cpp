@@ -1,14 +1,15 @@
-// The thesis's own springs (§4.4.1): every rod a rigid body (§2.2.3 to 2.2.6) with a position of its centre
-// of mass, an orientation as a unit quaternion, a velocity and an angular velocity; joints are springs of
-// length zero, damped, between the ends of rods that meet, and between ends and anchors.
+// This file holds the thesis's own springs (§4.4.1). Every rod is a rigid body (§2.2.3 to 2.2.6). It has a
+// position of its centre of mass, an orientation as a unit quaternion, a velocity and an angular velocity.
+// Joints are springs of length zero, damped, between the ends of rods that meet, and between ends and
+// anchors.
 //
 // Where k rods meet at a movable particle, k - 1 springs hold their ends to that of the first rod in the
-// scene's order (the inboard one of a chain written from its root); at a fixed particle every end has a
-// spring to the anchor. A particle's own mass is split evenly among the ends that meet there.
+// scene's order. In a chain written from its root that is the inboard one. At a fixed particle every end has
+// a spring to the anchor. A particle's own mass is split evenly among the ends that meet there.
 //
-// Bodies are slender: forces act on the axis, so that none turns a rod about it. That freedom is left out:
-// angular velocities stay perpendicular to the axis, and with one inertia I about all of its perpendiculars
-// the law of motion is I dω/dt = torque, without a gyroscopic term.
+// Bodies are slender: forces act on the axis, so that none turns a rod about it. That freedom is left out,
+// and angular velocities stay perpendicular to the axis. With one inertia I about all perpendiculars the law
+// of motion is I dω/dt = torque, without a gyroscopic term.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -26,7 +27,8 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
 
-/// Below this share of mass · length² a rod counts as having its mass in one point: rounding's size.
+/// A rod counts as having its mass in one point below this share of mass · length², which is the size of
+/// rounding.
 constexpr double least_inertia = 1e-14;
 
 struct Body {
@@ -36,7 +38,7 @@ struct Body {
   double end_mass[2] = {0, 0};  ///< The mass as points at the ends with the same centre, in kg.
 };
 
-/// How many rods meet at every particle.
+/// Returns how many rods meet at every particle.
 std::vector<std::uint32_t> count_rods(const Scene& scene) {
   std::vector<std::uint32_t> counts(scene.particles.size());
   for (const Rod& rod : scene.rods) {
@@ -46,10 +48,11 @@ std::vector<std::uint32_t> count_rods(const Scene& scene) {
   return counts;
 }
 
-/// The body of a rod, from its mass matrix with the ends' shares of point mass. The end at a fixed particle
-/// gets as large a point mass as the other one has: it stands still but for the spring's give, so the motion
-/// of stiff joints is the scene's, and a massless rod with its only mass at the other end can turn about its
-/// centre of mass as any other.
+/// Makes the body of a rod, from its mass matrix with the ends' shares of point mass.
+///
+/// The end at a fixed particle gets as large a point mass as the other one has. It stands still but for the
+/// spring's give, so the motion of stiff joints is the scene's. A massless rod whose only mass is at the
+/// other end can then turn about its centre of mass as any other.
 Body body_of(const Scene& scene, std::size_t r, MassModel model, const std::vector<std::uint32_t>& rods_at) {
   const Rod& rod = scene.rods[r];
   RodMass mass = rod_mass(scene, r, model);
@@ -71,13 +74,15 @@ Body body_of(const Scene& scene, std::size_t r, MassModel model, const std::vect
   return body;
 }
 
-/// The quaternion (w, x, y, z) of the shortest turn that takes the x axis to `along`; half a turn about z if
-/// the two are opposite. Eigen has it too, but finds the axis of half a turn by singular values, which take
-/// longer to compile than all else here.
+/// Returns the quaternion (w, x, y, z) of the shortest turn that takes the x axis to `along`, or half a turn
+/// about z if the two are opposite.
+///
+/// Eigen has it too. It finds the axis of half a turn by singular values, which take longer to compile than
+/// all else here.
 Vector4d turn_from_x(const Vector3d& along) {
   const Vector3d unit = along.normalized();
   const double x = unit.x(), y = unit.y(), z = unit.z();
-  // 1 + x, which near x = -1 would be all rounding.
+  // The value is 1 + x. Near x = -1 the plain sum would be all rounding.
   const double one_plus_x = x < -0.5 ? (y * y + z * z) / (1 - x) : 1 + x;
   if (one_plus_x == 0) return {0, 0, 0, 1};
   const double twice_w = std::sqrt(2 * one_plus_x), inverse = 1 / twice_w;
@@ -139,7 +144,7 @@ class SpringRods final : public SpringSystem {
     return state;
   }
 
-  /// dq/dt = ½ (0, ω) q for the quaternion q of an orientation, ω in the world's axes.
+  /// Gives dq/dt = ½ (0, ω) q for the quaternion q of an orientation, with ω in the world's axes.
   void rates(const MechanicalState& state, VectorXd& out) const override {
     out.resize(7 * size());
     for (Index i = 0; i < size(); ++i) {
@@ -249,7 +254,7 @@ class SpringRods final : public SpringSystem {
     std::uint32_t particle = 0;
     End outer{}, inner{};
     bool to_anchor = false;
-    double damping = 0;  ///< N s/m
+    double damping = 0;  ///< damping, N s/m
   };
 
   Index size() const { return static_cast<Index>(bodies_.size()); }

@@ -17,17 +17,18 @@ using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 using Complex = std::complex<double>;
 
-/// Unknowns up to which all eigenvalues are found: some 27·(2n)³ operations.
+/// All eigenvalues are found up to this number n of unknowns, in some 27·(2n)³ operations. A larger one makes
+/// more limits exact and takes longer.
 constexpr Index most_dense = 150;
-/// Eigenvalues below this share of the largest are motions without a spring; defective zeros come out as
+/// Eigenvalues below this share of the largest are motions without a spring. Defective zeros come out as
 /// sqrt(rounding).
 constexpr double slow = 1e-6;
-/// Limits are bisected to this, relative; where there are many unknowns, each trial a large factorisation, to
-/// the second.
+/// Limits are bisected to the first of these, relative. Where there are many unknowns they are bisected to
+/// the second, because each trial is a large factorisation.
 constexpr double fine = 1e-10, coarse = 1e-4;
 constexpr Index many = 20000;
 
-/// x'' + damping x' + stiffness x = 0, in coordinates scaled by the roots of the masses.
+/// Describes x'' + damping x' + stiffness x = 0, in coordinates scaled by the roots of the masses.
 struct Vibrations {
   Sparse stiffness, damping;
 };
@@ -75,9 +76,11 @@ Sparse identity(Index n) {
   return out;
 }
 
-/// Where 4 - 2 h damping - h² stiffness stops being positive definite. A vibration x_n = μⁿ y of
-/// semi-implicit Euler obeys (μ - 1)² + h damping (μ - 1) + h² stiffness μ = 0, and by Rayleigh quotients of
-/// y the only way out of the unit circle is μ = -1. The fastest frequency is 2/h without damping.
+/// Returns the step at which 4 - 2 h damping - h² stiffness stops being positive definite.
+///
+/// A vibration x_n = μⁿ y of semi-implicit Euler obeys (μ - 1)² + h damping (μ - 1) + h² stiffness μ = 0. By
+/// Rayleigh quotients of y it leaves the unit circle at μ = -1 only. The fastest frequency is 2/h without
+/// damping.
 double alternating_limit(const Sparse& stiffness, const Sparse& damping) {
   const Sparse one = identity(stiffness.rows());
   detail::SparseCholesky factor;
@@ -86,7 +89,7 @@ double alternating_limit(const Sparse& stiffness, const Sparse& damping) {
     factor.factorize(4 * one - 2 * h * damping - h * h * stiffness);
     return factor.is_positive();
   };
-  // Between what the largest row sums and the largest entries of the diagonal allow.
+  // The limit lies between what the largest row sums and what the largest entries of the diagonal allow.
   double low = INFINITY, high = INFINITY;
   for (Index i = 0; i < stiffness.outerSize(); ++i) {
     const auto root = [](double k, double c) { return 4 / (c + std::sqrt(c * c + 4 * k)); };
@@ -103,11 +106,11 @@ double alternating_limit(const Sparse& stiffness, const Sparse& damping) {
   return (low + high) / 2;
 }
 
-/// λ of every vibration exp(λt).
+/// Returns λ of every vibration exp(λt).
 std::vector<Complex> all_rates(const Vibrations& v) {
   const Index n = v.stiffness.rows();
   std::vector<Complex> out;
-  if (v.damping.nonZeros() == 0 || v.damping.norm() == 0) {  // rounding would leave growth or decay
+  if (v.damping.nonZeros() == 0 || v.damping.norm() == 0) {  // rounding would make growth or decay of it
     const Eigen::VectorXcd squares = Eigen::MatrixXd(v.stiffness).eigenvalues();
     for (Index i = 0; i < n; ++i) out.emplace_back(0, std::sqrt(std::max(0.0, squares[i].real())));
     return out;
@@ -121,7 +124,7 @@ std::vector<Complex> all_rates(const Vibrations& v) {
   return out;
 }
 
-/// λ of the fastest vibration, by inverse iteration just above its frequency.
+/// Returns λ of the fastest vibration, by inverse iteration just above its frequency.
 std::vector<Complex> fastest_rates(const Vibrations& v, double frequency) {
   const Index n = v.stiffness.rows();
   const double square = frequency * frequency;
@@ -147,7 +150,7 @@ double amplification(Integrator integrator, Complex z) {
   return std::abs(sum);
 }
 
-/// The first h at which a one-step method makes exp(λt) grow.
+/// Returns the first h at which a one-step method makes exp(λt) grow.
 double growth_limit(Integrator integrator, Complex rate) {
   const double size = std::abs(rate);
   if (integrator == Integrator::explicit_euler) return std::max(0.0, -2 * rate.real() / (size * size));

@@ -10,8 +10,9 @@ namespace {
 /// Steps of adaptive_implicit_euler are never shorter than this share of a substep, which bounds the
 /// attempts at one substep.
 constexpr double shortest_share = 1.0 / 4096;
-/// Share of the accuracy that is used up: what is wrong early grows with the motion, about twofold in half a
-/// second of a swinging chain.
+/// An adaptive step uses up this share of the accuracy. What is wrong early grows with the motion, about
+/// twofold in half a second of a swinging chain. A larger share takes fewer steps and may exceed the
+/// accuracy.
 constexpr double margin = 1.0 / 3;
 
 }  // namespace
@@ -39,19 +40,20 @@ void SpringSystem::advance(MechanicalState& state, const Drive& drive, double h)
   }
 }
 
-/// Step doubling: a whole step is compared with two halves, which are kept. Backward Euler's error in one
-/// step is C h², so the halves have C h²/2, and that is also how far the two lie apart.
+/// Doubles steps: a whole step is compared with two halves, which are kept. Backward Euler's error in one
+/// step is C h², so the halves have C h²/2. That is also how far the two results lie apart.
 void SpringSystem::advance_adaptively(MechanicalState& state, const Drive& drive, double h) {
-  // A point without rods: no length to be accurate to, and nothing to hold.
+  // A point without rods has no length to be accurate to, and nothing to hold.
   if (drive.scene_diagonal == 0) return implicit_.step(*this, state, drive, h);
-  const double allowed = margin * *settings_.accuracy * drive.scene_diagonal;  // m/s
+  const double allowed =
+      margin * *settings_.accuracy * drive.scene_diagonal;  // error that may grow in a second, m/s
   const double shortest = shortest_share * h;
   trial_drive_ = drive;
   double done = 0;
   while (done < h) {
     const double left = h - done;
     double step = std::max(std::min(next_step_, left), shortest);
-    // What is left after it is nothing or long enough for a step of its own.
+    // What is left after the step is nothing, or long enough for a step of its own.
     if (step < left && left - step < shortest) step = left < 2 * shortest ? left : left - shortest;
     for (std::size_t i = 0; i < drive.anchors.size(); ++i)
       trial_drive_.anchors[i] = drive.anchor(static_cast<std::uint32_t>(i), done);
@@ -63,7 +65,7 @@ void SpringSystem::advance_adaptively(MechanicalState& state, const Drive& drive
     implicit_.step(*this, halves_, trial_drive_, step / 2);
 
     const double ratio = rms_difference(whole_, halves_) / (allowed * step);
-    const bool accurate = ratio <= 1;  // false for what is not a number
+    const bool accurate = ratio <= 1;  // it is false for a ratio that is not a number
     const double factor = std::isfinite(ratio) ? std::clamp(0.9 / ratio, 0.2, 2.0) : 0.2;
     // Every refusal makes the step at least a tenth shorter, and those below twice the shortest are taken.
     if (!accurate && step >= 2 * shortest) {
@@ -72,7 +74,7 @@ void SpringSystem::advance_adaptively(MechanicalState& state, const Drive& drive
       continue;
     }
     if (!accurate) ++inaccurate_;
-    // The last step of a substep may have been cut short; then it says little about the next.
+    // The last step of a substep may have been cut short. It then says little about the next.
     if (step < left || factor < 1 || next_step_ <= step) next_step_ = factor * step;
     state = halves_;
     if (!state.finite()) return;

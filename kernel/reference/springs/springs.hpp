@@ -11,9 +11,9 @@
 
 namespace plumb::detail {
 
-/// Particles and rods held together by stiff springs (thesis §3.3). What moves are bodies, each with a
-/// diagonal mass matrix: points (3 unknowns) or slender rods (6: velocity of the centre of mass and angular
-/// velocity, both in the world's axes).
+/// Holds particles and rods together by stiff springs (thesis §3.3). What moves are bodies, each with a
+/// diagonal mass matrix. A body is a point with 3 unknowns, or a slender rod with 6: its velocity and angular
+/// velocity, both in the world's axes.
 class SpringSystem : public MechanicalSystem {
  public:
   void accelerations(const MechanicalState& state, const Drive& drive, double t, Eigen::VectorXd& out) final;
@@ -56,8 +56,8 @@ class SpringSystem : public MechanicalSystem {
   std::uint64_t repeated_ = 0, inaccurate_ = 0;  ///< Counts since the last report.
 };
 
-/// Damping of a spring in N s/m: Settings::springs' share of what damps two masses (kg) critically. An anchor
-/// has infinite mass.
+/// Returns the damping of a spring in N s/m. It is Settings::springs' share of what damps two masses (kg)
+/// critically. An anchor has infinite mass.
 double spring_damping(const SpringSettings& springs, double mass_a, double mass_b);
 
 std::unique_ptr<SpringSystem> make_springs(const Scene& island, const Settings& settings);

@@ -10,7 +10,7 @@ using namespace contact_limits;
 
 namespace {
 
-/// Sides on something fixed have no particles.
+/// This is the place of a side on something fixed, which has no particles.
 constexpr Combination nothing{};
 
 Combination blend(const Combination& a, const Combination& b, double t) {
@@ -21,7 +21,7 @@ Combination blend(const Combination& a, const Combination& b, double t) {
   for (std::uint32_t i = 0; i < b.count; ++i) out.add(b.terms[i].particle, t * b.terms[i].weight);
   return out;
 }
-/// Two directions across n, of length one.
+/// Returns two unit vectors at right angles to each other and to the unit vector n.
 std::pair<Vec3, Vec3> across(Vec3 n) {
   const Vec3 other = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 t = cross(n, other);
@@ -29,12 +29,13 @@ std::pair<Vec3, Vec3> across(Vec3 n) {
   return {first, cross(n, first)};
 }
 
-/// Who touches whom, in one number.
+/// Packs the pair that touches into one number, by which the next substep finds what held the contact.
 std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t island, std::uint64_t other) {
   return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
 }
 
-/// What held there in the last substep; without that key if nothing did.
+/// Returns the forces that held the contact `key` in the last substep. Nothing held it if the result has
+/// another key.
 KeptContact kept_at(const LinkageState& state, std::uint64_t key) {
   KeptContact out{};
   for (const KeptContact& kept : state.kept)
@@ -42,7 +43,7 @@ KeptContact kept_at(const LinkageState& state, std::uint64_t key) {
   return out;
 }
 
-/// The distance (m) within which a contact is watched whose ends move so far (m) in a substep.
+/// Returns the distance (m) within which a contact is watched whose ends move by `moves` (m) in a substep.
 double in_sight(double moves, double length_scale) {
   return sight * length_scale + sight_of_moves * moves;
 }
@@ -85,13 +86,14 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   add_contact_rows(a, b, touch, closing, key, h);
 }
 
-/// Adds the normal and the two directions of sliding across it.
+/// Adds three rows: one along the normal and two along the directions of sliding.
 void ClusterStepper::add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing,
                                       std::uint64_t key, double h) {
   Island* const one = &islands_[a.island];
   Island* const two = b.island == none ? nullptr : &islands_[b.island];
   const Vec3 speed = a.at.of(one->v) - (two ? b.at.of(two->v) : Vec3{});
-  // With what it arrives at the surface, having been sped up on the way there.
+  // The speed of arrival at the surface (m/s) includes what the island gains on the way there; restitution
+  // acts on it.
   const double arriving = dot(touch.normal, speed), gain = 2 * (closing - h * arriving) / (h * h);
   const double square = arriving * arriving - 2 * gain * std::max(touch.gap, 0.0);
   const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
@@ -152,7 +154,7 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
     if (angle.upper < std::numbers::pi && angle.upper - value - by < near)
       add(Kind::limit, -1).gap = recovered(angle.upper - value, 0, h);
     if (angle.friction > 0) {
-      // Half in either half of the substep.
+      // Friction acts with half of its impulse in either half of the substep.
       Row& row = add(Kind::brake, 1);
       row.bound = 0.5 * h * h * angle.friction;
       row.bounce = 0.5 * h * angle.friction;
@@ -166,7 +168,7 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
   }
 }
 
-/// Finds boxes around where islands are in the substep, and how far they move.
+/// Finds a box around every island within the substep, and how far the ends of its shapes move (m).
 void ClusterStepper::find_bounds() {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
@@ -266,7 +268,7 @@ void ClusterStepper::touch_island(std::uint32_t i, std::uint32_t j, double h) {
   }
 }
 
-/// Whether something went through what it was not expected to reach, pushed by other contacts.
+/// Returns whether other contacts pushed something through a surface that it was not expected to reach.
 bool ClusterStepper::is_contact_missed() const {
   return std::any_of(left_out_.begin(), left_out_.end(), [&](const LeftOut& each) {
     const auto moved = [&](std::uint32_t i, Sum at) {

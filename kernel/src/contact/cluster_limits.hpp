@@ -1,49 +1,57 @@
 #pragma once
 
-/// How far the substeps of clusters go, and how exactly they are solved. What a user may want otherwise
-/// stands in ContactSettings.
+/// These constants bound the substeps of clusters and say how exactly they are solved. What a user may want
+/// otherwise stands in ContactSettings.
 namespace plumb::detail::contact_limits {
 
-/// A rod turns by at most so many radians in a substep. Each correction along the gradients of the start then
-/// takes a digit off the violation.
+/// A rod turns by at most this angle (rad) in a substep. Corrections keep to the gradients of the start, so
+/// at larger angles they converge more slowly. At this one each takes a digit off the violation.
 inline constexpr double most_turn = 0.35;
 /// The same in flight, where it is what accuracy goes by if none is asked for; and where one is.
 inline constexpr double most_turn_in_flight = 0.25, most_turn_if_watched = 1;
 /// Two shapes that approach do so by at most this share of their radii in a substep.
 inline constexpr double most_approach = 0.5;
-/// A force that throws an island farther than this many sizes in a step is left out of its reach.
+/// The reach of an island leaves out a force that would throw it farther than this many of its sizes in a
+/// step. Larger values join more islands into a cluster.
 inline constexpr double farthest_throw = 10;
-/// A pull that moved an island by more than this share of its size in a substep was a hit. A smaller one is
-/// expected again in the next substep.
+/// A pull that moved an island by more than this share of its size in a substep was a hit, and is not
+/// expected again. The next substep starts from smaller pulls, which are likely to last.
 inline constexpr double farthest_pull = 0.05;
-/// A step is cut into no more than so many substeps.
+/// A step is cut into at most this many substeps.
 inline constexpr double most_cuts = 4096;
-/// A step is cut into no more than so many substeps because one would gain energy.
+/// A step is cut into at most this many substeps because one would gain energy.
 inline constexpr double most_guards = 64;
-/// At rest, a gain of this share of the energy that lifts an island by its size counts as none.
+/// Islands at rest may gain this share of the energy that lifts them by their size. Larger values repeat
+/// fewer substeps and let resting things creep.
 inline constexpr double unnoticed = 3e-9;
-/// In free flight an error of this share of the energy is left. Taking it from a rigid whole would change its
+/// In free flight an energy error of this share stays uncorrected. Correcting a rigid motion would change its
 /// momentum.
 inline constexpr double let_be = 1e-6;
-/// Constraints count as solved once they are violated by no more than this share of their lengths.
+/// Constraints count as solved once they are violated by no more than this share of their lengths. Larger
+/// values take fewer corrections and leave rods longer or shorter.
 inline constexpr double exact = 1e-8;
 /// A substep makes at most so many corrections of its constraints.
 inline constexpr int most_corrections = 16;
-/// Change (m, times the length scale) that a last sweep may always make, where nothing weighs anything.
+/// The last sweep may always change a position by this much (m, times the length scale). It matters where
+/// nothing has weight, so that gravity sets no scale.
 inline constexpr double least_still = 1e-9;
-/// Sweeps are this much tighter until the end of the step, once contacts have lifted something.
+/// Once contacts have lifted something, sweeps go on until they change this share of what they usually may,
+/// to the end of the step.
 inline constexpr double tighter = 1e-2;
-/// The last of several sweeps may change this share of what the first did. The rest waits for corrections,
-/// which change about as much. A share of 0.1 costs 4 % of the step and leaves no less.
+/// A round of sweeps ends once a sweep changes less than this share of what the first one did. The rest waits
+/// for corrections, which change about as much. A share of 0.1 costs 4 % of the step and leaves no smaller
+/// error.
 inline constexpr double rough = 0.3;
-/// A substep sweeps at most so often over its contacts before corrections; after one, a quarter as often.
+/// A substep sweeps its contacts at most this often before the first correction, and a quarter as often after
+/// one.
 inline constexpr int most_sweeps = 60;
-/// Velocities after contact are swept and corrected in at most so many rounds.
+/// Velocities after contact are swept and corrected in at most this many rounds.
 inline constexpr int most_rounds = 4;
-/// A place that a push moves by less than this share of what it would move a free linkage by is held.
+/// A place counts as held if a push moves it by less than this share of what it would move a free linkage by.
+/// Held places are not pushed, because their response is rounding.
 inline constexpr double held_response = 1e-8;
-/// A contact that does not seem to come about in a substep is watched within this distance (m, times the
-/// length scale), and within so many times the distance that its ends move.
+/// A contact that seems not to come about in a substep is still watched if its gap is small. The limit is the
+/// sum of a distance (m, times the length scale) and a multiple of what its ends move.
 inline constexpr double sight = 0.1, sight_of_moves = 2;
 
 }  // namespace plumb::detail::contact_limits

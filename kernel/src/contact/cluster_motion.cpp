@@ -8,7 +8,8 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-// Of Island::impulse and what its sides push, along the constraints where the island is now.
+// Finds velocities from Island::impulse and the pushes on its sides, along the constraints where the island
+// is now.
 void ClusterStepper::find_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
@@ -128,7 +129,7 @@ double ClusterStepper::find_rigid_motion() {
   return loose;
 }
 
-/// Multiplies what islands do beside their rigid motion.
+/// Scales the part of the motion that is not rigid.
 void ClusterStepper::scale_loose_motion(double by) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
@@ -138,8 +139,11 @@ void ClusterStepper::scale_loose_motion(double by) {
   }
 }
 
-// Energy is that of the states with their new velocities still apart, in Island::v. False if there is not as
-// much motion as energy was gained: something was lifted. If no shorter substep is to be tried, all stops.
+// Returns whether the substep may stand as it is or with less motion. Energy is that of the states with their
+// new velocities still apart, in Island::v.
+//
+// It returns false if more energy was gained than there is motion, so that something was lifted. If no
+// shorter substep is to be tried, all motion stops instead.
 bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, Tally& report) {
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
   bool free = count_ == 1 && !touched, driven = false;
@@ -166,7 +170,8 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   if (!free && excess <= 0) return true;
   if (std::abs(excess) <= 1e-15 * std::abs(now)) return true;
 
-  // Of the motion that is not a rigid whole's, then, if that is not enough, of all.
+  // Energy is taken from the motion that is not a rigid whole's first. If that is not enough, it is taken
+  // from all.
   const double loose = find_rigid_motion();
   const double square = 1 - excess / loose;
   if (square >= 0.25 && square <= 1.5) {

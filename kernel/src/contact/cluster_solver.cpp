@@ -40,7 +40,8 @@ void ClusterStepper::find_responses() {
   }
 }
 
-/// Solves for what a push of one on each side does, eight at a time, and what every side sees of that.
+/// Finds what every side of the island moves by when one side gets a push of one. Eight sides are solved
+/// at once.
 void ClusterStepper::couple(Island& island) {
   constexpr std::size_t lanes = simd::kkt_lanes;
   const Linkage& linkage = *island.state->linkage;
@@ -51,7 +52,7 @@ void ClusterStepper::couple(Island& island) {
   island.speed.resize(batches);
   island.push.assign(batches, Lanes{});
 
-  // Of a side, its unknowns and how it weighs them.
+  // A side is a list of unknowns and of the weights that they have in it.
   constexpr std::size_t most = 2 * 3 * std::tuple_size_v<decltype(Combination::terms)>;
   std::uint32_t slots[most];
   double factors[most];
@@ -92,7 +93,7 @@ void ClusterStepper::see(Island& island, std::span<const Vec3> motion) {
   Vec3 a{}, b{};
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
     const Side& side = island.sides[s];
-    // The rows of a contact are along three axes of one sum.
+    // The three rows of a contact share one sum of particles, which is computed once.
     if (s == 0 || side.a.first != island.sides[s - 1].a.first) {
       a = island.of(side.a, motion);
       b = island.of(side.b, motion);
@@ -127,7 +128,8 @@ void ClusterStepper::push(const Row& first, double by0, double by1, double by2) 
   }
 }
 
-/// Pushes what rows start with, a contact's three at once; contacts that were not there start with nothing.
+/// Starts with the pushes of the last substep, the three rows of a contact at once. New contacts start with
+/// nothing.
 void ClusterStepper::push_held() {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
@@ -140,7 +142,7 @@ void ClusterStepper::push_held() {
   }
 }
 
-/// What has been pushed since, onto a motion.
+/// Adds to `motion` what the pushes since the last call have done, and clears them.
 void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
   const Linkage& linkage = *island.state->linkage;
   const std::uint32_t unknowns = linkage.plan().unknowns();
@@ -163,7 +165,7 @@ void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
 
 namespace {
 
-/// Shortens (a, b) to `most`.
+/// Scales (a, b) down to the length `most` if it is longer.
 void into_disk(double& a, double& b, double most) {
   const double square = a * a + b * b;
   if (square <= most * most) return;
@@ -184,12 +186,14 @@ double ClusterStepper::set(Row& row, double value) {
   return std::abs(by) * row.own;
 }
 
-/// Gives the contact whose rows start at `r` a normal push and, within `most`, what keeps it from sliding.
+/// Sets the normal push of the contact whose rows start at `r`, and the pushes against sliding, no longer
+/// together than `most`.
 template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
 double ClusterStepper::contact(std::size_t r, double normal, double most) {
   Row &n = rows_[r], &s = rows_[r + 1], &t = rows_[r + 2];
   const double by0 = normal - n.*of;
-  // The normal push moves the others, too. What does not wait for it comes first.
+  // The normal push also moves the other two rows. What does not depend on it is computed first, so that the
+  // processor need not wait.
   const double first_alone = s.*of - s.over * see(s), second_alone = t.*of - t.over * see(t);
   double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
   into_disk(first, second, most);
@@ -203,8 +207,9 @@ double ClusterStepper::contact(std::size_t r, double normal, double most) {
   return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
 }
 
-// The contact's three rows at once: into the cone from where their own responses lead. Both sweeps return
-// the largest change that they made, or would have made: in m or rad, or per second.
+// A contact's three rows are projected onto Coulomb's cone at once, each from where its own response leads.
+// Both sweeps return the largest change that they made, or would have made. Its unit is m or rad for
+// positions, and m/s or rad/s for velocities.
 template <ClusterStepper::Sweep sweep>
 double ClusterStepper::sweep_positions() {
   double worst = 0;
@@ -268,7 +273,8 @@ bool ClusterStepper::solve_positions(Tally& report) {
   double last = INFINITY;
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {
-    // What corrections did to contacts may not matter; then sweeps would only disturb constraints again.
+    // A correction may have changed contacts too little to matter. Sweeping then would only disturb
+    // constraints again.
     double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
     const bool sweeps_on = left > still_;
     if (sweeps_on) {

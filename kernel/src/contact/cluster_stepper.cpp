@@ -147,7 +147,7 @@ double ClusterStepper::longest_substep(double most, double turn) const {
   return out;
 }
 
-// Back to where it was before the substep, for good.
+// Puts the island back to where it was before the substep, for good.
 void ClusterStepper::freeze(Island& island, Tally& report) {
   LinkageState& state = *island.state;
   std::swap(state.x, island.there);
@@ -173,7 +173,8 @@ void ClusterStepper::start(Island& island, double h) {
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = island.right();
   const double kept = linkage.kept(0.5 * h);
-  // About where it will go, if what pulled pulls again: constraints are bent by what differs from that.
+  // The island starts about where the pulls of the last substep would take it again. Constraints are then
+  // bent only by what differs from that.
   const double farthest = farthest_pull * linkage.size() / (h * h);
   const bool again = std::all_of(state.acceleration.begin(), state.acceleration.end(),
                                  [&](Vec3 a) { return dot(a, a) <= farthest * farthest; });
@@ -221,7 +222,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       std::swap(island.state->x, island.there);
       island.state->factored = false;
     }
-    // What lifted it may be what the sweeps left.
+    // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
     try_tighter_ = touched && !tight_;
     tight_ = true;
     return false;

@@ -13,10 +13,10 @@
 
 namespace plumb::detail {
 
-/// The settings with their length scale in all lengths and speeds.
+/// Returns the settings with all lengths and speeds multiplied by their length scale.
 ContactSettings scaled(ContactSettings settings);
 
-/// How a cluster's steps are cut.
+/// Says how a cluster's steps are cut.
 struct ClusterRules {
   std::uint32_t substeps = 1;    ///< of a step, at least
   std::uint32_t time_order = 2;  ///< of an island alone in the air
@@ -25,14 +25,17 @@ struct ClusterRules {
 
 /// Moves islands that touch, or may within a step, through that step together.
 ///
-/// A substep is RATTLE's with contacts. Constraints keep to the gradients of its start (gradient old), by one
-/// factorisation: positions go where momentum, forces and contacts take them,
+/// A substep is RATTLE's with contacts. Constraints keep to the gradients of its start (gradient old), so
+/// that one factorisation serves. Positions d go where momentum, forces and contacts take them,
 ///   M (d - h v - h²/2 M⁻¹f) = Jᵀ λ + Jcᵀ p,   C(x + d) = 0,   0 <= gap + Jc d  _|_  p >= 0,
-/// with friction in Coulomb's cone; then velocities d/h + h/2 M⁻¹f are projected onto the constraints at the
-/// end and, where there was contact, bounced or brought to rest. Contacts act through what the linkage makes
-/// of a push, G = Jc P Jcᵀ, one solve a row, and are found by projected Gauss-Seidel on G (Moreau 1988; Jean
-/// 1999). Energy never rises: what a substep would gain is taken from the motion that is not that of a rigid
-/// whole, which keeps momentum and angular momentum; in free flight what it would lose is given back.
+/// with friction in Coulomb's cone. Then velocities d/h + h/2 M⁻¹f are projected onto the constraints at the
+/// end. Where there was contact, they bounce or come to rest.
+///
+/// Contacts act through what the linkage makes of a push, G = Jc P Jcᵀ, which takes one solve a row. Their
+/// pushes are found by projected Gauss-Seidel on G (Moreau 1988; Jean 1999).
+///
+/// Energy never rises. What a substep would gain is taken from the motion that is not that of a rigid whole,
+/// which keeps momentum and angular momentum. In free flight what a substep would lose is given back.
 class ClusterStepper {
  public:
   /// The settings are scaled already (scaled()).
@@ -136,11 +139,12 @@ class ClusterStepper {
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
-  /// The gap changes by `closing` (m) in the substep.
+  /// Adds the rows of a contact whose gap changes by `closing` (m) in the substep.
   void add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing, std::uint64_t key,
                         double h);
   void add_angles(std::uint32_t i, double h);
-  /// Of a gap what a substep leaves open; of a negative one, but for `slop`, what it takes back.
+  /// Returns what a row must keep of a gap (m). A gap that is open may close. Of an overlap beyond `slop` a
+  /// substep takes back a share.
   double recovered(double gap, double slop, double h) const {
     return gap >= 0 ? gap : std::min(0.0, h * recovery_rate_ * (gap + slop));
   }

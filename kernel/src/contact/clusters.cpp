@@ -56,7 +56,7 @@ void Clusters::join(std::uint32_t a, std::uint32_t b) {
 }
 
 void Clusters::sort_members() {
-  // By cluster, and within a cluster by number.
+  // The high half of a key is the cluster and the low half the island, so that sorting orders by both.
   order_.clear();
   for (const std::uint32_t i : members_) order_.push_back(std::uint64_t{root(i)} << 32 | i);
   if (!std::is_sorted(order_.begin(), order_.end())) std::sort(order_.begin(), order_.end());
@@ -105,8 +105,8 @@ void Clusters::fall_asleep(std::uint32_t i) {
 }
 
 std::uint32_t Clusters::settle(std::span<const std::uint8_t> rests) {
-  // Islands that sleepers' neighbours woke within the step are still listed as sleepers; in members_ they
-  // follow the others. In a long step they may sleep again at once.
+  // Neighbours may have woken islands within the step that are still listed as sleepers. In members_ these
+  // follow the others. After a long step they may fall asleep again at once.
   for (std::size_t k = awake_.size(); k < members_.size(); ++k)
     if (const std::uint32_t i = members_[k]; !islands_[i].asleep) {
       sleepers_.remove(i, bounds_[i]);

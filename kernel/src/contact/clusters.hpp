@@ -10,20 +10,20 @@
 
 namespace plumb::detail {
 
-/// The broad phase: which islands are awake, and which of them, and of the sleepers, may touch within a step.
-/// A cluster is a set of islands that may, one after the other by their numbers.
+/// This is the broad phase. It knows which islands are awake, and which of them and of the sleepers may touch
+/// within a step. A cluster is a set of such islands in the order of their numbers.
 class Clusters {
  public:
-  /// Finds who sleeps. The states must outlive this object and stay where they are. Shapes nearer than the
-  /// margin (m) may touch.
+  /// Finds which islands sleep. The states must outlive this object and stay where they are. Shapes nearer
+  /// than `margin` (m) may touch.
   void start(std::span<LinkageState> islands, double margin);
 
   std::span<const std::uint32_t> awake() const { return awake_; }  ///< island numbers, ascending
-  /// Whether any island of the scene has a shape.
+  /// Returns whether any island of the scene has a shape.
   bool any_shapes() const { return any_shapes_; }
 
-  /// Forms the clusters of a step; sleepers nearby are in them. `reach(state)` tells where an awake island
-  /// with shapes can come within the step; several threads call it.
+  /// Forms the clusters of a step, with the sleepers nearby. Several threads call `reach(state)`, which
+  /// returns where an awake island with shapes can come within the step.
   template <class Reach>
   void form(Team& team, Reach&& reach) {
     members_ = awake_;
@@ -41,15 +41,15 @@ class Clusters {
   std::span<LinkageState* const> operator[](std::uint32_t cluster) const {
     return {members_of_.data() + starts_[cluster], starts_[cluster + 1] - starts_[cluster]};
   }
-  /// Where an island can come within the step.
+  /// Returns the box that an island can reach within the step.
   const Bounds& reach_of(std::uint32_t island) const { return bounds_[island]; }
-  /// An island that its own solver has put to rest sleeps here, too.
+  /// Lets an island sleep here that its own solver has put to rest.
   void fall_asleep(std::uint32_t island);
 
-  /// Wakes an island, and sleepers that may lie on it, or it on them.
+  /// Wakes an island, and the sleepers that may lie on it or under it.
   void wake(std::uint32_t island);
-  /// After a step: takes in those that were woken within it, and lets clusters sleep that `rests` names.
-  /// Returns how many islands fell asleep.
+  /// Ends a step. Takes in the islands that were woken within it, and puts the clusters to sleep that `rests`
+  /// marks. Returns how many islands fell asleep.
   std::uint32_t settle(std::span<const std::uint8_t> rests);
 
  private:
@@ -61,17 +61,17 @@ class Clusters {
   void put_to_sleep(LinkageState& state);
 
   std::span<LinkageState> islands_;
-  std::vector<std::uint32_t> awake_;  ///< ascending
+  std::vector<std::uint32_t> awake_;  ///< numbers of awake islands, ascending
   SpatialHash sleepers_, walkers_;
   bool any_shapes_ = false;
-  double cell_ = 1;             ///< m
-  double margin_ = 0;           ///< m
-  std::vector<Bounds> bounds_;  ///< by island: of sleepers as they are listed, of others this step's reach
+  double cell_ = 1;             ///< size of a cell, m
+  double margin_ = 0;           ///< distance within which shapes may touch, m
+  std::vector<Bounds> bounds_;  ///< by island: for a sleeper as it is listed, for others the step's reach
   std::vector<std::uint32_t> marks_, root_, members_, woken_;
   std::uint32_t mark_ = 0;
   std::vector<std::uint64_t> order_;
-  std::vector<LinkageState*> members_of_;  ///< of all clusters
-  std::vector<std::uint32_t> starts_{0};   ///< of each cluster, and the end
+  std::vector<LinkageState*> members_of_;  ///< members of all clusters, one cluster after the other
+  std::vector<std::uint32_t> starts_{0};   ///< where each cluster begins in members_of_, and the end
 };
 
 }  // namespace plumb::detail

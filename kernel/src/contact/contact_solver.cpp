@@ -19,7 +19,8 @@ std::uint32_t time_order_of(const Settings& settings) {
   return *settings.accuracy > worth_order_6 ? 4 : 6;
 }
 
-/// Gives the mass of rods to their ends, as the solver does that moves them elsewhere.
+/// Gives the mass of rods to their ends, as the solver of their home does, so that an island weighs the same
+/// in both solvers.
 void lump_masses(Scene& part) {
   for (std::size_t i = 0; i < part.rods.size(); ++i) {
     const RodMass mass = rod_mass(part, i, MassModel::lumped);
@@ -125,7 +126,7 @@ void ContactSolver::begin_step(double dt, Team& team) {
   rests_.assign(clusters_.count(), 0);
 }
 
-/// Whether a cluster is one island, whose own solver can move it, and nothing is near.
+/// Returns whether a cluster is a single island that its own solver can move, with nothing near.
 bool ContactSolver::can_stay_home(std::span<LinkageState* const> cluster) const {
   const LinkageState& state = *cluster.front();
   return cluster.size() == 1 && visitors_[state.number].has_home() && !state.frozen &&
@@ -153,8 +154,8 @@ void ContactSolver::end_step(StepReport& report) {
     if (!visitors_[island].is_at_home()) ++report.awake_islands;
 }
 
-/// Whether a cluster has been slow for long enough to sleep, and something holds it: what nothing holds is
-/// only slow for a while.
+/// Returns whether a cluster has been slow for long enough to sleep and something holds it. A cluster that
+/// nothing holds is slow only for a while, such as at the top of a throw.
 bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) const {
   bool slow = sleep_, held = false;
   for (LinkageState* const state : cluster) {
@@ -168,7 +169,7 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 
 // --- Accuracy
 
-/// Where islands may touch, the order is that of what they do then, at best.
+/// An island that may touch something has order 2, because contact allows no more.
 ErrorModel ContactSolver::error_model() const {
   const bool is_alone = states_.size() == 1 && surroundings_.are_empty();
   return {.order = is_alone ? time_order_ : 2, .by_comparison = true};
@@ -219,7 +220,7 @@ void ContactSolver::add_to_hash(Slot slot, StateHash& hash) const {
 }
 
 double ContactSolver::read(std::span<const Slot> slots, std::span<Vec3> out) const {
-  double most = 0;  // of squares
+  double most = 0;  // a squared speed, m²/s²
   for (std::size_t i = 0; i < slots.size(); ++i) {
     out[i] = position(slots[i]);
     most = std::max(most, dot(velocity(slots[i]), velocity(slots[i])));

@@ -15,33 +15,35 @@
 namespace plumb::detail {
 
 /// Moves islands with bodies, joints or air, and every island with shapes while it may touch something.
-/// Islands that may touch each other within a step are a cluster, and a cluster is a piece: clusters are
+///
+/// Islands that may touch each other within a step are a cluster, and a cluster is a piece. Clusters are
 /// formed anew at the beginning of every step. An island of particles and rods that nothing can reach stays
-/// with its own solver; see Visitor.
+/// with its own solver (see Visitor).
 class ContactSolver final : public Solver {
  public:
-  /// Takes islands that have shapes, or that are not of particles and rods alone.
+  /// Takes the islands of `parts` that have shapes, bodies, joints or air.
   ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings);
 
-  /// Tells that an island has a home: solver `number` of the world, with its movable particles at these
-  /// slots.
+  /// Tells that solver number `number` of the world is the home of an island, with its movable particles at
+  /// `slots`.
   void set_home(std::uint32_t island, Solver& home, std::uint32_t number, std::vector<Slot> slots);
-  /// Islands that their own solvers can move, as slots of their movable particles.
+  /// Names an island that its own solver can move, and the scene's numbers of its particles.
   struct PlainIsland {
     std::uint32_t island;
     std::span<const std::uint32_t> particles;  ///< movable ones first
     std::uint32_t movable;
   };
   std::vector<PlainIsland> plain_islands() const;
-  /// Whether this solver moves a particle now, rather than its home.
+  /// Returns whether this solver moves a particle now, rather than its home.
   bool has(Slot slot) const { return !visitors_[island_of_[slot]].is_at_home(); }
-  /// After begin_step(): islands that went home, as a slot there of the solver of that number.
+  /// Names an island that went home in begin_step(), by its solver's number and one of its slots there.
   struct Return {
     std::uint32_t solver;
     Slot slot;
   };
   std::span<const Return> returned() const { return returned_; }
-  /// Before begin_step(): islands at home of which `is_resting(solver number, slot)` sleep here, too.
+  /// Lets islands at home sleep here too if `is_resting(solver number, slot)` says that they rest there. Call
+  /// it before begin_step().
   template <class IsResting>
   void see_rest(IsResting&& is_resting) {
     for (LinkageState& state : states_) {
@@ -52,19 +54,19 @@ class ContactSolver final : public Solver {
       clusters_.fall_asleep(state.number);
     }
   }
-  /// Takes from the initial velocities what constraints forbid. Returns the largest change, m/s.
+  /// Takes from the initial velocities what constraints forbid. Returns the largest change in m/s.
   double project_initial_velocities();
-  /// The slots of the scene's particles.
+  /// Returns the slots of the scene's particles.
   std::vector<MadeSolver::Place> places() const;
   std::uint32_t island_count() const { return static_cast<std::uint32_t>(states_.size()); }
   bool any_awake() const { return !clusters_.awake().empty(); }
-  /// Islands below which one thread is faster than the start of another.
+  /// Returns whether enough islands are awake for several threads to win over one.
   bool is_worth_threads() const { return clusters_.awake().size() >= worth_threads; }
 
   std::uint32_t pieces() const override { return static_cast<std::uint32_t>(pieces_.size()); }
   std::uint32_t islands(std::uint32_t piece) const override;
   void begin_step(double dt, Team& team) override;
-  /// Instead of begin_step(), if no island is awake.
+  /// Replaces begin_step() if no island is awake.
   void clear_pieces() { pieces_.clear(); }
   double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& report) override;
   void end_piece(std::uint32_t piece, double dt) override;
@@ -97,7 +99,7 @@ class ContactSolver final : public Solver {
  private:
   static constexpr std::size_t worth_threads = 16;
 
-  /// With an accuracy: what steps take back.
+  /// Keeps what an attempt of a step is taken back to, if an accuracy is set.
   struct History {
     LinkageMotion saved[2];
     std::vector<Vec3> mark;
@@ -114,23 +116,23 @@ class ContactSolver final : public Solver {
 
   Isa isa_;
   bool sleep_;
-  double sleep_time_;         ///< s
-  ContactSettings settings_;  ///< scaled
+  double sleep_time_;         ///< time (s) of being slow before an island sleeps
+  ContactSettings settings_;  ///< multiplied by their length scale
   std::uint32_t time_order_;
   Surroundings surroundings_;
   std::vector<std::unique_ptr<Linkage>> linkages_;
   std::vector<LinkageState> states_;
-  std::vector<Visitor> visitors_;       ///< by island
-  std::vector<std::uint8_t> is_plain_;  ///< by island
+  std::vector<Visitor> visitors_;       ///< by island's number
+  std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
   std::vector<History> histories_;
-  std::vector<Slot> first_slot_;          ///< by island
-  std::vector<std::uint32_t> island_of_;  ///< by slot
+  std::vector<Slot> first_slot_;          ///< by island's number
+  std::vector<std::uint32_t> island_of_;  ///< the island of each slot
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
   std::vector<Return> returned_;
-  std::vector<std::uint8_t> rests_;  ///< by cluster, after its step
+  std::vector<std::uint8_t> rests_;  ///< by cluster, set after its step: it may sleep
   ProjectionWork work_;
-  std::vector<ClusterStepper> steppers_;  ///< by part of the team
+  std::vector<ClusterStepper> steppers_;  ///< one for each part of the team
 };
 
 }  // namespace plumb::detail

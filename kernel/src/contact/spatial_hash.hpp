@@ -8,10 +8,12 @@
 
 namespace plumb::detail {
 
-/// Which boxes are near which, in time that grows linearly with their number: a grid of cells whose lists
-/// share a table. A box is listed in every cell that it reaches into; one that is much larger than a cell, or
-/// too far away for cells to have numbers, is kept aside: it is always found, and finds others by a walk
-/// through the whole table.
+/// Finds boxes near each other in time that grows linearly with their number. Space is a grid of cells, whose
+/// lists share a hash table.
+///
+/// A box is listed in every cell that it reaches into. A box much larger than a cell, or too far away for
+/// cells to have numbers, is kept aside. Such a box is always found, and finds others by a walk through the
+/// whole table.
 class SpatialHash {
  public:
   void start(double cell, std::size_t expected) {
@@ -33,7 +35,8 @@ class SpatialHash {
     for_cells(bounds, [&](std::size_t cell) { put(id, cell); });
   }
 
-  /// find(), then insert(), in one walk. (Two of the cells may share a list.)
+  /// Does what find() and then insert() would do, in one walk. Two cells of a box may share a list, so an id
+  /// may come twice.
   template <class F>
   void find_and_insert(std::uint32_t id, const Bounds& bounds, F&& f) {
     if (is_large(bounds)) {
@@ -49,7 +52,7 @@ class SpatialHash {
     });
   }
 
-  /// Takes out what was inserted with the same bounds.
+  /// Takes out an id that was inserted with the same bounds.
   void remove(std::uint32_t id, const Bounds& bounds) {
     --count_;
     if (is_large(bounds)) {
@@ -68,7 +71,7 @@ class SpatialHash {
     });
   }
 
-  /// f(id) of all that may overlap; an id can come several times.
+  /// Calls f(id) for all boxes that may overlap `bounds`. An id may come several times.
   template <class F>
   void find(const Bounds& bounds, F&& f) const {
     for (const std::uint32_t id : large_) f(id);
@@ -85,7 +88,7 @@ class SpatialHash {
  private:
   static constexpr std::uint32_t none = 0xffffffff;
   static constexpr double most_cells = 64;
-  static constexpr double farthest_cell = 1e18;  ///< beyond, cells have no numbers
+  static constexpr double farthest_cell = 1e18;  ///< coordinates in cells beyond which cells have no numbers
 
   struct Entry {
     std::uint32_t id, next;
@@ -105,7 +108,7 @@ class SpatialHash {
 
   bool is_large(const Bounds& b) const {
     const Vec3 size = over_ * (b.high - b.low);
-    // Comparisons that are false for infinities, too.
+    // These comparisons are written so that infinities fail them, too.
     const auto is_numbered = [&](Vec3 p) {
       return std::abs(p.x * over_) < farthest_cell && std::abs(p.y * over_) < farthest_cell &&
              std::abs(p.z * over_) < farthest_cell;

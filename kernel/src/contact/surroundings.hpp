@@ -7,7 +7,7 @@
 
 namespace plumb::detail {
 
-/// The ground of a scene, planes and boxes, ready for use.
+/// Holds the ground of a scene, its planes and boxes, prepared for contact.
 struct Surroundings {
   struct Solid {
     Vec3 center, half;
@@ -19,14 +19,14 @@ struct Surroundings {
   explicit Surroundings(const Scene& scene);
 
   bool are_empty() const { return planes.empty() && boxes.empty(); }
-  /// Whether some ground reaches into the box.
+  /// Returns whether some ground reaches into the box `bounds`.
   bool reach_into(const Bounds& bounds) const;
 
   std::vector<Plane> planes;
   std::vector<Solid> boxes;
 };
 
-/// The lowest height (m) of a box above a plane.
+/// Returns the height (m) of a box's lowest point above a plane.
 double height(const Bounds& bounds, const Plane& plane);
 
 }  // namespace plumb::detail

@@ -7,17 +7,17 @@
 
 #include "plumb/vec3.hpp"
 
-/// Where rounded shapes come nearest: closest points of lines, planes and boxes.
+/// This file finds where rounded shapes come nearest: the closest points of lines, planes and boxes.
 namespace plumb::detail {
 
-/// How near two shapes are to touching. `a` and `b` say where on each line of a pair, from 0 to 1.
+/// Says how near two shapes are to touching. `a` and `b` are places along the lines of the pair, from 0 to 1.
 struct Touch {
-  double gap = 0;  ///< m between the surfaces; negative: how deep they overlap
-  Vec3 normal{};   ///< of length one, from b's shape to a's
+  double gap = 0;  ///< distance between the surfaces in m; if negative, their overlap
+  Vec3 normal{};   ///< unit vector from b's shape to a's
   double a = 0, b = 0;
 };
 
-/// A line from p to q with a radius.
+/// This is a line from p to q (m) with a radius (m): the middle of a capsule.
 struct Segment {
   Vec3 p, q;
   double radius;
@@ -27,8 +27,8 @@ inline Vec3 between(Vec3 p, Vec3 q, double t) {
   return p + t * (q - p);
 }
 
-/// Of two segments (Ericson 2005, 5.1.9, in other words: the unbounded lines' nearest points, pulled into the
-/// segments one after the other).
+/// Finds where two segments are nearest (Ericson 2005, section 5.1.9). The nearest points of the unbounded
+/// lines are pulled into the segments one after the other.
 inline Touch touch(const Segment& a, const Segment& b) {
   const Vec3 u = a.q - a.p, v = b.q - b.p, r = a.p - b.p;
   const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r);
@@ -38,7 +38,7 @@ inline Touch touch(const Segment& a, const Segment& b) {
   if (uu > least && vv > least && area > 1e-12 * uu * vv)
     s = std::clamp((uv * vr - vv * ur) / area, 0.0, 1.0);
   else if (uu > least && vv > least)
-    s = 0.5;  // parallel: any place will do
+    s = 0.5;  // the segments are parallel, so that any place will do
   if (vv > least) t = std::clamp((uv * s + vr) / vv, 0.0, 1.0);
   if (uu > least) s = std::clamp((uv * t - ur) / uu, 0.0, 1.0);
   const Vec3 apart = between(a.p, a.q, s) - between(b.p, b.q, t);
@@ -47,8 +47,9 @@ inline Touch touch(const Segment& a, const Segment& b) {
   return {distance - a.radius - b.radius, normal, s, t};
 }
 
-/// Where two segments are to be kept apart: where they are nearest and, for two that lie along each other, at
-/// either end of where they do. `count` of `at` are set.
+/// Lists where two segments are to be kept apart. They are kept apart where they are nearest. Segments that
+/// lie along each other are also kept apart at the ends of their common part. `count` entries of `at` are
+/// set.
 struct Touches {
   Touch at[3];
   std::uint32_t count = 0;
@@ -58,7 +59,8 @@ inline Touches touches(const Segment& a, const Segment& b) {
   out.at[out.count++] = touch(a, b);
   const Vec3 u = a.q - a.p, v = b.q - b.p;
   const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v);
-  constexpr double along = 0.97;  // squared cosine: less than 10 degrees apart
+  constexpr double along =
+      0.97;  // squared cosine of 10 degrees; a smaller value takes more pairs as lying along each other
   if (uu == 0 || vv == 0 || uv * uv < along * uu * vv) return out;
   const double first = std::clamp(dot(b.p - a.p, u) / uu, 0.0, 1.0);
   const double second = std::clamp(dot(b.q - a.p, u) / uu, 0.0, 1.0);
@@ -71,7 +73,7 @@ inline Touches touches(const Segment& a, const Segment& b) {
   return out;
 }
 
-/// Three axes of length one at right angles.
+/// Holds three unit vectors at right angles.
 struct Frame3 {
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
@@ -79,14 +81,14 @@ struct Frame3 {
   Vec3 to_space(Vec3 v) const { return v.x * x + v.y * y + v.z * z; }
 };
 
-/// Of a ball about `center` and a box about the origin, in the box's axes; normal towards the ball.
+/// Finds how near a ball is to a box about the origin, in the box's axes (m). The normal points to the ball.
 inline Touch touch_box(Vec3 center, double radius, Vec3 half) {
   const Vec3 nearest{std::clamp(center.x, -half.x, half.x), std::clamp(center.y, -half.y, half.y),
                      std::clamp(center.z, -half.z, half.z)};
   const Vec3 apart = center - nearest;
   const double distance = norm(apart);
   if (distance > 1e-12) return {distance - radius, (1 / distance) * apart, 0, 0};
-  // The centre is inside: out through the nearest face.
+  // The centre is inside the box, so that the way out leads through the nearest face.
   const double x = half.x - std::abs(center.x), y = half.y - std::abs(center.y),
                z = half.z - std::abs(center.z);
   if (x <= y && x <= z) return {-x - radius, {std::copysign(1, center.x), 0, 0}, 0, 0};
@@ -94,8 +96,8 @@ inline Touch touch_box(Vec3 center, double radius, Vec3 half) {
   return {-z - radius, {0, 0, std::copysign(1, center.z)}, 0, 0};
 }
 
-/// Where on a segment the distance to a box is least, from 0 to 1. The distance is convex along it: by
-/// golden section, which 40 cuts bring to 1e-8.
+/// Returns the place on a segment, from 0 to 1, where its distance to a box is least. The distance is convex
+/// along the segment, and golden section finds its minimum to 1e-8 in 40 cuts.
 inline double nearest_to_box(Vec3 p, Vec3 q, Vec3 half) {
   const auto distance2 = [&](double t) {
     const Vec3 c = between(p, q, t);
@@ -118,8 +120,9 @@ inline double nearest_to_box(Vec3 p, Vec3 q, Vec3 half) {
   return (low + high) / 2;
 }
 
-/// Where a segment is to be kept off a box, of those from 0 to 1: where it is nearest, at its ends, and, for
-/// one that lies flat on a face, where it passes over the face's edges.
+/// Returns where a segment is to be kept off a box; places outside 0 to 1 do not count. These are its nearest
+/// point, its ends, and the places where it passes over the edges of a face. The last matter where it lies
+/// flat on the face.
 inline std::array<double, 9> touching_box(Vec3 p, Vec3 q, Vec3 half, double nearest) {
   const Vec3 along = q - p;
   const auto pass = [](double from, double by, double edge) { return by == 0 ? -1 : (edge - from) / by; };

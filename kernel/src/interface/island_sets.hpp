@@ -9,7 +9,7 @@
 
 namespace plumb::detail {
 
-/// Islands of a scene that one method moves, those with equal graphs together.
+/// Lists the islands of a scene that one method moves. Islands of equal graphs share a set.
 struct IslandSets {
   layouts::Graph graph;                          ///< of the whole scene
   const layouts::Islands& islands;               ///< of the whole scene

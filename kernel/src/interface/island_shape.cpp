@@ -5,18 +5,21 @@
 namespace plumb::detail {
 namespace {
 
-/// Particles in the widest layer up to which an island with loops is thin: rings, ladders and trusses are,
-/// nets are not. Measured by bench_direct, to an error of 1e-4: a truss of 100 bays is solved 20 to some
-/// hundred times faster than relaxed, a ring of 24 about as fast; nets of 32 x 32 and 128 x 128 two and
-/// seven times as fast, but at errors of a hundredth relaxation is cheaper there.
+/// An island with loops is thin if its widest layer has no more particles than this. Rings, ladders and
+/// trusses are thin, nets are not. A larger value solves more islands directly.
+///
+/// bench_direct measured it at an error of 1e-4. A truss of 100 bays is solved at least 20 times faster than
+/// relaxed, a ring of 24 about as fast. Nets of 32 x 32 and 128 x 128 are solved two and seven times faster,
+/// but at errors of a hundredth relaxation is cheaper there.
 constexpr std::size_t thin_layer = 12;
 
-/// Particles of the widest layer, counted in rods from one end. Linear time.
+/// Returns the number of particles in the widest layer. A layer holds the particles at one distance in rods
+/// from an end of the island. It takes linear time.
 std::size_t widest_layer(const layouts::Graph& island) {
   const layouts::Incidence incidence = layouts::edges_by_vertex(island);
   std::uint32_t start = 0;
   std::size_t widest = 0;
-  for (int pass = 0; pass < 2; ++pass) {  // the second starts where the first ended, at one end
+  for (int pass = 0; pass < 2; ++pass) {  // the second pass starts where the first ended, at one end
     std::vector<std::uint8_t> seen(island.vertices, 0);
     std::vector<std::uint32_t> layer{start}, next;
     seen[start] = 1;

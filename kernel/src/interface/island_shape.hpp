@@ -8,12 +8,12 @@
 
 namespace plumb::detail {
 
-/// Whether an island with loops is one that is always solved directly: a ring, ladder or truss, where a
-/// correction would have far to travel. So are trees, whatever their size: all their rods at once cost about
-/// as much as a few sweeps, and no number of sweeps that costs the same comes near.
+/// Returns whether an island with loops is always solved directly: a ring, ladder or truss, in which a
+/// correction would have far to travel. Trees of any size are solved directly too. All their rods at once
+/// cost about as much as a few sweeps, and no sweeps of that cost come near the solution.
 bool is_thin(const layouts::Graph& island);
 
-/// Whether rods carry masses that couple their ends.
+/// Returns whether rods carry masses that couple their ends.
 bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassModel model);
 
 }  // namespace plumb::detail

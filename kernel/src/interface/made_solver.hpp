@@ -8,7 +8,7 @@
 
 namespace plumb::detail {
 
-/// A solver, and the slots of the particles that it has.
+/// Holds a solver and the slots of the particles that it has.
 struct MadeSolver {
   struct Place {
     std::uint32_t particle;  ///< the scene's number
@@ -18,7 +18,7 @@ struct MadeSolver {
   std::vector<Place> places;
 };
 
-/// What a start cost in exactness; see WorldInfo.
+/// Says by how much a solver had to change the initial state (see WorldInfo).
 struct StartReport {
   double projected_velocity = 0;          ///< m/s, the largest change
   double projected_position = 0;          ///< m, the largest change

@@ -8,7 +8,7 @@
 
 namespace plumb::detail {
 
-/// FNV-1a over the bits of numbers, byte after byte.
+/// Hashes the bits of numbers by FNV-1a, byte after byte.
 class StateHash {
  public:
   template <class T>
@@ -18,7 +18,7 @@ class StateHash {
     for (unsigned byte = 0; byte < sizeof bits; ++byte)
       value_ = (value_ ^ ((bits >> (8 * byte)) & 0xff)) * 0x100000001b3;
   }
-  /// Its components in precision T.
+  /// Adds the components of a vector in precision T.
   template <class T>
   void add(Vec3 v) {
     for (const double component : {v.x, v.y, v.z}) add(static_cast<T>(component));

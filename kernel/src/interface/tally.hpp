@@ -13,15 +13,15 @@ namespace plumb::detail {
 /// A solver whose tally is spent no longer cuts what it cannot solve. It tries once more, as simply as it
 /// can, and counts as unsolved what fails.
 struct Tally : StepReport {
-  std::uint64_t most_work = std::numeric_limits<std::uint64_t>::max();  ///< Bound of work().
-  std::uint64_t taken_back = 0;  ///< Work of tries that were taken back, Newton steps left out.
+  std::uint64_t most_work = std::numeric_limits<std::uint64_t>::max();  ///< bound of work()
+  std::uint64_t taken_back = 0;  ///< work of tries that were taken back, Newton steps left out
 
   std::uint64_t work() const { return taken_back + newton + block_sweeps + direct_substeps + halvings; }
   bool is_spent() const { return work() >= most_work; }
   /// Says whether a substep was taken in a way that shorter ones would hardly improve.
   bool has_given_up() const { return unsolved + elastic_substeps > 0; }
 
-  /// A tally of its own for what may be taken back, with the work that is left here.
+  /// Returns a tally of its own for what may be taken back, with the work that is left here.
   Tally begin_try() const {
     Tally tried;
     tried.most_work = most_work - std::min(work(), most_work);

@@ -6,10 +6,11 @@
 
 #include "plumb/vec3.hpp"
 
-/// Places by their weights on four points.
+/// This file describes places by their weights on four points.
 namespace plumb::detail {
 
-/// Six times the volume of the tetrahedron, relative to its longest edge cubed; 0 if all are in one place.
+/// Returns six times the volume of the tetrahedron, relative to its longest edge cubed. It is 0 if all points
+/// are in one place.
 inline double relative_volume(const std::array<Vec3, 4>& p) {
   double longest = 0;
   for (std::size_t i = 0; i < 4; ++i)
@@ -18,7 +19,7 @@ inline double relative_volume(const std::array<Vec3, 4>& p) {
   return longest > 0 ? std::abs(volume) / (longest * longest * longest) : 0;
 }
 
-/// The weights of a place on four points that do not lie in one plane are linear in the place.
+/// Gives the weights of a place on four points that do not lie in one plane. They are linear in the place.
 class Barycentric {
  public:
   explicit Barycentric(const std::array<Vec3, 4>& p) : origin_(p[0]) {
@@ -28,7 +29,7 @@ class Barycentric {
     gradient_[0] -= gradient_[1] + gradient_[2] + gradient_[3];
   }
 
-  /// 1/m.
+  /// Returns the gradients of the four weights, in 1/m.
   const std::array<Vec3, 4>& gradients() const { return gradient_; }
   std::array<double, 4> weights(Vec3 place) const {
     std::array<double, 4> out{1};

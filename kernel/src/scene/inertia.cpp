@@ -75,11 +75,12 @@ MassProperties solid_capsule(double mass, double radius, double length) {
   require_mass(mass);
   require_size("radius", radius);
   require_size("length", length);
-  // Masses as volumes: pi r^2 L of the cylinder, 4/3 pi r^3 of the two caps together.
+  // The mass is divided in proportion to volume: pi r^2 L of the cylinder, 4/3 pi r^3 of the two caps
+  // together.
   const double caps = mass * (4 * radius / 3) / (length + 4 * radius / 3);
   const MassProperties cylinder = solid_cylinder(mass - caps, radius, length);
   const MassProperties sphere = solid_sphere(caps, radius);
-  // A cap's centre of mass is 3r/8 from its flat side; its inertia about that side's middle is half the
+  // A cap's centre of mass is 3r/8 from its flat side. Its inertia about that side's middle is half the
   // sphere's.
   const double to_cap = length / 2 + 3 * radius / 8;
   const double across = cylinder.inertia.yy + sphere.inertia.yy +
@@ -104,7 +105,7 @@ std::array<PointMass, 4> four_points(const MassProperties& body) {
     refuse("inertia is that of no body: a second moment of its mass is negative (", second.moment[0],
            " kg m^2)");
   }
-  std::array<Vec3, 3> reach;  // the standard deviation of the mass along each axis
+  std::array<Vec3, 3> reach;  // standard deviation of the mass along each axis, m
   for (std::size_t k = 0; k < 3; ++k)
     reach[k] = std::sqrt(std::max(second.moment[k], 0.0) / body.mass) * second.axis[k];
   const auto corner = [&](double x, double y, double z) {

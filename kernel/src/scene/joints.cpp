@@ -30,7 +30,7 @@ Vec3 unit_axis(Vec3 axis, const char* name) {
   return (1 / length) * axis;
 }
 
-/// Three directions of length one at right angles; x is that given, of length one.
+/// Holds three unit vectors at right angles, of which x is given.
 struct Axes {
   Vec3 x, y, z;
 };
@@ -44,7 +44,8 @@ Axes axes_along(Vec3 x) {
   return {x, y, cross(x, y)};
 }
 
-/// Of a body, as long as its radius of gyration: neither lost beside its places nor beside its size.
+/// Returns a direction on a body, as long as its radius of gyration (m). That length is lost neither beside
+/// the body's places nor beside its size.
 Direction direction_on_body(const Scene& scene, std::uint32_t body, Vec3 position, Vec3 unit) {
   const auto& [particles, mass, center, inertia] = scene.bodies[body];
   const double size = std::sqrt((inertia.xx + inertia.yy + inertia.zz) / (2 * mass));

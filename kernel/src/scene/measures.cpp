@@ -14,8 +14,9 @@ void require_size(const char* what, std::size_t size, std::size_t expected) {
                    std::to_string(size));
 }
 
-/// f(mass, a, b) for every entry of the mass matrix that a movable particle has a part in, in kg; for a != b
-/// both entries at once. What a fixed particle carries alone does not move and is left out.
+/// Calls f(mass, a, b) for every entry (kg) of the mass matrix in which a movable particle has a part. For a
+/// != b the two equal entries come as one sum. What a fixed particle carries alone does not move and is left
+/// out.
 template <class F>
 void for_masses(const Scene& scene, MassModel model, F&& f) {
   const auto movable = [&](std::uint32_t i) { return !scene.particles[i].fixed; };
@@ -51,8 +52,8 @@ Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
     const double length = rod_length(scene, i);
     const double strain = (norm(positions[rod.b] - positions[rod.a]) - length) / length;
     sum_of_squares += strain * strain;
-    // The first NaN stays: it compares false with everything, and a maximum that dropped it would hide a rod
-    // gone bad.
+    // The first NaN stays, because it compares false with everything. A maximum that dropped it would hide a
+    // rod that has no finite strain.
     if (!(std::abs(strain) <= result.max) && !std::isnan(result.max)) {
       result.max = std::abs(strain);
       result.max_rod = static_cast<std::uint32_t>(i);

@@ -8,8 +8,8 @@
 namespace plumb::detail {
 namespace {
 
-/// J: one row per rod, its unit direction on the three columns of b and against those of a. Fixed ends are
-/// left out.
+/// Returns J, in which each rod has a row. Its unit direction stands in the three columns of b, and the
+/// opposite in those of a. Fixed ends are left out.
 Eigen::SparseMatrix<double> stretching_rates(const Scene& scene, std::span<const double> inverse_masses) {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(6 * scene.rods.size());
@@ -45,9 +45,9 @@ double project_velocities(const Scene& scene, std::span<const double> inverse_ma
   const Eigen::VectorXd pull = rates * v;
   if (pull.squaredNorm() == 0) return 0;
 
-  // Scaled to a diagonal of ones, so that light particles do not drown heavy ones. Redundant rods make the
-  // matrix singular; a small ridge makes it definite again, and refinement takes the ridge's error out of
-  // every direction that a rod can pull in.
+  // The matrix is scaled to a diagonal of ones, so that light particles do not drown heavy ones. Redundant
+  // rods make it singular, and a small ridge makes it definite again. Refinement takes the ridge's error out
+  // of every direction in which a rod can pull.
   Eigen::SparseMatrix<double> matrix = rates * inverse_mass.asDiagonal() * rates.transpose();
   const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   matrix = scale.asDiagonal() * matrix * scale.asDiagonal();

@@ -14,7 +14,7 @@ std::string written(auto number, Format... format) {
   return std::string(characters, end);
 }
 
-/// Six digits, as streams write by default.
+/// Writes a number with six digits, as streams do by default.
 std::string written_briefly(double number) {
   return written(number, std::chars_format::general, 6);
 }

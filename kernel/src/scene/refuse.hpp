@@ -10,8 +10,8 @@
 
 namespace plumb::detail {
 
-/// A part of a message: text, or a number as a stream would write it in the classic locale. A program's own
-/// locale must not change messages, and streams in every file would cost much to compile.
+/// This is a part of a message: text, or a number as a stream would write it in the classic locale. A
+/// program's own locale must not change messages, and streams in every file would cost much to compile.
 class MessagePart {
  public:
   MessagePart(std::string_view text) : text_(text) {}

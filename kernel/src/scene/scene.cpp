@@ -130,11 +130,11 @@ double rod_length(const Scene& scene, std::size_t i) {
 
 RodMass rod_mass(const Scene& scene, std::size_t i, MassModel model) {
   const Rod& rod = scene.rods[i];
-  const double first = rod.mass * rod.center;  // integral of s over the mass
+  const double first = rod.mass * rod.center;  // the integral of s over the mass, s from 0 at a to 1 at b
   if (model == MassModel::lumped) return {.aa = rod.mass - first, .ab = 0, .bb = first};
   const double length = rod_length(scene, i);
   const double about_center = rod.inertia ? *rod.inertia / (length * length) : rod.mass / 12;
-  const double second = first * rod.center + about_center;  // integral of s^2
+  const double second = first * rod.center + about_center;  // the integral of s^2 over the mass
   return {.aa = rod.mass - 2 * first + second, .ab = first - second, .bb = second};
 }
 

@@ -8,7 +8,7 @@
 
 namespace plumb::detail {
 
-/// A scene's particles and rods as layouts see them.
+/// Shows a scene's particles and rods as layouts see them.
 struct SceneGraph {
   explicit SceneGraph(const Scene& scene) {
     edges.reserve(scene.rods.size());
@@ -17,7 +17,7 @@ struct SceneGraph {
     for (const Particle& particle : scene.particles) movable.push_back(!particle.fixed);
   }
 
-  /// Valid while this object lives.
+  /// Returns a view that is valid while this object lives.
   layouts::Graph view() const { return {static_cast<std::uint32_t>(movable.size()), edges, movable}; }
 
   std::vector<layouts::Edge> edges;

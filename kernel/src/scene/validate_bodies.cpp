@@ -14,7 +14,8 @@
 namespace plumb::detail {
 namespace {
 
-/// How far numbers that must add up to one, or be of length one, may be off.
+/// Sums that must be one, and lengths that must be one, may be off by this much. A larger value accepts
+/// scenes whose joints start with larger errors.
 constexpr double rounding = 1e-9;
 
 bool is_amount(double value) {
@@ -78,7 +79,7 @@ void validate_pin(const Scene& scene, std::size_t i) {
   if (!moves(scene, pin.a) && !moves(scene, pin.b)) refuse(name, ": all its particles are fixed");
 }
 
-/// Its length, in m.
+/// Checks a direction and returns its length, in m.
 double validate_direction(const Scene& scene, const Direction& direction, const std::string& name) {
   validate_point(scene, direction.from, name + ".from");
   validate_point(scene, direction.to, name + ".to");
@@ -181,7 +182,8 @@ void require_solid(std::size_t i, const MassProperties& properties) {
     refuse("body ", i, ": mass must be positive and finite, got ", mass, " kg");
   if (!is_finite(center)) refuse("body ", i, ": center of mass is not finite");
   if (!is_finite(inertia)) refuse("body ", i, ": inertia is not finite");
-  // What is flat to rounding is flat: four particles could not be told from three.
+  // A body that is flat to rounding is refused as flat, because its mass matrix could not be told from that
+  // of three particles.
   const auto moment = principal_axes(second_moments(inertia)).moment;
   if (!(moment[2] > 0 && moment[0] > 1e-12 * moment[2])) {
     refuse("body ", i,

@@ -12,7 +12,7 @@ Anchors::Anchors(const Scene& scene, std::size_t solvers)
     positions_.push_back(particle.position);
   }
   targets_ = positions_;
-  // Steps that move anchors allocate nothing.
+  // The space is reserved here, so that steps that move anchors allocate nothing.
   moving_.reserve(static_cast<std::size_t>(std::count(fixed_.begin(), fixed_.end(), std::uint8_t{1})));
   concerned_.reserve(solvers);
   settling_.reserve(solvers);

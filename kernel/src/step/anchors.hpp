@@ -9,27 +9,27 @@
 
 namespace plumb::detail {
 
-/// Where fixed particles are, and where they go in the next step.
+/// Knows where fixed particles are, and where they go in the next step.
 class Anchors {
  public:
   Anchors(const Scene& scene, std::size_t solvers);
 
   bool is_fixed(std::uint32_t particle) const { return fixed_[particle] != 0; }
   Vec3 position(std::uint32_t particle) const { return positions_[particle]; }
-  /// Some anchor moves in the next step, or has stopped after the last.
+  /// Returns whether some anchor moves in the next step, or has stopped after the last.
   bool any_paths() const { return !moving_.empty() || !settling_.empty() || !concerned_.empty(); }
 
   void set_target(std::uint32_t particle, Vec3 target);
 
-  /// f(place) for every place of an anchor that leaves where it is.
+  /// Calls f(place) for every place of an anchor that will leave where it is.
   template <class F>
   void for_moving_places(const Places& places, F&& f) const {
     for (const std::uint32_t particle : moving_)
       if (targets_[particle] != positions_[particle])
         for (const Place place : places.of(particle)) f(place);
   }
-  /// Tells solvers the paths of a step of dt (s), and once it is done puts the anchors at their targets,
-  /// exactly, without the rounding of the way.
+  /// Tells solvers the paths of a step of dt (s). Once it is done, puts the anchors at their targets exactly,
+  /// without the rounding of the way.
   void begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
   void end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
 
@@ -37,7 +37,7 @@ class Anchors {
   void concern(std::uint32_t solver);
 
   std::vector<std::uint8_t> fixed_;
-  std::vector<Vec3> positions_, targets_;  ///< m; of movable particles unused
+  std::vector<Vec3> positions_, targets_;  ///< m, by particle; entries of movable ones are unused
   std::vector<std::uint8_t> has_target_;
   std::vector<std::uint32_t> moving_;     ///< particles with a target of their own
   std::vector<std::uint32_t> concerned_;  ///< solvers that learn of paths in this step

@@ -12,7 +12,7 @@
 
 namespace plumb::detail {
 
-/// A setting that not every method reads.
+/// Names a setting that not every method reads.
 enum class Reads : std::uint32_t {
   precision = 1u << 0,
   gradient = 1u << 1,
@@ -39,7 +39,7 @@ constexpr bool contains(Reads all, Reads one) {
   return (static_cast<std::uint32_t>(all) & static_cast<std::uint32_t>(one)) != 0;
 }
 
-/// A setting of that table: its name, and whether settings give it a value of its own.
+/// Describes a setting of that table: its name, and whether given settings differ from the default in it.
 struct SettingRow {
   Reads id;
   std::string_view name;
@@ -47,8 +47,8 @@ struct SettingRow {
 };
 std::span<const SettingRow> setting_rows();
 
-/// One method: what it is called, what it moves, which settings it reads, what it refuses and why. Help
-/// texts, validation, `plumb info` and the documentation read the table; a new method is one file and one
+/// Describes one method: its name, what it moves, which settings it reads, what it refuses and why. Help
+/// texts, validation, `plumb info` and the documentation read the table. A new method is one file and one
 /// row.
 struct MethodRow {
   Method method;
@@ -56,19 +56,20 @@ struct MethodRow {
   std::string_view moves;  ///< in words, for the documentation
   Reads reads;
   bool moves_joints = false;  ///< bodies, joints, air, shapes that touch
-  /// Refuses settings that make no sense together; may be null.
+  /// Refuses settings that make no sense together. It may be null.
   void (*validate)(const Settings& settings) = nullptr;
-  /// Makes the solvers of a scene's islands of particles and rods; null for automatic, which chooses.
+  /// Makes the solvers of a scene's islands of particles and rods. It is null for automatic, which chooses
+  /// among the others.
   std::vector<MadeSolver> (*make)(const Scene& scene, const IslandSets& sets, const Settings& settings,
                                   StartReport& report) = nullptr;
 };
 
-/// All methods, in the order of Method; those of plumb::reference once they are registered.
+/// Returns all methods in the order of Method. Those of plumb::reference are there once they are registered.
 std::span<const MethodRow> method_rows();
-/// Throws InputError on a method that is not registered.
+/// Returns the row of a method. Throws InputError if the method is not registered.
 const MethodRow& method_row(Method method);
-/// Adds a row, or replaces that of the same method. It is all that a shared plumb shows of its inside, for
-/// plumb::reference.
+/// Adds a row, or replaces that of the same method. It is the only internal function that a shared plumb
+/// exports, for plumb::reference.
 PLUMB_API void register_method(const MethodRow& row);
 
 }  // namespace plumb::detail

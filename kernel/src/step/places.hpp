@@ -6,7 +6,7 @@
 
 namespace plumb::detail {
 
-/// Where a particle's numbers are.
+/// Says where a particle's numbers are: the solver, and the slot in it.
 struct Place {
   std::uint32_t solver;
   std::uint32_t slot;
@@ -14,8 +14,8 @@ struct Place {
   friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// From particles to places. A fixed particle has a place in every island that hangs from it, and none if
-/// nothing does. Movable particles have one at least; lanes that repeat an island are further ones.
+/// Leads from particles to places. A fixed particle has a place in every island that hangs from it, and none
+/// if nothing does. A movable particle has at least one; lanes that repeat an island add further ones.
 class Places {
  public:
   struct Entry {
@@ -24,10 +24,10 @@ class Places {
   };
 
   Places() = default;
-  /// Places of a particle keep the order of `entries`. Linear time.
+  /// Sorts the entries by particle in linear time. The places of a particle keep the order of `entries`.
   Places(std::uint32_t particles, std::span<const Entry> entries);
 
-  /// All places of a particle.
+  /// Returns all places of a particle.
   std::span<const Place> of(std::uint32_t particle) const {
     return std::span(places_).subspan(begin_[particle], begin_[particle + std::size_t{1}] - begin_[particle]);
   }

@@ -23,7 +23,7 @@ void validate_isa(Isa isa) {
   refuse("this machine or build does not run instruction set ", to_string(isa), "; it runs ", list);
 }
 
-// Negated comparisons, so that NaN is refused too.
+// The comparisons are negated, so that they refuse NaN too.
 void require_positive(std::string_view name, double value, std::string_view unit) {
   if (!(value > 0 && std::isfinite(value))) refuse(name, " must be positive and finite, got ", value, unit);
 }
@@ -43,7 +43,7 @@ void validate_contact(const ContactSettings& contact) {
   require_not_negative("sleep speed", contact.sleep_speed, " m/s");
 }
 
-/// Refuses by name what the method does not read, and says who does.
+/// Refuses by name what the method does not read, and says which methods read it.
 void validate_reads(const Settings& settings, const detail::MethodRow& method) {
   for (const detail::SettingRow& row : detail::setting_rows()) {
     if (contains(method.reads, row.id) || !row.is_set(settings)) continue;
@@ -97,8 +97,7 @@ MassModel mass_model_of(const Settings& settings) {
   return settings.mass.value_or(settings.method == Method::relax ? MassModel::lumped : MassModel::consistent);
 }
 
-// The names are those of the command line. No switch has a default, so that the compiler names a missing
-// case.
+// Names are those of the command line. No switch has a default, so that the compiler reports a missing case.
 
 std::string_view to_string(Method method) {
   switch (method) {
@@ -115,7 +114,7 @@ std::string_view to_string(Method method) {
     case Method::featherstone:
       return "featherstone";
   }
-  for (const detail::MethodRow& row : detail::method_rows())  // of a program's own
+  for (const detail::MethodRow& row : detail::method_rows())  // methods that a program registered itself
     if (row.method == method) return row.name;
   return "unknown";
 }

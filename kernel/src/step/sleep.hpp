@@ -8,17 +8,17 @@
 
 namespace plumb::detail {
 
-/// A piece of a solver, which one thread takes through a step.
+/// Names a piece of a solver, which one thread takes through a step.
 struct Task {
   std::uint32_t solver, piece;
-  double still_time = 0;  ///< s, for how long it has not moved but by rounding
+  double still_time = 0;  ///< s, for how long it has moved by rounding only
   bool is_still = false;  ///< after this step
   bool asleep = false;
 };
 
-/// Which pieces stand still. A piece whose particles have only moved by rounding for Settings::sleep_time
-/// stands: its velocities are zero, and a step would lead back to where it is. Sleeping is not to compute
-/// that step. A force, an anchor that moves, or new settings wake it.
+/// Decides which pieces stand still. A piece sleeps once its particles have moved by rounding only for
+/// Settings::sleep_time. Its velocities are then zero, and a step would lead back to where it is, so it is
+/// not computed. A force, an anchor that moves, or new settings wake it.
 ///
 /// Islands that may touch sleep by speed, as their solver decides (contact/clusters.hpp).
 class Sleep {
@@ -29,7 +29,7 @@ class Sleep {
   bool all_asleep() const { return awake_ == 0; }
   std::uint32_t awake_tasks() const { return awake_; }
 
-  /// m/s, below which a piece's motion is rounding.
+  /// Returns the speed (m/s) below which a piece's motion is rounding.
   double rounding_speed(const Solver& solver, std::uint32_t piece) const {
     return relative_speed_ * solver.size(piece);
   }
@@ -39,7 +39,8 @@ class Sleep {
 
   void wake(std::span<const std::unique_ptr<Solver>> solvers, Place place);
   void wake_all(std::span<const std::unique_ptr<Solver>> solvers);
-  /// After a step of dt: puts to rest what stood still for long enough. Returns how many islands that were.
+  /// Ends a step of dt (s): puts to rest what stood still for long enough. Returns how many islands that
+  /// were.
   std::uint32_t settle(std::span<const std::unique_ptr<Solver>> solvers, double dt);
 
  private:
@@ -48,8 +49,8 @@ class Sleep {
   std::vector<Task> tasks_;
   std::vector<std::uint32_t> first_task_;  ///< by solver
   std::uint32_t awake_ = 0;
-  double relative_speed_ = 0;  ///< 1/s
-  double sleep_time_ = 0;      ///< s
+  double relative_speed_ = 0;  ///< 1/s: a piece's speed of rounding per metre of its size
+  double sleep_time_ = 0;      ///< time (s) of standing still before a piece sleeps
 };
 
 }  // namespace plumb::detail

@@ -7,15 +7,15 @@
 
 namespace plumb::detail {
 
-// One step of the world. What happens to particles within a substep (predict, project or solve, correct
-// velocities) is the solvers' own, since each does it on its own numbers; it is part of `solve` here.
+// The list says what one step of the world does. Predicting, projecting or solving, and correcting velocities
+// belong to the solvers, since each does them on its own numbers. They are part of `solve` here.
 //
-//   wake      anchors that will move wake what hangs from them and get their velocities
-//   collide   islands that may touch within the step become clusters; the rest stay with their solvers
-//   solve     every piece that is awake goes through the step: by equal substeps, or by as many as its
-//             estimated error allows; pieces share nothing and go to whichever thread is free
-//   sleep     pieces that have only moved by rounding for long enough stand still from now on
-//   measure   what was done and what was skipped is added up; anchors stand where they were sent
+// - wake: Anchors that will move wake what hangs from them, and get their velocities.
+// - collide: Islands that may touch within the step become clusters. The rest stay with their solvers.
+// - solve: Every piece that is awake goes through the step by equal substeps, or by as many as its estimated
+//   error asks for. Pieces share nothing and go to whichever thread is free.
+// - sleep: Pieces that have only moved by rounding for long enough stand still from now on.
+// - measure: What was done and what was skipped is added up. Anchors stand where they were sent.
 const Step::Stage Step::all_stages[] = {
     {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact}, {&Step::solve, &Step::always},
     {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
@@ -39,7 +39,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
   rules_.most_work = settings.most_work;
-  // One particle alone has no length for an error to be relative to.
+  // A scene of one particle has no length for an error to be relative to, so its accuracy is not used.
   const double diagonal = bounding_diagonal(scene);
   if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
   sleep_.start(compiled_.solvers, settings);
@@ -143,7 +143,7 @@ void Step::measure(StepReport& report) {
 
 bool Step::uses_threads() const {
   if (workers_.size() == 1) return false;
-  std::uint32_t solved = 0;  // pieces that do not sweep
+  std::uint32_t solved = 0;  // counts pieces that do not sweep
   for (const auto& solver : compiled_.solvers)
     if (solver->takes_accuracy() && !solver->has_changing_pieces() && !solver->sweeps()) ++solved;
   const double projections =
@@ -188,7 +188,7 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 
 // --- Reading
 
-/// Where a particle is moved now; null for a fixed one from which nothing hangs.
+/// Returns where a particle is moved now, or null for a fixed one from which nothing hangs.
 const Place* Step::place_of(std::uint32_t particle) const {
   const auto places = compiled_.places.of(particle);
   if (places.empty()) return nullptr;

@@ -12,15 +12,16 @@
 
 namespace plumb::detail {
 
-/// A compiled scene and its step.
+/// Holds a compiled scene and steps it.
 class Step {
  public:
-  /// Throws InputError if the settings' method cannot move the scene. Both are validated before.
+  /// Compiles the scene, which is valid already, as are the settings. Throws InputError if the settings'
+  /// method cannot move it.
   Step(const Scene& scene, const Settings& settings);
 
-  /// Advances by dt seconds; see step.cpp for its stages.
+  /// Advances by dt (s) through the stages that step.cpp lists.
   StepReport run(double dt);
-  /// Throws what the executor threw in the last step, which was done all the same.
+  /// Throws what the executor threw in the last step. That step was done all the same.
   void rethrow_executor_failure() { workers_.team().rethrow_failure(); }
 
   void set_stop_rule(const StopRule& rule);
@@ -34,7 +35,7 @@ class Step {
   const WorldInfo& info() const { return compiled_.info; }
 
  private:
-  /// A line of the step: what it does, and whether this scene needs it.
+  /// This is a line of the step: what it does, and whether this scene needs it.
   struct Stage {
     void (Step::*run)(StepReport& report);
     bool (Step::*is_needed)() const;
@@ -64,10 +65,10 @@ class Step {
   Sleep sleep_;
   TimeRules rules_;
   std::vector<Stage> stages_;           ///< those that this scene needs
-  double dt_ = 0;                       ///< s, of this step
-  std::vector<StepReport> reports_;     ///< by part of the team
-  std::vector<std::uint32_t> visited_;  ///< solvers with a piece that is awake, in this step
-  std::vector<std::uint32_t> active_;   ///< tasks that are shared by parts, in this step
+  double dt_ = 0;                       ///< length of this step, s
+  std::vector<StepReport> reports_;     ///< one for each part of the team
+  std::vector<std::uint32_t> visited_;  ///< solvers with a piece that is awake in this step
+  std::vector<std::uint32_t> active_;   ///< tasks that parts share in this step
 };
 
 }  // namespace plumb::detail

@@ -14,7 +14,7 @@ using detail::refuse;
 
 namespace {
 
-/// The shortest substep (s) whose square, and the farthest coordinate (m) whose square, the precision holds
+/// These are the shortest substep (s) and the farthest coordinate (m). Their squares still fit the precision,
 /// with room for masses and forces.
 double shortest_substep(Precision precision) {
   return precision == Precision::single ? 1e-15 : 1e-100;

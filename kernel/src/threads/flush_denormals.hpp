@@ -6,10 +6,10 @@
 
 namespace plumb::detail {
 
-/// While it lives, numbers below the normal range (1e-38 in float) count as zero on this thread.
+/// Makes numbers below the normal range (1e-38 in float) count as zero on this thread while it lives.
 ///
-/// Corrections halve from rod to rod away from where they start, so long chains are full of such numbers, and
-/// a processor takes a hundred times as long for each. All instruction sets run under it, so bits stay the
+/// Corrections halve from rod to rod away from where they start, so long chains are full of such numbers. A
+/// processor takes a hundred times as long for each. All instruction sets run under it, so bits stay the
 /// same.
 class FlushDenormals {
  public:

@@ -9,7 +9,7 @@
 namespace plumb::detail {
 namespace {
 
-/// Waits a little longer at every call: first inside the processor, then by giving the core away, for
+/// Waits a little longer at every call. It first pauses inside the processor, then gives the core away, for
 /// machines with fewer cores than threads.
 class Spin {
  public:
@@ -48,7 +48,8 @@ void Team::lead_erased(Executor* executor, Program program, void* context) {
         size_, [](void* team, unsigned) { static_cast<Team*>(team)->task(); }, this);
   } catch (...) {
     failure_ = std::current_exception();
-    if (!has_leader_.load(std::memory_order_acquire)) task();  // the program runs all the same, alone
+    if (!has_leader_.load(std::memory_order_acquire))
+      task();  // the executor failed to run a task, and the program runs alone
   }
   active_ = false;
 }
@@ -83,7 +84,8 @@ void Team::help(unsigned helper) {
 }
 
 bool Team::try_part(unsigned part, std::uint64_t phase) {
-  // Claims succeed only in the phase that is under way: once a phase is over, all its parts bear its number.
+  // A claim succeeds only in the phase that is under way. Once a phase is over, all its parts bear its
+  // number.
   std::uint64_t last = lanes_[part].claimed.load(std::memory_order_relaxed);
   if (last >= phase || !lanes_[part].claimed.compare_exchange_strong(last, phase, std::memory_order_acq_rel))
     return false;

@@ -9,14 +9,14 @@
 
 namespace plumb::detail {
 
-/// Threads that work through a sequence of parallel phases with a spinning wait between them, on any
-/// Executor.
+/// Runs threads through a sequence of parallel phases with a spinning wait between them, on any Executor.
 ///
-/// Whichever task of Executor::run starts first becomes the leader and runs a straight program; it calls
+/// Whichever task of Executor::run starts first becomes the leader and runs a straight program, which calls
 /// for_parts() where there is work to share. Other tasks help while it lasts and claim parts that nobody has
-/// begun; the leader takes what is left. Neither the program nor parts may throw. Nobody ever waits for a
-/// task that has not started, so an executor that runs its tasks one after the other only loses speed. Inside
-/// lead(), denormal numbers count as zero on every thread.
+/// begun. The leader takes what is left. Neither the program nor parts may throw.
+///
+/// Nobody ever waits for a task that has not started, so an executor that runs its tasks one after the other
+/// only loses speed. Inside lead(), denormal numbers count as zero on every thread.
 class Team {
  public:
   static constexpr unsigned max_size = 64;
@@ -36,7 +36,8 @@ class Team {
   /// Throws what the executor threw in the last lead(), in which the program ran all the same.
   void rethrow_failure();
 
-  /// Inside lead(): calls f(part) for every part in [0, parts()), in parallel, and returns when all are done.
+  /// Calls f(part) for every part in [0, parts()), in parallel, and returns when all are done. It may be
+  /// called inside lead() only.
   template <class F>
   void for_parts(F&& f) {
     using G = std::remove_reference_t<F>;
@@ -44,8 +45,8 @@ class Team {
   }
   unsigned parts() const { return active_ ? size_ : 1; }
 
-  /// Inside lead(): calls f(i, part) for every i in [0, n): each part works through a range of its own,
-  /// then helps others. No two calls with the same part run at once.
+  /// Calls f(i, part) for every i in [0, n). Each part works through a range of its own, then helps others.
+  /// No two calls with the same part run at once. It may be called inside lead() only.
   template <class F>
   void for_each(std::uint32_t n, F&& f) {
     const unsigned count = parts();
@@ -61,7 +62,7 @@ class Team {
     });
   }
 
-  /// First of the n items that belongs to `part` of `count`.
+  /// Returns the first of n items that belongs to `part` of `count`.
   static std::uint32_t begin_of(std::uint32_t n, unsigned part, unsigned count) {
     return static_cast<std::uint32_t>(std::uint64_t{n} * part / count);
   }
@@ -77,8 +78,8 @@ class Team {
   bool try_part(unsigned part, std::uint64_t phase);
 
   struct alignas(64) Lane {
-    std::atomic<std::uint64_t> claimed{0};  ///< the last phase in which this part was taken
-    std::atomic<std::uint32_t> next{0};     ///< of for_each
+    std::atomic<std::uint64_t> claimed{0};  ///< number of the last phase in which this part was taken
+    std::atomic<std::uint32_t> next{0};     ///< next item of this part's range in for_each()
   };
 
   unsigned size_;

@@ -9,7 +9,7 @@
 namespace plumb {
 namespace {
 
-/// Threads that sleep between runs; `run` allocates nothing.
+/// Keeps threads that sleep between runs. `run` allocates nothing.
 class ThreadExecutor final : public Executor {
  public:
   explicit ThreadExecutor(unsigned threads)
@@ -30,7 +30,7 @@ class ThreadExecutor final : public Executor {
   unsigned concurrency() const override { return concurrency_; }
 
   void run(unsigned n, Task task, void* context) override {
-    const std::lock_guard turn(turn_);  // of callers that share this executor
+    const std::lock_guard turn(turn_);  // callers that share this executor take turns
     std::unique_lock lock(mutex_);
     task_ = task;
     context_ = context;
@@ -72,7 +72,7 @@ class ThreadExecutor final : public Executor {
 
   unsigned concurrency_;
   std::mutex turn_;
-  std::mutex mutex_;  ///< guards all that follows
+  std::mutex mutex_;  ///< guards all members that follow
   std::condition_variable changed_;
   bool stopping_ = false;
   Task task_ = nullptr;

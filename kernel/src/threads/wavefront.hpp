@@ -7,25 +7,26 @@
 
 namespace plumb::detail {
 
-/// Which positions a sweep visits within (stages inside a position) and across (to the next position).
+/// Says which positions a sweep visits, for stages inside a position and for stages across to the next one.
 struct SweepBounds {
   std::int64_t within_begin, within_end, across_begin, across_end;
 };
 
-/// Sweeps in flight in a wavefront at most: each keeps two more positions in cache.
+/// At most this many sweeps are in flight in a wavefront. Each further one keeps two more positions in cache.
 inline constexpr std::int64_t sweeps_in_flight = 8;
 
-/// Pipelines sweeps over a line of positions so that each is worked on by many sweeps while it is in cache,
-/// with the result of one sweep after the other. Sweep s + 1 may visit position q once sweep s has joined q
-/// to both its neighbours. It follows two positions behind, not one: a vector shifted by a lane is stored
-/// across two of the vectors loaded next, and a processor loads those only once the store has left for the
-/// cache.
+/// Pipelines sweeps over a line of positions, so that many sweeps work on each position while it is in cache.
+/// The result is that of one sweep after the other.
 ///
-/// `bounds(s)` gives what sweep s visits, for at most sweeps_in_flight sweeps; `within(q)` and `across(q)` do
+/// Sweep s + 1 may visit position q once sweep s has joined q to both its neighbours. It follows two
+/// positions behind, not one. A vector shifted by a lane is stored across two of the vectors that are loaded
+/// next. A processor loads those only once the store has left for the cache.
+///
+/// `bounds(s)` gives what sweep s visits, for at most sweeps_in_flight sweeps. `within(q)` and `across(q)` do
 /// the work.
 template <class Bounds, class Within, class Across>
 void run_wavefront(std::int64_t sweeps, const Bounds& bounds, const Within& within, const Across& across) {
-  std::array<SweepBounds, sweeps_in_flight> at{};  // as steps of the wavefront instead of positions
+  std::array<SweepBounds, sweeps_in_flight> at{};  // counted in steps of the wavefront instead of positions
   std::int64_t begin = std::numeric_limits<std::int64_t>::max(),
                end = std::numeric_limits<std::int64_t>::min();
   for (std::int64_t s = 0; s < sweeps; ++s) {
@@ -43,8 +44,8 @@ void run_wavefront(std::int64_t sweeps, const Bounds& bounds, const Within& with
   }
 }
 
-/// What one thread may do with positions [cut_begin, cut_end) alone: at each inner cut every sweep visits one
-/// position less, so that nothing is read that another thread changes.
+/// Says what one thread may do alone with positions [cut_begin, cut_end). At each inner cut every sweep
+/// visits one position less, so that nothing is read that another thread changes.
 struct Trapezoid {
   std::int64_t cut_begin, cut_end;
   bool first, last;
@@ -55,14 +56,14 @@ struct Trapezoid {
   }
 };
 
-/// What is left to do around an inner cut once the threads on both sides are through.
+/// Says what is left to do around an inner cut once the threads on both sides are through.
 struct CutTriangle {
   std::int64_t cut;
 
   SweepBounds operator()(std::int64_t s) const { return {cut - s, cut + s, cut - 1 - s, cut + s}; }
 };
 
-/// Longest run of sweeps whose trapezoids leave every thread some work.
+/// Returns the longest run of sweeps whose trapezoids leave every thread some work.
 inline std::int64_t sweeps_between_barriers(std::int64_t positions, std::int64_t threads) {
   return (positions / threads - 2) / 2;
 }

@@ -9,8 +9,8 @@
 
 namespace plumb::detail {
 
-/// The threads that settings ask for: a team on the caller's executor, or on one of its own if there is more
-/// than one thread.
+/// Holds the threads that settings ask for: a team on the caller's executor, or on one of its own if there is
+/// more than one thread.
 class Workers {
  public:
   explicit Workers(const Settings& settings)
@@ -23,7 +23,8 @@ class Workers {
   unsigned size() const { return team_.size(); }
   Team& team() { return team_; }
 
-  /// Runs `program()`, which may share its work in team(), with the others if `together`, else alone.
+  /// Runs `program()`, which may share its work in team(). The other threads take part if `together`; else it
+  /// runs alone.
   template <class Program>
   void lead(bool together, Program&& program) {
     team_.lead(together ? executor_ : nullptr, std::forward<Program>(program));

@@ -12,14 +12,16 @@
 
 namespace plumb::detail {
 
-/// The windows of a step: runs of `length` substeps (even), some of which are also taken by half as many.
+/// Divides a step into windows of `length` substeps, an even number. Some windows are also taken by half as
+/// many substeps, to compare.
 struct Windows {
   std::uint32_t count, length;
-  /// The first window is compared: loads or anchors have changed, nothing has moved yet, or a fallback has
-  /// left a velocity.
+  /// The first window is compared. That is needed where loads or anchors have changed, nothing has moved yet,
+  /// or a fallback has left a velocity.
   bool starts_anew;
 
-  /// The last window is compared, and every other before it, so that no event between two is missed by much.
+  /// Returns whether window k is compared: the last one is, and every other before it. No event between two
+  /// of them is then missed by much.
   bool is_compared(std::uint32_t k) const {
     return (starts_anew && k == 0) || (count - 1 - k) % compared_one_of == 0;
   }
@@ -31,8 +33,8 @@ struct Windows {
   static constexpr std::uint32_t compared_one_of = 2;
 };
 
-/// The distance (m) between two sets of positions, three numbers a node in every lane: RMS over the nodes of
-/// the worst lane.
+/// Returns the distance (m) between two sets of positions with three numbers a node in every lane. It is the
+/// root mean square over the nodes of the worst lane.
 inline double largest_distance(std::span<const double> one, std::span<const double> other,
                                std::uint32_t nodes, std::size_t lanes) {
   double worst = 0;
@@ -47,31 +49,35 @@ inline double largest_distance(std::span<const double> one, std::span<const doub
   return std::sqrt(worst / nodes);
 }
 
-/// Steps in as many substeps as keep the estimated error's growth within `allowed`. Times are in seconds.
+/// Takes a step in as many substeps as keep the growth of the estimated error within `allowed`. Times are in
+/// seconds.
 struct AccuracyControl {
-  double allowed;             ///< m/s, growth of the position error
-  std::uint32_t least, most;  ///< substeps of a step
-  std::uint32_t order;        ///< in time
-  bool by_comparison;         ///< compare() estimates errors; otherwise the solver does
+  double allowed;             ///< m/s that the estimated error of positions may grow by
+  std::uint32_t least, most;  ///< bounds of the number of substeps in a step
+  std::uint32_t order;        ///< order in time: errors fall with this power of the substep
+  bool by_comparison;         ///< whether compare() estimates errors; otherwise the solver does
 
   struct Attempt {
-    double error = 0;       ///< m, estimated, of one substep
-    bool is_blind = false;  ///< substeps were cut, so that both ways are more alike than they should be
+    double error = 0;       ///< estimated error of one substep, m
+    bool is_blind = false;  ///< substeps were cut, so that the two ways differ less than their errors
     bool is_final = false;  ///< more substeps would not solve it either
   };
 
-  /// Prepares a step that stability would cut into `cuts` pieces. A change of an anchor's velocity is a blow,
-  /// whose first acceleration grows as substeps shrink, so that errors are compared instead. Two ways that
-  /// are cut into the same pieces are alike, not accurate: the least number of substeps avoids that.
+  /// Prepares a step that stability would cut into `cuts` pieces.
+  ///
+  /// An anchor that changes its velocity strikes a blow, whose first acceleration grows as substeps shrink.
+  /// Errors are therefore compared instead of estimated by the solver. Two ways that are cut into the same
+  /// pieces agree without being accurate, so the least number of substeps is raised until neither is cut.
   void begin_step(bool anchors_changed, std::uint32_t cuts) {
     by_comparison = by_comparison || anchors_changed;
     if (by_comparison) least = std::max(least, 2 * cuts);
   }
 
-  /// Takes a step of `dt`. `substep` holds the length that the last step found best, or 0. Calls
-  /// `advance(h, substeps, counters)`, which returns an Attempt, and `restore()`, which takes it back; of
-  /// attempts taken back only the work counts. Returns false if the work was spent before an attempt ended:
-  /// then all is taken back.
+  /// Takes a step of `dt`. `substep` holds the length that the last step found best, or 0.
+  ///
+  /// Calls `advance(h, substeps, counters)`, which returns an Attempt, and `restore()`, which takes it back.
+  /// Of attempts taken back only the work counts. Returns false if the work was spent before an attempt
+  /// ended; then all is taken back.
   template <class Advance, class Restore>
   bool step(double dt, double& substep, Tally& counters, Advance&& advance, Restore&& restore) const {
     if (substep == 0) substep = dt / first_substeps;
@@ -93,12 +99,12 @@ struct AccuracyControl {
         return false;
       }
       const double rate = std::max(result.error / (h * allowed), result.is_blind ? blind_rate : 0);
-      // The error of a step of order p grows by h^p a second.
+      // The error of a step of order p grows by an amount that is proportional to h^p in a second.
       const double change = root(safety / rate, order);
       substep = std::isnan(change) ? h : h * std::clamp(change, slowest_change, fastest_change);
       const bool accurate = rate <= 1 && !result.is_final;
-      // Shorter steps make an estimate worse where it is rounding, and hardly better after a blow, which no
-      // substep resolves. An attempt that had to be cut does not say how errors fall.
+      // Shorter steps make an estimate worse where it is rounding. They hardly improve it after a blow, which
+      // no substep resolves. An attempt that had to be cut does not say how errors fall.
       const bool stalls = attempt > 2 && !std::isinf(last_rate) && !(rate < last_rate * least_gain);
       const bool hopeless = result.is_final || stalls;
       if (accurate || hopeless || attempt == most_attempts || substeps >= most) {
@@ -115,12 +121,12 @@ struct AccuracyControl {
     }
   }
 
-  /// Takes substeps of h, and some windows of them also by half as many of 2 h. The distance between both
-  /// ends tells the error of the better one (Richardson); the estimate is the mean over compared windows.
+  /// Takes substeps of h, and some windows also by half as many of 2 h. The distance between the two ends
+  /// tells the error of the better one (Richardson). The estimate is the mean over compared windows.
   ///
   /// `moved.advance(h, substeps, counters)` moves and `moved.keep()` marks the start of a window.
-  /// `moved.take_back()` returns there and remembers where it came to. `moved.distance()` is the distance
-  /// from that place, in m.
+  /// `moved.take_back()` returns there and remembers where it came to. `moved.distance()` returns the
+  /// distance (m) from that place.
   template <class Moved>
   Attempt compare(double h, std::uint32_t substeps, bool starts_anew, Moved&& moved, Tally& counters) const {
     Attempt out{.error = 0};
@@ -151,21 +157,25 @@ struct AccuracyControl {
   }
 
  private:
-  /// Errors of first order sit in velocities, and positions show them later: the whole step is one window.
+  /// Errors of first order sit in velocities, and positions show them later. With gradient new the whole step
+  /// is therefore one window.
   Windows windows_of(std::uint32_t substeps, bool starts_anew) const {
     return order == 1 ? Windows{1, substeps, starts_anew} : Windows{substeps / 2, 2, starts_anew};
   }
 
-  /// The control aims at this share of the error allowed, and changes the substep by these factors at most.
-  /// It may double it at once, or two substeps a step would never become one.
+  /// The control aims at this share of the allowed error, and changes the substep by no more than these
+  /// factors. It may double the substep at once, because otherwise two substeps a step would never become
+  /// one.
   static constexpr double safety = 0.7, slowest_change = 0.2, fastest_change = 2;
   static constexpr int most_attempts = 8;
-  /// A third and later attempt must leave at most this share of the error of the one before.
+  /// A third or later attempt must leave at most this share of the error of the one before, or the control
+  /// gives up.
   static constexpr double least_gain = 0.6;
-  /// An error that could not be seen counts as so many times the one allowed: the next substep is about half
-  /// as long.
+  /// An error that could not be seen counts as this many times the allowed one, so that the next substep is
+  /// about half as long.
   static constexpr double blind_rate = 4;
-  /// Substeps of the first step, when nothing is known yet. The estimate shows if they are too few.
+  /// The first step starts with this many substeps, when nothing is known yet. The estimate shows if they are
+  /// too few.
   static constexpr std::uint32_t first_substeps = 4;
 };
 

@@ -7,10 +7,12 @@
 namespace plumb::detail {
 namespace {
 
-/// Substeps between two looks at whether the work is spent.
+/// This many substeps are taken between two looks at whether the work is spent. More overshoot the bound
+/// farther.
 constexpr std::uint32_t substeps_at_once = 64;
 
-/// Advances by `count` substeps, or by fewer if the work is spent before. Returns the largest error estimate.
+/// Advances by `count` substeps, or by fewer if the work is spent before. Returns the largest error estimate,
+/// m.
 double advance_while_work_is_left(Solver& solver, std::uint32_t piece, double h, std::uint32_t count,
                                   unsigned part, Tally& tally) {
   double error = 0;
@@ -22,7 +24,7 @@ double advance_while_work_is_left(Solver& solver, std::uint32_t piece, double h,
   return error;
 }
 
-/// Does with a piece what AccuracyControl::compare() asks for.
+/// Moves a piece as AccuracyControl::compare() asks.
 struct ComparedPiece {
   Solver& solver;
   std::uint32_t piece;
@@ -39,7 +41,7 @@ struct ComparedPiece {
   double distance() const { return solver.distance_from_mark(piece); }
 };
 
-/// One piece under the control of an accuracy.
+/// Takes one piece through a step under the control of an accuracy.
 class ControlledPiece {
  public:
   ControlledPiece(Solver& solver, std::uint32_t piece, unsigned part)
@@ -54,7 +56,7 @@ class ControlledPiece {
       return;
     double error = 0, h = dt;
     const std::uint64_t most_work = report.most_work;
-    report.most_work /= 2;  // the rest is for equal substeps, if no attempt ends
+    report.most_work /= 2;  // the other half is for equal substeps, if no attempt ends
     const bool done = control.step(
         dt, solver_.best_substep(piece_), report,
         [&](double length, std::uint32_t substeps, Tally& of_attempt) {
@@ -106,7 +108,7 @@ void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRul
   solver.begin_piece(piece, part);
   Tally tally;
   const bool is_controlled = rules.error_growth && solver.takes_accuracy();
-  // Equal sweeps are what the user asked for, however many.
+  // Equal sweeps are what the user asked for, however many, so that their work is not bounded.
   if (is_controlled || !solver.sweeps()) tally.most_work = rules.most_work * solver.islands(piece);
   if (is_controlled)
     ControlledPiece(solver, piece, part).step(dt, rules, tally);

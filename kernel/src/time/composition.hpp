@@ -7,12 +7,12 @@
 
 namespace plumb::detail {
 
-/// Shares of a substep, taken one after the other, some of them backwards, that make a symmetric method of
-/// second order one of order 4 (Suzuki 1990) or 6 (Kahan and Li 1997); see Hairer, Lubich and Wanner,
-/// Geometric Numerical Integration, section V.3.
+/// Returns the shares into which a substep is composed, as multiples of its length. They are taken one after
+/// the other, some of them backwards. They raise a symmetric method of order 2 to order 4 (Suzuki 1990) or 6
+/// (Kahan and Li 1997). See Hairer, Lubich and Wanner, Geometric Numerical Integration, section V.3.
 inline std::span<const double> composition(std::uint32_t order) {
   static constexpr double second[] = {1};
-  // 1/(4 - 4^(1/3)) and what is left.
+  // a is 1/(4 - 4^(1/3)), and b is what is left of 1 after four of them.
   static constexpr double a = 0.41449077179437573714, b = 1 - 4 * a;
   static constexpr double fourth[] = {a, a, b, a, a};
   static constexpr double c = 0.39216144400731413928, d = 0.33259913678935943860, e = -0.70624617255763935981,
@@ -28,7 +28,7 @@ inline double largest_share(std::uint32_t order) {
   return largest;
 }
 
-/// A substep so many times too long is cut into so many pieces, but no more than 64.
+/// Returns into how many pieces a substep is cut that is `times_too_long` times its limit, at most 64.
 inline std::uint32_t pieces_of(double times_too_long) {
   return static_cast<std::uint32_t>(std::clamp(std::ceil(times_too_long), 1.0, 64.0));
 }

@@ -13,7 +13,8 @@ double mean_decay(double z) {
 
 namespace {
 
-/// c h. What is left of a velocity after e^-50 is nothing; more would overflow the start's e^(c h).
+/// Returns c h, no more than 50. Less than e^-50 of a velocity is nothing, and a larger exponent would
+/// overflow e^(c h) at the start.
 double drag_exponent(double drag, double h) {
   return std::min(drag * h, 50.0);
 }
@@ -31,7 +32,8 @@ Vec3 Verlet::kick(Vec3 acceleration, double h) const {
 
 Verlet::Displacements Verlet::start(Vec3 velocity, Vec3 acceleration, double h) const {
   if (gradient == Gradient::mid) return {h * velocity, {}};
-  // First displacement of the exact solution of v' = a - c v, then the prediction solved for its input.
+  // The exact solution of v' = a - c v has this first displacement. The prediction is solved for the input
+  // that leads to it.
   const double z = drag * h;
   const double phi = mean_decay(z);
   const double psi = z > 1e-4 ? (1 - phi) / z : 0.5 - z / 6;
@@ -43,9 +45,8 @@ Verlet::Displacements Verlet::start(Vec3 velocity, Vec3 acceleration, double h) 
 Vec3 Verlet::change_step(Vec3 last, Vec3 acceleration, double h, double next) const {
   const Vec3 mean = (1 / h) * last;
   if (gradient == Gradient::mid) return next * mean;
-  // Force, gravity and drag take the velocity from the middle of the last substep to where it would be with
-  // the new one; rods must not, they act anew in the next solve (extrapolating them too would be first
-  // order).
+  // Force, gravity and drag take the velocity from the middle of the last substep to its new place. Rods do
+  // not, because they act anew in the next solve. Extrapolating their pull too would be of first order.
   const Vec3 rate = acceleration - drag * mean;
   return next * mean + (0.5 * next * (h - next)) * rate;
 }
@@ -57,7 +58,8 @@ Verlet::Displacements Verlet::change_acceleration(Displacements displacements, V
 
 Vec3 Verlet::velocity(const Displacements& displacements, double h) const {
   if (gradient == Gradient::mid) return (1 / h) * displacements.last;
-  // Mean velocities, half a substep and one and a half ago, on a line.
+  // The two displacements are mean velocities, half a substep and one and a half ago. A line through them
+  // leads to the velocity of now.
   return (0.5 / h) * (3 * displacements.last - displacements.before);
 }
 

@@ -5,15 +5,16 @@
 
 namespace plumb::detail {
 
-/// Where between a rod's old direction (0) and its new one (1) a gradient points.
+/// Returns where a gradient points between a rod's old direction (0) and its new one (1).
 constexpr double theta_of(Gradient gradient) {
   return gradient == Gradient::old ? 0 : gradient == Gradient::mid ? 0.5 : 1;
 }
 
-/// (1 - e^-z)/z, the mean of e^-t over [0, z].
+/// Returns (1 - e^-z)/z, the mean of e^-t over [0, z].
 double mean_decay(double z);
 
-/// How a particle moves where no rod pulls: from displacements of substeps (m) to velocities (m/s) and back.
+/// Says how a particle moves where no rod pulls, from displacements of substeps (m) to velocities (m/s) and
+/// back.
 ///
 /// A displacement is the mean velocity of a substep times its length h (s), so it belongs to the substep's
 /// middle. Gradient mid keeps the velocity at the substep's end times h instead. Drag is exact for constant
@@ -22,27 +23,30 @@ struct Verlet {
   Gradient gradient = Gradient::new_;
   double drag = 0;  ///< 1/s
 
-  /// Those of the last substep and of the one before. Gradient mid has no use for the second.
+  /// Holds the displacements (m) of the last substep and of the one before. Gradient mid has no use for the
+  /// second.
   struct Displacements {
     Vec3 last;
     Vec3 before;
   };
 
-  /// A prediction is decay(h) times the last displacement (gradient mid: once in either half of the substep)
-  /// plus kick(a, h), what force and gravity add. Verlet (thesis eq. 3.6, 4.5) adds a h^2; gradient mid,
-  /// whose displacements are velocities times h, half of it.
+  /// Returns what is left of the last displacement. A prediction is decay(h) times it plus kick(a, h), which
+  /// force and gravity add. Gradient mid decays once in either half of the substep.
+  ///
+  /// Verlet's kick is a h^2 (thesis eq. 3.6, 4.5). Gradient mid, whose displacements are velocities times h,
+  /// kicks by half of it.
   double decay(double h) const;
   Vec3 kick(Vec3 acceleration, double h) const;
 
-  /// The displacements before the first substep that make it the exact x + v h + a h^2/2 (with drag, its
-  /// counterpart).
+  /// Returns the displacements before the first substep that make it the exact x + v h + a h^2/2, or its
+  /// counterpart with drag.
   Displacements start(Vec3 velocity, Vec3 acceleration, double h) const;
-  /// The last displacement as it would be, had the substep taken `next` instead of `h`: keeps the velocity to
-  /// second order.
+  /// Returns the last displacement as if the substep had taken `next` instead of `h`. That keeps the velocity
+  /// to second order.
   Vec3 change_step(Vec3 last, Vec3 acceleration, double h, double next) const;
-  /// Keeps the velocity of now when the acceleration changes; `change` is the difference times h^2, in m.
+  /// Keeps the present velocity when the acceleration changes. `change` is the difference times h^2, in m.
   Displacements change_acceleration(Displacements displacements, Vec3 change) const;
-  /// Now, at the end of the last substep; second order accurate.
+  /// Returns the velocity (m/s) at the end of the last substep, to second order.
   Vec3 velocity(const Displacements& displacements, double h) const;
 };
 

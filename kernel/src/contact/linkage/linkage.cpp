@@ -7,8 +7,8 @@
 namespace plumb::detail {
 namespace {
 
-/// Of a constraint's own pivot: what holds a redundant one, while what constraints demand stays exact, since
-/// violations are corrected again.
+/// The matrix gets this share of a constraint's own pivot on its diagonal, which keeps redundant constraints
+/// solvable. Constraints stay exact all the same, since violations are corrected again.
 constexpr double tiny = 1e-11;
 
 Combination combination(const Point& point) {

@@ -11,7 +11,7 @@
 
 namespace plumb::detail {
 
-/// A weighted sum of particles, by an island's numbers.
+/// This is a weighted sum of particles, which have their island's numbers.
 struct Combination {
   struct Term {
     std::uint32_t particle = 0;
@@ -40,7 +40,8 @@ class Linkage {
     double radius;
     Surface surface;
   };
-  /// The end of a shape, for what is flat; where several end at one particle, the largest.
+  /// This is the end of a shape, which is what flat ground touches. Where several shapes end at one particle,
+  /// the largest end counts.
   struct Ball {
     Combination center;
     double radius;
@@ -51,7 +52,7 @@ class Linkage {
     double over_u, over_v;  ///< 1/m, the directions' lengths
     double lower, upper, friction, target, stiffness, damping;
   };
-  /// How an angle changes with the particles of its two directions: rate = along_u·u' + along_v·v'.
+  /// Says how an angle changes with the particles of its two directions: rate = along_u·u' + along_v·v'.
   struct AngleSlope {
     double value;           ///< rad
     Vec3 along_u, along_v;  ///< 1/m
@@ -71,49 +72,51 @@ class Linkage {
   std::span<const Angle> angles() const { return angles_; }
   bool is_grounded() const { return movable_ < particles_; }
   bool has_drives() const { return has_drives_; }
-  /// Whether anything takes energy but contact: air, drag, joint drag or dampers.
+  /// Returns whether anything but contact takes energy: air, drag, joint drag or dampers.
   bool has_air() const { return has_air_; }
-  double size() const { return size_; }  ///< m, the largest rod or shape: what errors are held against
-  double mass() const { return mass_; }  ///< kg, of what moves
+  double size() const { return size_; }  ///< largest rod or shape in m, to which errors are relative
+  double mass() const { return mass_; }  ///< mass of the movable particles, kg
   double drag() const { return drag_; }  ///< 1/s
-  /// Of a velocity, what drag leaves after t.
+  /// Returns the share of a velocity that drag leaves after a time t (s).
   double kept(double t) const { return drag_ == 0 ? 1 : detail::exp(-t * drag_); }
   double joint_drag() const { return joint_drag_; }  ///< 1/s
   Vec3 gravity() const { return gravity_; }
 
-  /// Where a movable particle's x stands in vectors that are solved; y and z follow.
+  /// Returns where a movable particle's x stands in vectors that are solved; y and z follow.
   std::uint32_t slot(std::uint32_t particle) const { return slots_[particle]; }
-  /// Of every movable particle, into its slot and out of it.
+  /// Writes the vectors of all movable particles into their slots. taken() reads one from its slot.
   void put(std::span<const Vec3> vectors, std::span<double> solved) const;
   Vec3 taken(std::span<const double> solved, std::uint32_t particle) const {
     const double* const at = &solved[slots_[particle]];
     return {at[0], at[1], at[2]};
   }
 
-  /// M and J at `x`, for KktPlan::factor().
+  /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
-  /// Constraints at `x`, negative, into their places of `right`; the largest absolute one.
+  /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.
   double violations(std::span<const Vec3> x, std::span<double> right) const;
-  /// J(x) d - C(x + d), so that a solution moves from x by about d and keeps constraints to second order.
+  /// Writes J(x) d - C(x + d). A solution for it moves from x by about d and keeps constraints to second
+  /// order.
   void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
                std::span<double> right) const;
-  /// What constraints must do about anchors that move: -J v of fixed particles, into their places of `right`.
+  /// Writes -J v of the fixed particles into the places of `right`: what constraints must do about anchors
+  /// that move.
   void anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const;
   /// How constraints bend away from a motion that goes straight on: minus their second derivatives, into
   /// their places of `right`.
   void bends(std::span<const Vec3> v, std::span<double> right) const;
   /// out = M v, of movable particles.
   void momenta(std::span<const Vec3> v, std::span<Vec3> out) const;
-  /// Gravity, constant forces, air and dampers at `x` and `v`, N; dampers no stronger than a substep of h
-  /// bears.
+  /// Computes gravity, constant forces, air and dampers at `x` and `v`, in N. Dampers are no stronger than a
+  /// substep of h (s) bears.
   void forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant, double h,
               std::span<Vec3> out) const;
   double kinetic(std::span<const Vec3> v) const;  ///< J, of movable particles
   double potential(std::span<const Vec3> x, std::span<const Vec3> constant) const;
-  /// The fastest turn of a rod, 1/s.
+  /// Returns the fastest turn of a rod, in 1/s.
   double turning(std::span<const Vec3> v) const;
-  /// Splits velocities into those of a rigid body, in `rigid`, and the rest; kinetic energy of the rest in J.
-  /// Of linkages without fixed particles.
+  /// Splits velocities into those of a rigid body, which go to `rigid`, and the rest. Returns the kinetic
+  /// energy of the rest, in J. The linkage must have no fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
   /// The angular momentum about the centre of mass, kg m²/s, of linkages without fixed particles.
   Vec3 angular_momentum(std::span<const Vec3> x, std::span<const Vec3> v) const;

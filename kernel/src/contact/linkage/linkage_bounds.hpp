@@ -17,14 +17,14 @@ inline void include(Bounds& bounds, Vec3 p, double radius) {
 
 inline constexpr Bounds nowhere{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
-/// Around a linkage's shapes at x.
+/// Returns a box around a linkage's shapes, with particles at x.
 inline Bounds bounds_of(const Linkage& linkage, std::span<const Vec3> x, double further) {
   Bounds out = nowhere;
   for (const Linkage::Ball& ball : linkage.balls()) include(out, ball.center.of(x), ball.radius + further);
   return out;
 }
 
-/// How far apart two boxes are along the axis that says most; negative: they overlap.
+/// Returns how far apart two boxes are along the axis that separates them most. If negative, they overlap.
 inline double distance(const Bounds& a, const Bounds& b) {
   return std::max({a.low.x - b.high.x, b.low.x - a.high.x, a.low.y - b.high.y, b.low.y - a.high.y,
                    a.low.z - b.high.z, b.low.z - a.high.z});

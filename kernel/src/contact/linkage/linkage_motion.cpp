@@ -10,7 +10,7 @@
 namespace plumb::detail {
 namespace {
 
-/// Of an angle so near 0 or pi that its slope would have no end.
+/// The sine of an angle counts as at least this. Nearer to 0 or pi its slope would grow without bound.
 constexpr double least_sine = 1e-3;
 
 inline void write(std::span<double> values, const std::uint32_t* places, Vec3 v) {

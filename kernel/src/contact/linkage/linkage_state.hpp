@@ -8,7 +8,7 @@
 
 namespace plumb::detail {
 
-/// A box along the axes of space.
+/// This is a box along the axes of space.
 struct Bounds {
   Vec3 low{}, high{};
 
@@ -19,36 +19,36 @@ struct Bounds {
   }
 };
 
-/// What held at a contact, to start from in the next substep: forces on the way, and those at its end, which
-/// differ from them for many substeps in the same way.
+/// Holds the forces of a contact, from which the next substep starts. Those on the way and those at the
+/// substep's end are kept apart, because they differ in the same way for many substeps.
 struct KeptContact {
   std::uint64_t key = 0;
   Vec3 force{}, end_force{};  ///< N
 };
 
-/// What steps change of an island.
+/// Holds what steps change of an island.
 struct LinkageMotion {
   std::vector<Vec3> x, v;          ///< m and m/s; fixed particles too
-  std::vector<Vec3> acceleration;  ///< m/s², by which the last substep's way differs from h v, over h²
+  std::vector<Vec3> acceleration;  ///< (displacement of the last substep - h v)/h², m/s²
   std::vector<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
-  double slow_time = 0;            ///< s, for how long it has been slow
-  std::optional<double> energy{};  ///< J, which free flight keeps
+  double slow_time = 0;            ///< time for which it has been slow, s
+  std::optional<double> energy{};  ///< energy that free flight keeps, J
 };
 
-/// One island of a linkage's kind, wherever it is.
+/// Holds one island of a linkage's kind, wherever it is.
 struct LinkageState : LinkageMotion {
   const Linkage* linkage = nullptr;
   std::vector<std::uint32_t> particles;  ///< the scene's numbers
   std::vector<Vec3> force;               ///< N, constant, on movable particles
-  std::vector<simd::Block> factors;      ///< at x
-  std::uint32_t number = 0;              ///< of this island
+  std::vector<simd::Block> factors;      ///< of the matrix at x
+  std::uint32_t number = 0;              ///< the island's number
   bool factored = false;
 
   LinkageMotion& motion() { return *this; }
 
-  /// False if the matrix at x has none.
+  /// Factorises the matrix at x. Returns false if it has no factors.
   bool factor() {
     factors.resize(linkage->plan().blocks());
     linkage->assemble(x, factors);
@@ -56,11 +56,13 @@ struct LinkageState : LinkageMotion {
   }
 };
 
-/// A box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable particle
-/// bring them within dt (s). It does not hold what goes farther: ends of shapes beyond the particles, anchors
-/// that move, and what forces, drives and hits within dt add. The margin (m) is that of contact.
+/// Returns a box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable
+/// particle bring them within dt (s). The margin (m) is that of contact.
+///
+/// The box leaves out what goes farther: ends of shapes beyond the particles, anchors that move, and what
+/// forces, drives and hits within dt add.
 Bounds reach(const LinkageState& state, double speed, double dt, double margin);
-/// The fastest of its particles, m/s.
+/// Returns the speed of the fastest particle, m/s.
 double top_speed(const LinkageState& state);
 
 }  // namespace plumb::detail

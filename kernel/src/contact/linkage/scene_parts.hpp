@@ -8,15 +8,15 @@
 
 namespace plumb::detail {
 
-/// A scene cut into its islands, each a scene of its own with the movable particles first; fixed ones are in
-/// every island that hangs from them. Throws InputError on a joint or shape that nothing movable has.
+/// Cuts a scene into its islands, each a scene of its own with the movable particles first. Fixed particles
+/// are in every island that hangs from them. Throws InputError on a joint or shape that nothing movable has.
 class SceneParts {
  public:
   explicit SceneParts(const Scene& scene);
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(parts_.size()); }
   const Scene& part(std::uint32_t i) const { return parts_[i]; }
-  /// Its particles' numbers in the whole scene.
+  /// Returns the numbers of an island's particles in the whole scene.
   const std::vector<std::uint32_t>& particles(std::uint32_t i) const { return particles_[i]; }
 
  private:
@@ -36,11 +36,12 @@ class SceneParts {
   std::vector<std::vector<std::uint32_t>> particles_;
 };
 
-/// Whether an island has nothing but particles and rods, which hold it together, and shapes on its particles
-/// or between the ends of rods: solvers of particles and rods can move it where nothing touches it.
+/// Returns whether an island has nothing but particles, rods that hold it together, and shapes on its
+/// particles or between the ends of rods. Solvers of particles and rods can move it where nothing touches it.
 bool is_plain(const Scene& part);
 
-/// All that makes two islands of one kind, as numbers: everything but where they are.
+/// Returns everything about an island but where it is, as numbers. Islands with equal numbers are of one
+/// kind.
 std::vector<double> likeness(const Scene& part);
 
 }  // namespace plumb::detail

@@ -7,8 +7,8 @@
 namespace plumb::detail {
 namespace {
 
-/// A violation of constraints, relative to lengths, that is left to the substep: it makes no velocity that
-/// matters.
+/// A violation of constraints below this share of lengths is left to the substep, since it makes no velocity
+/// that matters.
 constexpr double unnoticed = 1e-9;
 constexpr int most_corrections = 12;
 

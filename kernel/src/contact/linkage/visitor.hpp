@@ -9,7 +9,7 @@
 
 namespace plumb::detail {
 
-/// Numbers that projections need; kept, so that steps allocate nothing.
+/// Holds numbers that projections need. They are kept, so that steps allocate nothing.
 struct ProjectionWork {
   std::vector<Vec3> before, momentum;
   std::vector<simd::Quad> unknowns;

@@ -6,11 +6,14 @@
 namespace plumb::detail {
 namespace {
 
-/// From this accuracy on composed substeps take less time. They cost five times as much and are bound to the
-/// fastest wave like all others, which is the faster against the motion the longer a tree is. For trees
-/// fitted to where plumb frontier has both orders at the same error in the same time: chains of 5 to 100
-/// links with end masses of 1 to 1000, trees of rods with mass. For loops between its truss, where they pay
-/// from 1e-6 on, and its nets, at 1e-7 still hardly.
+/// Returns the accuracy below which composed substeps of order 4 take less time. They cost five times as
+/// much, and they too must resolve the fastest wave, which gains on the motion as a tree grows.
+///
+/// For trees the formula is fitted to where `plumb frontier` finds both orders equally fast at the same
+/// error. It saw chains of 5 to 100 links with end masses of 1 to 1000, and trees of rods with mass.
+///
+/// For loops the number lies between the frontier's truss, where order 4 pays from 1e-6 on, and its nets,
+/// where it hardly pays at 1e-7.
 double worth_order_4(bool is_tree, std::size_t rods) {
   const auto n = static_cast<double>(rods);
   return is_tree ? 4.5e-3 / (n * std::sqrt(n)) : 3e-5;
@@ -28,8 +31,8 @@ Gradient choose_gradient(const Scene& scene, bool is_tree, std::span<const std::
                          const Settings& settings) {
   if (settings.gradient) return *settings.gradient;
   if (!settings.accuracy) return Gradient::mid;
-  // Steps of old cost a fraction of mid's where multipliers alone are unknown, else as much; and nets of rods
-  // with mass that are drawn straight between their corners take it 130 times as many.
+  // Steps of gradient old cost a fraction of mid's where multipliers are the only unknowns, else as much. A
+  // net of rods with mass, drawn straight between its corners, takes 130 times as many steps with old.
   return is_tree || !carries_mass(scene, rods, mass_model_of(settings)) ? Gradient::old : Gradient::mid;
 }
 

@@ -13,7 +13,7 @@
 namespace plumb::detail {
 namespace {
 
-/// How an island is moved.
+/// Says how an island is moved.
 struct Choice {
   Method method = Method::relax;
   DirectRules direct{};  ///< of method direct
@@ -21,10 +21,10 @@ struct Choice {
   bool operator==(const Choice&) const = default;
 };
 
-/// Islands that are moved alike.
+/// Lists the islands that are moved alike.
 struct Share {
   Choice choice;
-  std::vector<std::vector<std::uint32_t>> sets;  ///< those with equal graphs together
+  std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
 
 Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const std::uint32_t> rods,
@@ -41,7 +41,7 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
   return out;
 }
 
-/// Whether anything may touch, or an island may have more than particles and rods.
+/// Returns whether anything may touch, or an island may have more than particles and rods.
 bool needs_contact_stage(const Scene& scene) {
   const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
                           !scene.angles.empty() || !scene.capsules.empty() || scene.joint_drag != 0;
@@ -86,7 +86,7 @@ class Compiler {
     out_.info.direct_gradient = Gradient::old;
   }
 
-  /// Refuses what an island with joints cannot be moved by.
+  /// Refuses a setting that cannot move an island with joints.
   void require_joints_moved(std::uint32_t particle) const {
     const char* const why =
         ": its island has bodies, joints, air on rods, drag of joints or sleepers, which ";
@@ -100,14 +100,15 @@ class Compiler {
       refuse(of(), "mass lumped does not know: bodies need their inertia");
   }
 
-  /// Refuses settings of relaxation if automatic relaxes no island.
+  /// Refuses settings of relaxation if method automatic relaxes no island.
   void require_settings_read(std::span<const Share> shares) const {
     const auto is_relaxed = [](const Share& share) { return share.choice.method == Method::relax; };
     if (std::any_of(shares.begin(), shares.end(), is_relaxed)) return;
     constexpr Reads of_relaxation =
         Reads::weights | Reads::order | Reads::omega | Reads::sweeps | Reads::budget_us | Reads::layout;
     for (const SettingRow& row : setting_rows())
-      // A cap on sweeps may come with a tolerance, which direct solves of nets read.
+      // A cap on sweeps is allowed if it comes with a tolerance, because direct solves of nets read the
+      // tolerance.
       if (contains(of_relaxation, row.id) && row.is_set(settings_) &&
           !(row.id == Reads::sweeps && settings_.stop.tolerance))
         refuse("nothing reads ", row.name,
@@ -136,7 +137,7 @@ class Compiler {
     }
   }
 
-  /// Last, so that the contact solver's place of a particle is its last one.
+  /// The contact solver is added last, so that its place of a particle is the particle's last one.
   void add_contact() {
     std::vector<std::pair<std::uint32_t, Slot>> home(scene_.particles.size(), {none, 0});
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
@@ -208,7 +209,7 @@ class Compiler {
   const layouts::Graph graph_;
   static constexpr std::uint32_t none = 0xffffffff;
 
-  std::vector<std::uint8_t> is_jointed_;  ///< per particle: its island has more than particles and rods
+  std::vector<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;

@@ -10,7 +10,7 @@
 
 namespace plumb::detail {
 
-/// A scene ready for stepping: its islands' solvers, and where every particle is.
+/// Holds a scene ready for stepping: the solvers of its islands, and where every particle is.
 struct Compiled {
   std::vector<std::unique_ptr<Solver>> solvers;
   Places places;
@@ -18,8 +18,8 @@ struct Compiled {
   WorldInfo info;
 };
 
-/// Cuts a valid scene into islands, chooses what moves each, and makes the solvers. Settings::threads is the
-/// number of threads that steps will have.
+/// Cuts a valid scene into islands, chooses what moves each, and makes the solvers. Settings::threads must be
+/// the number of threads that steps will have.
 Compiled compile(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb::detail

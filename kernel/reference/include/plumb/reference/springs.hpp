@@ -6,13 +6,14 @@
 
 namespace plumb {
 
-/// How stiff the springs of method springs are, linearised about a scene as it starts.
+/// Says how stiff the springs of method springs are, linearised about a scene as it starts.
 struct SpringStability {
-  double frequency = 0;  ///< Of the fastest vibration without damping, in rad/s; 0 without springs.
-  /// The longest substep, in s, at which no vibration grows under the settings' integrator.
+  double frequency = 0;  ///< Frequency of the fastest vibration without damping, in rad/s; 0 without springs.
+  /// No vibration grows under the settings' integrator at substeps up to this, in s.
   ///
   /// It is 0 if there is none, and infinite for implicit integrators and without springs. A vibration of
   /// frequency ω and damping ratio ζ allows:
+  ///
   /// - explicit_euler: 2ζ/ω for ζ <= 1, so that an undamped spring grows at any step. Where there is nothing
   ///   but decay at a rate k, it allows 2/k (thesis eq. 3.15).
   /// - semi_implicit_euler: 2 (sqrt(1 + ζ²) - ζ)/ω, which is 2/ω without damping, as for Verlet.
@@ -28,7 +29,7 @@ struct SpringStability {
 ///
 /// The frequency and semi_implicit_euler's limit are exact at any size, to 1e-4 above 20,000 unknowns. Limits
 /// of the other explicit integrators are exact up to 50 particles or 25 rods. Above that they come from the
-/// fastest vibration alone. Swings and turns grow slowly under explicit Euler at any step; that is not a
+/// fastest vibration alone. Swings and turns grow slowly under explicit Euler at any step. That is not a
 /// matter of the springs and is left out. Throws what World throws.
 PLUMB_API SpringStability spring_stability(const Scene& scene, const Settings& settings);
 
