@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
-#include "solver/tally.hpp"
+#include "interface/tally.hpp"
 
 namespace plumb::detail {
 

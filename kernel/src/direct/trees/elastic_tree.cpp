@@ -87,11 +87,20 @@ void ElasticTree<T>::advance(TreeState<T>& tree, double h, Tally& counters) {
 }
 
 template <class T>
-bool ElasticTree<T>::settle(TreeState<T>& tree) {
-  load(tree);
-  if (!detail::settle(state_, work_)) return false;
-  for (std::size_t i = 0; i < tree.x.size(); ++i) tree.x[i] = state_.x[i];
-  return true;
+std::uint32_t ElasticTree<T>::settle(TreeState<T>& trees, TreeState<T>& alone) {
+  std::uint32_t unsettled = 0;
+  for (std::uint32_t lane = 0; lane < trees.lanes; ++lane) {
+    if (trees.idle[lane]) continue;
+    alone.copy_lane(0, trees, lane);
+    load(alone);
+    if (!detail::settle(state_, work_)) {
+      ++unsettled;
+      continue;
+    }
+    for (std::size_t i = 0; i < alone.x.size(); ++i) alone.x[i] = state_.x[i];
+    trees.copy_lane(lane, alone, 0);
+  }
+  return unsettled;
 }
 
 template class ElasticTree<float>;

@@ -18,9 +18,9 @@ class ElasticTree {
   /// Takes one substep of a tree alone (LoopStepper::advance_elastic()). Multipliers are forgotten.
   void advance(TreeState<T>& tree, double h, Tally& counters);
 
-  /// Brings a tree alone, which starts off its lengths, to the nearest place found where they fit, or that is
-  /// left as it was if there is none. Returns false then.
-  bool settle(TreeState<T>& tree);
+  /// Brings every tree that starts off its lengths to a place where they fit (detail::settle()), in `alone`.
+  /// Returns how many stay as they are since there is none.
+  std::uint32_t settle(TreeState<T>& trees, TreeState<T>& alone);
 
  private:
   void load(const TreeState<T>& tree);

@@ -85,31 +85,13 @@ std::uint32_t TreeSolver<T>::project_positions() {
   TreeState<T> before(state.topology, state.lanes);
   before.copy_motion(state);
   auto& crew = kind_->crews[0];
-  Tally not_of_a_step;
-  stepper.advance(state, projection_step, {crew.work, crew.alone, crew.alone_work}, not_of_a_step);
-  if (not_of_a_step.unsolved == 0) std::copy_n(state.x.data(), state.x.size(), before.x.data());
+  Tally tried;
+  stepper.advance(state, projection_step, {crew.work, crew.alone, crew.alone_work}, tried);
+  if (tried.unsolved == 0) std::copy_n(state.x.data(), state.x.size(), before.x.data());
   state.copy_motion(before);  // all but x goes back
-  const std::uint32_t unsettled = not_of_a_step.unsolved == 0 ? 0 : settle(state);
+  ElasticTree<T> elastic(*state.topology, kind_->rules.gradient, kind_->rules.drag, kind_->rules.isa);
+  const std::uint32_t unsettled = tried.unsolved == 0 ? 0 : elastic.settle(state, crew.alone);
   if (line_) line_->segments.scatter(state, state_);
-  return unsettled;
-}
-
-/// Brings trees to their lengths one by one, where that takes more than Newton's method. Returns how many
-/// stay off them.
-template <class T>
-std::uint32_t TreeSolver<T>::settle(TreeState<T>& state) {
-  const auto& rules = kind_->rules;
-  ElasticTree<T> elastic(*state.topology, rules.gradient, rules.drag, rules.isa);
-  TreeState<T>& alone = kind_->crews[0].alone;
-  std::uint32_t unsettled = 0;
-  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
-    if (state.idle[lane]) continue;
-    alone.copy_lane(0, state, lane);
-    if (elastic.settle(alone))
-      state.copy_lane(lane, alone, 0);
-    else
-      ++unsettled;
-  }
   return unsettled;
 }
 

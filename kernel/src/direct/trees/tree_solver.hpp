@@ -75,7 +75,6 @@ class TreeSolver final : public Solver {
   void describe(WorldInfo& info) const override;
 
  private:
-  std::uint32_t settle(TreeState<T>& state);
   /// A line in segments is kept as it is cut, and as a whole for what happens rarely.
   struct Line {
     LineSegments segments;
