@@ -234,7 +234,7 @@ scenes::Json json_of(const std::vector<Result>& results) {
   return list;
 }
 
-constexpr const char* what_text =
+constexpr const char* frontier_text =
     "Every method on the same scenes, from rest, one thread. Error: RMS distance of all particles to the "
     "truth "
     "at the end, relative to the diagonal of the scene's first box; rods with mass are compared with the "
@@ -260,7 +260,7 @@ void publish(const FrontierOptions& options, const std::vector<Result>& results)
   scenes::write_file(folder / "frontier.json", scenes::format_json(json));
   Section section("frontier", "The frontier: run time against error", "plumb frontier" + options.typed,
                   machine);
-  section.add_text(what_text);
+  section.add_text(frontier_text);
   section.add_table(summary_table(results));
   for (const Result& r : results) {
     section.add_heading(r.problem.name);
@@ -283,7 +283,7 @@ int run_frontier(FrontierOptions options) {
   make_folder(options.out);
   const auto peers =
       options.peers.empty() ? std::vector<frontier::PeerPoint>{} : frontier::read_points(options.peers);
-  std::printf("%s\n\n", what_text);
+  std::printf("%s\n\n", frontier_text);
   std::vector<Result> results;
   {
     Progress progress("measuring", options.quiet);

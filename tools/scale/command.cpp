@@ -65,7 +65,7 @@ const char* const five_text =
 
 void print(const ScaleOptions& options, const ScaleResults& results) {
   std::printf("%s\n\nFrames a second:\n%s\nNanoseconds per rod and frame:\n%s\n%s\n",
-              what_text(options).c_str(), frames_table(options, results).to_text().c_str(),
+              scale_text(options).c_str(), frames_table(options, results).to_text().c_str(),
               rods_table(options, results).to_text().c_str(),
               slope_table(options, results).to_text().c_str());
   if (!results.five.empty())
@@ -90,7 +90,7 @@ void publish(const ScaleOptions& options, const ScaleResults& results, const std
 
   Section section("scale", "Scaling: frames a second against links (figures 4.7 and 4.8)",
                   "plumb scale" + typed, machine);
-  section.add_text(what_text(options));
+  section.add_text(scale_text(options));
   section.add_text(conclusion_of(compare(options, results)));
   section.add_chart(folder, "scale_frames", frames_chart(options, results));
   section.add_table(frames_table(options, results));

@@ -41,7 +41,7 @@ std::string conclusion_of(const Comparison& comparison);
 std::string conclusion_at_equal_error(const ScaleOptions& options, const ScaleResults& results,
                                       ChainFamily family);
 
-std::string what_text(const ScaleOptions& options);
+std::string scale_text(const ScaleOptions& options);
 std::string error_text(const ScaleOptions& options, const ScaleResults& results, ChainFamily family);
 
 Chart frames_chart(const ScaleOptions& options, const ScaleResults& results);

@@ -116,7 +116,7 @@ std::string conclusion_at_equal_error(const ScaleOptions& options, const ScaleRe
   return out;
 }
 
-std::string what_text(const ScaleOptions& options) {
+std::string scale_text(const ScaleOptions& options) {
   return "Chains of equal masses, horizontal at first, in frames of 1/60 s, without substeps where a chain "
          "survives that and in twice as many until it does: times of a frame, mean over the first simulated "
          "second, the least of " +

@@ -70,7 +70,7 @@ void add_list(Command& command, const std::string& name, std::vector<T>& target,
   command.add_option(name, "X1,X2,...", take, help);
 }
 
-std::vector<StabilityMethod> parse_methods(const std::string& text) {
+std::vector<StabilityMethod> parse_pairs(const std::string& text) {
   std::vector<StabilityMethod> out;
   for (const std::string& item : scenes::split_list(text)) {
     std::string known;
@@ -129,7 +129,7 @@ Table outcome_table(const StabilityGrid& grid, const std::vector<StabilityResult
   return table;
 }
 
-std::string what_text(const StabilityOptions& options) {
+std::string stability_text(const StabilityOptions& options) {
   return "Straight chains, horizontal at first, swing about one fixed end: rods of 10 cm, 1 kg a particle "
          "but the "
          "last. One thread, double, no substeps; relaxation with " +
@@ -151,7 +151,7 @@ void publish(const StabilityOptions& options, const std::vector<StabilityResult>
   machine.threads = 1;
   Section section("stability", "Stability: heavy ends, links and steps", "plumb stability" + options.typed,
                   machine);
-  section.add_text(what_text(options));
+  section.add_text(stability_text(options));
   section.add_table(summary_table(grid, results));
   section.add_text("Worst stretch and drift are of the cells that survived. Every cell is in stability.csv.");
   section.add_table(outcome_table(grid, results));
@@ -182,7 +182,7 @@ int stability(StabilityOptions options) {
       progress.show(results.size(), cells.size());
     }
   }
-  std::printf("%s\n\n%s\n%s", what_text(options).c_str(), summary_table(grid, results).to_text().c_str(),
+  std::printf("%s\n\n%s\n%s", stability_text(options).c_str(), summary_table(grid, results).to_text().c_str(),
               outcome_table(grid, results).to_text().c_str());
   publish(options, results);
   if (!options.quiet) std::printf("\nPage: %s/stability.html\n", options.out.c_str());
@@ -210,7 +210,7 @@ void add_stability_command(Command& plumb) {
   std::string words;
   for (const StabilityMethod& method : scenes::all_stability_methods()) append_item(words, method.name, "|");
   command.add_option(
-      "--methods", "M1,M2,...", [&o](const std::string& text) { o.grid.methods = parse_methods(text); },
+      "--methods", "M1,M2,...", [&o](const std::string& text) { o.grid.methods = parse_pairs(text); },
       "Of " + words + ", separated by commas [all but auto]");
   add_list(command, "--ratios", o.grid.ratios, scenes::parse_number<double>,
            "Mass of the last particle to that of each other [1,10,...,1e6]");

@@ -80,12 +80,12 @@ Settings settings_of(const Variant& variant, std::uint32_t substep_count, StopRu
   return settings;
 }
 
-std::string percent(double share) {
+std::string percent_text(double share) {
   return plain_number(100 * share);
 }
 
 std::string error_text(const Measured& m) {
-  return m.stable ? percent(m.error) : "unstable";
+  return m.stable ? percent_text(m.error) : "unstable";
 }
 
 ChainResults measure_chain(std::string spec, std::string name, Truth truth,
@@ -158,8 +158,9 @@ Table mass_table(const std::vector<MassResults>& results) {
   Table table({"end mass, kg", "true change", "change, mass", "change, equal", "rest, mass", "rest, equal"});
   const auto rest = [](double t) { return t < 0 ? std::string("over 120 s") : plain_number(t) + " s"; };
   for (const MassResults& m : results) {
-    table.add_row({short_number(m.end_mass), percent(m.distance_true) + " %", percent(m.distance_mass) + " %",
-                   percent(m.distance_equal) + " %", rest(m.rest_mass), rest(m.rest_equal)});
+    table.add_row({short_number(m.end_mass), percent_text(m.distance_true) + " %",
+                   percent_text(m.distance_mass) + " %", percent_text(m.distance_equal) + " %",
+                   rest(m.rest_mass), rest(m.rest_equal)});
   }
   return table;
 }
@@ -203,9 +204,10 @@ std::string conclusion_of(const ChainResults& chain) {
   const auto equal = errors_at_last(chain, Weights::equal);
   return chain.name + ", " + std::to_string(substep_counts.back()) +
          " substeps, swept until rods keep their length: weighted by mass the error is " +
-         percent(mass.first) + " to " + percent(mass.second) +
-         " %, by gradient, and falls with the step; with equal weights it stays at " + percent(equal.first) +
-         " to " + percent(equal.second) + " %, since that is another motion.";
+         percent_text(mass.first) + " to " + percent_text(mass.second) +
+         " %, by gradient, and falls with the step; with equal weights it stays at " +
+         percent_text(equal.first) + " to " + percent_text(equal.second) +
+         " %, since that is another motion.";
 }
 
 std::string truth_text(const ChainResults& chain) {
