@@ -5,13 +5,24 @@
 #include "contact/linkage/linkage_bounds.hpp"
 
 namespace plumb::detail {
+namespace {
+
+Vec3 extent(const Bounds& bounds) {
+  return bounds.high - bounds.low;
+}
+
+}  // namespace
 
 void Clusters::start(std::span<LinkageState> islands, double margin) {
   margin_ = margin;
   islands_ = islands;
+  // A box that is much larger than a cell is compared with all others, and a rope is longer than its rods.
   double sum = 0;
-  for (const LinkageState& state : islands_) sum += state.linkage->size();
-  cell_ = islands_.empty() ? 1 : 4 * sum / static_cast<double>(islands_.size());
+  for (const LinkageState& state : islands_) {
+    const Vec3 spread = state.linkage->shapes().empty() ? Vec3{} : extent(reach(state, 0, 0, margin_));
+    sum += std::max({4 * state.linkage->size(), spread.x, spread.y, spread.z});
+  }
+  cell_ = islands_.empty() ? 1 : sum / static_cast<double>(islands_.size());
   sleepers_.start(cell_, 8 * islands_.size());
   marks_.assign(islands_.size(), 0);
   root_.resize(islands_.size());
