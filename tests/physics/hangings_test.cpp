@@ -16,17 +16,6 @@ namespace {
 
 constexpr double frame = 1.0 / 60;
 
-/// A line of massless rods between two anchors, drawn straight whatever its length.
-Scene line(std::uint32_t rods, double span, double length) {
-  Scene scene;
-  for (std::uint32_t i = 0; i <= rods; ++i) {
-    const Vec3 at{span * i / rods, 0, 0};
-    scene.particles.push_back(i == 0 || i == rods ? test::fixed(at) : test::movable(at));
-    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .length = length / rods});
-  }
-  return scene;
-}
-
 /// The largest departure from the catenary of equal weights: slopes of neighbouring rods differ by as much
 /// everywhere, the weight over the horizontal pull. It is relative to that.
 double off_catenary(const Scene& scene, const World& world) {
@@ -53,7 +42,7 @@ class SlackLine : public testing::TestWithParam<Slack> {};
 TEST_P(SlackLine, FallsToItsCatenary) {
   const auto [rods, slack] = GetParam();
   const double span = 2;
-  Scene scene = line(rods, span, (1 + slack) * span);
+  Scene scene = scenes::make_line({.links = rods, .span = span, .slack = slack});
   scene.drag = 4;
   for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
     World world(scene, {.method = Method::direct, .gradient = gradient, .threads = 1});
@@ -71,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Rods, SlackLine,
 // Without drag it swings for ever and keeps its energy, with method automatic and no settings at all.
 TEST(Hangings, ASlackLineSwings) {
   for (const std::uint32_t rods : {5u, 20u, 200u, 1000u}) {
-    const Scene scene = line(rods, 20, 21);
+    const Scene scene = scenes::make_line({.links = rods, .span = 20, .slack = 0.05});
     World world(scene, {.threads = 1});
     const double before = test::energy_of(scene, world).total();
     const StepReport report = test::run(world, frame, 120);
@@ -84,7 +73,7 @@ TEST(Hangings, ASlackLineSwings) {
 // A line that is too short for its anchors is straight, and every rod has the same strain.
 TEST(Hangings, ALineThatIsTooShortSharesItsMisfit) {
   for (const std::uint32_t rods : {5u, 20u, 200u}) {
-    const Scene scene = line(rods, 20, 19);
+    const Scene scene = scenes::make_line({.links = rods, .span = 20, .slack = -0.05});
     World world(scene, {.threads = 1});
     EXPECT_EQ(world.info().unprojected_islands, 1u);
     const StepReport report = test::run(world, frame, 60);
@@ -99,7 +88,7 @@ TEST(Hangings, ALineThatIsTooShortSharesItsMisfit) {
 // Its anchor is pulled beyond its length and comes back.
 TEST(Hangings, ALineRecoversFromAnAnchorPulledTooFar) {
   const std::uint32_t rods = 20;
-  Scene scene = line(rods, 19, 20);
+  Scene scene = scenes::make_line({.links = rods, .span = 19, .slack = 1.0 / 19});
   scene.drag = 1;
   for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
     World world(scene, {.method = Method::direct, .gradient = gradient, .threads = 1});

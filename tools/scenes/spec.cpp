@@ -101,6 +101,7 @@ Generator describe(const char* name, const char* summary, Scene (*make)(const Sh
 
 std::vector<Generator> chains_and_nets() {
   using C = ChainShape;
+  using L = LineShape;
   using N = NetShape;
   using E = EnsembleShape;
   using R = RingShape;
@@ -112,6 +113,9 @@ std::vector<Generator> chains_and_nets() {
           {{"links", &C::links}, {"length", &C::length}, {"mass", &C::mass}, {"end_mass", &C::end_mass}}),
       describe<C>("thesis5", "the thesis's chain: five links, the last particle of double mass",
                   [](const C&) { return make_thesis5(); }, {}),
+      describe<L>("line", "massless rods between two anchors, drawn straight; slack below 0: too short",
+                  make_line,
+                  {{"links", &L::links}, {"span", &L::span}, {"slack", &L::slack}, {"mass", &L::mass}}),
       describe<N>(
           "net",
           "a square net hanging from two fixed upper corners; level=1: held along one side, level at first",

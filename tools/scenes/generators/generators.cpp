@@ -120,6 +120,26 @@ Scene make_ensemble(const EnsembleShape& shape) {
   return scene;
 }
 
+Scene make_line(const LineShape& shape) {
+  require_at_least(shape.links, 2, "links");
+  require_positive(shape.span, "span");
+  require_positive(shape.mass, "mass");
+  if (!(shape.slack > -1 && std::isfinite(shape.slack)))
+    throw InputError("slack must be above -1 and finite");
+  require_countable(shape.links);
+  Scene scene;
+  const double length = shape.span * (1 + shape.slack) / shape.links;
+  for (std::uint32_t i = 0; i <= shape.links; ++i) {
+    const bool is_anchor = i == 0 || i == shape.links;
+    scene.particles.push_back({.position = {shape.span * i / shape.links, 0, 0},
+                               .velocity = {},
+                               .mass = is_anchor ? 0 : shape.mass,
+                               .fixed = is_anchor});
+    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .length = length});
+  }
+  return scene;
+}
+
 Scene make_ring(const RingShape& shape) {
   require_at_least(shape.links, 3, "links");
   require_positive(shape.length, "length");

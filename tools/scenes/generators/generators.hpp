@@ -15,6 +15,15 @@ struct ChainShape {
   double end_mass = 1;  ///< Mass of the last, in kg.
 };
 
+/// A line of massless rods between two anchors, the first at the origin. The particles lie straight along +x
+/// and evenly, whatever the rods' lengths. The world lets a slack line sag before its first step.
+struct LineShape {
+  std::uint32_t links = 20;
+  double span = 2;      ///< Distance of the anchors, in m.
+  double slack = 0.05;  ///< Share of the span by which the rods together are longer; above -1.
+  double mass = 1;      ///< Mass of every movable particle, in kg.
+};
+
 /// A square net in the x-y plane hangs from its two fixed upper corners. Particles are numbered row by row
 /// from the top left one at the origin. Rods are numbered first along x, then along y, within each particle.
 struct NetShape {
@@ -71,6 +80,7 @@ struct GraphShape {
 /// Each of these makes a scene. Each throws InputError with the value that makes no sense.
 Scene make_chain(const ChainShape& shape);
 Scene make_chain(std::uint32_t links, double length = 0.1, double end_mass = 1, double mass = 1);
+Scene make_line(const LineShape& shape);
 Scene make_net(const NetShape& shape);
 Scene make_net(std::uint32_t width, std::uint32_t height, double spacing = 0.1);
 Scene make_ensemble(const EnsembleShape& shape);
