@@ -58,6 +58,7 @@ std::uint64_t run(const fuzz::RandomWorld& random, Isa isa) {
         world.set_force(random.pushed, random.push);
     }
     const StepReport report = world.step(random.dt);
+    // A last attempt of every substep comes after the bound.
     if (report.newton + report.halvings > 2 * settings.most_work * world.info().islands)
       fail(random, "a step worked more than its settings allow");
     for (std::uint32_t i = 0; i < world.particle_count(); ++i)

@@ -10,8 +10,8 @@
 namespace plumb {
 namespace {
 
-/// Steps a scene and expects a finite state after every step. No step may do much more than its most work: a
-/// spent island takes its fewest substeps, which here are few.
+/// Steps a scene and expects a finite state after every step. No step may do more than a tenth above its
+/// most work: what comes after it is the few substeps that are named, each tried a few times.
 void expect_good_end(const Scene& scene, const Settings& settings, double dt, int steps) {
   World world(scene, settings);
   for (int step = 0; step < steps; ++step) {

@@ -84,26 +84,6 @@ TEST(AccuracyControl, FindsTheSubstepsThatAnAccuracyTakes) {
   EXPECT_LE(last, 36u);
 }
 
-TEST(Tally, CountsTheWorkOfTriesThatAreTakenBack) {
-  Tally tally;
-  tally.most_work = 100;
-  tally.newton = 30;
-  Tally tried = tally.begin_try();
-  EXPECT_EQ(tried.most_work, 70u);
-  tried.newton = 20;
-  tried.block_sweeps = 9;
-  tried.direct_substeps = 1;
-  tally.take_back(tried);
-  EXPECT_EQ(tally.newton, 50u);
-  EXPECT_EQ(tally.direct_substeps, 0u);
-  EXPECT_EQ(tally.work(), 60u);
-  tried = tally.begin_try();
-  tried.newton = 40;
-  EXPECT_TRUE(tried.is_spent());
-  tally.keep(tried);
-  EXPECT_TRUE(tally.is_spent());
-}
-
 TEST(AccuracyControl, TakesAllBackOnceTheWorkIsSpent) {
   const AccuracyControl control{
       .allowed = 1e-12, .least = 1, .most = 100'000, .order = 2, .by_comparison = true};

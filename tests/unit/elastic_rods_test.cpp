@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "direct/loops/loop_newton.hpp"
@@ -38,7 +39,8 @@ double length_of(const LoopState& state, std::uint32_t rod) {
   return norm(state.position(a) - state.position(b));
 }
 
-// Three rods of 1 m over 3.3 m, the middle ones displaced: all give alike.
+// Three rods of 1 m over 3.3 m, the first node displaced: all give alike, but for what the mass of a node
+// resists, some 1e-8 of its displacement.
 TEST(ElasticRods, ShareWhatTheyLack) {
   LoopState state = line(2, 3.3, 1);
   state.x[0] = 0.9;
@@ -50,7 +52,7 @@ TEST(ElasticRods, ShareWhatTheyLack) {
   for (std::uint32_t k = 0; k < 3; ++k) EXPECT_NEAR(length_of(state, k), 1.1, 1e-6) << k;
 }
 
-// Rods that fit are brought to their lengths as the rigid solve brings them, but for their compliance.
+// Rods that fit move as rigid ones do, but for their compliance of 1e-8, which adds up in 20 substeps.
 TEST(ElasticRods, DoWhatRigidOnesDoWhereThoseFit) {
   LoopState state = line(4, 4.5, 1);
   LoopWorkspace work(state, Gradient::new_, Isa::scalar);
@@ -68,13 +70,13 @@ TEST(ElasticRods, DoWhatRigidOnesDoWhereThoseFit) {
 
 TEST(ElasticRods, AreNotMovedByWhatIsNotFinite) {
   LoopState state = line(2, 3.3, 1);
-  state.force[0] = 1e308;
-  state.force[3] = -1e308;
+  state.force[0] = std::numeric_limits<double>::infinity();
+  const std::vector<double> before = state.x;
   LoopWorkspace work(state, Gradient::new_, Isa::scalar);
-  work.load[0] = std::nan("");
-  measure_rods(state, work);
   Tally tally;
-  EXPECT_FALSE(let_rods_give(state, work, tally));
+  LoopStepper(Gradient::new_, 0).advance_elastic(state, 0.01, work, tally);
+  EXPECT_EQ(tally.unsolved, 1u);
+  EXPECT_EQ(state.x, before);
 }
 
 TEST(Settle, FindsABowForAStraightLine) {
@@ -89,16 +91,18 @@ TEST(Settle, FindsABowForAStraightLine) {
   }
 }
 
-TEST(Settle, LeavesWhatCannotFit) {
+// What cannot fit shares what it lacks, and rests.
+TEST(Settle, SharesWhatCannotFit) {
   LoopState state = line(2, 3.3, 1);
-  const std::vector<double> before = state.x;
+  state.x[0] = 0.9;
   LoopWorkspace work(state, Gradient::new_, Isa::scalar);
   EXPECT_FALSE(settle(state, work));
-  EXPECT_EQ(state.x, before);
+  for (std::uint32_t k = 0; k < 3; ++k) EXPECT_NEAR(length_of(state, k), 1.1, 1e-6) << k;
+  for (const double u : state.u) EXPECT_EQ(u, 0);
 }
 
-// A tree takes the substep that the same island takes as loops.
-TEST(ElasticTree, MovesAsTheIslandDoes) {
+// Its rods share what they lack, but for the sag under gravity.
+TEST(ElasticTree, SharesWhatItLacks) {
   Scene scene;
   for (std::uint32_t i = 0; i < 4; ++i)
     scene.particles.push_back({.position = {1.1 * i, 0.01 * i, 0}, .mass = 1.0 + i, .fixed = i % 3 == 0});

@@ -116,9 +116,8 @@ int run(const RunOptions& options) {
     throw CheckFailed(plural(result.total.frozen_islands, "island") +
                       " went non-finite; put back to the last finite state and left standing");
   if (result.total.unsolved > 0)
-    throw CheckFailed(
-        plural(result.total.unsolved, "substep") +
-        " could not be solved: trees stayed where they were, islands with loops took elastic rods");
+    throw CheckFailed(plural(result.total.unsolved, "substep") +
+                      " could not be solved, not even with elastic rods");
   return fine;
 }
 

@@ -101,7 +101,7 @@ void print_start(const WorldInfo& info) {
   }
   if (info.unprojected_islands > 0) {
     print_line("start", "in " + plural(info.unprojected_islands, "island") +
-                            " rods are not at their lengths and cannot be brought there without a velocity");
+                            " rods do not fit together, and share what they lack");
   }
   if (info.projected_velocity > 0) {
     print_line("velocity", "initial velocities pulled on rods; changed by at most " +

@@ -176,17 +176,18 @@ struct Settings {
   std::uint32_t substeps = 1;                   ///< h = dt / substeps; the fewest if an accuracy is set.
   /// Order of direct's substeps with gradient old: 2, 4 or 6. The error falls with that power of their
   /// length. A substep is composed of 1, 5 or 9 shorter ones, some backwards (Suzuki 1990; Kahan and Li
-  /// 1997). Linkages alone in the air take Runge-Kutta steps of order 4 or 6, and touching ones order 2.
+  /// 1997). With 4 or 6, linkages alone in the air take Runge-Kutta steps of that order; touching ones stay
+  /// at order 2.
   std::uint32_t time_order = 2;
   /// The estimated error grows by no more than this share of the scene's diagonal per second. It picks
-  /// substeps, for direct and for springs with adaptive_implicit_euler. A larger value takes fewer substeps.
+  /// substeps, for relax, direct and automatic, and for springs with adaptive_implicit_euler. A larger value
+  /// takes fewer substeps.
   std::optional<double> accuracy{};
-  /// An island does no more work than this in a step: Newton steps, sweeps and substeps, those of repeated
-  /// tries included.
+  /// Bounds the work of an island in a step: Newton steps, sweeps, substeps and cuts of substeps, those of
+  /// repeated tries included. Tries for an accuracy get half of it.
   ///
-  /// An island that reaches it takes the rest of the step in the fewest substeps, uncut and inaccurate, and
-  /// is counted (StepReport::capped_steps). Substeps and sweeps that are asked for by number are always
-  /// taken.
+  /// An island that has spent it takes the substeps that are asked for by number, and hardly cuts them any
+  /// more, so that it may overshoot a little. It is counted (StepReport::capped_steps).
   std::uint64_t most_work = 20'000;
   StopRule stop{};                         ///< When relaxation stops sweeping.
   std::optional<Integrator> integrator{};  ///< None: semi_implicit_euler for springs, else rk4.

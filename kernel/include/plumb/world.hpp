@@ -37,22 +37,25 @@ struct StepReport {
 
   // The next members count what direct solves did. Of what is repeated for accuracy, `newton` alone counts
   // all attempts.
-  std::uint64_t direct_substeps = 0;  ///< Substeps that islands took, those after halvings included.
-  std::uint64_t newton = 0;           ///< Newton steps, summed over islands.
-  std::uint64_t halvings = 0;         ///< Substeps of an island that did not converge and were cut in two.
-  std::uint64_t fallbacks = 0;        ///< Substeps taken with gradient new because nothing else converged.
-  std::uint64_t repeated_steps = 0;   ///< Steps of islands that were repeated, finer, to be accurate enough.
+  std::uint64_t direct_substeps =
+      0;                     ///< Substeps that islands took, pieces of cut ones each, elastic ones left out.
+  std::uint64_t newton = 0;  ///< Newton steps, summed over islands.
+  std::uint64_t halvings =
+      0;  ///< Substeps of an island that did not converge, or turned too far, and were cut.
+  std::uint64_t fallbacks =
+      0;  ///< Substeps taken with gradient new because they, or some just before, did not converge.
+  std::uint64_t repeated_steps = 0;  ///< Steps of islands that were repeated, finer, to be accurate enough.
   /// Substeps of islands whose rods did not fit together, taken with slightly elastic rods: what they lack is
   /// shared.
   std::uint64_t elastic_substeps = 0;
-  /// Substeps that elastic rods did not solve either; what cannot be moved stays where it was. Method
-  /// multipliers counts projections that did not converge.
+  /// Substeps that elastic rods did not solve either. What is finite is taken all the same, and what is not
+  /// stays where it was. Method multipliers counts projections that did not converge.
   std::uint64_t unsolved = 0;
   /// Counts steps that were taken although they were not accurate enough, because shorter ones could not be
   /// better. Islands and adaptive_implicit_euler count here.
   std::uint64_t inaccurate_steps = 0;
-  /// Counts steps of islands, or of islands side by side, that reached Settings::most_work. They ended with
-  /// the fewest substeps, none of which was cut.
+  /// Counts steps of islands, or of islands side by side, that spent Settings::most_work, or half of it in
+  /// tries for an accuracy. They ended with the substeps that are asked for by number.
   std::uint64_t capped_steps = 0;
 
   // The next two members describe method springs at the end of a step. Of several steps or islands the worst
@@ -93,17 +96,18 @@ struct WorldInfo {
   std::uint32_t relaxed_rods = 0;  ///< Rods moved by method relax.
   std::uint32_t direct_rods = 0;   ///< Rods moved by method direct.
   Gradient direct_gradient = Gradient::mid;  ///< Gradient that method direct takes.
-  bool changes_gradient = false;             ///< Whether some trees take mid while they move calmly.
+  bool changes_gradient = false;             ///< Whether some trees take mid while they are calm.
   std::uint32_t direct_time_order = 2;  ///< Time order of direct; under automatic that of the first islands.
-  std::uint32_t linkages = 0;  ///< Kinds of islands in a scene with bodies, joints or contact; else 0.
+  std::uint32_t linkages =
+      0;  ///< Kinds of islands that the contact solver alone moves, as those with bodies.
   std::uint64_t skipped_per_rod_weights = 0;  ///< Rods in uniform ranges, whose weights are not read.
   bool skipped_drag = true;                   ///< Whether no displacement is multiplied by drag.
   /// Initial velocities changed by at most this much, in m/s, so that none pulls on a rod.
   double projected_velocity = 0;
   /// Initial positions changed by at most this much, in m, so that rods start at their lengths. Method direct
-  /// makes the change on islands without bodies or shapes.
+  /// makes the change on islands of particles and rods.
   double projected_position = 0;
-  std::uint32_t unprojected_islands = 0;  ///< Islands where that could not be solved, which stay as they are.
+  std::uint32_t unprojected_islands = 0;  ///< Islands whose rods do not fit, and share what they lack.
   std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
 };
 
@@ -149,8 +153,9 @@ class PLUMB_API World {
   /// takes. Throws InputError if `dt` is not positive and finite, or too short for the precision. Throws what
   /// the executor throws; the step is then done all the same.
   ///
-  /// Methods relax, direct and auto allocate nothing after the first call, but for four firsts. An island
-  /// freezes; an island with loops falls back; an anchor moves; more shapes touch at once than ever before.
+  /// Methods relax, direct and auto allocate nothing after the first call, but for these firsts. An island
+  /// freezes, falls back, or its rods give way. An anchor moves. More shapes touch at once than ever before.
+  /// A linkage flies with a time order above 2.
   StepReport step(double dt);
 
   /// Changes the rule from the next step on. Layout, precision, instruction set and threads stay. Throws

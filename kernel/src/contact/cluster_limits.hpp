@@ -7,7 +7,8 @@ namespace plumb::detail::contact_limits {
 /// A rod turns by at most this angle (rad) in a substep. Corrections keep to the gradients of the start, so
 /// at larger angles they converge more slowly. At this one each takes a digit off the violation.
 inline constexpr double most_turn = 0.35;
-/// The same in flight, where it is what accuracy goes by if none is asked for; and where one is.
+/// In flight a linkage turns by at most the first of these (rad) in a step, if no accuracy is asked for. With
+/// one, comparison finds errors, and the second only keeps steps sound.
 inline constexpr double most_turn_in_flight = 0.25, most_turn_if_watched = 1;
 /// Two shapes that approach do so by at most this share of their radii in a substep.
 inline constexpr double most_approach = 0.5;

@@ -46,7 +46,7 @@ Bounds reach(const LinkageState& state, double speed, double dt, double margin) 
   double pull = 0;
   for (const Vec3 force : state.force) pull += norm(force);
   double fall = 0.5 * pull / state.linkage->mass() * dt * dt;
-  // A force that throws it that far would only bring others into a group that cannot be solved.
+  // A force that throws it that far would only join others into a cluster that cannot be solved.
   if (fall > farthest_throw * state.linkage->size()) fall = 0;
   fall += 0.5 * norm(state.linkage->gravity()) * dt * dt;
   return bounds_of(*state.linkage, state.x, 1.1 * speed * dt + fall + margin);
@@ -73,7 +73,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     const double longest = std::max(std::min(dt / substeps, cut), least);
     double h = left / std::ceil(left / longest - 1e-9);
     if (may_fly) {
-      // Cut alike, twice the length would tell no error.
+      // A step of twice the length is cut alike, so that comparing tells no error: is_blind reads halvings.
       report.halvings += rules.is_watched && cut < dt / substeps;
       may_fly = is_alone(surroundings, h) && fly(surroundings, rules.time_order, h, report);
       if (!may_fly) continue;

@@ -16,7 +16,8 @@ Vec3 extent(const Bounds& bounds) {
 void Clusters::start(std::span<LinkageState> islands, double margin) {
   margin_ = margin;
   islands_ = islands;
-  // A box that is much larger than a cell is compared with all others, and a rope is longer than its rods.
+  // A box that is much larger than a cell is compared with all others, so a cell is as large as the mean
+  // island.
   double sum = 0;
   for (const LinkageState& state : islands_) {
     const Vec3 spread = state.linkage->shapes().empty() ? Vec3{} : extent(reach(state, 0, 0, margin_));

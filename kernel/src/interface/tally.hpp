@@ -10,8 +10,8 @@ namespace plumb::detail {
 
 /// Counts what a piece does in a step, and bounds it (Settings::most_work).
 ///
-/// A solver whose tally is spent no longer cuts what it cannot solve. It tries once more, as simply as it
-/// can, and counts as unsolved what fails.
+/// A solver whose tally is spent cuts as little as it can. It tries gradient new, lets rods give, and counts
+/// what it did.
 struct Tally : StepReport {
   std::uint64_t most_work = std::numeric_limits<std::uint64_t>::max();  ///< bound of work()
   std::uint64_t taken_back = 0;  ///< work of tries that were taken back, Newton steps left out

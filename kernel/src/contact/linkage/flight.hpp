@@ -14,7 +14,8 @@ namespace plumb::detail {
 /// constraints themselves. Nothing pushes but gravity, forces, air and drag.
 class Flight {
  public:
-  /// One step of h. False if constraints are not kept; then nothing has moved.
+  /// Takes one step of `h` (s); the order is 4 or 6. Returns false if constraints are not kept; then nothing
+  /// has moved.
   bool step(LinkageState& state, std::uint32_t order, double h, Tally& report);
 
  private:

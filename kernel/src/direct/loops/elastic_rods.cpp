@@ -9,8 +9,8 @@
 namespace plumb::detail {
 namespace {
 
-/// Elastic rods have a compliance of the second of these, in units of 2 L^2/mass. The search for the minimum
-/// begins with the first.
+/// Elastic rods have the second compliance, in units of 2 L^2/mass. Where the search for the minimum fails,
+/// it begins again with the first and goes down by tens; rounding may not keep it from the last.
 constexpr double softest = 1e-2, stiffest = 0.99e-8;
 /// The search ends after a change this small, RMS over nodes relative to a rod. A step is cut down to this
 /// share of Newton's at the least.
@@ -76,10 +76,10 @@ bool let_rods_give(LoopState& state, LoopWorkspace& work, Tally& counters) {
   if (!minimize_elastic(state, stiffest, work, counters)) {
     // Stiff rods make the minimum a narrow, winding valley. Softer ones lead into it.
     double soft = softest;
-    while (soft >= stiffest && minimize_elastic(state, soft, work, counters)) soft /= 10;
+    while (soft > stiffest && minimize_elastic(state, soft, work, counters)) soft /= 10;
     if (soft == softest) ++counters.unsolved;
   }
-  return std::isfinite(elastic_energy(state, softest, work));
+  return std::isfinite(elastic_energy(state, stiffest, work));
 }
 
 }  // namespace plumb::detail

@@ -9,9 +9,6 @@
 namespace plumb::detail {
 namespace {
 
-/// The step that brings rods to their lengths takes so many seconds, too short for loads to act.
-constexpr double projection_step = 1e-9;
-
 /// Where an accuracy is set, nets solved by their lines may keep this share of it as strain, and at most what
 /// float leaves. The next substep takes it back. Even 1e-5 changes a net of 128 x 128 after 0.5 s by no more
 /// than 2e-9 of its diagonal. A substep of another length makes a velocity of it, which counts as error the

@@ -96,7 +96,8 @@ class LoopStepper {
   ///
   /// a compromise that always exists: rods that are too short for their anchors share what they lack. It is
   /// Newton's method with a line search, without the push of rods that are pressed, which would make the sum
-  /// concave where they buckle. A substep whose minimum is not found counts as unsolved.
+  /// concave where they buckle. Where rods whip tight, the stiffest rods that have a minimum
+  /// stand. A substep counts as unsolved if even soft ones have none.
   void advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
   /// Takes one substep as it is, if Newton's method solves it. Otherwise returns false, and only multipliers

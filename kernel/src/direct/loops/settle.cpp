@@ -12,11 +12,10 @@
 namespace plumb::detail {
 namespace {
 
-/// s, of a step that brings rods to their lengths: too short for loads to act.
-constexpr double settling_step = 1e-9;
-/// The lengths that a bow of the particles gives rods are tried for bows from this share of a rod on, each so
-/// many times as high as the last, up to one in which every rod is its own height lower than the one before.
-constexpr double least_bow = 1e-3, next_bow = 1.1, most_bow = 2;
+/// Bows are tried by height, as a share of a rod a rod: from the first, each so many times as high as the
+/// last, to one whose rods go down by their own length on average.
+constexpr double least_bow = 1e-3, next_bow = 1.1;
+constexpr int bows = 80;
 /// Rods may give way so many times, one after the other, before rods are tried as they are again.
 constexpr int most_elastic_steps = 3;
 
@@ -93,7 +92,8 @@ void bend(LoopState& state) {
   const Vec3 direction = std::sqrt(state.scale2) * bending_direction(state);
   std::vector<double> best;
   double least = std::numeric_limits<double>::infinity();
-  for (double share = least_bow; share <= most_bow; share *= next_bow) {
+  double share = least_bow;
+  for (int i = 0; i < bows; ++i, share *= next_bow) {
     std::vector<double> x = bowed(state, bow, share * direction);
     const double lacking = misfit(state, x);
     if (lacking >= least) continue;
@@ -103,33 +103,40 @@ void bend(LoopState& state) {
   state.x = best;
 }
 
+/// Tries to bring rods to their lengths as they are, then after each of so many steps with elastic rods.
+bool settles(LoopState& state, LoopWorkspace& work, int elastic_steps) {
+  const LoopStepper still(Gradient::new_, 0);
+  for (int i = 0;; ++i) {
+    std::fill(state.u.begin(), state.u.end(), 0.0);
+    state.u_step = state.mu_kick = 0;
+    Tally counters;
+    if (still.try_substep(state, projection_step, work, counters)) return true;
+    if (i == elastic_steps) return false;
+    still.advance_elastic(state, projection_step, work, counters);
+    if (counters.unsolved > 0) return false;
+  }
+}
+
 }  // namespace
 
 bool settle(LoopState& state, LoopWorkspace& work) {
-  const LoopStepper still(Gradient::new_, 0);
   LoopMotion start = state.motion();
   // What gives way without a bow crumples, so that comes last.
-  struct Way {
-    bool bends;
-    int elastic_steps;
-  };
-  for (const Way way : {Way{false, 0}, Way{true, most_elastic_steps}, Way{false, most_elastic_steps}}) {
+  bool settled = settles(state, work, 0);
+  if (!settled) {
     state.motion() = start;
-    if (way.bends) bend(state);
-    for (int i = 0; i <= way.elastic_steps; ++i) {
-      std::fill(state.u.begin(), state.u.end(), 0.0);
-      state.u_step = state.mu_kick = 0;
-      Tally counters;
-      if (still.try_substep(state, settling_step, work, counters)) {
-        std::swap(start.x, state.x);
-        state.motion() = start;
-        return true;
-      }
-      still.advance_elastic(state, settling_step, work, counters);
-    }
+    bend(state);
+    settled = settles(state, work, most_elastic_steps);
   }
+  if (!settled) {
+    state.motion() = start;
+    settled = settles(state, work, most_elastic_steps);
+  }
+  const bool is_finite =
+      std::all_of(state.x.begin(), state.x.end(), [](double c) { return std::isfinite(c); });
+  if (is_finite) std::swap(start.x, state.x);
   state.motion() = start;
-  return false;
+  return settled;
 }
 
 }  // namespace plumb::detail

@@ -30,7 +30,9 @@ void copy(To& to, const From& from) {
 
 template <class T>
 ElasticTree<T>::ElasticTree(const TreeTopology& tree, Gradient gradient, double drag, Isa isa)
-    : gradient_(gradient), stepper_(gradient, drag), state_(as_loops(tree)), work_(state_, gradient, isa) {}
+    : stepper_(gradient, drag),
+      state_(as_loops(tree)),
+      work_(state_, Gradient::mid, isa) {}  // it projects no velocities, as mid does not
 
 template <class T>
 void ElasticTree<T>::load(const TreeState<T>& tree) {
@@ -93,10 +95,7 @@ std::uint32_t ElasticTree<T>::settle(TreeState<T>& trees, TreeState<T>& alone) {
     if (trees.idle[lane]) continue;
     alone.copy_lane(0, trees, lane);
     load(alone);
-    if (!detail::settle(state_, work_)) {
-      ++unsettled;
-      continue;
-    }
+    if (!detail::settle(state_, work_)) ++unsettled;
     for (std::size_t i = 0; i < alone.x.size(); ++i) alone.x[i] = state_.x[i];
     trees.copy_lane(lane, alone, 0);
   }

@@ -18,15 +18,14 @@ class ElasticTree {
   /// Takes one substep of a tree alone (LoopStepper::advance_elastic()). Multipliers are forgotten.
   void advance(TreeState<T>& tree, double h, Tally& counters);
 
-  /// Brings every tree that starts off its lengths to a place where they fit (detail::settle()), in `alone`.
-  /// Returns how many stay as they are since there is none.
+  /// Brings every tree that starts off its lengths to the place of detail::settle(), in `alone`. Returns how
+  /// many do not fit there.
   std::uint32_t settle(TreeState<T>& trees, TreeState<T>& alone);
 
  private:
   void load(const TreeState<T>& tree);
   void store(TreeState<T>& tree) const;
 
-  Gradient gradient_;
   LoopStepper stepper_;
   LoopState state_;
   LoopWorkspace work_;

@@ -41,6 +41,10 @@ inline constexpr double hopeless_change = 30;
 /// compared is a bound of the frequency (TreeKernels::find_stiffness).
 inline constexpr double aimed_frequency = 1.25, highest_frequency = 1.6;
 
+/// A projection takes velocities away, but for what anchors and forces add. One that makes the sum of their
+/// squares this many times as large, of masses as they may be, has divided by rounding.
+inline constexpr double most_projected_growth = 1e3;
+
 constexpr double square(double a) {
   return a * a;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/loops/settle.hpp"
 #include "time/accuracy.hpp"
 #include "time/verlet.hpp"
 
@@ -14,9 +15,6 @@ constexpr double unchanged = 1e-9;
 /// Displacements of float substeps shorter than this share of a step are rounding.
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
-
-/// The step that brings rods to their lengths takes so many seconds, too short for loads to act.
-constexpr double projection_step = 1e-9;
 
 /// A tree is calm once gradient mid would need no more substeps than a step has at least. That is so if mid
 /// would make this share of the error allowed in so many steps in turn. The numbers were found on chains with
@@ -89,8 +87,8 @@ std::uint32_t TreeSolver<T>::project_positions() {
   stepper.advance(state, projection_step, {crew.work, crew.alone, crew.alone_work}, tried);
   if (tried.unsolved == 0) std::copy_n(state.x.data(), state.x.size(), before.x.data());
   state.copy_motion(before);  // all but x goes back
-  ElasticTree<T> elastic(*state.topology, kind_->rules.gradient, kind_->rules.drag, kind_->rules.isa);
-  const std::uint32_t unsettled = tried.unsolved == 0 ? 0 : elastic.settle(state, crew.alone);
+  const std::uint32_t unsettled =
+      tried.unsolved == 0 ? 0 : crew.elastic_tree(*kind_).settle(state, crew.alone);
   if (line_) line_->segments.scatter(state, state_);
   return unsettled;
 }

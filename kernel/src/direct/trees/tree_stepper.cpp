@@ -13,7 +13,6 @@
 
 namespace plumb::detail {
 using namespace tree_limits;
-
 /// With these, load = ratio M u + kick force, and u becomes u_delta delta - u_before ratio u.
 template <class T>
 struct TreeStepper<T>::Coefficients {
@@ -201,10 +200,9 @@ auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, 
   load();
   if (alone.elastic[0] == 0) {
     ++counters.halvings;
-    int attempts = most_attempts;
-    if (advance_alone(alone, h / 2, 1, attempts, crew.alone_work, counters) &&
-        advance_alone(alone, h / 2, 1, attempts, crew.alone_work, counters))
-      return Rescue::halves;
+    int left = most_attempts;
+    const auto half = [&] { return advance_alone(alone, h / 2, 1, left, crew.alone_work, counters); };
+    if (half() && half()) return Rescue::halves;
     load();
     alone.elastic[0] = std::max(alone.next_elastic[0], elastic_substeps);
     alone.next_elastic[0] = std::min(2 * alone.elastic[0], most_elastic_substeps);
@@ -348,13 +346,19 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_v
 }
 
 template <class T>
-void TreeStepper<T>::take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
-                                 layouts::AlignedBuffer<T>& to) const {
+void TreeStepper<T>::take_sound(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                                layouts::AlignedBuffer<T>& to) const {
   for (std::size_t lane = 0; lane < state.lanes; ++lane) {
-    bool finite = true;
-    for (std::size_t i = lane; i < to.size(); i += state.lanes)
-      finite = finite && std::isfinite(work.delta[i]);
-    for (std::size_t i = lane; finite && i < to.size(); i += state.lanes) to[i] = work.delta[i];
+    double projected = 0, given = 0;
+    for (std::size_t i = lane; i < to.size(); i += state.lanes) {
+      projected += square(double{work.delta[i]});
+      given += square(double{work.velocity[i]}) + square(double{work.kick[lane]} * double{state.force[i]});
+    }
+    for (std::size_t i = lane; i < state.tie_velocity.size(); i += state.lanes)
+      for (const Vec3 v : {state.tie_velocity[i], state.tie_last_velocity[i]}) given += dot(v, v);
+    // Numbers that are not finite fail this comparison, too.
+    if (projected <= most_projected_growth * given)
+      for (std::size_t i = lane; i < to.size(); i += state.lanes) to[i] = work.delta[i];
   }
 }
 
@@ -364,7 +368,7 @@ void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& w
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
   project(state, state.tie_velocity, work);
-  take_finite(state, work, state.u);
+  take_sound(state, work, state.u);
   state.tie_last_velocity = state.tie_velocity;
 }
 
@@ -386,7 +390,7 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
   }
   if (any) {
     project(state, state.tie_last_velocity, work);
-    take_finite(state, work, work.velocity);
+    take_sound(state, work, work.velocity);
   }
 }
 

@@ -101,9 +101,10 @@ class TreeStepper {
   void put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
   /// Projects work.velocity onto what no rod resists when fixed ends go at tie_velocity, into work.delta.
   void project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity, TreeWorkspace<T>& work) const;
-  /// Takes what was projected, where it could be.
-  void take_finite(const TreeState<T>& state, const TreeWorkspace<T>& work,
-                   layouts::AlignedBuffer<T>& to) const;
+  /// Takes what was projected, in lanes where it is not many times what was given. Rods that are nearly
+  /// straight between anchors have no sound projection.
+  void take_sound(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                  layouts::AlignedBuffer<T>& to) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;
