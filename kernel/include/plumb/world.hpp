@@ -38,7 +38,7 @@ struct StepReport {
   // The next members count what direct solves did. Of what is repeated for accuracy, `newton` alone counts
   // all attempts.
   std::uint64_t direct_substeps =
-      0;                     ///< Substeps that islands took, pieces of cut ones each, elastic ones left out.
+      0;  ///< Substeps that islands took. Each piece of a cut one counts, an elastic one does not.
   std::uint64_t newton = 0;  ///< Newton steps, summed over islands.
   std::uint64_t halvings =
       0;  ///< Substeps of an island that did not converge, or turned too far, and were cut.

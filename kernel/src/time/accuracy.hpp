@@ -152,7 +152,6 @@ struct AccuracyControl {
       out.is_final = out.is_final || counters.has_given_up();
     }
     out.error = apart / (((1u << order) - 1.0) * windows.length * windows.compared());
-    out.is_blind = out.is_blind || counters.fallbacks > 0;
     return out;
   }
 

@@ -32,12 +32,7 @@ LoopSolver::LoopSolver(std::shared_ptr<LoopRules> rules, LoopState state)
 }
 
 std::uint32_t LoopSolver::project_positions() {
-  LoopState projected = state_;
-  Tally not_of_a_step;
-  LoopStepper(Gradient::new_, 0).advance(projected, projection_step, work_, not_of_a_step);
-  const bool solved = !not_of_a_step.has_given_up();
-  if (solved) state_.x = projected.x;
-  const bool settled = solved || settle(state_, work_);
+  const bool settled = settle(state_, work_);
   if (work_.lines) work_.lines->forget();
   return settled ? 0 : 1;
 }

@@ -90,7 +90,7 @@ double misfit(const LoopState& state, const std::vector<double>& x) {
 void bend(LoopState& state) {
   const std::vector<double> bow = bow_of(*state.topology);
   const Vec3 direction = std::sqrt(state.scale2) * bending_direction(state);
-  std::vector<double> best;
+  std::vector<double> best = state.x;  // where no bow has a finite misfit
   double least = std::numeric_limits<double>::infinity();
   double share = least_bow;
   for (int i = 0; i < bows; ++i, share *= next_bow) {
@@ -100,7 +100,7 @@ void bend(LoopState& state) {
     least = lacking;
     best = std::move(x);
   }
-  state.x = best;
+  state.x = std::move(best);
 }
 
 /// Tries to bring rods to their lengths as they are, then after each of so many steps with elastic rods.

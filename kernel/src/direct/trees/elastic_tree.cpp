@@ -29,49 +29,51 @@ void copy(To& to, const From& from) {
 }  // namespace
 
 template <class T>
-ElasticTree<T>::ElasticTree(const TreeTopology& tree, Gradient gradient, double drag, Isa isa)
-    : stepper_(gradient, drag),
-      state_(as_loops(tree)),
-      work_(state_, Gradient::mid, isa) {}  // it projects no velocities, as mid does not
+ElasticTree<T>::Island::Island(const TreeTopology& tree, Isa isa)
+    : state(as_loops(tree)), work(state, Gradient::mid, isa) {}  // it projects no velocities, as mid does not
 
 template <class T>
-void ElasticTree<T>::load(const TreeState<T>& tree) {
+auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
+  if (!island_) island_ = std::make_unique<Island>(*topology_, isa_);
+  LoopState& island = island_->state;
   const std::uint32_t nodes = tree.topology->nodes, ties = tree.topology->ties;
-  for (std::size_t i = 0; i < 3 * std::size_t{nodes}; ++i) state_.x[i] = tree.x[i];
-  for (std::size_t i = 0; i < 3 * std::size_t{ties}; ++i) state_.x[3 * nodes + i] = tree.tie_x[i];
-  copy(state_.u, tree.u);
-  copy(state_.force, tree.force);
-  copy(state_.weight, tree.weight);
-  state_.u_step = tree.u_step[0];
-  std::fill(state_.mu.begin(), state_.mu.end(), 0.0);
-  state_.mu_kick = 0;
+  for (std::size_t i = 0; i < 3 * std::size_t{nodes}; ++i) island.x[i] = tree.x[i];
+  for (std::size_t i = 0; i < 3 * std::size_t{ties}; ++i) island.x[3 * nodes + i] = tree.tie_x[i];
+  copy(island.u, tree.u);
+  copy(island.force, tree.force);
+  copy(island.weight, tree.weight);
+  island.u_step = tree.u_step[0];
+  std::fill(island.mu.begin(), island.mu.end(), 0.0);
+  island.mu_kick = 0;
   for (std::uint32_t i = 0; i < nodes; ++i) {
-    state_.mass[i] = static_cast<double>(tree.node[simd::tree_fields::node * i]);
+    island.mass[i] = static_cast<double>(tree.node[simd::tree_fields::node * i]);
     if (i == 0) continue;
-    state_.coupling[i - 1] = static_cast<double>(tree.node[simd::tree_fields::node * i + 1]);
-    state_.length2[i - 1] = tree.length2[i];
+    island.coupling[i - 1] = static_cast<double>(tree.node[simd::tree_fields::node * i + 1]);
+    island.length2[i - 1] = tree.length2[i];
   }
   for (std::uint32_t k = 0; k < ties; ++k) {
-    state_.coupling[nodes - 1 + k] = static_cast<double>(tree.tie[simd::tree_fields::tie * k]);
-    state_.length2[nodes - 1 + k] = tree.tie_length2[k];
+    island.coupling[nodes - 1 + k] = static_cast<double>(tree.tie[simd::tree_fields::tie * k]);
+    island.length2[nodes - 1 + k] = tree.tie_length2[k];
   }
-  state_.fixed_velocity = tree.tie_velocity;
-  state_.fixed_last_velocity = tree.tie_last_velocity;
-  state_.anchors_move = tree.ties_move;
-  state_.mass_unit = tree.mass_unit[0];
-  state_.scale2 = tree.scale2[0];
+  island.fixed_velocity = tree.tie_velocity;
+  island.fixed_last_velocity = tree.tie_last_velocity;
+  island.anchors_move = tree.ties_move;
+  island.mass_unit = tree.mass_unit[0];
+  island.scale2 = tree.scale2[0];
+  return *island_;
 }
 
 template <class T>
 void ElasticTree<T>::store(TreeState<T>& tree) const {
+  const LoopState& island = island_->state;
   const std::uint32_t nodes = tree.topology->nodes;
   for (std::size_t i = 0; i < 3 * std::size_t{nodes}; ++i) {
-    tree.x[i] = state_.x[i];
-    tree.u[i] = static_cast<T>(state_.u[i]);
+    tree.x[i] = island.x[i];
+    tree.u[i] = static_cast<T>(island.u[i]);
   }
-  for (std::size_t i = 0; i < tree.tie_x.size(); ++i) tree.tie_x[i] = state_.x[3 * nodes + i];
+  for (std::size_t i = 0; i < tree.tie_x.size(); ++i) tree.tie_x[i] = island.x[3 * nodes + i];
   if (tree.ties_move) tree.tie_last_velocity = tree.tie_velocity;
-  tree.u_step[0] = state_.u_step;
+  tree.u_step[0] = island.u_step;
   tree.u_step_before[0] = 0;
   for (auto* const each : {&tree.mu, &tree.tie_mu, &tree.mu_before, &tree.tie_mu_before})
     std::fill_n(each->data(), each->size(), T(0));
@@ -83,8 +85,8 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
 
 template <class T>
 void ElasticTree<T>::advance(TreeState<T>& tree, double h, Tally& counters) {
-  load(tree);
-  stepper_.advance_elastic(state_, h, work_, counters);
+  Island& island = load(tree);
+  stepper_.advance_elastic(island.state, h, island.work, counters);
   store(tree);
 }
 
@@ -94,9 +96,9 @@ std::uint32_t ElasticTree<T>::settle(TreeState<T>& trees, TreeState<T>& alone) {
   for (std::uint32_t lane = 0; lane < trees.lanes; ++lane) {
     if (trees.idle[lane]) continue;
     alone.copy_lane(0, trees, lane);
-    load(alone);
-    if (!detail::settle(state_, work_)) ++unsettled;
-    for (std::size_t i = 0; i < alone.x.size(); ++i) alone.x[i] = state_.x[i];
+    Island& island = load(alone);
+    if (!detail::settle(island.state, island.work)) ++unsettled;
+    for (std::size_t i = 0; i < alone.x.size(); ++i) alone.x[i] = island.state.x[i];
     trees.copy_lane(lane, alone, 0);
   }
   return unsettled;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "direct/loops/loop_stepper.hpp"
 #include "direct/trees/tree_state.hpp"
@@ -8,12 +10,14 @@
 namespace plumb::detail {
 
 /// Takes substeps of trees whose rods do not fit together, as a line between anchors that are too far apart.
-/// The tree is an island for the solver of loops then, whose rods may give.
+/// The tree is an island for the solver of loops then, whose rods may give. That island is made when a tree
+/// first needs it, since most never do.
 template <class T>
 class ElasticTree {
  public:
-  /// It serves one tree at a time, of this topology.
-  ElasticTree(const TreeTopology& tree, Gradient gradient, double drag, Isa isa);
+  /// It serves one tree at a time, of this topology, with the rules of its steps.
+  ElasticTree(std::shared_ptr<const TreeTopology> tree, Gradient gradient, double drag, Isa isa)
+      : topology_(std::move(tree)), stepper_(gradient, drag), isa_(isa) {}
 
   /// Takes one substep of a tree alone (LoopStepper::advance_elastic()). Multipliers are forgotten.
   void advance(TreeState<T>& tree, double h, Tally& counters);
@@ -23,12 +27,19 @@ class ElasticTree {
   std::uint32_t settle(TreeState<T>& trees, TreeState<T>& alone);
 
  private:
-  void load(const TreeState<T>& tree);
+  struct Island {
+    Island(const TreeTopology& tree, Isa isa);
+    LoopState state;
+    LoopWorkspace work;
+  };
+
+  Island& load(const TreeState<T>& tree);
   void store(TreeState<T>& tree) const;
 
+  std::shared_ptr<const TreeTopology> topology_;
   LoopStepper stepper_;
-  LoopState state_;
-  LoopWorkspace work_;
+  Isa isa_;
+  std::unique_ptr<Island> island_;
 };
 
 extern template class ElasticTree<float>;

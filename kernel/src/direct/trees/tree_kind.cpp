@@ -11,7 +11,8 @@ TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rule
   if (rules.changes_gradient) calm_stepper.emplace(Gradient::mid, rules.drag, true, rules.isa);
   for (unsigned part = 0; part < rules.threads; ++part)
     crews.push_back({TreeWorkspace<T>(*topology, lanes), TreeState<T>(topology, 1),
-                     TreeWorkspace<T>(*topology, 1), nullptr});
+                     TreeWorkspace<T>(*topology, 1),
+                     ElasticTree<T>(topology, rules.gradient, rules.drag, rules.isa)});
 }
 
 template struct TreeKind<float>;

@@ -17,14 +17,8 @@ struct TreeKind {
     TreeWorkspace<T> work;
     TreeState<T> alone;  ///< It is one tree, for substeps that are halved.
     TreeWorkspace<T> alone_work;
-    std::unique_ptr<ElasticTree<T>> elastic;  ///< It is made when a tree first needs it.
+    ElasticTree<T> elastic;  ///< It takes what no halving solves.
 
-    ElasticTree<T>& elastic_tree(const TreeKind& kind) {
-      if (!elastic)
-        elastic = std::make_unique<ElasticTree<T>>(*kind.topology, kind.rules.gradient, kind.rules.drag,
-                                                   kind.rules.isa);
-      return *elastic;
-    }
     TreeCrew<T> view() { return {work, alone, alone_work, &elastic}; }
   };
 

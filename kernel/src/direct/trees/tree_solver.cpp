@@ -87,8 +87,7 @@ std::uint32_t TreeSolver<T>::project_positions() {
   stepper.advance(state, projection_step, {crew.work, crew.alone, crew.alone_work}, tried);
   if (tried.unsolved == 0) std::copy_n(state.x.data(), state.x.size(), before.x.data());
   state.copy_motion(before);  // all but x goes back
-  const std::uint32_t unsettled =
-      tried.unsolved == 0 ? 0 : crew.elastic_tree(*kind_).settle(state, crew.alone);
+  const std::uint32_t unsettled = tried.unsolved == 0 ? 0 : crew.elastic.settle(state, crew.alone);
   if (line_) line_->segments.scatter(state, state_);
   return unsettled;
 }

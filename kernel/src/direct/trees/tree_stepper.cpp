@@ -13,6 +13,7 @@
 
 namespace plumb::detail {
 using namespace tree_limits;
+
 /// With these, load = ratio M u + kick force, and u becomes u_delta delta - u_before ratio u.
 template <class T>
 struct TreeStepper<T>::Coefficients {
@@ -24,7 +25,6 @@ TreeStepper<T>::TreeStepper(Gradient gradient, double drag, bool estimates, Isa 
     : gradient_(gradient),
       drag_(drag),
       estimates_(estimates),
-      isa_(isa),
       shares_(composition(time_order)),
       largest_share_(largest_share(time_order)),
       vector_(simd::tree_kernels<T>(isa)),
@@ -211,10 +211,8 @@ auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, 
     ++counters.unsolved;
     return Rescue::none;
   }
-  if (!*crew.elastic)
-    *crew.elastic = std::make_unique<ElasticTree<T>>(*alone.topology, gradient_, drag_, isa_);
   --alone.elastic[0];
-  (*crew.elastic)->advance(alone, h, counters);
+  crew.elastic->advance(alone, h, counters);
   return Rescue::elastic;
 }
 

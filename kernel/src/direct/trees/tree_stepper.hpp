@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -22,8 +21,8 @@ struct TreeCrew {
   TreeWorkspace<T>& work;
   TreeState<T>& alone;  ///< It is one tree, for substeps that are halved.
   TreeWorkspace<T>& alone_work;
-  /// Takes what no halving solves, and is made when first needed. Without it such trees stay where they are.
-  std::unique_ptr<ElasticTree<T>>* elastic = nullptr;
+  /// Takes what no halving solves. Without it such trees stay where they are.
+  ElasticTree<T>* elastic = nullptr;
 };
 
 /// Advances trees by substeps in which all rods of a tree are solved at once by Newton's method.
@@ -110,7 +109,6 @@ class TreeStepper {
   Gradient gradient_;
   double drag_;
   bool estimates_;
-  Isa isa_;
   std::span<const double> shares_;
   double largest_share_;
   const simd::TreeKernels<T>& vector_;
