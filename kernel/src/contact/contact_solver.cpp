@@ -51,27 +51,13 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     const bool plain = is_plain(part);
     if (plain && part.capsules.empty()) continue;
     if (plain && mass_model_of(settings) == MassModel::lumped) lump_masses(part);
-    const auto movable = static_cast<std::uint32_t>(std::count_if(
-        part.particles.begin(), part.particles.end(), [](const Particle& each) { return !each.fixed; }));
-    const bool asleep = std::all_of(part.particles.begin(), part.particles.end(),
-                                    [](const Particle& each) { return each.fixed || each.asleep; });
     const Linkage*& kind = kinds[likeness(part)];
     if (kind == nullptr) {
-      linkages_.push_back(std::make_unique<Linkage>(part, movable, isa_));
+      linkages_.push_back(std::make_unique<Linkage>(part, isa_));
       kind = linkages_.back().get();
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
-    LinkageState& state = states_.emplace_back();
-    state.linkage = kind;
-    state.number = number;
-    state.particles = parts.particles(p);
-    state.force.resize(movable);
-    state.acceleration.resize(movable);
-    for (const Particle& particle : part.particles) {
-      state.x.push_back(particle.position);
-      state.v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
-    }
-    state.asleep = asleep;
+    states_.emplace_back(*kind, number, part).particles = parts.particles(p);
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
     island_of_.resize(island_of_.size() + part.particles.size(), number);

@@ -42,9 +42,10 @@ void Combination::add(std::uint32_t particle, double weight) {
   terms[count++] = {particle, weight};
 }
 
-Linkage::Linkage(const Scene& part, std::uint32_t movable, Isa isa)
+Linkage::Linkage(const Scene& part, Isa isa)
     : particles_(static_cast<std::uint32_t>(part.particles.size())),
-      movable_(movable),
+      movable_(static_cast<std::uint32_t>(std::count_if(part.particles.begin(), part.particles.end(),
+                                                        [](const Particle& each) { return !each.fixed; }))),
       gravity_(part.gravity),
       drag_(part.drag),
       joint_drag_(part.joint_drag) {

@@ -60,7 +60,7 @@ class Linkage {
   static AngleSlope slope(const Angle& angle, std::span<const Vec3> x);
 
   /// `part` is one island of `scene`, with its particles' numbers; the movable ones first.
-  Linkage(const Scene& part, std::uint32_t movable, Isa isa);
+  Linkage(const Scene& part, Isa isa);
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -39,11 +40,24 @@ struct LinkageMotion {
 
 /// Holds one island of a linkage's kind, wherever it is.
 struct LinkageState : LinkageMotion {
-  const Linkage* linkage = nullptr;
+  /// Starts where the part of a scene does that the kind is made of, or one like it. It sleeps if all movable
+  /// particles do.
+  LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part)
+      : linkage(&kind), force(kind.movable()), number(island) {
+    acceleration.resize(kind.movable());
+    asleep = std::all_of(part.particles.begin(), part.particles.end(),
+                         [](const Particle& each) { return each.fixed || each.asleep; });
+    for (const Particle& particle : part.particles) {
+      x.push_back(particle.position);
+      v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
+    }
+  }
+
+  const Linkage* linkage;
   std::vector<std::uint32_t> particles;  ///< the scene's numbers
   std::vector<Vec3> force;               ///< N, constant, on movable particles
   std::vector<simd::Block> factors;      ///< of the matrix at x
-  std::uint32_t number = 0;              ///< the island's number
+  std::uint32_t number;                  ///< the island's number
   bool factored = false;
 
   LinkageMotion& motion() { return *this; }
