@@ -27,19 +27,19 @@ void register_reference_methods() {
   using detail::Reads;
   detail::register_method(
       {.method = Method::springs,
-       .name = "springs",
+       .name = to_string(Method::springs),
        .moves = "particles and rods, as rigid bodies or particles on stiff springs (thesis 3.3)",
        .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
        .validate = validate_springs,
        .make = detail::make_reference_solvers});
   detail::register_method({.method = Method::multipliers,
-                           .name = "multipliers",
+                           .name = to_string(Method::multipliers),
                            .moves = "particles and rods, by Lagrange multipliers (thesis 3.4)",
                            .reads = Reads::mass | Reads::integrator | Reads::multipliers,
                            .validate = validate_explicit,
                            .make = detail::make_reference_solvers});
   detail::register_method({.method = Method::featherstone,
-                           .name = "featherstone",
+                           .name = to_string(Method::featherstone),
                            .moves = "trees of rods that hang from one point or float (thesis 3.5)",
                            .reads = Reads::mass | Reads::integrator,
                            .validate = validate_explicit,

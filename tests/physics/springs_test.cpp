@@ -13,6 +13,7 @@
 #include "plumb/reference/springs.hpp"
 #include "scenes/files/trajectory.hpp"
 #include "scenes/generators/generators.hpp"
+#include "support/refusals.hpp"
 #include "support/sanitizers.hpp"
 #include "support/truths.hpp"
 #include "support/worlds.hpp"
@@ -431,12 +432,7 @@ TEST(SpringFailures, FreezeTheirIslandAlone) {
 }
 
 std::string refusal(const Scene& scene, const Settings& settings) {
-  try {
-    World world(scene, settings);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  return test::refusal([&] { World(scene, settings); });
 }
 
 TEST(SpringFailures, BadSettingsAndBodiesAreRefused) {

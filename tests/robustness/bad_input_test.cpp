@@ -12,24 +12,16 @@
 
 #include "plumb/plumb.hpp"
 #include "scenes/generators/generators.hpp"
+#include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
 namespace {
 
+using test::refusal;
+
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// What f() throws as InputError; empty if nothing.
-template <class F>
-std::string refusal(F&& f) {
-  try {
-    f();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
-}
 
 // Every refusal of validate(), once, through the constructor: whoever builds a world need not validate
 // before.

@@ -13,20 +13,13 @@
 
 #include "scenes/humanoid/humanoid.hpp"
 #include "scenes/spec.hpp"
+#include "support/refusals.hpp"
 
 namespace plumb {
 namespace {
 
 using test::frame;
-
-std::string refusal(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
-}
+using test::refusal;
 
 // The reason names what was asked for.
 TEST(Bodies, AreRefusedToMethodsThatKnowRodsAlone) {

@@ -15,6 +15,7 @@
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
 #include "support/bodies.hpp"
+#include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -55,14 +56,11 @@ std::vector<Shape> shapes() {
 
 /// Runs a cell of the matrix; empty, or the reason of its refusal.
 std::string refusal(const Scene& scene, const Settings& settings) {
-  try {
+  return test::refusal([&] {
     World world(scene, settings);
     for (int i = 0; i < 3; ++i) world.step(1.0 / 60);
     EXPECT_TRUE(test::all_finite(world));
-    return {};
-  } catch (const InputError& error) {
-    return error.what();
-  }
+  });
 }
 
 // Every method, precision, gradient, accuracy and thing to touch, with every shape of scene: a cell runs, or

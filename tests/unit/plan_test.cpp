@@ -6,17 +6,13 @@
 
 #include "plumb/error.hpp"
 #include "plumb/layouts/stores.hpp"
+#include "support/refusals.hpp"
 
 namespace plumb::detail {
 namespace {
 
 std::string refusal(std::uint64_t particles, std::uint64_t rods) {
-  try {
-    require_addressable(particles, rods);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  return test::refusal([&] { require_addressable(particles, rods); });
 }
 
 constexpr std::uint32_t most_particles = (1u << 30) - (1u << 18);

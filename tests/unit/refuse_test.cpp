@@ -12,18 +12,12 @@
 #include "scene/require_points.hpp"
 #include "scene/validate_bodies.hpp"
 #include "support/bodies.hpp"
+#include "support/refusals.hpp"
 
 namespace plumb::detail {
 namespace {
 
-std::string refusal(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
-}
+using test::refusal;
 
 TEST(Refuse, WritesItsPartsOneAfterTheOther) {
   EXPECT_EQ(refusal([] { refuse("rod ", 7u, ':', ' ', std::string("length "), 0.25, " m"); }),

@@ -13,6 +13,7 @@
 #include "plumb/error.hpp"
 #include "plumb/joints.hpp"
 #include "support/random_trees.hpp"
+#include "support/refusals.hpp"
 
 namespace plumb {
 namespace {
@@ -40,12 +41,7 @@ Scene chain() {
 std::string refusal(const std::function<void(Scene&)>& change) {
   Scene scene = chain();
   change(scene);
-  try {
-    validate(scene);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  return test::refusal([&] { validate(scene); });
 }
 
 TEST(Scene, GoodOnesAreAccepted) {

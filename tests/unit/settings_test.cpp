@@ -8,6 +8,7 @@
 #include <string>
 
 #include "plumb/error.hpp"
+#include "support/refusals.hpp"
 
 namespace plumb {
 namespace {
@@ -19,12 +20,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 std::string refusal(const std::function<void(Settings&)>& change) {
   Settings settings;
   change(settings);
-  try {
-    validate(settings);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  return test::refusal([&] { validate(settings); });
 }
 
 TEST(Settings, DefaultsAreValid) {

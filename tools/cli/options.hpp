@@ -36,6 +36,21 @@ Option add_choice(Command& command, const std::string& name, Target& target,
   return add_choice(command, name, target, std::vector<Enum>(values), help);
 }
 
+/// Adds an option whose words are the names of enum values, or `both`, which leaves the target as it is: with
+/// all of them.
+template <class Enum>
+Option add_choice_or_both(Command& command, const std::string& name, std::vector<Enum>& target,
+                          const std::string& help) {
+  std::vector<std::string> words;
+  for (const Enum value : target) words.emplace_back(to_string(value));
+  words.emplace_back("both");
+  const auto take = [list = target, &target](const std::string& word) {
+    for (const Enum value : list)
+      if (to_string(value) == word) target = {value};
+  };
+  return add_words(command, name, words, take, help + " [both]");
+}
+
 /// Adds an option that takes a whole number.
 Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help);
 

@@ -164,13 +164,7 @@ void add_profile_command(Command& plumb) {
       [&o](const std::string& word) { o.last_level = word == "2" ? 2 : 3; },
       "The last cache to look at; 3 with cachegrind takes long [2 with cachegrind, else the last]");
   add_choice(command, "--precision", o.precision, {Precision::single, Precision::double_}, "Arithmetic");
-  add_words(
-      command, "--order", {"gauss-seidel", "jacobi", "both"},
-      [&o](const std::string& word) {
-        if (word == "both") return;
-        o.orders = {word == "jacobi" ? SweepOrder::jacobi : SweepOrder::gauss_seidel};
-      },
-      "Order of relaxation's sweeps [both]");
+  add_choice_or_both(command, "--order", o.orders, "Order of relaxation's sweeps");
   command.add_option("--out", "DIR", o.out,
                      "Write a page with pictures, JSON and CSV into this folder [out]");
   command.add_flag("--quiet", o.quiet, "No progress bar");

@@ -194,20 +194,8 @@ void add_scale_command(Command& plumb) {
   add_count(command, "--repetitions", o.repetitions, "Timed repetitions [5]");
   add_seconds(command, "--seconds", o.seconds, "Least time of a repetition [0.02]");
   add_seconds(command, "--cell", o.cell_s, "Most time to step a chain; above, a method ends [0.6]");
-  add_words(
-      command, "--precision", {"float", "double", "both"},
-      [&o](const std::string& word) {
-        if (word == "both") return;
-        o.precisions = {word == "float" ? Precision::single : Precision::double_};
-      },
-      "Arithmetic of relaxation [both]");
-  add_words(
-      command, "--order", {"gauss-seidel", "jacobi", "both"},
-      [&o](const std::string& word) {
-        if (word == "both") return;
-        o.orders = {word == "jacobi" ? SweepOrder::jacobi : SweepOrder::gauss_seidel};
-      },
-      "Order of relaxation's sweeps [both]");
+  add_choice_or_both(command, "--precision", o.precisions, "Arithmetic of relaxation");
+  add_choice_or_both(command, "--order", o.orders, "Order of relaxation's sweeps");
   command.add_option("--out", "DIR", o.out, "Write a page with charts, JSON and CSV into this folder");
   command.add_flag("--quiet", o.quiet, "No progress bar");
   command.set_footer(
