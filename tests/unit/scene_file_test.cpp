@@ -78,6 +78,7 @@ Scene bodies_and_joints() {
   scene.particles[2].asleep = true;
   scene.rods[1].linear_drag = 0.1;
   scene.rods[2].orthogonal_drag = 1.0 / 7;
+  scene.rods[3].law = {.stiffness = 1e4 / 3, .damping = 0.1, .one_sided = true, .strength = 7e3 / 9};
   add_revolute(scene, 0, 1, {1, 0.1, 0.2}, {1, 2, 3});
   add_spherical(scene, point_at(1), point_on_rod(scene, 7, 0.3));
   const Direction u{point_at(0), point_at(1)}, v{point_at(4), point_on_rod(scene, 8, 2)};
@@ -172,6 +173,7 @@ TEST(SceneFile, RoundTripKeepsEveryBitOfBodiesAndJoints) {
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
     EXPECT_EQ(back.rods[i].linear_drag, scene.rods[i].linear_drag);
     EXPECT_EQ(back.rods[i].orthogonal_drag, scene.rods[i].orthogonal_drag);
+    EXPECT_EQ(back.rods[i].law, scene.rods[i].law);
   }
   expect_same(back.bodies, scene.bodies);
   expect_same(back.pins, scene.pins);
@@ -237,9 +239,9 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
   EXPECT_EQ(message_of(with(R"({"position": [1, 0, 0], "mass": 1, "colour": 3})")),
             "f.json: particles[1].colour is not a known key; known are position, velocity, mass, fixed, "
             "asleep");
-  EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1, "stiffness": 1})")),
-            "f.json: rods[0].stiffness is not a known key; known are a, b, length, mass, center, inertia, "
-            "linear_drag, orthogonal_drag");
+  EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1, "color": 1})")),
+            "f.json: rods[0].color is not a known key; known are a, b, length, mass, center, inertia, "
+            "linear_drag, orthogonal_drag, stiffness, damping, one_sided, strength");
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
             "rods, bodies, pins, "

@@ -132,6 +132,24 @@ TEST(Scene, RodsHaveDragOfTheAir) {
             "rod 2: drag must be finite and not negative, got nan per second");
 }
 
+TEST(Scene, RodsMayGive) {
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[1].law.stiffness = -1; }),
+            "rod 1: stiffness must be 0 or more, got -1 N/m");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[1].law.stiffness = nan; }),
+            "rod 1: stiffness must be 0 or more, got nan N/m");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[0].law = {.stiffness = 1, .damping = -2}; }),
+            "rod 0: damping must be finite and not negative, got -2 N s/m");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[0].law.damping = 2; }),
+            "rod 0: a rigid rod has no damping; give it a stiffness");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[0].law.stiffness = 0; }),
+            "rod 0: has neither stiffness nor damping, so that it holds nothing");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[2].law.strength = 0; }),
+            "rod 2: strength must be positive, got 0 N");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[2].law = {.stiffness = 0, .damping = 3, .one_sided = true}; }), "");
+  EXPECT_TRUE(RodLaw{}.is_rigid());
+  EXPECT_FALSE((RodLaw{.one_sided = true}.is_rigid()));
+}
+
 /// The chain with particles 4 to 7 of a body (rods 3 to 8) and one of everything else.
 Scene everything() {
   Scene scene = chain();

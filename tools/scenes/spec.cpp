@@ -1,5 +1,6 @@
 #include "scenes/spec.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <type_traits>
@@ -73,6 +74,24 @@ Shape assigned(const Parameters<Shape>& parameters, const Assignment& assignment
   }
   throw InputError("no parameter '" + std::string(assignment.key) + "'; " +
                    (known.empty() ? "it takes none" : "known are " + known));
+}
+
+/// Takes the assignments that say how rods give, which every generator has.
+RodLaw take_law(std::vector<Assignment>& assignments) {
+  static const Parameters<RodLaw> parameters{
+      {"stiffness", &RodLaw::stiffness}, {"damping", &RodLaw::damping}, {"strength", &RodLaw::strength}};
+  RodLaw law;
+  std::erase_if(assignments, [&](const Assignment& assignment) {
+    if (assignment.key == "cables") {
+      law.one_sided = parsed_value<std::uint32_t>("cables", assignment.value) != 0;
+      return true;
+    }
+    const auto is_named = [&](const Parameter<RodLaw>& each) { return assignment.key == each.name; };
+    if (std::none_of(parameters.begin(), parameters.end(), is_named)) return false;
+    law = assigned(parameters, assignment, law);
+    return true;
+  });
+  return law;
 }
 
 struct Generator {
@@ -240,8 +259,11 @@ Scene load_scene(std::string_view spec) {
     append_item(known, generator.name);
     if (name != generator.name) continue;
     try {
-      Scene scene = generator.build(colon == std::string_view::npos ? std::vector<Assignment>{}
-                                                                    : split(spec.substr(colon + 1)));
+      std::vector<Assignment> assignments;
+      if (colon != std::string_view::npos) assignments = split(spec.substr(colon + 1));
+      const RodLaw law = take_law(assignments);
+      Scene scene = generator.build(assignments);
+      for (Rod& rod : scene.rods) rod.law = law;
       validate(scene);
       return scene;
     } catch (const InputError& error) {

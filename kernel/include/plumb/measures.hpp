@@ -11,7 +11,7 @@
 namespace plumb {
 
 /// Holds the strain, (current length − rest length) / rest length, over all rods of a scene. Files and
-/// reports call it stretch.
+/// reports call it stretch. That of a slack cable is 0.
 struct Stretch {
   double rms = 0;             ///< Root mean square, without a unit.
   double max = 0;             ///< Largest absolute value, without a unit.
@@ -26,8 +26,9 @@ PLUMB_API Stretch measure_stretch(const Scene& scene, std::span<const Vec3> posi
 struct Energy {
   double kinetic = 0;    ///< Kinetic energy, in J.
   double potential = 0;  ///< Potential energy −Σ m g·x, in J.
+  double elastic = 0;    ///< Energy Σ k (l − length)²/2 of elastic rods that are not slack, in J.
   /// Returns their sum, in J.
-  double total() const { return kinetic + potential; }
+  double total() const { return kinetic + potential + elastic; }
 };
 /// Measures energies at `positions` (m) and `velocities` (m/s), one each per particle. Throws InputError on
 /// another number of them.

@@ -25,7 +25,27 @@ struct Particle {
   bool asleep = false;
 };
 
-/// Keeps particles `a` and `b` at `length`. Its own mass lies evenly along it, unless `center` and `inertia`
+/// Says how a rod answers to what pulls on it. By default it is rigid: it keeps its length.
+///
+/// A rod of finite stiffness is elastic. At length l it pulls with stiffness (l - length) + damping dl/dt, in N
+/// (Hooke; Kelvin and Voigt). A bar of cross section A and modulus E has the stiffness E A/length.
+struct RodLaw {
+  double stiffness = std::numeric_limits<double>::infinity();  ///< Stiffness, in N/m; infinity is rigid.
+  double damping = 0;      ///< Damping along an elastic rod, in N s/m.
+  bool one_sided = false;  ///< Whether it is a cable, which pulls, never pushes, and may be slack.
+  /// Pull at which the rod breaks, in N; infinity means never. A broken rod pulls nothing any more.
+  double strength = std::numeric_limits<double>::infinity();
+
+  /// Returns whether the rod keeps its length, pulls and pushes, and never breaks.
+  constexpr bool is_rigid() const { return *this == RodLaw{}; }
+  /// Returns whether the rod has a finite stiffness.
+  constexpr bool is_elastic() const { return stiffness < std::numeric_limits<double>::infinity(); }
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const RodLaw&, const RodLaw&) = default;
+};
+
+/// Keeps particles `a` and `b` at `length`, or pulls them there as `law` says. Its own mass lies evenly along it, unless `center` and `inertia`
 /// say otherwise.
 struct Rod {
   std::uint32_t a = 0;  ///< Index into Scene::particles.
@@ -39,6 +59,7 @@ struct Rod {
   double linear_drag = 0;
   /// Air slows the rod across its axis at this rate, in 1/s (thesis 2.1.6).
   double orthogonal_drag = 0;
+  RodLaw law{};  ///< How it answers to what pulls on it.
 };
 
 /// This is a place that moves with a body or a rod: a weighted mean of up to four particles.
@@ -164,7 +185,9 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// Of particles and rods it refuses:
 /// - numbers that are not finite, negative mass or drag, a movable particle without mass;
 /// - an unknown particle, a rod from a particle to itself, a duplicate rod, a rod with both ends fixed;
-/// - zero or negative length.
+/// - zero or negative length;
+/// - negative stiffness or damping, strength that is not positive, a damped rod that is not elastic, an elastic
+///   rod that neither stretches nor damps.
 ///
 /// Of bodies, joints and shapes it refuses:
 /// - a body whose particles lie in one plane (their volume is below 1e-9 of their size cubed) or lack a rod;

@@ -19,11 +19,14 @@ struct LineRow {
   V below, diagonal, above, right;
 };
 
-/// A rod has its vector d (m), the violation of its length (m²) and its multiplier.
-template <class V>
+/// A rod has its vector d (m), the violation of its length (m²) and its multiplier. If it gives, its number
+/// among `laws` is `index`. One that is not there is rigid.
+template <class V, class T>
 struct LineRod {
   Vec<V> d;
   V violation, mu;
+  LawArrays<T> laws{};
+  std::size_t index = 0;
 };
 /// A node has its load, its displacement (m) and its inverse mass w.
 template <class V>
@@ -32,32 +35,45 @@ struct LineNode {
   V w;
 };
 
-template <class V>
-PLUMB_INLINE LineRow<V> line_row(const LineRod<V>& last, const LineNode<V>& from, const LineRod<V>& rod,
-                                 const LineNode<V>& to, const LineRod<V>& next) {
-  const Vec<V> e = to.delta - from.delta, b = rod.d + e;
-  const V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e));
-  return {V(0) - from.w * dot(b, last.d), (from.w + to.w) * dot(b, rod.d), V(0) - to.w * dot(b, next.d),
-          // A rod that is not there is never violated.
-          select_nonzero(dot(rod.d, rod.d), V(0) - violation, V(0))};
+template <bool laws, class V, class T, class At>
+PLUMB_INLINE LineRow<V> line_row(const TreeView<T>& tree, const At& at, const LineRod<V, T>& last,
+                                 const LineNode<V>& from, const LineRod<V, T>& rod, const LineNode<V>& to,
+                                 const LineRod<V, T>& next) {
+  const Vec<V> e = to.delta - from.delta;
+  Vec<V> b = rod.d + e;
+  V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e)), soft(0);
+  if constexpr (laws)
+    if (rod.laws.law != nullptr) {
+      const LawRow<V> row =
+          law_row_of(tree, at, rod.laws, rod.index, rod.d, e, violation, rod.mu, V(0));
+      b = row.use * b;
+      violation = row.c;
+      soft = row.soft;
+    }
+  LineRow<V> row{V(0) - from.w * dot(b, last.d), (from.w + to.w) * dot(b, rod.d),
+                 V(0) - to.w * dot(b, next.d),
+                 // A rod that is not there is never violated.
+                 select_nonzero(dot(rod.d, rod.d), V(0) - violation, V(0))};
+  if constexpr (laws) row.diagonal = row.diagonal + soft;
+  return row;
 }
 
 template <class V, class T, class At>
-PLUMB_INLINE LineRod<V> line_rod(const TreeView<T>& tree, const At& at, std::size_t i) {
+PLUMB_INLINE LineRod<V, T> line_rod(const TreeView<T>& tree, const At& at, std::size_t i) {
   return {at.get3(tree.rod, tree_fields::rod * i), at.get(tree.rod, tree_fields::rod * i + 3),
-          at.get(tree.mu, i)};
+          at.get(tree.mu, i), rod_laws(tree), i};
 }
 /// Returns the tie at either end of a line, seen along it, or an absent rod.
 template <class V, class T, class At>
-PLUMB_INLINE LineRod<V> line_tie(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
+PLUMB_INLINE LineRod<V, T> line_tie(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
                                  T direction) {
   if (!present) return {{V(0), V(0), V(0)}, V(0), V(0)};
   return {V(direction) * at.get3(tree.tie_rod, tree_fields::rod * k),
-          at.get(tree.tie_rod, tree_fields::rod * k + 3), at.get(tree.tie_mu, k)};
+          at.get(tree.tie_rod, tree_fields::rod * k + 3), at.get(tree.tie_mu, k), tie_laws(tree), k};
 }
 template <class V, class T, class At>
 PLUMB_INLINE LineNode<V> line_node(const TreeView<T>& tree, const At& at, std::size_t i,
-                                   const LineRod<V>& before, const LineRod<V>& after) {
+                                   const LineRod<V, T>& before, const LineRod<V, T>& after) {
   const Vec<V> load = at.get3(tree.load, 3 * i);
   const V w = at.get(tree.node, tree_fields::node * i + 3);
   return {load, w * ((load + before.mu * before.d) - after.mu * after.d), w};
@@ -89,8 +105,8 @@ PLUMB_INLINE V move_multiplier(const At& at, const V& active, T* mu, std::size_t
   return moved;
 }
 
-/// Takes a Newton step on one line per lane.
-template <class V, std::size_t lanes, class T>
+/// Takes a Newton step on one line per lane. Lines with `laws` have rods that give.
+template <bool laws, class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const LineEnds<T> ends(tree);
@@ -99,16 +115,16 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   const Vec<V> none{zero, zero, zero};
 
   // Elimination runs over rods 0 to n and leaves nu_k = right_k - above_k nu_{k+1}.
-  LineRod<V> last{none, zero, zero}, rod = line_tie<V>(tree, at, 0, ends.first, T(1));
+  LineRod<V, T> last{none, zero, zero}, rod = line_tie<V>(tree, at, 0, ends.first, T(1));
   LineNode<V> from = line_fixed<V>(tree, at, 0, ends.first);
   V above = zero, right = zero, residual = zero;
   for (std::size_t k = 0; k <= n; ++k) {
-    const LineRod<V> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
+    const LineRod<V, T> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
                             : k + 1 == n ? line_tie<V>(tree, at, ends.last_tie, ends.last, T(-1))
-                                         : LineRod<V>{none, zero, zero};
+                                         : LineRod<V, T>{none, zero, zero};
     const LineNode<V> to =
         k < n ? line_node<V>(tree, at, k, rod, next) : line_fixed<V>(tree, at, ends.last_tie, ends.last);
-    const LineRow<V> row = line_row(last, from, rod, to, next);
+    const LineRow<V> row = line_row<laws>(tree, at, last, from, rod, to, next);
     const V over = reciprocal_or_zero(row.diagonal - row.below * above, zero);
     residual = residual + row.right * row.right;
     above = row.above * over;

@@ -33,6 +33,15 @@ template <class V>
 inline V select_nonzero(V mask, V a, V b) {
   return mask != 0 ? a : b;
 }
+/// a where `value` is above 0, else b.
+template <class V>
+inline V select_positive(V value, V a, V b) {
+  return value > 0 ? a : b;
+}
+template <class V>
+inline V root(V value) {
+  return std::sqrt(value);
+}
 template <class V>
 inline V larger(V a, V b) {
   return a > b ? a : b;

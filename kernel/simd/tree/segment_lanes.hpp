@@ -87,7 +87,7 @@ constexpr std::size_t segment_fields = 3;
 
 template <class V, class T, class At>
 PLUMB_INLINE void put_segment_ends(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends) {
-  const LineRod<V> first = line_tie<V>(tree, at, 0, true, T(1));
+  const LineRod<V, T> first = line_tie<V>(tree, at, 0, true, T(1));
   const std::size_t s = tree.nodes - 1;
   ends.first_d.put(at.lane, first.d);
   ends.first_mu.put(at.lane, first.mu);
@@ -95,7 +95,7 @@ PLUMB_INLINE void put_segment_ends(const TreeView<T>& tree, const At& at, Segmen
   ends.last_w.put(at.lane, at.get(tree.node, tree_fields::node * s + 3));
 }
 template <class V, class T, class At>
-PLUMB_INLINE LineRod<V> first_rod_after(const At& at, const SegmentEnds<T>& ends) {
+PLUMB_INLINE LineRod<V, T> first_rod_after(const At& at, const SegmentEnds<T>& ends) {
   return {ends.first_d.template from_after<V>(at.lane), V(0), ends.first_mu.template from_after<V>(at.lane)};
 }
 template <class V, class T, class At>
@@ -105,21 +105,21 @@ PLUMB_INLINE void put_last_delta(const TreeView<T>& tree, const At& at, SegmentE
       at.lane, line_node<V>(tree, at, s, line_rod<V>(tree, at, s), first_rod_after<V>(at, ends)).delta);
 }
 
-template <class V, class T, class At>
+template <bool laws, class V, class T, class At>
 PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends,
                                     Separators<T>& rows) {
   const std::size_t s = tree.nodes, lane = at.lane;
   const V zero(0);
-  LineRod<V> last{ends.last_d.template from_before<V>(lane), zero, zero},
+  LineRod<V, T> last{ends.last_d.template from_before<V>(lane), zero, zero},
       rod = line_tie<V>(tree, at, 0, true, T(1));
   LineNode<V> from{{zero, zero, zero},
                    ends.last_delta.template from_before<V>(lane),
                    ends.last_w.template from_before<V>(lane)};
   V above = zero, right = zero, fill = V(0) - V(1), residual = zero;
   for (std::size_t k = 0; k < s; ++k) {
-    const LineRod<V> next = k + 1 < s ? line_rod<V>(tree, at, k + 1) : first_rod_after<V>(at, ends);
+    const LineRod<V, T> next = k + 1 < s ? line_rod<V>(tree, at, k + 1) : first_rod_after<V>(at, ends);
     const LineNode<V> to = line_node<V>(tree, at, k, rod, next);
-    const LineRow<V> row = line_row(last, from, rod, to, next);
+    const LineRow<V> row = line_row<laws>(tree, at, last, from, rod, to, next);
     residual = residual + row.right * row.right;
     if (k + 1 == s) {
       store(row.below, rows.lower + lane);
@@ -219,8 +219,9 @@ PLUMB_INLINE void substitute_segment(const TreeView<T>& tree, const At& at, cons
   at.put(tree.change, 0, sum);
 }
 
-/// Takes a Newton step. `for_lanes(f)` calls f(at) for every machine vector of the logical one.
-template <class V, class T, class ForLanes>
+/// Takes a Newton step. `for_lanes(f)` calls f(at) for every machine vector of the logical one. Lines with
+/// `laws` have rods that give.
+template <bool laws, class V, class T, class ForLanes>
 PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_lanes) {
   SegmentEnds<T> ends;
   Separators<T> rows;
@@ -230,7 +231,7 @@ PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_
     Neighbors<T>& component = c == 0 ? ends.last_delta.x : c == 1 ? ends.last_delta.y : ends.last_delta.z;
     component.values[0] = tree.tie_delta[c * logical_width<T>];
   }
-  for_lanes([&](const auto& at) { eliminate_segment<V>(tree, at, ends, rows); });
+  for_lanes([&](const auto& at) { eliminate_segment<laws, V>(tree, at, ends, rows); });
   for_lanes([&](const auto& at) { close_separator<V>(tree, at, ends, rows); });
   solve_separators(rows, ends.nu_last);
   for_lanes([&](const auto& at) {

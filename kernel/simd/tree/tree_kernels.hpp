@@ -21,11 +21,26 @@ inline constexpr std::uint32_t rod = 4;   ///< x_i - x_p as x, y, z; C = (|x_i -
 inline constexpr std::uint32_t elimination = 16;  ///< delta_i = P delta_p + q; mu_i = rho + n.delta_p
 inline constexpr std::uint32_t tie_elimination =
     11;  ///< a; y; rho; for the first of a node's ties also a, kappa of its rod
+/// Stiffness and damping divided by the unit of mass; 1 if rigid; 1 if one-sided; square of the rod's own
+/// frequency (1/s^2). A broken rod has zeros.
+inline constexpr std::uint32_t law = 5;
+inline constexpr std::uint32_t law_start = 4;  ///< l0; c0 = l0 - L; slope; what is left of psi where c1 is 0
 inline constexpr std::uint32_t below = 13;  ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
 
 /// The value of TreeView::below_slot for a node that needs none.
 inline constexpr std::uint32_t no_slot = 0xffffffff;
+
+/// These factors turn a law into an equation of a substep, by lane. A rod of stiffness k and damping r has
+/// psi = kick (k (share c1 + (1 - share) c0)) + damping r (c1 - c0) + kick_before half_kick.
+namespace law_factors {
+inline constexpr std::uint32_t damping = 0;      ///< In s.
+inline constexpr std::uint32_t share = 1;        ///< Of the end of the substep.
+inline constexpr std::uint32_t kick = 2;         ///< Of this substep's own pull, in s^2.
+inline constexpr std::uint32_t kick_before = 3;  ///< In s; 0 where there is no last substep.
+inline constexpr std::uint32_t substep = 4;      ///< In s, of gradient old; 0 where no half kicks are kept.
+inline constexpr std::uint32_t count = 5;        ///< Numbers per lane.
+}  // namespace law_factors
 
 /// A tree, or `lanes` equal ones. Every array holds `lanes` numbers for each entry.
 ///
@@ -44,6 +59,19 @@ struct TreeView {
   const T* tie = nullptr;   ///< tree_fields::tie numbers per tie.
   const double* length2 = nullptr;      ///< Squared length of the rod to the parent, in m^2, per node.
   const double* tie_length2 = nullptr;  ///< Squared length of the rod to the anchor, in m^2, per tie.
+
+  // These are of trees with rods that give (plumb::RodLaw). Others have none.
+  bool has_laws = false;          ///< Whether there are such rods.
+  bool has_cables = false;        ///< Whether some of them are one-sided.
+  bool is_mid = false;            ///< Whether the substep is of gradient mid.
+  const T* law = nullptr;         ///< tree_fields::law numbers of the rod to the parent, per node.
+  const T* tie_law = nullptr;     ///< The same of the rod to the anchor, per tie.
+  T* law_start = nullptr;         ///< tree_fields::law_start numbers per node; prepare() makes them.
+  T* tie_law_start = nullptr;     ///< The same per tie.
+  /// Half of the last kick of the rod to the parent, in m/s times the unit of mu, of gradient old, per node.
+  T* half_kick = nullptr;
+  T* tie_half_kick = nullptr;     ///< The same per tie.
+  const T* law_factors = nullptr;  ///< law_factors::count numbers per lane.
 
   double* x =
       nullptr;     ///< Positions, 3 per node, in double, so that a float solve keeps its digits anywhere.

@@ -15,9 +15,11 @@
 //   K_p    += (kappa u + a) (b + kappa w)^T / s - kappa^2 H
 //   r_p    -= (kappa u + a) (c - b.q) / s + kappa q
 //
-// A tie has the same equations with delta_p = 0. It takes a rank from H.
+// A tie has the same equations with delta_p = 0. It takes a rank from H. A rod that gives has the second
+// equation  use b . (delta_i - delta_p) + soft nu = c  (simd/tree/law_math.hpp), so that s = use b . u + soft.
 
 #include "simd/tree/lane_math.hpp"
+#include "simd/tree/law_math.hpp"
 
 namespace plumb::simd {
 namespace {
@@ -58,6 +60,51 @@ PLUMB_INLINE NodeBlock<V> empty_block() {
   return {{none, none, none}, none, zero};
 }
 
+/// The rods to parents, or those to anchors, have these arrays of what gives.
+template <class T>
+struct LawArrays {
+  const T *law, *start;
+};
+template <class T>
+PLUMB_INLINE LawArrays<T> rod_laws(const TreeView<T>& tree) {
+  return {tree.law, tree.law_start};
+}
+template <class T>
+PLUMB_INLINE LawArrays<T> tie_laws(const TreeView<T>& tree) {
+  return {tree.tie_law, tree.tie_law_start};
+}
+template <class V, class T, class At>
+PLUMB_INLINE LawNumbers<V> law_numbers(const At& at, const T* laws, std::size_t i) {
+  const std::size_t f = i * tree_fields::law;
+  return {at.get(laws, f), at.get(laws, f + 1), at.get(laws, f + 2), at.get(laws, f + 3),
+          at.get(laws, f + 4)};
+}
+template <class V, class T, class At>
+PLUMB_INLINE LawStart<V> law_start(const At& at, const T* starts, std::size_t i) {
+  const std::size_t f = i * tree_fields::law_start;
+  return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2), at.get(starts, f + 3)};
+}
+/// Returns by how much the square of the length of a rod along d grows if its ends come apart by e.
+template <class V>
+PLUMB_INLINE V growth_of(const Vec<V>& d, const Vec<V>& e) {
+  const V along = dot(d, e);
+  return (along + along) + dot(e, e);
+}
+/// Returns the row of rod i of `arrays`, which goes along d at first and is changed by e, and violates its
+/// length by `violation` (m²) then.
+template <class V, class T, class At>
+PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
+                                  std::size_t i, const Vec<V>& d, const Vec<V>& e, const V& violation,
+                                  const V& mu, const V& theta) {
+  return law_row(law_numbers<V>(at, arrays.law, i), law_start<V>(at, arrays.start, i), growth_of(d, e),
+                 violation, mu, theta, tree.has_cables, tree.is_mid);
+}
+template <class V, class T, class At>
+PLUMB_INLINE KnownPull<V> known_pull_of(const At& at, const LawArrays<T>& arrays, std::size_t i, const V& c,
+                                        const V& last_mu) {
+  return known_pull(law_numbers<V>(at, arrays.law, i), law_start<V>(at, arrays.start, i), c, last_mu);
+}
+
 /// A node whose ties and everything below it are eliminated has delta_i = q + H f for a force f from above.
 template <class V>
 struct Free {
@@ -68,7 +115,7 @@ struct Free {
 
 /// Eliminates the ties of node i one after the other. `linear` leaves theta and C out, as projections of
 /// velocities do.
-template <bool linear, class V, class T, class At>
+template <bool linear, bool laws, class V, class T, class At>
 PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_t i, NodeBlock<V> block,
                                const Vec<V>& delta, V theta) {
   using namespace tree_fields;
@@ -81,6 +128,9 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
     } else {
       block.r =
           block.r + at.get(tree.tie, k * tie) * (at.get3(tree.tie_u, 3 * k) - at.get3(tree.tie_delta, 3 * k));
+      if constexpr (laws)
+        block.r = block.r + known_pull_of<V>(at, tie_laws(tree), k, V(0), at.get(tree.tie_mu, k)).mu *
+                                at.get3(tree.tie_rod, k * rod);
     }
   }
   block.rows.v0.x = block.rows.v0.x + block.diagonal;
@@ -99,10 +149,21 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
       a = d + theta * e;
       b = d + e;
       c = at.get(tree.tie_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
-      node.residual = node.residual + c * c;
     }
+    V soft(0);
+    if constexpr (laws) {
+      const V mu = at.get(tree.tie_mu, k);
+      const LawRow<V> row = linear ? known_pull_of<V>(at, tie_laws(tree), k, c, mu).row
+                                   : law_row_of(tree, at, tie_laws(tree), k, d, e, c, mu, theta);
+      b = row.use * b;
+      soft = row.soft;
+      c = row.c;
+    }
+    if constexpr (!linear) node.residual = node.residual + c * c;
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
-    const V over = reciprocal_or_zero(dot(b, u), (at.get(tree.tie, k * tie + 1) * size) * dot(b, b));
+    V pivot = dot(b, u);
+    if constexpr (laws) pivot = pivot + soft;
+    const V over = reciprocal_or_zero(pivot, (at.get(tree.tie, k * tie + 1) * size) * dot(b, b));
     const V rho = (V(0) - c - dot(b, node.q)) * over;
     const Vec<V> y = over * w;
     node.q = node.q + rho * u;
@@ -114,16 +175,16 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
   return node;
 }
 
-/// The rod to the parent has a force along a, the gradient b and the violation c. kappa couples its ends, and
-/// mu is its multiplier.
+/// The rod to the parent has a force along a, the gradient b and the violation c. kappa couples its ends, mu
+/// is its multiplier, and soft is what it gives.
 template <class V>
 struct RodEquation {
   Vec<V> a, b;
-  V c, kappa, mu;
+  V c, kappa, mu, soft;
 };
 
 /// Makes the equation of node i's rod and adds what the node itself has to its block.
-template <bool linear, bool plain, class V, class T, class At>
+template <bool linear, bool plain, bool laws, class V, class T, class At>
 PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, std::size_t i,
                                          NodeBlock<V>& block, V theta) {
   using namespace tree_fields;
@@ -132,14 +193,28 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   const V coupling = plain ? V(0) : at.get(tree.node, i * tree_fields::node + 1);
   const V mass = at.get(tree.node, i * tree_fields::node);
   block.diagonal = block.diagonal + mass;
-  RodEquation<V> own{d, d, dot(d, e), coupling, V(0)};
+  RodEquation<V> own{d, d, dot(d, e), coupling, V(0), V(0)};
   if constexpr (linear) {
     block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 3 * i);
+    if constexpr (laws) {
+      const KnownPull<V> known = known_pull_of<V>(at, rod_laws(tree), i, own.c, at.get(tree.mu, i));
+      own.mu = known.mu;
+      own.b = known.row.use * d;
+      own.soft = known.row.soft;
+      own.c = known.row.c;
+      block.r = block.r + own.mu * d;
+    }
   } else {
     own.a = d + theta * e;
     own.b = d + e;
     own.c = at.get(tree.rod, i * rod + 3) + (own.c + V(T(0.5)) * dot(e, e));
     own.mu = at.get(tree.mu, i);
+    if constexpr (laws) {
+      const LawRow<V> row = law_row_of(tree, at, rod_laws(tree), i, d, e, own.c, own.mu, theta);
+      own.b = row.use * own.b;
+      own.soft = row.soft;
+      own.c = row.c;
+    }
     const V pull = theta * own.mu;
     own.kappa = plain ? pull : coupling + pull;
     block.diagonal = block.diagonal - pull;
@@ -153,22 +228,24 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
 /// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. The C^2 of
 /// its rod and its ties are added to `residual`. All is passed by reference, since copies of blocks would go
 /// through memory.
-template <bool linear, bool plain, class V, class T, class At>
+template <bool linear, bool plain, bool laws, class V, class T, class At>
 PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
                                  NodeBlock<V>& block, V& residual) {
   using namespace tree_fields;
-  const auto [a, b, c, kappa, mu] = rod_equation<linear, plain>(tree, at, i, block, theta);
+  const auto [a, b, c, kappa, mu, soft] = rod_equation<linear, plain, laws>(tree, at, i, block, theta);
   if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
     at.put3(tree.tie_elimination, tree.tie_begin[i] * tie_elimination + 7, a);
     at.put(tree.tie_elimination, tree.tie_begin[i] * tie_elimination + 10, kappa);
   }
   const Vec<V> delta = at.get3(tree.delta, 3 * i);
-  const Free<V> node = free_node<linear>(tree, at, i, block, delta, theta);
+  const Free<V> node = free_node<linear, laws>(tree, at, i, block, delta, theta);
   if constexpr (!linear) residual = residual + (node.residual + c * c);
   const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
+  V pivot = dot(b, u);
+  if constexpr (laws) pivot = pivot + soft;
   const V over =
-      plain ? V(1) / dot(b, u)
-            : reciprocal_or_zero(dot(b, u),
+      plain ? V(1) / pivot
+            : reciprocal_or_zero(pivot,
                                  (at.get(tree.node, i * tree_fields::node + 2) * trace(node.h)) * dot(b, b));
   const V rho = (V(0) - c - dot(b, node.q)) * over;
   const Vec<V> n = over * (b + kappa * w);
@@ -194,8 +271,8 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
 }
 
 /// Eliminates all nodes from the tips to the root and returns the root's displacement. `plain` trees have
-/// lumped masses and at most one tie, so that no rod can be redundant.
-template <bool linear, bool plain, class V, class T, class At>
+/// lumped masses and at most one tie, so that no rod can be redundant. Trees with `laws` have rods that give.
+template <bool linear, bool plain, bool laws, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   using namespace tree_fields;
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
@@ -206,7 +283,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
     const std::size_t p = tree.parent[i];
     NodeBlock<V> block = carried;
     add_below(tree, at, i, block);
-    eliminate_node<linear, plain>(tree, at, i, theta, block, residual);
+    eliminate_node<linear, plain, laws>(tree, at, i, theta, block, residual);
     if (p + 1 == i) {
       carried = block;
     } else {
@@ -225,7 +302,7 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   } else {
     block.r = block.r + (at.get3(tree.load, 0) - mass * delta);
   }
-  const Free<V> root = free_node<linear>(tree, at, 0, block, delta, theta);
+  const Free<V> root = free_node<linear, laws>(tree, at, 0, block, delta, theta);
   if constexpr (!linear) at.put(tree.residual, 0, residual + root.residual);
   return root.q;
 }
@@ -285,18 +362,19 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
   at.put(tree.change, 0, sum);
 }
 
-template <class V, std::size_t lanes, class T>
+template <bool laws, class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
   const At<V, T, lanes> at{lane};
-  const Vec<V> root = tree.is_plain ? eliminate<false, true>(tree, at, V(theta))
-                                    : eliminate<false, false>(tree, at, V(theta));
+  const Vec<V> root = tree.is_plain ? eliminate<false, true, laws>(tree, at, V(theta))
+                                    : eliminate<false, false, laws>(tree, at, V(theta));
   substitute<false>(tree, at, root);
 }
 
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void project_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
-  const Vec<V> root = eliminate<true, false>(tree, at, V(0));
+  const Vec<V> root = tree.has_laws ? eliminate<true, false, true>(tree, at, V(0))
+                                    : eliminate<true, false, false>(tree, at, V(0));
   substitute<true>(tree, at, root);
 }
 

@@ -20,23 +20,35 @@ void prepare(const TreeView<T>& tree) {
   if (tree.lanes == 1) return prepare_lanes<T, 1>(tree, 0);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane) prepare_lanes<T, logical_width<T>>(tree, lane);
 }
+template <bool laws, class T>
+void newton_with(const TreeView<T>& tree, T theta) {
+  if (tree.lanes == 1) return newton_lanes<laws, T, 1>(tree, 0, theta);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
+    newton_lanes<laws, T, logical_width<T>>(tree, lane, theta);
+}
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {
-  if (tree.lanes == 1) return newton_lanes<T, 1>(tree, 0, theta);
+  return tree.has_laws ? newton_with<true>(tree, theta) : newton_with<false>(tree, theta);
+}
+template <bool laws, class T>
+void newton_line_with(const TreeView<T>& tree) {
+  if (tree.lanes == 1) return newton_line_lanes<laws, T, 1>(tree, 0);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
-    newton_lanes<T, logical_width<T>>(tree, lane, theta);
+    newton_line_lanes<laws, T, logical_width<T>>(tree, lane);
 }
 template <class T>
 void newton_line(const TreeView<T>& tree) {
-  if (tree.lanes == 1) return newton_line_lanes<T, 1>(tree, 0);
-  for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
-    newton_line_lanes<T, logical_width<T>>(tree, lane);
+  return tree.has_laws ? newton_line_with<true>(tree) : newton_line_with<false>(tree);
+}
+template <bool laws, class T>
+void newton_segments_with(const TreeView<T>& tree) {
+  newton_segments_lanes<laws, T>(tree, [](auto&& f) {
+    for (std::size_t lane = 0; lane < logical_width<T>; ++lane) f(At<T, T, logical_width<T>>{lane});
+  });
 }
 template <class T>
 void newton_segments(const TreeView<T>& tree) {
-  newton_segments_lanes<T>(tree, [](auto&& f) {
-    for (std::size_t lane = 0; lane < logical_width<T>; ++lane) f(At<T, T, logical_width<T>>{lane});
-  });
+  return tree.has_laws ? newton_segments_with<true>(tree) : newton_segments_with<false>(tree);
 }
 template <class T>
 void find_stiffness(const TreeView<T>& tree) {

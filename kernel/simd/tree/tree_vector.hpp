@@ -52,6 +52,15 @@ inline __attribute__((always_inline)) Batch<T> select_nonzero(const Batch<T>& ma
   return xsimd::select(mask != Batch<T>(T(0)), a, b);
 }
 template <class T>
+inline __attribute__((always_inline)) Batch<T> select_positive(const Batch<T>& value, const Batch<T>& a,
+                                                               const Batch<T>& b) {
+  return xsimd::select(value > Batch<T>(T(0)), a, b);
+}
+template <class T>
+inline __attribute__((always_inline)) Batch<T> root(const Batch<T>& value) {
+  return xsimd::sqrt(value);
+}
+template <class T>
 inline __attribute__((always_inline)) Batch<T> larger(const Batch<T>& a, const Batch<T>& b) {
   return xsimd::select(a > b, a, b);
 }
@@ -80,22 +89,34 @@ void prepare(const TreeView<T>& tree) {
   for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
     prepare_lanes<Batch<T>, logical_width<T>>(tree, lane);
 }
+template <bool laws, class T>
+void newton_with(const TreeView<T>& tree, T theta) {
+  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
+    newton_lanes<laws, Batch<T>, logical_width<T>>(tree, lane, theta);
+}
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {
+  return tree.has_laws ? newton_with<true>(tree, theta) : newton_with<false>(tree, theta);
+}
+template <bool laws, class T>
+void newton_line_with(const TreeView<T>& tree) {
   for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
-    newton_lanes<Batch<T>, logical_width<T>>(tree, lane, theta);
+    newton_line_lanes<laws, Batch<T>, logical_width<T>>(tree, lane);
 }
 template <class T>
 void newton_line(const TreeView<T>& tree) {
-  for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
-    newton_line_lanes<Batch<T>, logical_width<T>>(tree, lane);
+  return tree.has_laws ? newton_line_with<true>(tree) : newton_line_with<false>(tree);
 }
-template <class T>
-void newton_segments(const TreeView<T>& tree) {
-  newton_segments_lanes<Batch<T>>(tree, [](auto&& f) {
+template <bool laws, class T>
+void newton_segments_with(const TreeView<T>& tree) {
+  newton_segments_lanes<laws, Batch<T>>(tree, [](auto&& f) {
     for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
       f(At<Batch<T>, T, logical_width<T>>{lane});
   });
+}
+template <class T>
+void newton_segments(const TreeView<T>& tree) {
+  return tree.has_laws ? newton_segments_with<true>(tree) : newton_segments_with<false>(tree);
 }
 template <class T>
 void find_stiffness(const TreeView<T>& tree) {

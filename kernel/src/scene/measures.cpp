@@ -41,6 +41,13 @@ void for_masses(const Scene& scene, MassModel model, F&& f) {
   }
 }
 
+/// Returns by how much rod `i` is too long, in m. A cable is never too short.
+double excess_length(const Scene& scene, std::size_t i, std::span<const Vec3> positions) {
+  const Rod& rod = scene.rods[i];
+  const double excess = norm(positions[rod.b] - positions[rod.a]) - rod_length(scene, i);
+  return rod.law.one_sided && excess < 0 ? 0 : excess;
+}
+
 }  // namespace
 
 Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
@@ -48,9 +55,8 @@ Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
   Stretch result;
   double sum_of_squares = 0;
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
-    const Rod& rod = scene.rods[i];
     const double length = rod_length(scene, i);
-    const double strain = (norm(positions[rod.b] - positions[rod.a]) - length) / length;
+    const double strain = excess_length(scene, i, positions) / length;
     sum_of_squares += strain * strain;
     // The first NaN stays, because it compares false with everything. A maximum that dropped it would hide a
     // rod that has no finite strain.
@@ -72,6 +78,12 @@ Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::
     energy.kinetic += 0.5 * mass * dot(velocities[a], velocities[b]);
     energy.potential -= 0.5 * mass * dot(scene.gravity, positions[a] + positions[b]);
   });
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    const RodLaw& law = scene.rods[i].law;
+    if (!law.is_elastic()) continue;
+    const double excess = excess_length(scene, i, positions);
+    energy.elastic += 0.5 * law.stiffness * excess * excess;
+  }
   return energy;
 }
 

@@ -36,6 +36,18 @@ void validate_particle(const Particle& particle, std::size_t i) {
   if (particle.mass < 0) refuse("particle ", i, ": mass is negative (", particle.mass, " kg)");
 }
 
+void validate_law(const RodLaw& law, std::size_t i) {
+  if (!(law.stiffness >= 0))
+    refuse("rod ", i, ": stiffness must be 0 or more, got ", law.stiffness, " N/m");
+  if (!(law.damping >= 0 && std::isfinite(law.damping)))
+    refuse("rod ", i, ": damping must be finite and not negative, got ", law.damping, " N s/m");
+  if (!(law.strength > 0)) refuse("rod ", i, ": strength must be positive, got ", law.strength, " N");
+  if (law.damping > 0 && !law.is_elastic())
+    refuse("rod ", i, ": a rigid rod has no damping; give it a stiffness");
+  if (law.stiffness == 0 && law.damping == 0)
+    refuse("rod ", i, ": has neither stiffness nor damping, so that it holds nothing");
+}
+
 void validate_rod(const Scene& scene, std::size_t i) {
   const Rod& rod = scene.rods[i];
   for (const std::uint32_t end : {rod.a, rod.b}) {
@@ -58,6 +70,7 @@ void validate_rod(const Scene& scene, std::size_t i) {
   for (const double drag : {rod.linear_drag, rod.orthogonal_drag})
     if (!(drag >= 0 && std::isfinite(drag)))
       refuse("rod ", i, ": drag must be finite and not negative, got ", drag, " per second");
+  validate_law(rod.law, i);
   const double length = rod_length(scene, i);
   if (!std::isfinite(length)) refuse("rod ", i, ": length is not finite: ", length);
   if (length == 0) {

@@ -52,7 +52,8 @@ std::vector<MethodRow>& table() {
        .name = to_string(Method::automatic),
        .moves = "everything: picks relax or direct for every island",
        .reads = relax_reads | direct_reads,
-       .moves_joints = true},
+       .moves_joints = true,
+       .moves_laws = true},
       {.method = Method::relax,
        .name = to_string(Method::relax),
        .moves = "particles and rods, one rod after the other (thesis 3.2)",
@@ -64,6 +65,7 @@ std::vector<MethodRow>& table() {
        .moves = "everything: all rods and joints of an island at once",
        .reads = direct_reads | Reads::time_order,
        .moves_joints = true,
+       .moves_laws = true,
        .validate = validate_direct},
   };
   return rows;

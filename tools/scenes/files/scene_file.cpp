@@ -1,5 +1,7 @@
 #include "scenes/files/scene_file.hpp"
 
+#include <cmath>
+
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/files/scene_file_limbs.hpp"
@@ -27,14 +29,20 @@ void read_rods(const Object& top, Scene& scene) {
   scene.rods.reserve(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Object item(list[i], list.path_of(i),
-                      {"a", "b", "length", "mass", "center", "inertia", "linear_drag", "orthogonal_drag"});
+                      {"a", "b", "length", "mass", "center", "inertia", "linear_drag", "orthogonal_drag",
+                       "stiffness", "damping", "one_sided", "strength"});
+    const RodLaw rigid;
     scene.rods.push_back({.a = particle_id(item, "a"),
                           .b = particle_id(item, "b"),
                           .length = number_or(item, "length", 0),
                           .mass = number_or(item, "mass", 0),
                           .center = number_or(item, "center", 0.5),
                           .linear_drag = number_or(item, "linear_drag", 0),
-                          .orthogonal_drag = number_or(item, "orthogonal_drag", 0)});
+                          .orthogonal_drag = number_or(item, "orthogonal_drag", 0),
+                          .law = {.stiffness = number_or(item, "stiffness", rigid.stiffness),
+                                  .damping = number_or(item, "damping", 0),
+                                  .one_sided = truth_or(item, "one_sided", false),
+                                  .strength = number_or(item, "strength", rigid.strength)}});
     if (item.find("inertia")) scene.rods.back().inertia = number(item, "inertia");
     // In a Scene 0 stands for "as far as the ends are apart". A file says that by leaving the key out.
     if (item.find("length") && scene.rods.back().length == 0) {
@@ -93,6 +101,10 @@ std::string format_scene(const Scene& scene) {
     if (r.inertia) object["inertia"] = *r.inertia;
     if (r.linear_drag != 0) object["linear_drag"] = r.linear_drag;
     if (r.orthogonal_drag != 0) object["orthogonal_drag"] = r.orthogonal_drag;
+    if (r.law.is_elastic()) object["stiffness"] = r.law.stiffness;
+    if (r.law.damping != 0) object["damping"] = r.law.damping;
+    if (r.law.one_sided) object["one_sided"] = true;
+    if (std::isfinite(r.law.strength)) object["strength"] = r.law.strength;
     return object;
   });
   append_limbs(out, scene);

@@ -43,6 +43,14 @@ class LineSegments {
   void join_stiffness(const TreeState<T>& segments, TreeWorkspace<T>& work) const;
 
  private:
+  /// Copies `fields` numbers per rod. The first rod of a segment stands where ties do.
+  template <class Buffer>
+  void scatter_rods(Buffer& to, Buffer& tie_to, std::uint32_t fields, const Buffer& from,
+                    const Buffer& tie_from) const {
+    for_numbers(fields, [&](std::size_t i, std::size_t j) { (begins(i / fields) ? tie_to : to)[j] = from[i]; });
+    for (std::uint32_t c = 0; c < fields; ++c) tie_to[c * lanes_] = tie_from[c];
+  }
+
   /// Calls f(place in the whole's array, place in the segments' array) for `fields` numbers of every node.
   template <class F>
   void for_numbers(std::uint32_t fields, F&& f) const {

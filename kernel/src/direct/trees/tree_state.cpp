@@ -138,6 +138,33 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   const std::uint32_t rods = nodes - 1 + topology->ties;
   scale2[lane] = rods > 0 ? sum / rods : 1;
   write_masses(lane, masses, scene.gravity);
+  fill_laws(lane, scene, tree, members);
+}
+
+template <class T>
+void TreeState<T>::fill_laws(std::uint32_t lane, const Scene& scene, const layouts::Tree& tree,
+                             const TreeMembers& members) {
+  const auto law_of = [&](std::uint32_t edge) -> const RodLaw& { return scene.rods[members.edges[edge]].law; };
+  const bool all_rigid = std::all_of(members.edges.begin(), members.edges.end(),
+                                     [&](std::uint32_t rod) { return scene.rods[rod].law.is_rigid(); });
+  if (all_rigid && !laws.any) return;
+  const bool first = !laws.any;
+  laws.make(mu.size(), tie_mu.size());
+  for (std::uint32_t l = 0; first && l < lane; ++l) {  // lanes before this one are rigid
+    for (std::uint32_t i = 0; i < topology->nodes; ++i) laws.put(laws.rods, i, lanes, l, {}, 1, 0);
+    for (std::uint32_t k = 0; k < topology->ties; ++k) laws.put(laws.ties, k, lanes, l, {}, 1, 0);
+  }
+  const double unit = mass_unit[lane];
+  const auto give = [&](std::uint32_t i) {
+    return static_cast<double>(node[at(tree_fields::node * i + 3, lane)]) / unit;
+  };
+  for (std::uint32_t i = 0; i < topology->nodes; ++i) {
+    const bool root = i == 0;
+    laws.put(laws.rods, i, lanes, lane, root ? RodLaw{} : law_of(tree.edge[i]), unit,
+             root ? 0 : give(i) + give(tree.parent[i]));
+    for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
+      laws.put(laws.ties, k, lanes, lane, law_of(tree.ties[k].edge), unit, give(i));
+  }
 }
 
 /// Writes the numbers of a lane that follow from its masses, which are stored relative to their mean.
@@ -188,6 +215,17 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(scale2, from.scale2);
   ties_move = from.ties_move;
   is_coupled = from.is_coupled;
+  laws.any = from.laws.any;
+  laws.cables = from.laws.cables;
+  if (!laws.any) return;
+  laws.make(mu.size(), tie_mu.size());
+  const auto copy_both = [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods,
+                             const auto& from_ties) {
+    copy(rods, from_rods);
+    copy(ties, from_ties);
+  };
+  for_laws(laws, from.laws, copy_both);
+  for_law_motion(laws, from.laws, copy_both);
 }
 
 template <class T>
@@ -217,6 +255,14 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   for_motion(*this, from, copy);
   copy(tie_x, from.tie_x);
   copy(tie_last_velocity, from.tie_last_velocity);
+  if (from.laws.any) {
+    laws.make(mu.size(), tie_mu.size());
+    for_law_motion(laws, from.laws,
+                   [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods, const auto& from_ties) {
+                     copy(rods, from_rods);
+                     copy(ties, from_ties);
+                   });
+  }
   frequency2 = from.frequency2;
 }
 
@@ -244,6 +290,7 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
                        &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
+  law_factors = AlignedBuffer<T>(std::size_t{law_factors::count} * lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
 }
@@ -251,6 +298,11 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
 template <class T>
 simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
   const TreeTopology& shape = *state.topology;
+  TreeLaws<T>& laws = state.laws;
+  if (laws.any && law_start.size() == 0) {  // only trees with laws need it
+    law_start = AlignedBuffer<T>(tree_fields::law_start * state.mu.size());
+    tie_law_start = AlignedBuffer<T>(tree_fields::law_start * state.tie_mu.size());
+  }
   return {.nodes = shape.nodes,
           .lanes = state.lanes,
           .parent = shape.parent.data(),
@@ -261,6 +313,16 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .tie = state.tie.data(),
           .length2 = state.length2.data(),
           .tie_length2 = state.tie_length2.data(),
+          .has_laws = laws.any,
+          .has_cables = laws.cables,
+          .is_mid = is_mid,
+          .law = laws.rods.data(),
+          .tie_law = laws.ties.data(),
+          .law_start = law_start.data(),
+          .tie_law_start = tie_law_start.data(),
+          .half_kick = laws.half_kick.data(),
+          .tie_half_kick = laws.tie_half_kick.data(),
+          .law_factors = law_factors.data(),
           .x = state.x.data(),
           .u = state.u.data(),
           .force = state.force.data(),

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "direct/trees/tree_laws.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
@@ -77,6 +78,7 @@ struct TreeState {
   std::vector<Vec3> tie_velocity, tie_last_velocity;
   std::vector<std::uint8_t>
       known;  ///< Each lane has taken so many substeps, up to the two that accelerations are from.
+  TreeLaws<T> laws;
   bool ties_move = false;
   bool is_coupled = false;  ///< Some rod's mass acts on both its ends at once.
   double frequency2 = 0;  ///< It is of the fastest transverse wave of all lanes, squared, in 1/s^2; gradient
@@ -87,6 +89,8 @@ struct TreeState {
 
  private:
   struct Masses;
+  void fill_laws(std::uint32_t lane, const Scene& scene, const layouts::Tree& tree,
+                 const TreeMembers& members);
   void write_masses(std::uint32_t lane, const Masses& masses, Vec3 gravity);
   /// Writes three numbers into entries `first` and those after it.
   void put(layouts::AlignedBuffer<double>& to, std::uint32_t first, std::uint32_t lane, Vec3 v) const;
@@ -139,7 +143,8 @@ struct TreeWorkspace {
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
-      u_before, inverse_kick, push, jolt;
+      u_before, inverse_kick, push, jolt, law_factors, law_start, tie_law_start;
+  bool is_mid = false;  ///< The substep is of gradient mid.
   bool guesses = true;  ///< Displacements are guessed from accelerations; lines find theirs from multipliers.
   bool keeps_acceleration = true;    ///< Guesses and estimates of error need them.
   std::vector<std::uint8_t> failed;  ///< The last solve failed in these lanes.

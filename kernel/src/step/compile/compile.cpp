@@ -76,6 +76,8 @@ class Compiler {
     const SceneParts parts(scene_);
     contact_ = std::make_unique<ContactSolver>(scene_, parts, settings_);
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
+      if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
+      require_rigid(parts.part(p), parts.particles(p).front());
       if (is_plain(parts.part(p))) continue;
       require_joints_moved(parts.particles(p).front());
       ++out_.info.islands;
@@ -84,6 +86,13 @@ class Compiler {
     }
     start_.projected_velocity = contact_->project_initial_velocities();
     out_.info.direct_gradient = Gradient::old;
+  }
+
+  /// Refuses rods that give in an island with joints or shapes.
+  static void require_rigid(const Scene& part, std::uint32_t particle) {
+    if (std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) { return !rod.law.is_rigid(); }))
+      refuse("particle ", particle,
+             ": its island has rods that give, and joints or shapes, between which nothing mediates yet");
   }
 
   /// Refuses a setting that cannot move an island with joints.
@@ -98,6 +107,17 @@ class Compiler {
              " does not know: their constraints are projected along those of the start (gradient old)");
     if (settings_.mass == MassModel::lumped)
       refuse(of(), "mass lumped does not know: bodies need their inertia");
+  }
+
+  /// Refuses rods that give where the method moves rigid ones alone.
+  void require_laws_moved(const IslandSets& sets) const {
+    if (method_row(settings_.method).moves_laws) return;
+    for (const auto& equal : sets.sets)
+      for (const std::uint32_t island : equal)
+        for (const std::uint32_t rod : sets.islands.edges(island))
+          if (!scene_.rods[rod].law.is_rigid())
+            refuse("rod ", rod, ": gives, which method ", to_string(settings_.method),
+                   " cannot move; direct and auto can");
   }
 
   /// Refuses settings of relaxation if method automatic relaxes no island.
@@ -123,6 +143,7 @@ class Compiler {
     for (const Share& share : shares) {
       const IslandSets sets{graph_, islands, share.sets};
       if (share.choice.method != Method::direct) {
+        require_laws_moved(sets);
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
         continue;
