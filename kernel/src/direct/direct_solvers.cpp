@@ -55,6 +55,7 @@ class Maker {
       const Rod& rod = scene_.rods[i];
       const double length = rod_length(scene_, i);
       const double now = norm(scene_.particles[rod.b].position - scene_.particles[rod.a].position);
+      if (rod.law.is_elastic() || (rod.law.one_sided && now < length)) return false;
       return std::abs(now - length) > least_gap * length;
     });
   }
@@ -107,7 +108,10 @@ class Maker {
       return carries_mass(scene_, sets_.islands.edges(island), model());
     });
     const auto topology = std::make_shared<LoopTopology>(local);
-    if (couples || is_thin(local)) {
+    const bool gives = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+      return has_laws(scene_, sets_.islands.edges(island));
+    });
+    if (couples || gives || is_thin(local)) {
       topology->system = std::make_unique<LoopSystem>(topology->rods, topology->nodes,
                                                       LoopStepper::couples(rules_.gradient, model()));
     } else {

@@ -47,6 +47,11 @@ bool is_thin(const layouts::Graph& island) {
   return widest_layer(island) <= thin_layer;
 }
 
+bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods) {
+  return std::any_of(rods.begin(), rods.end(),
+                     [&](std::uint32_t rod) { return !scene.rods[rod].law.is_rigid(); });
+}
+
 bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassModel model) {
   return model == MassModel::consistent &&
          std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });

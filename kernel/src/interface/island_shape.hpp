@@ -13,6 +13,9 @@ namespace plumb::detail {
 /// cost about as much as a few sweeps, and no sweeps of that cost come near the solution.
 bool is_thin(const layouts::Graph& island);
 
+/// Returns whether some rods are not rigid.
+bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods);
+
 /// Returns whether rods carry masses that couple their ends.
 bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassModel model);
 

@@ -22,6 +22,19 @@ double constraint_of(const LoopRod& rod, std::uint32_t k, const LoopWorkspace& w
   return constraint(at(work.d, k), at(work.delta, rod.a) - at(work.delta, rod.b), work.excess[k]);
 }
 
+/// Returns the multiplier and the energy of a rod at the present delta. Those that give do as their law says.
+LawPull elastic_pull(const LoopState& state, std::uint32_t k, double soft, const LoopWorkspace& work) {
+  const LoopRod& rod = state.topology->rods[k];
+  const bool any = state.laws.any();
+  if (any && !state.laws.is_rigid(k))
+    return law_pull(state.laws, work.laws, k,
+                    growth_of(at(work.d, k), at(work.delta, rod.a) - at(work.delta, rod.b)));
+  double c = constraint_of(rod, k, work);
+  if (any && state.laws.is_one_sided(k)) c = std::max(c, 0.0);
+  const double give = softness(state, k, soft);
+  return {-c / give, c * c / (2 * give)};
+}
+
 /// Returns delta . M delta / 2 - load . delta + sum of C^2/(2 softness).
 double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& work) {
   const LoopTopology& shape = *state.topology;
@@ -32,17 +45,16 @@ double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& 
   }
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
-    const double c = constraint_of(shape.rods[k], k, work);
     sum += state.coupling[k] * dot(at(work.delta, a), at(work.delta, b)) +
-           c * c / (2 * softness(state, k, soft));
+           elastic_pull(state, k, soft, work).energy;
   }
   return sum;
 }
 
-/// Sets mu = -C/softness of every rod.
+/// Sets the multiplier of every rod, -C/softness where it is rigid.
 void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work) {
   for (std::uint32_t k = 0; k < state.mu.size(); ++k)
-    state.mu[k] = -constraint_of(state.topology->rods[k], k, work) / softness(state, k, soft);
+    state.mu[k] = elastic_pull(state, k, soft, work).mu;
 }
 
 /// Changes work.delta until the energy of rods of this softness is least. Returns whether it is.

@@ -17,15 +17,32 @@ void add(double* to, Vec3 v) {
   to[2] += v.z;
 }
 
-/// At the present delta a rod has the direction of its force, the gradient of C (both m), and C (m²).
+/// At the present delta a rod has the direction of its force, the gradient of its row (both m), what it gives,
+/// and how far its equation is off (both m²).
 struct RodTerms {
   Vec3 force, gradient;
-  double c;
+  double soft, c;
 };
 
-RodTerms rod_terms(const LoopRod& rod, std::uint32_t k, double theta, const LoopWorkspace& work) {
+RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double soft,
+                   const LoopWorkspace& work) {
+  const LoopRod& rod = state.topology->rods[k];
   const Vec3 d = at(work.d, k), e = at(work.delta, rod.a) - at(work.delta, rod.b);
-  return {d + theta * e, d + e, constraint(d, e, work.excess[k])};
+  const double c = constraint(d, e, work.excess[k]), give = softness(state, k, soft);
+  RodTerms terms{d + theta * e, d + e, give, c + give * state.mu[k]};
+  if (!state.laws.any()) return terms;
+  const RodRow row = law_row(state.laws, work.laws, k, growth_of(d, e), c, state.mu[k], theta);
+  if (soft > 0 && state.laws.is_rigid(k)) {
+    // A rigid cable that gives a little is taut where it is too long.
+    if (!state.laws.is_one_sided(k) || c > 0) return terms;
+    return {terms.force, {}, 1, state.mu[k]};
+  }
+  return {terms.force, row.use * terms.gradient, row.soft, row.c};
+}
+
+/// Says whether rod `k` keeps its length in a projection of velocities.
+bool holds(const LoopState& state, std::uint32_t k) {
+  return !state.laws.any() || holds_velocity(state.laws, k, state.mu[k]);
 }
 
 void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
@@ -40,15 +57,14 @@ void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
 
 void measure_rods(const LoopState& state, LoopWorkspace& work) {
   const LoopTopology& shape = *state.topology;
+  work.laws.starts.resize(state.laws.rods.size());
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const Vec3 d = at(state.x, shape.rods[k].a) - at(state.x, shape.rods[k].b);
     put(work.d.data() + 3 * std::size_t{k}, d);
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
+    if (state.laws.any())
+      start_law(state.laws, k, state.half_kick[k], dot(d, d), work.excess[k], work.laws);
   }
-}
-
-double softness(const LoopState& state, std::uint32_t k, double soft) {
-  return 2 * soft * state.length2[k];
 }
 
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
@@ -63,8 +79,8 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
     diagonal[a] -= theta * mu;
     if (b < shape.nodes) diagonal[b] -= theta * mu;
     factor.values[system.at(k)] = state.coupling[k] + theta * mu;
-    const RodTerms rod = rod_terms(shape.rods[k], k, theta, work);
-    write_rod(&factor.values[system.at(k)], rod.force, rod.gradient, softness(state, k, soft));
+    const RodTerms rod = rod_terms(state, k, theta, soft, work);
+    write_rod(&factor.values[system.at(k)], rod.force, rod.gradient, rod.soft);
   }
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
@@ -88,12 +104,12 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
     put(right + analysis.position(i), at(work.load, i) - state.mass[i] * at(work.delta, i));
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
-    const RodTerms rod = rod_terms(shape.rods[k], k, theta, work);
+    const RodTerms rod = rod_terms(state, k, theta, soft, work);
     const Vec3 pull = state.mu[k] * rod.force;
     add(right + analysis.position(a), pull - state.coupling[k] * at(work.delta, b));
     if (b < shape.nodes)
       add(right + analysis.position(b), -1.0 * (pull + state.coupling[k] * at(work.delta, a)));
-    right[analysis.position(shape.nodes + k)] = -(rod.c + softness(state, k, soft) * state.mu[k]);
+    right[analysis.position(shape.nodes + k)] = -rod.c;
   }
   factor.ldu.solve(factor.right);
   double sum = 0;
@@ -120,7 +136,7 @@ double largest_misfit(const LoopState& state, const LoopWorkspace& work,
   double largest = 0;
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
     if (factor.ldu.left_out(factor.system->analysis.position(shape.nodes + k)))
-      largest = std::max(largest, std::abs(rod_terms(shape.rods[k], k, 0, work).c) / state.length2[k]);
+      largest = std::max(largest, std::abs(rod_terms(state, k, 0, 0, work).c) / state.length2[k]);
   return largest;
 }
 
@@ -132,10 +148,12 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const Vec3 d = at(work.d, k);
+    const bool is_held = holds(state, k);
     factor.values[system.at(k)] = state.coupling[k];
-    write_rod(&factor.values[system.at(k)], d, d, 0);
+    write_rod(&factor.values[system.at(k)], d, is_held ? d : Vec3{}, is_held ? 0 : 1);
     const double give = 1 / state.mass[a] + (b < shape.nodes ? 1 / state.mass[b] : 0);
-    factor.smallest[analysis.position(shape.nodes + k)] = redundant_pivot * dot(d, d) * give;
+    factor.smallest[analysis.position(shape.nodes + k)] =
+        is_held ? redundant_pivot * dot(d, d) * give : 0;
   }
   factor.ldu.factorize(factor.values, factor.smallest);
   // The second time takes out what rounding left in the first.
@@ -145,7 +163,11 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
     for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
       const auto [a, b] = shape.rods[k];
       factor.right[analysis.position(shape.nodes + k)] =
-          dot(at(work.d, k), at(work.delta, b) - at(work.delta, a));
+          holds(state, k) ? dot(at(work.d, k), at(work.delta, b) - at(work.delta, a)) : 0;
+      if (!state.laws.any() || force == 0) continue;
+      const Vec3 pull = known_multiplier(state.laws, work.laws, k) * at(work.d, k);
+      add(factor.right.data() + analysis.position(a), pull);
+      if (b < shape.nodes) add(factor.right.data() + analysis.position(b), -1.0 * pull);
     }
     factor.ldu.solve(factor.right);
     for (std::uint32_t i = 0; i < shape.nodes; ++i) {

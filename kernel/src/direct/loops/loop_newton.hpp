@@ -4,7 +4,8 @@
 
 namespace plumb::detail {
 
-/// Measures d (m) and excess (m²) of every rod at the start of a substep.
+/// Measures d (m) and excess (m²) of every rod at the start of a substep, and starts the laws of those that
+/// give, with the factors of work.laws.
 void measure_rods(const LoopState& state, LoopWorkspace& work);
 
 /// Factorises Newton's matrix at work.delta and state.mu. `soft` is the compliance of rods in units of their
@@ -13,7 +14,9 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
                       LoopWorkspace::Factor& factor);
 
 /// Returns the compliance -C/mu of a rod, in m^2, for `soft` in units of 2 L^2.
-double softness(const LoopState& state, std::uint32_t k, double soft);
+inline double softness(const LoopState& state, std::uint32_t k, double soft) {
+  return 2 * soft * state.length2[k];
+}
 
 /// Puts Newton's change of displacements and multipliers into factor.right. Returns its RMS over nodes
 /// relative to a rod.

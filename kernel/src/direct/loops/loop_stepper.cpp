@@ -7,6 +7,7 @@
 
 #include "direct/loops/elastic_rods.hpp"
 #include "direct/loops/loop_newton.hpp"
+#include "direct/loops/loop_vectors.hpp"
 #include "direct/nets/loop_lines.hpp"
 #include "math/elementary.hpp"
 #include "time/composition.hpp"
@@ -125,6 +126,8 @@ LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
 void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const LoopTopology& shape = *state.topology;
   const auto [ratio, kick] = coefficients(state, h, gradient);
+  work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h);
+  work.laws.is_mid = gradient == Gradient::mid;
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
@@ -166,6 +169,8 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     const auto [a, b] = shape.rods[k];
     for (std::uint32_t c = 0; c < 3; ++c)
       done += 2 * state.coupling[k] * work.delta[3 * a + c] * work.delta[3 * b + c];
+    if (state.laws.any() && !state.laws.is_rigid(k))  // elastic rods do what is in their energy
+      done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
   }
   return std::abs(done) <= energy_tolerance * scale;
 }
@@ -252,6 +257,8 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
     const double delta = work.delta[i];
     state.u[i] = gradient == Gradient::mid ? decay * (2 / h * delta - 1 / h * (ratio * state.u[i])) : delta;
   }
+  for (std::uint32_t k = 0; k < state.half_kick.size(); ++k)
+    state.half_kick[k] = end_law(work.laws, k, state.half_kick[k], state.mu[k]);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
   // What follows in this step finds fixed vertices already on their way.
@@ -343,6 +350,7 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
   // The factor is its own, so that it changes nothing that a later substep starts from.
   if (shape.lines && !work.projection)
     work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
+  work.laws.factors = LawFactors::of_projection(kick, state.u_step);
   measure_rods(state, work);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
   project_delta(state, kick, work, factor);

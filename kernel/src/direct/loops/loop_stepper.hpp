@@ -42,6 +42,7 @@ struct LoopWorkspace {
   std::vector<double> load;       ///< It has 3 numbers per node.
   std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
   std::vector<double> mu_start, trial;
+  LawWorkspace laws;
   LoopMotion saved;
 };
 

@@ -26,6 +26,20 @@ void copy(To& to, const From& from) {
                  [](auto value) { return static_cast<double>(value); });
 }
 
+template <class T>
+void load_laws(const TreeState<T>& tree, LoopState& island) {
+  constexpr std::size_t count = simd::tree_fields::law;
+  island.laws.rods.resize(island.mu.size());
+  island.half_kick.assign(island.mu.size(), 0);
+  const std::uint32_t nodes = tree.topology->nodes;
+  for (std::size_t c = 0; c < count; ++c) {
+    for (std::size_t i = 1; i < nodes; ++i)
+      island.laws.rods[i - 1][c] = static_cast<double>(tree.laws.rods[count * i + c]);
+    for (std::size_t k = 0; k < tree.topology->ties; ++k)
+      island.laws.rods[nodes - 1 + k][c] = static_cast<double>(tree.laws.ties[count * k + c]);
+  }
+}
+
 }  // namespace
 
 template <class T>
@@ -55,6 +69,7 @@ auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
     island.coupling[nodes - 1 + k] = static_cast<double>(tree.tie[simd::tree_fields::tie * k]);
     island.length2[nodes - 1 + k] = tree.tie_length2[k];
   }
+  if (tree.laws.any) load_laws(tree, island);
   island.fixed_velocity = tree.tie_velocity;
   island.fixed_last_velocity = tree.tie_last_velocity;
   island.anchors_move = tree.ties_move;
@@ -78,6 +93,10 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
   for (auto* const each : {&tree.mu, &tree.tie_mu, &tree.mu_before, &tree.tie_mu_before})
     std::fill_n(each->data(), each->size(), T(0));
   tree.mu_kick[0] = tree.mu_kick_before[0] = 0;
+  if (tree.laws.any) {
+    std::fill_n(tree.laws.half_kick.data(), tree.laws.half_kick.size(), T(0));
+    std::fill_n(tree.laws.tie_half_kick.data(), tree.laws.tie_half_kick.size(), T(0));
+  }
   tree.known[0] = 0;
   tree.smooth[0] = 0;
   tree.frequency2 = 0;

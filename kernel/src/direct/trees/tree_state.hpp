@@ -140,6 +140,11 @@ struct TreeWorkspace {
   TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes);
 
   simd::TreeView<T> view(TreeState<T>& state);
+  void put_law_factors(std::uint32_t lane, const LawFactors& factors) {
+    const auto numbers = factors.numbers();
+    for (std::size_t c = 0; c < numbers.size(); ++c)
+      law_factors[c * kick.size() + lane] = static_cast<T>(numbers[c]);
+  }
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,

@@ -73,8 +73,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
     work.mu_scale[lane] = static_cast<T>(scale);
     work.mu_scale_before[lane] = static_cast<T>(scale_before);
     work.active[lane] = state.idle[lane] ? T(0) : T(1);
-    if (state.laws.any)
-      LawFactors::of(gradient, kick, state.u_step[lane], h).write(work.law_factors, state.lanes, lane);
+    if (state.laws.any) work.put_law_factors(lane, LawFactors::of(gradient, kick, state.u_step[lane], h));
   }
   work.is_mid = gradient == Gradient::mid;
   if (state.ties_move) set_tie_displacements(state, h, work);
@@ -335,11 +334,8 @@ template <class T>
 void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity,
                              TreeWorkspace<T>& work) const {
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
-  for (std::uint32_t lane = 0; state.laws.any && lane < state.lanes; ++lane) {
-    const double step = state.u_step[lane];  // a rod that gives pulls for half of it once more, as forces do
-    LawFactors{.kick_before = step > 0 ? 2 * double{work.kick[lane]} / step : 0}.write(work.law_factors,
-                                                                                      state.lanes, lane);
-  }
+  for (std::uint32_t lane = 0; state.laws.any && lane < state.lanes; ++lane)
+    work.put_law_factors(lane, LawFactors::of_projection(double{work.kick[lane]}, state.u_step[lane]));
   simd::TreeView<T> view = work.view(state);
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
   for (std::size_t i = 0; i < tie_velocity.size(); ++i)

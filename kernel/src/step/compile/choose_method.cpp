@@ -21,11 +21,6 @@ double worth_order_4(bool is_tree, std::size_t rods) {
 
 }  // namespace
 
-bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods) {
-  return std::any_of(rods.begin(), rods.end(),
-                     [&](std::uint32_t rod) { return !scene.rods[rod].law.is_rigid(); });
-}
-
 Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
                      const Settings& settings) {
   if (shape_is_for_direct || settings.accuracy || has_laws(scene, rods)) return Method::direct;

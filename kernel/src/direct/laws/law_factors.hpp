@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "plumb/scene.hpp"
+#include "plumb/settings.hpp"
+#include "simd/tree/tree_kernels.hpp"
+
+namespace plumb::detail {
+
+/// These factors make an equation of a law, see simd::law_factors.
+struct LawFactors {
+  double damping = 0, share = 0, kick = 0, kick_before = 0, substep = 0;
+
+  /// Returns those of a substep of `h` (s) after one of `last` (s), or 0 after a velocity. Forces act on its
+  /// displacement by `kick` (s^2).
+  static LawFactors of(Gradient gradient, double kick, double last, double h) {
+    if (gradient == Gradient::mid) return {kick / h, 0.5, kick, 0, 0};
+    if (gradient == Gradient::new_) return {kick / h, 1, kick, 0, 0};
+    const double between = (h + last) / 2, own = kick * (h / 2) / between;
+    return {own / h, 0.5, own, last != 0 ? kick / between : 0, h};
+  }
+  /// Returns those of a projection of velocities, after a substep of `last` (s). Forces change them by `kick`
+  /// (s), and so does the half kick that rods of gradient old keep.
+  static LawFactors of_projection(double kick, double last) {
+    return {.kick_before = last > 0 ? 2 * kick / last : 0};
+  }
+  std::array<double, simd::law_factors::count> numbers() const {
+    return {damping, share, kick, kick_before, substep};
+  }
+};
+
+/// Returns tree_fields::law numbers of a rod. `unit` is that of mass, in kg. `give` is the sum of the inverse
+/// masses of its ends, in 1/kg.
+inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law, double unit, double give) {
+  if (!law.is_elastic()) return {0, 0, 1, law.one_sided ? 1.0 : 0.0, 0};
+  return {law.stiffness / unit, law.damping / unit, 0, law.one_sided ? 1.0 : 0.0, law.stiffness * give};
+}
+
+}  // namespace plumb::detail
