@@ -146,7 +146,8 @@ PLUMB_LAW_INLINE LawRow<V> law_row(const LawNumbers<V>& law, const LawStart<V>& 
 }
 
 /// Rods that give resist no velocity. In a projection of velocities they pull with a multiplier that is known,
-/// and slack cables do not pull. A rigid cable is taut if it pulled last.
+/// and slack cables do not pull. A rigid cable is taut if it pulled last. The slope of a rigid rod is its length
+/// times the rate of that, where its length changes.
 template <class V>
 struct KnownPull {
   V mu;
@@ -158,7 +159,7 @@ PLUMB_LAW_INLINE KnownPull<V> known_pull(const LawNumbers<V>& law, const LawStar
   const V zero(0), one(1);
   const V holds = select_nonzero(law.one_sided, select_positive(zero - last_mu, law.rigid, zero), law.rigid);
   return {select_nonzero(law.rigid, zero, zero - start.before / start.length),
-          {holds, one - holds, select_nonzero(holds, c, zero)}};
+          {holds, one - holds, select_nonzero(holds, c - start.slope, zero)}};
 }
 
 }  // namespace

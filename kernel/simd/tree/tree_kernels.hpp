@@ -22,8 +22,8 @@ inline constexpr std::uint32_t elimination = 16;  ///< delta_i = P delta_p + q; 
 inline constexpr std::uint32_t tie_elimination =
     11;  ///< a; y; rho; for the first of a node's ties also a, kappa of its rod
 /// Stiffness and damping divided by the unit of mass; 1 if rigid; 1 if one-sided; square of the rod's own
-/// frequency (1/s^2). A broken rod has zeros.
-inline constexpr std::uint32_t law = 5;
+/// frequency (1/s^2); strength divided by the unit of mass, or 0 if it never breaks. A broken rod has zeros.
+inline constexpr std::uint32_t law = 6;
 inline constexpr std::uint32_t law_start = 4;  ///< l0; c0 = l0 - L; slope; what is left of psi where c1 is 0
 inline constexpr std::uint32_t below = 13;  ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "plumb/scene.hpp"
@@ -34,8 +35,10 @@ struct LawFactors {
 /// Returns tree_fields::law numbers of a rod. `unit` is that of mass, in kg. `give` is the sum of the inverse
 /// masses of its ends, in 1/kg.
 inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law, double unit, double give) {
-  if (!law.is_elastic()) return {0, 0, 1, law.one_sided ? 1.0 : 0.0, 0};
-  return {law.stiffness / unit, law.damping / unit, 0, law.one_sided ? 1.0 : 0.0, law.stiffness * give};
+  const double strength = std::isfinite(law.strength) ? law.strength / unit : 0;
+  if (!law.is_elastic()) return {0, 0, 1, law.one_sided ? 1.0 : 0.0, 0, strength};
+  return {law.stiffness / unit,         law.damping / unit, 0, law.one_sided ? 1.0 : 0.0,
+          law.stiffness * give, strength};
 }
 
 }  // namespace plumb::detail

@@ -63,7 +63,7 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     put(work.d.data() + 3 * std::size_t{k}, d);
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
     if (state.laws.any())
-      start_law(state.laws, k, state.half_kick[k], dot(d, d), work.excess[k], work.laws);
+      start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
   }
 }
 
@@ -164,7 +164,10 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
       const auto [a, b] = shape.rods[k];
       factor.right[analysis.position(shape.nodes + k)] =
           holds(state, k) ? dot(at(work.d, k), at(work.delta, b) - at(work.delta, a)) : 0;
-      if (!state.laws.any() || force == 0) continue;
+      if (!state.laws.any()) continue;
+      if (holds(state, k))
+        factor.right[analysis.position(shape.nodes + k)] += state.laws.length[k] * state.laws.rate[k];
+      if (force == 0) continue;
       const Vec3 pull = known_multiplier(state.laws, work.laws, k) * at(work.d, k);
       add(factor.right.data() + analysis.position(a), pull);
       if (b < shape.nodes) add(factor.right.data() + analysis.position(b), -1.0 * pull);

@@ -105,7 +105,7 @@ class LoopStepper {
   /// may have changed.
   bool try_substep(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
     if (!solve(state, h, gradient_, work, counters)) return false;
-    accept(state, h, gradient_, work);
+    accept(state, h, gradient_, work, counters);
     return true;
   }
 
@@ -129,7 +129,7 @@ class LoopStepper {
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
   bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
   /// Ends a substep and returns the estimate of its error.
-  double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
+  double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
   /// A part of a substep may try so much, and all parts so far came to the rest.
   struct Attempts {
     int halvings, left;
