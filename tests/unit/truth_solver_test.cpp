@@ -43,7 +43,7 @@ Difference against_dense(const Scene& scene, MassModel mass) {
     f[i] = {numbers.next(), numbers.next(), numbers.next()};
     if (!model.fixed[i]) wish[i] = {numbers.next(), numbers.next(), numbers.next()};
   }
-  test::DenseConstraints::Vector right(dense.matrix().rows());
+  test::DenseConstraints::Vector right = test::DenseConstraints::Vector::Zero(dense.matrix().rows());
   for (std::size_t r = 0; r < c.size(); ++r) {
     const ModelRod& rod = model.rods[r];
     if (rod.elastic) continue;
