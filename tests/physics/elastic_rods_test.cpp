@@ -17,15 +17,15 @@ namespace {
 
 constexpr double frame = 1.0 / 60;
 
-struct Run {
+struct Made {
   std::vector<Vec3> positions, velocities;
   StepReport total;
   double energy_drift = 0;  ///< Largest, relative to the range.
 };
 
-Run run(const Scene& scene, const Settings& settings, int frames, double dt = frame) {
+Made run(const Scene& scene, const Settings& settings, int frames, double dt = frame) {
   World world(scene, settings);
-  Run out{std::vector<Vec3>(scene.particles.size()), std::vector<Vec3>(scene.particles.size()), {}, 0};
+  Made out{std::vector<Vec3>(scene.particles.size()), std::vector<Vec3>(scene.particles.size()), {}, 0};
   const auto energy = [&] {
     world.copy_positions(out.positions);
     world.copy_velocities(out.velocities);
@@ -54,10 +54,10 @@ TEST(ElasticRods, AreOfSecondOrder) {
     for (const std::string& damping : {std::string(), std::string(",damping=2")})
       for (const Gradient gradient : {Gradient::mid, Gradient::old}) {
         const Scene scene = scenes::load_scene(shape + damping);
-        const auto error = [&](std::uint32_t substeps, const Run& truth) {
+        const auto error = [&](std::uint32_t substeps, const Made& truth) {
           return rms_distance(run(scene, direct(gradient, substeps), 30).positions, truth.positions);
         };
-        const Run truth = run(scene, direct(Gradient::mid, 1024), 30);
+        const Made truth = run(scene, direct(Gradient::mid, 1024), 30);
         const double coarse = error(32, truth), fine = error(64, truth);
         EXPECT_NEAR(std::log2(coarse / fine), 2, 0.1) << shape << damping << ' ' << to_string(gradient);
       }
@@ -67,7 +67,7 @@ TEST(ElasticRods, AreOfSecondOrder) {
 TEST(ElasticRods, KeepEnergyWithGradientMid) {
   for (const double stiffness : {1.0, 1e3, 1e6, 1e9, 1e12})
     for (const std::string& shape : shapes("stiffness=" + std::to_string(stiffness))) {
-      const Run made = run(scenes::load_scene(shape), direct(Gradient::mid), 600);
+      const Made made = run(scenes::load_scene(shape), direct(Gradient::mid), 600);
       EXPECT_LT(made.energy_drift, 1e-9) << shape;
       EXPECT_EQ(made.total.unsolved + made.total.elastic_substeps + made.total.fallbacks, 0u) << shape;
     }
@@ -76,7 +76,7 @@ TEST(ElasticRods, KeepEnergyWithGradientMid) {
 // A slack cable neither pulls nor pushes, and its energy is kept through slack and taut times alike.
 TEST(ElasticRods, CablesKeepEnergyWithGradientMid) {
   for (const std::string& shape : shapes("stiffness=1e5,cables=1")) {
-    const Run made = run(scenes::load_scene(shape), direct(Gradient::mid, 8), 300);
+    const Made made = run(scenes::load_scene(shape), direct(Gradient::mid, 8), 300);
     EXPECT_LT(made.energy_drift, 1e-9) << shape;
     EXPECT_EQ(made.total.unsolved, 0u) << shape;
   }
@@ -87,7 +87,7 @@ TEST(ElasticRods, EveryStiffnessIsStable) {
     for (const std::string& shape : shapes("stiffness=" + std::to_string(stiffness) + ",damping=1"))
       for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
         const Scene scene = scenes::load_scene(shape);
-        const Run made = run(scene, direct(gradient), 300);
+        const Made made = run(scene, direct(gradient), 300);
         EXPECT_EQ(made.total.unsolved + made.total.frozen_islands, 0u) << shape << to_string(gradient);
         EXPECT_LT(norm(made.positions.back()), 100) << shape << to_string(gradient);
       }
@@ -98,8 +98,8 @@ TEST(ElasticRods, VeryStiffOnesAreRigid) {
   for (const std::string shape : {"chain:links=5,end_mass=2", "ring:links=12"})
     for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
       const std::string stiff = shape + ",stiffness=1e12";
-      const Run elastic = run(scenes::load_scene(stiff), direct(gradient, 16), 30);
-      const Run rigid = run(scenes::load_scene(shape), direct(gradient, 16), 30);
+      const Made elastic = run(scenes::load_scene(stiff), direct(gradient, 16), 30);
+      const Made rigid = run(scenes::load_scene(shape), direct(gradient, 16), 30);
       EXPECT_LT(rms_distance(elastic.positions, rigid.positions), 1e-9) << stiff << to_string(gradient);
     }
 }
@@ -114,7 +114,7 @@ TEST(ElasticRods, KeepMomentum) {
     scene.particles[i].velocity = {std::sin(1.0 + i), std::cos(2.0 * i), 0.3 * std::sin(3.0 * i)};
   }
   for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
-    const Run start = run(scene, direct(gradient, 4), 0), end = run(scene, direct(gradient, 4), 60);
+    const Made start = run(scene, direct(gradient, 4), 0), end = run(scene, direct(gradient, 4), 60);
     const Momentum before = measure_momentum(scene, start.positions, start.velocities);
     const Momentum after = measure_momentum(scene, end.positions, end.velocities);
     EXPECT_LT(norm(after.linear - before.linear), 1e-10) << to_string(gradient);

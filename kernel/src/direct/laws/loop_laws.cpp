@@ -16,8 +16,8 @@ simd::LawNumbers<double> numbers_of(const LoopLaws& laws, std::uint32_t k) {
   return {stiffness, damping, rigid, one_sided, frequency2};
 }
 simd::LawFactors<double> factors_of(const LawWorkspace& work) {
-  const auto [damping, share, kick, kick_before, substep] = work.factors.numbers();
-  return {damping, share, kick, kick_before, substep};
+  const auto [share, kick, kick_back, kick_before, rate, substep, substep_before] = work.factors.numbers();
+  return {share, kick, kick_back, kick_before, rate, substep, substep_before};
 }
 simd::LawStart<double> start_of(const LawWorkspace& work, std::uint32_t k) {
   const auto [length, excess, slope, before] = work.starts[k];
@@ -46,13 +46,11 @@ RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, 
   return {row.use, row.soft, row.c};
 }
 
-double known_multiplier(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k) {
-  return simd::known_pull(numbers_of(laws, k), start_of(work, k), 0.0, 0.0).mu;
-}
-
-bool holds_velocity(const LoopLaws& laws, std::uint32_t k, double last_mu) {
-  const auto law = numbers_of(laws, k);
-  return law.rigid != 0 && (law.one_sided == 0 || last_mu < 0);
+VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double c,
+                         double last_mu) {
+  const auto [mu, row] =
+      simd::known_pull(numbers_of(laws, k), factors_of(work), start_of(work, k), c, last_mu);
+  return {mu, {row.use, row.soft, row.c}};
 }
 
 void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> length2) {
@@ -68,7 +66,7 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
   std::uint32_t broken = 0;
   for (std::uint32_t k = 0; k < length2.size(); ++k) {
     if (!work.starts.empty())  // islands solved by their lines have none
-      laws.half_kick[k] = simd::end_law(factors_of(work), start_of(work, k), laws.half_kick[k], mu[k]);
+      laws.half_kick[k] = simd::end_law(numbers_of(laws, k), factors_of(work), start_of(work, k), laws.half_kick[k], mu[k]);
     if (laws.rate[k] != 0) {
       laws.length[k] += end.h * laws.rate[k];
       length2[k] = laws.length[k] * laws.length[k];

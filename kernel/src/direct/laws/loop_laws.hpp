@@ -47,10 +47,14 @@ void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double vio
 /// length by `violation` (m²).
 RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double growth,
                double violation, double mu, double theta);
-/// Returns the multiplier with which a rod that gives pulls in a projection of velocities.
-double known_multiplier(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k);
-/// Says whether rod `k` keeps its length in a projection of velocities. `last_mu` is its last multiplier.
-bool holds_velocity(const LoopLaws& laws, std::uint32_t k, double last_mu);
+/// Returns the multiplier with which rod `k` is known to pull in a projection of velocities, and the row of what
+/// is added to it. Its ends come apart at c (m²/s) times its length, and its last multiplier is `last_mu`.
+struct VelocityRow {
+  double mu = 0;
+  RodRow row{};
+};
+VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double c,
+                         double last_mu);
 
 /// Sets the lengths of rods whose length changes, as set_substep_lengths() of trees does.
 void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> length2);
