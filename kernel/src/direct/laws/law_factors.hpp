@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -45,6 +46,13 @@ inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law,
   if (!law.is_elastic()) return {0, 0, 1, law.one_sided ? 1.0 : 0.0, 0, strength};
   return {law.stiffness / unit,         law.damping / unit, 0, law.one_sided ? 1.0 : 0.0,
           law.stiffness * give, strength};
+}
+
+/// Says whether the rate (m/s) of a rod's length jumps, as when a winch starts or stops. Then velocities are
+/// projected onto it. A rate that changes little by little is not, since the work of such impulses is not
+/// in what rods pull.
+inline bool rate_jumps(double before, double after) {
+  return std::abs(after - before) > 0.5 * std::max(std::abs(before), std::abs(after));
 }
 
 }  // namespace plumb::detail

@@ -72,7 +72,7 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
       length2[k] = laws.length[k] * laws.length[k];
     }
     const double length =
-        laws.is_rigid(k) ? laws.length[k] : pulled_length(work.starts[k], mu[k], end.theta);
+        laws.is_rigid(k) ? laws.length[k] - end.h / 2 * laws.rate[k] : pulled_length(work.starts[k], mu[k], end.theta);
     const double pull = -mu[k] * length / end.kick, strength = laws.rods[k][5];
     laws.impulse[k] += end.h * pull * end.mass_unit;
     if (!(strength > 0 && pull > strength)) continue;

@@ -212,7 +212,7 @@ void LoopSolver::set_length(Slot rod, double length, double rate) {
   state_.laws.make(state_.length2);
   state_.laws.moves = true;
   work_.lines.reset();  // they do not know of it
-  lengths_changed_ = lengths_changed_ || state_.laws.rate[rod] != rate;
+  lengths_changed_ = lengths_changed_ || rate_jumps(state_.laws.rate[rod], rate);
   state_.laws.rate[rod] = rate;
   state_.laws.length[rod] = length;
   state_.length2[rod] = length * length;

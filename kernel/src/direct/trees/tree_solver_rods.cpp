@@ -66,7 +66,7 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   make_laws();
   state_.laws.gives = state_.laws.moves = true;
   double& last = number_of(state_.laws.rate, rod, ties_begin_);
-  lengths_changed_ = lengths_changed_ || last != rate;
+  lengths_changed_ = lengths_changed_ || rate_jumps(last, rate);
   last = rate;
   number_of(state_.laws.length, rod, ties_begin_) = length;
   (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;
