@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+#include <vector>
+
 #include "interface/island_shape.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
@@ -51,6 +54,12 @@ TEST(IslandShape, MassIsCarriedByRodsOfTheIslandThatHaveIt) {
   EXPECT_FALSE(carries_mass(two_rods(2), both, MassModel::lumped));
 }
 
+std::vector<std::uint32_t> numbers(std::size_t count) {
+  std::vector<std::uint32_t> out(count);
+  std::iota(out.begin(), out.end(), 0u);
+  return out;
+}
+
 TEST(ChooseMethod, RelaxesWideIslandsOfMasslessRodsAlone) {
   const Settings plain{.method = Method::automatic}, accurate{.method = Method::automatic, .accuracy = 1e-3};
   EXPECT_EQ(choose_method(two_rods(0), false, both, plain), Method::relax);
@@ -73,7 +82,9 @@ TEST(ChooseMethod, TakesTheGradientThatIsSet) {
 TEST(ChooseMethod, OrderFourPaysFromSomeAccuracyOn) {
   const auto order = [](double accuracy, bool is_tree, std::size_t rods, Gradient gradient = Gradient::old,
                         Precision precision = Precision::double_) {
-    return choose_time_order(gradient, is_tree, rods,
+    Scene scene;
+    scene.rods.resize(rods);
+    return choose_time_order(scene, gradient, is_tree, numbers(rods),
                              {.method = Method::automatic, .precision = precision, .accuracy = accuracy});
   };
   const auto from = [&](bool is_tree, std::size_t rods) {
@@ -85,7 +96,12 @@ TEST(ChooseMethod, OrderFourPaysFromSomeAccuracyOn) {
   EXPECT_NEAR(from(false, 10), from(false, 100), 1e-12) << "of loops it does not depend on their size";
   EXPECT_EQ(order(1e-15, true, 10, Gradient::mid), 2u);
   EXPECT_EQ(order(1e-15, true, 10, Gradient::old, Precision::single), 2u);
-  EXPECT_EQ(choose_time_order(Gradient::old, true, 10, {.method = Method::automatic}), 2u);
+  EXPECT_EQ(choose_time_order(two_rods(0), Gradient::old, true, both, {.method = Method::automatic}), 2u);
+  Scene elastic = two_rods(0);
+  elastic.rods[1].law = {.stiffness = 100, .damping = 1};
+  EXPECT_EQ(
+      choose_time_order(elastic, Gradient::old, true, both, {.method = Method::automatic, .accuracy = 1e-15}),
+      2u);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ void add(double* to, Vec3 v) {
   to[2] += v.z;
 }
 
-/// At the present delta a rod has the direction of its force, the gradient of its row (both m), what it gives,
-/// and how far its equation is off (both m²).
+/// At the present delta a rod has the direction of its force, the gradient of its row (both m), what it
+/// gives, and how far its equation is off (both m²).
 struct RodTerms {
   Vec3 force, gradient;
   double soft, c;
@@ -31,7 +31,7 @@ RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double
   const double c = constraint(d, e, work.excess[k]), give = softness(state, k, soft);
   RodTerms terms{d + theta * e, d + e, give, c + give * state.mu[k]};
   if (!state.laws.any()) return terms;
-  const RodRow row = law_row(state.laws, work.laws, k, growth_of(d, e), c, state.mu[k], theta);
+  const RodRow row = law_row(state.laws, work.laws, k, {growth_of(d, e), c, state.mu[k]}, theta);
   if (soft > 0 && state.laws.is_rigid(k)) {
     // A rigid cable that gives a little is taut where it is too long.
     if (!state.laws.is_one_sided(k) || c > 0) return terms;
@@ -67,8 +67,7 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     const Vec3 d = at(state.x, shape.rods[k].a) - at(state.x, shape.rods[k].b);
     put(work.d.data() + 3 * std::size_t{k}, d);
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
-    if (state.laws.any())
-      start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
+    if (state.laws.any()) start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
   }
 }
 

@@ -36,9 +36,12 @@ Gradient choose_gradient(const Scene& scene, bool is_tree, std::span<const std::
   return is_tree || !carries_mass(scene, rods, mass_model_of(settings)) ? Gradient::old : Gradient::mid;
 }
 
-std::uint32_t choose_time_order(Gradient gradient, bool is_tree, std::size_t rods, const Settings& settings) {
-  return settings.accuracy && *settings.accuracy <= worth_order_4(is_tree, rods) &&
-                 settings.precision == Precision::double_ && gradient == Gradient::old
+std::uint32_t choose_time_order(const Scene& scene, Gradient gradient, bool is_tree,
+                                std::span<const std::uint32_t> rods, const Settings& settings) {
+  // Composed substeps go backwards in between, where damping would feed motion.
+  return settings.accuracy && *settings.accuracy <= worth_order_4(is_tree, rods.size()) &&
+                 settings.precision == Precision::double_ && gradient == Gradient::old &&
+                 !has_laws(scene, rods)
              ? 4
              : 2;
 }

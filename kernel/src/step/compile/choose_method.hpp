@@ -21,8 +21,9 @@ Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<con
 Gradient choose_gradient(const Scene& scene, bool is_tree, std::span<const std::uint32_t> rods,
                          const Settings& settings);
 
-/// Returns the time order of an island's direct solve: 4 where the accuracy is fine enough for that to pay,
-/// else 2.
-std::uint32_t choose_time_order(Gradient gradient, bool is_tree, std::size_t rods, const Settings& settings);
+/// Returns the time order of an island's direct solve: 4 where all rods are rigid and the accuracy is fine
+/// enough for that to pay, else 2.
+std::uint32_t choose_time_order(const Scene& scene, Gradient gradient, bool is_tree,
+                                std::span<const std::uint32_t> rods, const Settings& settings);
 
 }  // namespace plumb::detail

@@ -35,7 +35,7 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
   Choice out{choose_method(scene, is_tree || is_thin(island), rods, settings), {}};
   if (out.method != Method::direct) return out;
   out.direct.gradient = choose_gradient(scene, is_tree, rods, settings);
-  out.direct.time_order = choose_time_order(out.direct.gradient, is_tree, rods.size(), settings);
+  out.direct.time_order = choose_time_order(scene, out.direct.gradient, is_tree, rods, settings);
   out.direct.changes_gradient = settings.accuracy && !settings.gradient &&
                                 out.direct.gradient == Gradient::old && out.direct.time_order == 2;
   return out;
@@ -62,6 +62,7 @@ class Compiler {
         is_jointed_(scene.particles.size(), 0) {}
 
   Compiled make() {
+    require_laws_moved();
     if (needs_contact_stage(scene_)) make_contact();
     add_islands();
     if (contact_) add_contact();
@@ -109,15 +110,18 @@ class Compiler {
       refuse(of(), "mass lumped does not know: bodies need their inertia");
   }
 
-  /// Refuses rods that give where the method moves rigid ones alone.
-  void require_laws_moved(const IslandSets& sets) const {
-    if (method_row(settings_.method).moves_laws) return;
-    for (const auto& equal : sets.sets)
-      for (const std::uint32_t island : equal)
-        for (const std::uint32_t rod : sets.islands.edges(island))
-          if (!scene_.rods[rod].law.is_rigid())
-            refuse("rod ", rod, ": gives, which method ", to_string(settings_.method),
-                   " cannot move; direct and auto can");
+  /// Refuses rods that give where the method or its time order moves rigid ones alone.
+  void require_laws_moved() const {
+    const bool moves = method_row(settings_.method).moves_laws;
+    for (std::size_t i = 0; i < scene_.rods.size(); ++i) {
+      if (scene_.rods[i].law.is_rigid()) continue;
+      if (!moves)
+        refuse("rod ", i, ": gives, which method ", to_string(settings_.method),
+               " cannot move; direct and auto can");
+      if (settings_.time_order > 2 && scene_.rods[i].law.damping > 0)
+        refuse("rod ", i, ": is damped, which time order ", settings_.time_order,
+               " cannot move, since it goes backwards in between; 2 can");
+    }
   }
 
   /// Refuses settings of relaxation if method automatic relaxes no island.
@@ -143,7 +147,6 @@ class Compiler {
     for (const Share& share : shares) {
       const IslandSets sets{graph_, islands, share.sets};
       if (share.choice.method != Method::direct) {
-        require_laws_moved(sets);
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
         continue;
