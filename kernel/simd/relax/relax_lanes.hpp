@@ -4,6 +4,8 @@
 //
 // relax_scalar.cpp says what is computed and why. The operations and their order are the same here.
 
+#include <limits>
+
 #include "simd/relax/access_lanes.hpp"
 
 namespace plumb::simd {
@@ -142,6 +144,14 @@ T violation(const BlockView<T>& block, Range range) {
   return largest_lane(largest);
 }
 
+}  // namespace
+}  // namespace plumb::simd
+
+#include "simd/relax/law_lanes.hpp"
+
+namespace plumb::simd {
+namespace {
+
 template <class T>
 void predict(T* __restrict p, const T* __restrict u, const T* __restrict kick, T decay, std::uint32_t n) {
   if (decay == 1) {  // there is no drag
@@ -198,6 +208,7 @@ constexpr AccessKernels<T> access_kernels = {
     prepare<Access, T>,
     {sweep<Access, Gradient::new_, T>, sweep<Access, Gradient::old, T>, sweep<Access, Gradient::mid, T>},
     violation<Access, T>,
+    law_kernels<Access, T>,
 };
 
 template <class T>

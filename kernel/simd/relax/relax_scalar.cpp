@@ -128,6 +128,14 @@ T violation(const BlockView<T>& block, Range range) {
   return largest;
 }
 
+}  // namespace
+}  // namespace plumb::simd
+
+#include "simd/relax/law_scalar.hpp"
+
+namespace plumb::simd {
+namespace {
+
 template <class T>
 void predict(T* p, const T* u, const T* kick, T decay, std::uint32_t n) {
   for (std::uint32_t i = 0; i < n; ++i) p[i] = decay * u[i] + kick[i];
@@ -174,6 +182,7 @@ constexpr AccessKernels<T> access_kernels = {
     prepare<access, T>,
     {sweep<access, Gradient::new_, T>, sweep<access, Gradient::old, T>, sweep<access, Gradient::mid, T>},
     violation<access, T>,
+    law_kernels<access, T>,
 };
 
 template <class T>

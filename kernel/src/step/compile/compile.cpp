@@ -117,7 +117,7 @@ class Compiler {
         for (const std::uint32_t rod : sets.islands.edges(island))
           if (!scene_.rods[rod].law.is_rigid())
             refuse("rod ", rod, ": gives, which method ", to_string(settings_.method),
-                   " cannot move; direct and auto can");
+                   " cannot move; relax, direct and auto can");
   }
 
   /// Refuses settings of relaxation if method automatic relaxes no island.
