@@ -1,6 +1,12 @@
-// This is the vector body of the loops over rods that give. relax_lanes.hpp alone includes it, and it has
-// internal linkage as that has. law_scalar.hpp says what is computed and why. The operations and their order
-// are the same.
+// This is the vector body of the loops over rods that give, which relax_lanes.hpp includes. It has internal
+// linkage as that has. law_scalar.hpp says what is computed and why. The operations and their order are the
+// same.
+
+#pragma once
+
+#include <limits>
+
+#include "simd/relax/visit_lanes.hpp"
 
 namespace plumb::simd {
 namespace {
@@ -160,15 +166,8 @@ PLUMB_INLINE Triple<T> next_shift(const LawView<T>& block, Position at, const Gi
 
 template <class Access, Gradient gradient, class T>
 PLUMB_INLINE void visit(const LawView<T>& block, Position at) {
-  using Kept = typename Access::template Kept<T>;
-  Kept kept;
-  Triple<T> e;
-  if constexpr (std::is_same_v<Kept, Ends<T>>) {
-    kept = Access::load_ends(block, at);
-    e = kept.b - kept.a;
-  } else {
-    e = Access::difference(block, static_cast<const T*>(block.p), at);
-  }
+  typename Access::template Kept<T> kept;
+  const Triple<T> e = movement<Access, T>(block, at, kept);
   const Giving<T> rod = load_giving(block, at);
   const Triple<T> next = next_shift<gradient>(block, at, rod, e), change = next - rod.shift;
   store_shift(block, at, next);

@@ -1,5 +1,5 @@
-// The visit of a rod that gives, one rod at a time, written for reading. relax_scalar.cpp alone includes it,
-// after its own loops. law_lanes.hpp must give the same bits.
+// The visit of a rod that gives, one rod at a time, written for reading. law_lanes.hpp must give the same
+// bits.
 //
 // A rod of length l pulls with k (l - L) + r dl/dt (plumb::RodLaw). In a substep its pull shortens its vector
 // d + e by a shift s along a direction u: end a moves by share_a s, and end b by -share_b s. With l0 and l1
@@ -14,8 +14,12 @@
 // that obeys the law. Shifts are kept as vectors, since directions turn while sweeps converge. What they
 // converge to is the equation that method direct solves (simd/tree/law_math.hpp).
 
+#pragma once
+
 #include <cmath>
 #include <limits>
+
+#include "simd/relax/scalar_access.hpp"
 
 namespace plumb::simd {
 namespace {
