@@ -105,7 +105,7 @@ PLUMB_INLINE Triple<T> shift_new(const Giving<T>& rod, const Triple<T>& e) {
   const Batch<T> excess = (rod.violation + dot(free, sum)) / (end + rod.length);
   const Triple<T> along = (half / xsimd::max(end, rod.least_length)) * end2;
   const Batch<T> last = dot(rod.shift, along), wanted = rod.firm * (excess + rod.off);
-  return xsimd::max(last + rod.omega * (wanted - last), rod.least) * along;
+  return xsimd::max(xsimd::min(last + rod.omega * (wanted - last), end), rod.least) * along;
 }
 
 template <class T>
@@ -138,21 +138,47 @@ PLUMB_INLINE Batch<T> cable_mid(const Giving<T>& rod, const Batch<T>& start_exce
   return xsimd::select(start_excess < zero, tightened, xsimd::select(linear > rod.least, linear, loosened));
 }
 
+/// Holds what a visit of gradient mid finds of a rod.
+template <class T>
+struct Middle {
+  Triple<T> sum;
+  Batch<T> both, push, last;
+};
+template <class T>
+PLUMB_INLINE Middle<T> middle_of(const Giving<T>& rod, const Triple<T>& e, const Batch<T>& start_length) {
+  const Batch<T> half(T(0.5)), zero(T(0));
+  const Triple<T> sum = rod.d2 + e, end2 = sum + e;
+  const Batch<T> end = half * xsimd::sqrt(dot(end2, end2));
+  const Batch<T> both = xsimd::max(start_length + end, rod.least_length), push = half * both;
+  const Batch<T> size =
+      both * xsimd::sqrt(dot(rod.shift, rod.shift) / xsimd::max(dot(sum, sum), push * push));
+  return {sum, both, push, xsimd::select(dot(rod.shift, sum) < zero, zero - size, size)};
+}
+
 template <class T>
 PLUMB_INLINE Triple<T> shift_mid(const Giving<T>& rod, const Triple<T>& e, const Batch<T>& start_length,
                                  const Batch<T>& start_excess, const Batch<T>& one_sided) {
-  const Batch<T> half(T(0.5)), one(T(1)), soft = one - rod.firm;
-  const Triple<T> sum = rod.d2 + e, end2 = sum + e;
-  const Batch<T> end = half * xsimd::sqrt(dot(end2, end2));
-  const Triple<T> along = (one / xsimd::max(start_length + end, rod.least_length)) * sum;
+  const Batch<T> zero(T(0)), one(T(1)), soft = one - rod.firm;
+  const Middle<T> middle = middle_of(rod, e, start_length);
+  const Batch<T> last = xsimd::max(middle.last, zero - middle.push);
+  const Triple<T> along = (one / (middle.both + last)) * (middle.sum + rod.shift);
   const Batch<T> gain = xsimd::max(dot(along, along), Batch<T>(T(0.25)));
   const Batch<T> free = start_excess + dot(along, e + rod.shift);
   const Batch<T> over = one / (soft + rod.firm * gain);
   const Batch<T> linear = (rod.firm * (free + rod.off)) * over;
   const Batch<T> wanted =
       where(one_sided, cable_mid(rod, start_excess, free, gain, linear, soft * over), linear);
-  const Batch<T> last = dot(rod.shift, along) / gain, next = last + rod.omega * (wanted - last);
-  return where(one_sided, xsimd::max(next, Batch<T>(T(0))), next) * along;
+  const Batch<T> least = where(one_sided, zero, zero - middle.push);
+  return xsimd::max(last + rod.omega * (wanted - last), least) * along;
+}
+
+/// Returns 1 for rods that a bound of gradient mid holds, else 0.
+template <class T>
+PLUMB_INLINE Batch<T> is_lost(const Giving<T>& rod, const Triple<T>& e, const Batch<T>& start_length) {
+  const Batch<T> zero(T(0)), one(T(1));
+  const Middle<T> middle = middle_of(rod, e, start_length);
+  const Batch<T> turned = xsimd::select(dot(middle.sum, middle.sum) < middle.push * middle.push, one, zero);
+  return xsimd::select(middle.last < Batch<T>(T(-0.99)) * middle.push, one, turned);
 }
 
 /// Returns by how much a rod, whose vector has moved by e, is to be moved in all.
@@ -193,6 +219,8 @@ T violation_laws(const LawView<T>& block, Range range) {
     const Triple<T> change = next_shift<gradient>(block, at, rod, e) - rod.shift;
     const Batch<T> scale = (rod.length + rod.length) * load_field<weight_fields>(block.weight, at, 3);
     largest = xsimd::max(xsimd::sqrt(dot(change, change)) * scale, largest);
+    if constexpr (gradient == Gradient::mid)
+      largest = xsimd::max(is_lost(rod, e, load_start(block, at, 3)) * (rod.length * scale), largest);
   }
   return largest_lane(largest);
 }

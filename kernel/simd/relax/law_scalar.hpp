@@ -145,7 +145,8 @@ Giving<T> giving(const LawView<T>& block, std::uint32_t v, std::uint32_t lane) {
 }
 
 /// Along the new direction a pull does not turn a rod: without it the rod's vector has the same direction,
-/// and its length is l1 + |s|. So the law is solved by |s| = firm (l1 + |s| - L + off).
+/// and its length is l1 + |s|. So the law is solved by |s| = firm (l1 + |s| - L + off). Over-relaxation turns
+/// no rod round.
 template <class T>
 Triple<T> shift_new(const Giving<T>& rod) {
   const Triple<T> free = rod.e + rod.shift, sum = rod.d2 + free, end2 = sum + free;
@@ -153,7 +154,7 @@ Triple<T> shift_new(const Giving<T>& rod) {
   const T excess = (rod.violation + dot(free, sum)) / (end + rod.length);
   const Triple<T> along = (T(0.5) / larger(end, rod.least_length)) * end2;
   const T last = dot(rod.shift, along), wanted = rod.start.firm * (excess + rod.start.off);
-  return larger(last + rod.omega * (wanted - last), rod.start.least) * along;
+  return larger(smaller(last + rod.omega * (wanted - last), end), rod.start.least) * along;
 }
 
 /// Along the old direction a visit takes a step of Newton's method. The cosine is that between the rod's
@@ -190,22 +191,45 @@ T cable_mid(const Giving<T>& rod, T free, T gain, T linear, T softness) {
   return least * before / larger(before - T(0.5) * (sum - root), rod.least_length);
 }
 
-/// Along the middle direction m = d + e/2 the change of length is m.e divided by the mean length. Both are as
-/// the rod was found, and converge with the sweeps. A gain below 1/4 is that of a rod which nearly turns
-/// round.
+/// What a visit of gradient mid finds of a rod. `push` is half of its lengths at start and end, `both`.
+template <class T>
+struct Middle {
+  Triple<T> sum;  ///< 2 m
+  T both, push;
+  T last;  ///< |s|, below 0 if it pushes
+};
+template <class T>
+Middle<T> middle_of(const Giving<T>& rod) {
+  const Triple<T> sum = rod.d2 + rod.e, end2 = sum + rod.e;
+  const T end = T(0.5) * std::sqrt(dot(end2, end2));
+  const T both = larger(rod.start.length + end, rod.least_length), push = T(0.5) * both;
+  const T size = both * std::sqrt(dot(rod.shift, rod.shift) / larger(dot(sum, sum), push * push));
+  return {sum, both, push, dot(rod.shift, sum) < 0 ? 0 - size : size};
+}
+
+/// Along the middle direction m = d + e/2 the change of length is m.e divided by the mean length. Without the
+/// shift, m would be longer by half of it. So m is found from what it would be then, which stays stable where
+/// a pull is long beside the rod. Lengths and |s| are as the rod was found, and converge with the sweeps. A
+/// rod pushes by no more than its length, and a gain below 1/4 is that of one which nearly turns round.
 template <class T>
 Triple<T> shift_mid(const Giving<T>& rod) {
   const T firm = rod.start.firm, soft = 1 - firm;
-  const Triple<T> sum = rod.d2 + rod.e, end2 = sum + rod.e;
-  const T end = T(0.5) * std::sqrt(dot(end2, end2));
-  const Triple<T> along = (1 / larger(rod.start.length + end, rod.least_length)) * sum;
+  const Middle<T> middle = middle_of(rod);
+  const T last = larger(middle.last, 0 - middle.push);
+  const Triple<T> along = (1 / (middle.both + last)) * (middle.sum + rod.shift);
   const T gain = larger(dot(along, along), T(0.25));
   const T free = rod.start.excess + dot(along, rod.e + rod.shift);
   const T over = 1 / (soft + firm * gain);
   const T linear = (firm * (free + rod.start.off)) * over;
   const T wanted = rod.one_sided ? cable_mid(rod, free, gain, linear, soft * over) : linear;
-  const T last = dot(rod.shift, along) / gain, next = last + rod.omega * (wanted - last);
-  return (rod.one_sided ? larger(next, T(0)) : next) * along;
+  return larger(last + rod.omega * (wanted - last), rod.one_sided ? T(0) : 0 - middle.push) * along;
+}
+
+/// Says whether either bound of gradient mid holds a rod, which then does not obey its law, though it rests.
+template <class T>
+bool is_lost(const Giving<T>& rod) {
+  const Middle<T> middle = middle_of(rod);
+  return dot(middle.sum, middle.sum) < middle.push * middle.push || middle.last < T(-0.99) * middle.push;
 }
 
 template <Gradient gradient, class T>
@@ -249,6 +273,7 @@ T violation_laws(const LawView<T>& block, Range range) {
       const Triple<T> change = next_shift<gradient>(rod) - rod.shift;
       const T scale = (rod.length + rod.length) * field_of<weight_fields>(block.weight, v, lane, 3);
       largest = larger(std::sqrt(dot(change, change)) * scale, largest);
+      if (gradient == Gradient::mid && is_lost(rod)) largest = larger(rod.length * scale, largest);
     }
   return largest;
 }
