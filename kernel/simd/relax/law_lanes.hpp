@@ -169,7 +169,8 @@ PLUMB_INLINE Triple<T> shift_mid(const Giving<T>& rod, const Triple<T>& e, const
   const Batch<T> wanted =
       where(one_sided, cable_mid(rod, start_excess, free, gain, linear, soft * over), linear);
   const Batch<T> least = where(one_sided, zero, zero - middle.push);
-  return xsimd::max(last + rod.omega * (wanted - last), least) * along;
+  const Batch<T> reach = (free + rod.length) / gain;
+  return xsimd::max(xsimd::min(last + rod.omega * (wanted - last), reach), least) * along;
 }
 
 /// Returns 1 for rods that a bound of gradient mid holds, else 0.

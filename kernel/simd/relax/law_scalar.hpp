@@ -222,7 +222,8 @@ Triple<T> shift_mid(const Giving<T>& rod) {
   const T over = 1 / (soft + firm * gain);
   const T linear = (firm * (free + rod.start.off)) * over;
   const T wanted = rod.one_sided ? cable_mid(rod, free, gain, linear, soft * over) : linear;
-  return larger(last + rod.omega * (wanted - last), rod.one_sided ? T(0) : 0 - middle.push) * along;
+  const T reach = (free + rod.length) / gain, least = rod.one_sided ? T(0) : 0 - middle.push;
+  return larger(smaller(last + rod.omega * (wanted - last), reach), least) * along;
 }
 
 /// Says whether either bound of gradient mid holds a rod, which then does not obey its law, though it rests.
