@@ -59,6 +59,7 @@ std::vector<MethodRow>& table() {
        .name = to_string(Method::relax),
        .moves = "particles and rods, one rod after the other (thesis 3.2)",
        .reads = relax_reads,
+       .moves_laws = true,
        .validate = validate_relax,
        .make = make_relax_solvers},
       {.method = Method::direct,

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "direct/direct_solvers.hpp"
@@ -117,7 +118,9 @@ class Compiler {
       if (scene_.rods[i].law.is_rigid()) continue;
       if (!moves)
         refuse("rod ", i, ": gives, which method ", to_string(settings_.method),
-               " cannot move; direct and auto can");
+               " cannot move; relax, direct and auto can");
+      if (settings_.method == Method::relax && std::isfinite(scene_.rods[i].law.strength))
+        refuse("rod ", i, ": may break, which method relax does not see; direct and auto do");
       if (settings_.time_order > 2 && scene_.rods[i].law.damping > 0)
         refuse("rod ", i, ": is damped, which time order ", settings_.time_order,
                " cannot move, since it goes backwards in between; 2 can");
