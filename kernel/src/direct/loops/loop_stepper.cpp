@@ -32,6 +32,9 @@ constexpr int damped_halvings = 1;
 /// only.
 constexpr double energy_tolerance = 1e-6;
 
+/// Displacements below this share of a rod count as so much. What lines leave of lengths adds up along them.
+constexpr double still = 1e-6, still_by_lines = 1e-3;
+
 /// After a change this small, RMS over nodes relative to a rod, the next would be lost in rounding where
 /// convergence is quadratic. The second may be left where convergence is linear.
 constexpr double converged_change = 1e-8, converged_rest = 1e-17;
@@ -59,6 +62,12 @@ void damp_from_now(LoopState& state) {
   state.next_damped = std::max(state.next_damped, damped_substeps);
   state.damped = state.next_damped;
   state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
+}
+
+/// Sets the displacements of locked nodes in a time, as their anchors move.
+void move_locked(const LoopState& state, double time, std::span<double> displacements) {
+  for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
+    if (state.locks.has(i)) put(&displacements[3 * std::size_t{i}], time * locked_velocity(state, i));
 }
 
 }  // namespace
@@ -106,6 +115,12 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   trial.assign(delta.size(), 0);
 }
 
+void LoopWorkspace::take_locks(const LoopState& state) {
+  if (!lines) return;
+  lines->solver.set_masses(state.mass, [&](std::uint32_t i) { return state.locks.has(i); });
+  lines->forget();
+}
+
 LoopStepper::LoopStepper(Gradient gradient, double drag, std::uint32_t time_order)
     : gradient_(gradient),
       drag_(drag),
@@ -148,10 +163,9 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   }
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
     const Vec3 moved = h * state.fixed_velocity[i - shape.nodes];
-    work.delta[3 * i] = moved.x;
-    work.delta[3 * i + 1] = moved.y;
-    work.delta[3 * i + 2] = moved.z;
+    put(&work.delta[3 * std::size_t{i}], moved);
   }
+  move_locked(state, h, work.delta);
 }
 
 /// Gradient mid keeps energy as far as rods keep their lengths. delta . (M delta - load) is what they did,
@@ -160,7 +174,7 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
   if (state.anchors_move) return true;
   const LoopTopology& shape = *state.topology;
   double done = 0, scale = 0;
-  const double least = 1e-6 * std::sqrt(state.scale2);
+  const double least = (work.lines ? still_by_lines : still) * std::sqrt(state.scale2);
   for (std::size_t i = 0; i < work.load.size(); ++i) {
     done += work.delta[i] * (state.mass[i / 3] * work.delta[i] - work.load[i]);
     scale += std::abs(work.load[i]) * (std::abs(work.delta[i]) + least);
@@ -261,6 +275,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
     state.half_kick[k] = end_law(work.laws, k, state.half_kick[k], state.mu[k]);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
+  move_locked(state, gradient == Gradient::mid ? 1 : h, state.u);
   // What follows in this step finds fixed vertices already on their way.
   if (state.anchors_move)
     std::copy(state.fixed_velocity.begin(), state.fixed_velocity.end(), state.fixed_last_velocity.begin());
@@ -339,10 +354,9 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
   const LoopTopology& shape = *state.topology;
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
     const Vec3 v = state.fixed_velocity[i - shape.nodes];
-    work.delta[3 * i] = v.x;
-    work.delta[3 * i + 1] = v.y;
-    work.delta[3 * i + 2] = v.z;
+    put(&work.delta[3 * std::size_t{i}], v);
   }
+  move_locked(state, 1, work.delta);
   if (work.lines) {
     if (project_by_lines(state, kick, work)) return;
     kick = 0;

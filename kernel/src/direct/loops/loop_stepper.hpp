@@ -26,6 +26,8 @@ struct LoopWorkspace {
     bool worth_carrying() const;  ///< Says whether to keep it for the next substep.
     double theta = 0, h = 0;  ///< They are of the substep it was made for; h is 0 if it is not worth keeping.
   };
+  /// Prepares for the nodes that are locked from now on.
+  void take_locks(const LoopState& state);
   /// Returns a factor with couplings, or without if the topology's system does not have them.
   Factor& factor(bool couples);
 
