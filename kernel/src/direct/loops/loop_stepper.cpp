@@ -33,7 +33,7 @@ constexpr int damped_halvings = 1;
 constexpr double energy_tolerance = 1e-6;
 
 /// Displacements below this share of a rod count as so much. What lines leave of lengths adds up along them.
-constexpr double still = 1e-6, still_by_lines = 1e-3;
+constexpr double least_motion = 1e-6, least_motion_by_lines = 1e-3;
 
 /// After a change this small, RMS over nodes relative to a rod, the next would be lost in rounding where
 /// convergence is quadratic. The second may be left where convergence is linear.
@@ -51,6 +51,11 @@ constexpr double lost_rate = 0.5;
 /// From so many multiplications per number on, the factor of an earlier substep, with more iterations, is
 /// faster than a new one. A net of 16 x 16 particles has 30.
 constexpr double costly_factor = 30;
+
+/// Substeps that lines would need in more pieces, or halved more often, are factorised as a whole. After that
+/// lines are left alone until regrowth has made this share of a substep as long as those pieces.
+constexpr std::uint32_t most_line_pieces = 4;
+constexpr double line_pause = 64;
 
 /// After so many substeps in a row for which lines were no help they are given up.
 constexpr int most_stalls = 3;
@@ -174,7 +179,7 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
   if (state.anchors_move) return true;
   const LoopTopology& shape = *state.topology;
   double done = 0, scale = 0;
-  const double least = (work.lines ? still_by_lines : still) * std::sqrt(state.scale2);
+  const double least = (work.lines ? least_motion_by_lines : least_motion) * std::sqrt(state.scale2);
   for (std::size_t i = 0; i < work.load.size(); ++i) {
     done += work.delta[i] * (state.mass[i / 3] * work.delta[i] - work.load[i]);
     scale += std::abs(work.load[i]) * (std::abs(work.delta[i]) + least);
@@ -223,22 +228,40 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
   return false;
 }
 
-bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+bool LoopStepper::solve_by_lines(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+                                 Tally& counters) const {
+  begin(state, h, gradient, work);
+  const double kick = coefficients(state, h, gradient).kick;
+  const double tolerance = gradient == Gradient::mid ? finest_line_tolerance : line_tolerance_;
+  const LineOutcome outcome = iterate_by_lines(state, theta_of(gradient), kick, tolerance, work, counters);
+  if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
+    work.lines->stalls = 0;
+    return true;
+  }
+  std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+  if (outcome == LineOutcome::stalled && ++work.lines->stalls == most_stalls) work.lines.reset();
+  return false;
+}
+
+bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, bool by_lines, LoopWorkspace& work,
                         Tally& counters) const {
   const double theta = theta_of(gradient);
-  if (work.lines) {
+  if (work.lines && by_lines) {
+    const int stalls = work.lines->stalls;
+    if (solve_by_lines(state, h, gradient, work, counters)) return true;
+    // A shorter substep is what helps lines that do not stall, and costs less than a factorisation.
+    if (work.lines && work.lines->stalls == stalls) return false;
+  }
+  if (state.topology->lines && theta > 0) {
+    if (!work.displacements)
+      work.displacements = std::make_unique<DisplacementFactor>(*state.topology, work.isa);
+    if (work.lines) work.lines->forget();
     begin(state, h, gradient, work);
-    const double kick = coefficients(state, h, gradient).kick;
-    const double tolerance = gradient == Gradient::mid ? finest_line_tolerance : line_tolerance_;
-    const LineOutcome outcome = iterate_by_lines(state, theta, kick, tolerance, work, counters);
-    if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
-      work.lines->stalls = 0;
+    if (iterate_by_displacements(state, theta, *work.displacements, work, counters) &&
+        (gradient != Gradient::mid || keeps_energy(state, work)))
       return true;
-    }
     std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
-    // A shorter substep is what helps, and costs less than a factorisation.
-    if (outcome != LineOutcome::stalled) return false;
-    if (++work.lines->stalls == most_stalls) work.lines.reset();
+    return false;
   }
   const LoopWorkspace::Factor& factor = work.factor(theta > 0);
   for (const bool carried : {true, false}) {
@@ -291,7 +314,7 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
   const Gradient wanted = state.damped > 0 ? Gradient::new_ : gradient_;
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
-    if (solve(state, h, gradient, work, counters)) {
+    if (solve(state, h, gradient, attempts.by_lines, work, counters)) {
       attempts.error += accept(state, h, gradient, work);
       if (depth > 0 && (attempts.shortest_half == 0 || std::abs(h) < attempts.shortest_half))
         attempts.shortest_half = std::abs(h);
@@ -313,17 +336,42 @@ std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
   return pieces_of(largest_share_ * h / state.longest);
 }
 
-double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
-  work.saved = state.motion();
-  const bool is_damped = state.damped > 0;
-  Attempts attempts{.halvings = is_damped ? damped_halvings : most_halvings, .left = 0};
-  const std::uint32_t count = cuts(state, h);
+bool LoopStepper::advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
+                                 LoopWorkspace& work, Tally& counters) const {
   bool solved = true;
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_) {
-      attempts.left = is_damped ? 3 * damped_halvings : most_attempts;
+      attempts.left = state.damped > 0 ? 3 * damped_halvings : most_attempts;
       solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
     }
+  if (!solved) state.motion() = work.saved;
+  return solved;
+}
+
+double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
+  work.saved = state.motion();
+  const bool is_damped = state.damped > 0;
+  Attempts attempts{
+      .halvings = is_damped ? damped_halvings : most_halvings, .left = 0, .by_lines = work.lines != nullptr};
+  bool solved = false;
+  // Where lines would need many pieces, a factorisation of the whole is faster.
+  const bool has_choice = attempts.by_lines && gradient_ != Gradient::old;
+  if (has_choice) {
+    const std::uint32_t count = cuts(state, h);
+    attempts.halvings = 0;
+    while (count << (attempts.halvings + 1) <= most_line_pieces) ++attempts.halvings;
+    solved = count <= most_line_pieces && advance_pieces(state, h, count, attempts, work, counters);
+    if (!solved) {
+      attempts = {.halvings = is_damped ? damped_halvings : most_halvings, .left = 0, .by_lines = false};
+      if (count <= most_line_pieces) state.longest = std::abs(h) / line_pause;
+      const double longest = state.longest;
+      solved = advance_pieces(state, h, 1, attempts, work, counters);
+      attempts.shortest_half = 0;
+      state.longest = longest;
+    }
+  } else {
+    solved = advance_pieces(state, h, cuts(state, h), attempts, work, counters);
+  }
   if (solved) {
     state.longest = attempts.shortest_half > 0 ? attempts.shortest_half : regrowth * state.longest;
     if (attempts.fell_back)
@@ -334,7 +382,6 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tal
       state.next_damped /= 2;
     return attempts.error;
   }
-  state.motion() = work.saved;
   advance_elastic(state, h, work, counters);
   damp_from_now(state);
   return std::numeric_limits<double>::infinity();
