@@ -14,6 +14,9 @@ constexpr double most_slack = 1e-11;
 /// Rods of a straight line turn by no angle of a lesser cosine.
 constexpr double straight = 0.9999;
 
+/// Velocities that differ by this share are the same but for the rounding of places.
+constexpr double same_velocity = 1e-10;
+
 /// Walks along lines from what is held to what is held.
 class Walk {
  public:
@@ -113,8 +116,10 @@ bool locks_hold(const LoopState& state) {
   const auto velocity = [&](std::uint32_t anchor) {
     return state.fixed_velocity[anchor - state.topology->nodes];
   };
-  return std::all_of(state.locks.ends.begin(), state.locks.ends.end(),
-                     [&](auto line) { return velocity(line.first) == velocity(line.second); });
+  return std::all_of(state.locks.ends.begin(), state.locks.ends.end(), [&](auto line) {
+    const Vec3 one = velocity(line.first), other = velocity(line.second);
+    return norm(one - other) <= same_velocity * norm(one);
+  });
 }
 
 Vec3 locked_velocity(const LoopState& state, std::uint32_t node) {

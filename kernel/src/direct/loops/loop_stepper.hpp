@@ -55,8 +55,8 @@ struct LoopWorkspace {
 ///
 /// Wide islands of massless rods are solved by their lines (see iterate_by_lines()), in time that grows with
 /// the rods. It takes some 0.1 us a rod and substep on one thread of a Xeon at 2.5 GHz. If a substep is too
-/// long for that it is halved. Where lines are no help the island is factorised, after a few such substeps
-/// always.
+/// long for that it is halved, and with gradients mid and new it is soon factorised instead (see
+/// DisplacementFactor). Where lines are no help the island is factorised, after a few such substeps always.
 ///
 /// Of others Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers
 /// together (see LoopSystem). A factorisation serves for more than one iteration, and for later substeps, as
@@ -148,6 +148,9 @@ class LoopStepper {
   /// Takes a substep in so many pieces. Returns whether all were solved; otherwise the state is as it was.
   bool advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
                       LoopWorkspace& work, Tally& counters) const;
+  /// Takes a substep of a wide island by its lines, or where those need many pieces, by factorisation.
+  bool advance_wide(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                    Tally& counters) const;
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     Tally& counters) const;
   void project(LoopState& state, double kick, LoopWorkspace& work) const;
