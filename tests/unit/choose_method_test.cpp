@@ -31,6 +31,14 @@ TEST(IslandShape, ThinIslandsStayThinAtAnyLength) {
   EXPECT_FALSE(is_thin(test::lattice(64, 64).view()));
 }
 
+// Vast is what would need minutes and gigabytes to factorise. Long lattices are not, however many particles
+// they have.
+TEST(IslandShape, VastIslandsAreWideAndLarge) {
+  EXPECT_FALSE(is_vast(test::lattice(128, 128).view()));
+  EXPECT_FALSE(is_vast(test::lattice(10'000, 20).view()));
+  EXPECT_TRUE(is_vast(test::lattice(256, 256).view()));
+}
+
 TEST(IslandShape, TheNumberingDoesNotMatter) {
   test::Random random(11);
   for (int i = 0; i < 10; ++i) {
@@ -60,22 +68,33 @@ std::vector<std::uint32_t> numbers(std::size_t count) {
   return out;
 }
 
-TEST(ChooseMethod, RelaxesWideIslandsOfMasslessRodsAlone) {
+TEST(ChooseMethod, RelaxesVastIslandsOfMasslessRodsAlone) {
   const Settings plain{.method = Method::automatic}, accurate{.method = Method::automatic, .accuracy = 1e-3};
-  EXPECT_EQ(choose_method(two_rods(0), false, both, plain), Method::relax);
-  EXPECT_EQ(choose_method(two_rods(0), true, both, plain), Method::direct);
-  EXPECT_EQ(choose_method(two_rods(2), false, both, plain), Method::direct);
-  EXPECT_EQ(choose_method(two_rods(0), false, both, accurate), Method::direct);
+  for (const IslandShape shape : {IslandShape::tree, IslandShape::thin, IslandShape::wide})
+    EXPECT_EQ(choose_method(two_rods(0), shape, both, plain), Method::direct);
+  EXPECT_EQ(choose_method(two_rods(0), IslandShape::vast, both, plain), Method::relax);
+  EXPECT_EQ(choose_method(two_rods(2), IslandShape::vast, both, plain), Method::direct);
+  EXPECT_EQ(choose_method(two_rods(0), IslandShape::vast, both, accurate), Method::direct);
 }
 
 TEST(ChooseMethod, TakesTheGradientThatIsSet) {
   Settings settings{.method = Method::automatic};
-  EXPECT_EQ(choose_gradient(two_rods(0), true, both, settings), Gradient::mid);
+  const auto choose = [&](IslandShape shape, double mass) {
+    return choose_gradient(two_rods(mass), shape, both, settings);
+  };
+  for (const IslandShape shape : {IslandShape::tree, IslandShape::thin})
+    EXPECT_EQ(choose(shape, 0), Gradient::mid);
+  for (const IslandShape shape : {IslandShape::wide, IslandShape::vast}) {
+    EXPECT_EQ(choose(shape, 0), Gradient::new_);
+    EXPECT_EQ(choose(shape, 2), Gradient::mid) << "rods with mass";
+  }
   settings.accuracy = 1e-3;
-  EXPECT_EQ(choose_gradient(two_rods(0), true, both, settings), Gradient::old);
-  EXPECT_EQ(choose_gradient(two_rods(2), false, both, settings), Gradient::mid) << "loops with mass";
+  for (const IslandShape shape : {IslandShape::tree, IslandShape::thin, IslandShape::wide})
+    EXPECT_EQ(choose(shape, 0), Gradient::old);
+  EXPECT_EQ(choose(IslandShape::tree, 2), Gradient::old);
+  EXPECT_EQ(choose(IslandShape::wide, 2), Gradient::mid) << "loops with mass";
   settings.gradient = Gradient::new_;
-  EXPECT_EQ(choose_gradient(two_rods(0), true, both, settings), Gradient::new_);
+  EXPECT_EQ(choose(IslandShape::tree, 0), Gradient::new_);
 }
 
 // Order 4 is for gradient old in double, and the longer the tree, the finer the accuracy from which it pays.

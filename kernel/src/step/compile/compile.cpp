@@ -28,15 +28,21 @@ struct Share {
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
 
+IslandShape shape_of(const layouts::Graph& island) {
+  if (layouts::find_tree(island)) return IslandShape::tree;
+  return is_thin(island) ? IslandShape::thin : is_vast(island) ? IslandShape::vast : IslandShape::wide;
+}
+
 Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const std::uint32_t> rods,
               const Settings& settings) {
   if (settings.method != Method::automatic)
     return {settings.method, {gradient_of(settings), settings.time_order, false}};
-  const bool is_tree = layouts::find_tree(island).has_value();
-  Choice out{choose_method(scene, is_tree || is_thin(island), rods, settings), {}};
+  const IslandShape shape = shape_of(island);
+  Choice out{choose_method(scene, shape, rods, settings), {}};
   if (out.method != Method::direct) return out;
-  out.direct.gradient = choose_gradient(scene, is_tree, rods, settings);
-  out.direct.time_order = choose_time_order(scene, out.direct.gradient, is_tree, rods, settings);
+  out.direct.gradient = choose_gradient(scene, shape, rods, settings);
+  out.direct.time_order =
+      choose_time_order(scene, out.direct.gradient, shape == IslandShape::tree, rods, settings);
   out.direct.changes_gradient = settings.accuracy && !settings.gradient &&
                                 out.direct.gradient == Gradient::old && out.direct.time_order == 2;
   return out;

@@ -1,4 +1,4 @@
-#include "direct/loops/elastic_rods.hpp"
+#include "direct/displacements/elastic_rods.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -53,8 +53,7 @@ double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& 
 
 /// Sets the multiplier of every rod, -C/softness where it is rigid.
 void set_elastic_multipliers(LoopState& state, double soft, const LoopWorkspace& work) {
-  for (std::uint32_t k = 0; k < state.mu.size(); ++k)
-    state.mu[k] = elastic_pull(state, k, soft, work).mu;
+  for (std::uint32_t k = 0; k < state.mu.size(); ++k) state.mu[k] = elastic_pull(state, k, soft, work).mu;
 }
 
 /// Changes work.delta until the energy of rods of this softness is least. Returns whether it is.
