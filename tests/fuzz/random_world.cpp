@@ -81,8 +81,8 @@ void add_particles_and_rods(Bytes& bytes, Scene& scene) {
     if (rarely(bytes, 2)) rod.mass = number(bytes, 0, 2);
     if (rarely(bytes, 10)) rod.center = number(bytes, 0, 1);
     if (rarely(bytes, 10)) rod.inertia = number(bytes, 0, 1);
-    if (rarely(bytes, 20)) rod.linear_drag = number(bytes, 0, 2);
-    if (rarely(bytes, 20)) rod.orthogonal_drag = number(bytes, 0, 2);
+    if (rod.mass > 0 && rarely(bytes, 20)) rod.linear_drag = number(bytes, 0, 2);
+    if (rod.mass > 0 && rarely(bytes, 20)) rod.orthogonal_drag = number(bytes, 0, 2);
   }
 }
 

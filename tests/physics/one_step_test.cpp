@@ -193,6 +193,7 @@ Scene braked_tumbler() {
   scene.particles.push_back(test::fixed({-0.15, 0, 0}));
   const auto anchor = static_cast<std::uint32_t>(scene.particles.size() - 1);
   scene.pins.push_back({point_at(anchor), point_on_body(scene, 0, {-0.15, 0, 0})});
+  scene.rods[0].mass = 0.02;
   scene.rods[0].linear_drag = 0.1;
   scene.rods[0].orthogonal_drag = 0.4;
   const auto side = [&](std::uint32_t body, Vec3 along) {

@@ -77,6 +77,7 @@ Scene bodies_and_joints() {
   add_body(scene, {.mass = 3, .center = {2, 0, 1}, .inertia = {.xx = 1, .yy = 1, .zz = 1}});
   scene.particles[2].asleep = true;
   scene.rods[1].linear_drag = 0.1;
+  scene.rods[2].mass = 0.3;
   scene.rods[2].orthogonal_drag = 1.0 / 7;
   scene.rods[3].law = {.stiffness = 1e4 / 3, .damping = 0.1, .one_sided = true, .strength = 7e3 / 9};
   add_revolute(scene, 0, 1, {1, 0.1, 0.2}, {1, 2, 3});

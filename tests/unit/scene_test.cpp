@@ -130,6 +130,8 @@ TEST(Scene, RodsHaveDragOfTheAir) {
             "rod 1: drag must be finite and not negative, got -1 per second");
   EXPECT_EQ(refusal([](Scene& s) { s.rods[2].orthogonal_drag = nan; }),
             "rod 2: drag must be finite and not negative, got nan per second");
+  EXPECT_EQ(refusal([](Scene& s) { s.rods[0].mass = 0, s.rods[0].linear_drag = 1; }),
+            "rod 0: has drag of the air, but no mass of its own for it to act on");
 }
 
 TEST(Scene, RodsMayGive) {

@@ -130,5 +130,15 @@ TEST(Truth, OfNothingIsNothing) {
   EXPECT_TRUE(solve({}, {.save_at = {1}}).frames.front().positions.empty());
 }
 
+// What is more than particles and rods is not left out without a word.
+TEST(Truth, RefusesWhatItDoesNotKnow) {
+  Scene scene = scenes::make_rods5();
+  scene.rods[2].orthogonal_drag = 0.1;
+  EXPECT_THROW(make_model(scene, MassModel::consistent), InputError);
+  scene = scenes::make_rods5();
+  scene.planes.push_back({.offset = -3});
+  EXPECT_THROW(make_model(scene, MassModel::consistent), InputError);
+}
+
 }  // namespace
 }  // namespace plumb::truth

@@ -12,7 +12,7 @@ int main() {
   scene.rods[4].law.strength = 1500;  // newtons
   plumb::World world(scene, {.tensions = true});
   for (int frame = 0; frame < 300; ++frame) {
-    const double hauled = 0.8 * (frame + 1) / 300;  // every rod gives up 80 cm in five seconds
+    const double s = (frame + 1) / 300.0, hauled = 0.8 * s * s * (3 - 2 * s);  // smoothly, in five seconds
     for (unsigned rod = 0; rod < 10; ++rod) world.set_length(rod, 1 - hauled);
     world.step(1.0 / 60);
   }

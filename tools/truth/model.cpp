@@ -66,6 +66,11 @@ Real elastic_speed(const Scene& scene, const Model& model) {
 
 Model make_model(const Scene& scene, MassModel mass) {
   validate(scene);
+  if (has_more_than_rods(scene))
+    throw InputError(
+        "a truth is of particles and rods alone: this scene has bodies, joints, shapes, ground, drag of "
+        "joints or "
+        "of rods, or sleepers");
   Model model;
   Real fastest = 0;
   for (const Particle& particle : scene.particles) {

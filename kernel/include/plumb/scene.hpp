@@ -185,7 +185,7 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// Of particles and rods it refuses:
 /// - numbers that are not finite, negative mass or drag, a movable particle without mass;
 /// - an unknown particle, a rod from a particle to itself, a duplicate rod, a rod with both ends fixed;
-/// - zero or negative length;
+/// - zero or negative length, drag of a rod without mass;
 /// - negative stiffness or damping, strength that is not positive, a damped rod that is not elastic, an elastic
 ///   rod that neither stretches nor damps.
 ///

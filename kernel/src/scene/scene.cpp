@@ -37,8 +37,7 @@ void validate_particle(const Particle& particle, std::size_t i) {
 }
 
 void validate_law(const RodLaw& law, std::size_t i) {
-  if (!(law.stiffness >= 0))
-    refuse("rod ", i, ": stiffness must be 0 or more, got ", law.stiffness, " N/m");
+  if (!(law.stiffness >= 0)) refuse("rod ", i, ": stiffness must be 0 or more, got ", law.stiffness, " N/m");
   if (!(law.damping >= 0 && std::isfinite(law.damping)))
     refuse("rod ", i, ": damping must be finite and not negative, got ", law.damping, " N s/m");
   if (!(law.strength > 0)) refuse("rod ", i, ": strength must be positive, got ", law.strength, " N");
@@ -70,6 +69,8 @@ void validate_rod(const Scene& scene, std::size_t i) {
   for (const double drag : {rod.linear_drag, rod.orthogonal_drag})
     if (!(drag >= 0 && std::isfinite(drag)))
       refuse("rod ", i, ": drag must be finite and not negative, got ", drag, " per second");
+  if ((rod.linear_drag != 0 || rod.orthogonal_drag != 0) && rod.mass == 0)
+    refuse("rod ", i, ": has drag of the air, but no mass of its own for it to act on");
   validate_law(rod.law, i);
   const double length = rod_length(scene, i);
   if (!std::isfinite(length)) refuse("rod ", i, ": length is not finite: ", length);
