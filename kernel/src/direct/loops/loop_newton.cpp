@@ -17,8 +17,8 @@ void add(double* to, Vec3 v) {
   to[2] += v.z;
 }
 
-/// At the present delta a rod has the direction of its force, the gradient of its row (both m), what it gives,
-/// and how far its equation is off (both m²).
+/// At the present delta a rod has the direction of its force, the gradient of its row (both m), what it
+/// gives, and how far its equation is off (both m²).
 struct RodTerms {
   Vec3 force, gradient;
   double soft, c;
@@ -45,6 +45,14 @@ bool holds(const LoopState& state, std::uint32_t k) {
   return !state.laws.any() || holds_velocity(state.laws, k, state.mu[k]);
 }
 
+/// Adds what bends do to Newton's matrix, and returns how much a node resists with its own part of it.
+void add_bends(const LoopState& state, double theta, double soft, LoopWorkspace& work,
+               LoopWorkspace::Factor& factor) {
+  std::fill(work.resists.begin(), work.resists.end(), 0.0);
+  write_bends(state, theta, soft > 0, work, std::span(factor.values).subspan(factor.system->at_bends()),
+              work.resists);
+}
+
 void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
   put(values + 1, force);
   put(values + 4, -1.0 * force);
@@ -62,9 +70,9 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     const Vec3 d = at(state.x, shape.rods[k].a) - at(state.x, shape.rods[k].b);
     put(work.d.data() + 3 * std::size_t{k}, d);
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
-    if (state.laws.any())
-      start_law(state.laws, k, state.half_kick[k], dot(d, d), work.excess[k], work.laws);
+    if (state.laws.any()) start_law(state.laws, k, state.half_kick[k], dot(d, d), work.excess[k], work.laws);
   }
+  measure_bends(state, work);
 }
 
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
@@ -82,12 +90,14 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
     const RodTerms rod = rod_terms(state, k, theta, soft, work);
     write_rod(&factor.values[system.at(k)], rod.force, rod.gradient, rod.soft);
   }
+  add_bends(state, theta, soft, work, factor);
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const double* v = &factor.values[system.at(k)];
     const double along = std::abs(v[4] * v[7] + v[5] * v[8] + v[6] * v[9]);
     const auto give = [&](std::uint32_t i) {
-      return i < shape.nodes ? 1 / (diagonal[i] > 0 ? diagonal[i] : state.mass[i]) : 0.0;
+      const double own = i < shape.nodes ? diagonal[i] + work.resists[i] : 0;
+      return i < shape.nodes ? 1 / (own > 0 ? own : state.mass[i]) : 0.0;
     };
     factor.smallest[system.analysis.position(shape.nodes + k)] =
         redundant_pivot * along * (give(a) + give(b));
@@ -111,6 +121,7 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
       add(right + analysis.position(b), -1.0 * (pull + state.coupling[k] * at(work.delta, a)));
     right[analysis.position(shape.nodes + k)] = -rod.c;
   }
+  if (!state.bends.empty()) pull_by_bends(state, theta, soft > 0, work, factor.right);
   factor.ldu.solve(factor.right);
   double sum = 0;
   for (std::uint32_t i = 0; i < shape.nodes; ++i) {
@@ -145,6 +156,7 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
   const LoopSystem& system = *factor.system;
   const SparseAnalysis& analysis = system.analysis;
   std::copy(state.mass.begin(), state.mass.end(), factor.values.data());
+  std::fill(factor.values.begin() + static_cast<std::ptrdiff_t>(system.at_bends()), factor.values.end(), 0.0);
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const Vec3 d = at(work.d, k);
@@ -152,8 +164,7 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
     factor.values[system.at(k)] = state.coupling[k];
     write_rod(&factor.values[system.at(k)], d, is_held ? d : Vec3{}, is_held ? 0 : 1);
     const double give = 1 / state.mass[a] + (b < shape.nodes ? 1 / state.mass[b] : 0);
-    factor.smallest[analysis.position(shape.nodes + k)] =
-        is_held ? redundant_pivot * dot(d, d) * give : 0;
+    factor.smallest[analysis.position(shape.nodes + k)] = is_held ? redundant_pivot * dot(d, d) * give : 0;
   }
   factor.ldu.factorize(factor.values, factor.smallest);
   // The second time takes out what rounding left in the first.

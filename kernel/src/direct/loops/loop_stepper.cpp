@@ -81,7 +81,7 @@ auto LoopStepper::coefficients(const LoopState& state, double h, Gradient gradie
 LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
     : system(&of),
       ldu(of.analysis, isa),
-      values(of.at(static_cast<std::uint32_t>(of.analysis.size() - 3 * std::size_t{of.nodes}))),
+      values(of.values()),
       smallest(of.analysis.size()),
       right(of.analysis.size()) {}
 
@@ -104,6 +104,8 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   mu_start.assign(rods, 0);
   saved = state.motion();
   trial.assign(delta.size(), 0);
+  bend_starts.assign(state.bends.size(), {});
+  resists.assign(n, 0);
 }
 
 LoopStepper::LoopStepper(Gradient gradient, double drag, std::uint32_t time_order)
@@ -115,7 +117,7 @@ LoopStepper::LoopStepper(Gradient gradient, double drag, std::uint32_t time_orde
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   if (first && (first->system->couples || !couples)) return *first;
   if (!second) {
-    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true);
+    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, topology->bends);
     second = std::make_unique<Factor>(*coupled, isa);
   }
   return *second;
@@ -172,6 +174,7 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     if (state.laws.any() && !state.laws.is_rigid(k))  // elastic rods do what is in their energy
       done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
   }
+  done -= work_of_bends(state, theta_of(Gradient::mid), work);
   return std::abs(done) <= energy_tolerance * scale;
 }
 

@@ -129,7 +129,34 @@ std::vector<Index> with_rods(const std::vector<Index>& nodes, const std::vector<
   return order;
 }
 
-SparseAnalysis analyse(const std::vector<LoopRod>& rods, Index nodes, bool couples) {
+/// Adds what bends couple to a pattern and its entries. Of a bend's values `at` is the first.
+void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& pattern,
+              std::vector<SparseEntry>& entries) {
+  for (const auto [i, j] : LoopBend::pairs) {
+    const Index a = bend.vertices[i], b = bend.vertices[j];
+    for (Index row = 0; row < 3; ++row)
+      for (Index column = 0; column < 3; ++column, ++at) {
+        if (a >= nodes || b >= nodes) continue;
+        entries.push_back({a, row, b, column, at});
+        if (a != b) entries.push_back({b, row, a, column, at});
+      }
+    if (a < nodes && b < nodes && a != b) pattern.meet.emplace_back(a, b);
+  }
+}
+
+/// Returns rods and, as if they were rods, what bends couple.
+std::vector<LoopRod> couplings(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends,
+                               Index nodes) {
+  std::vector<LoopRod> out = rods;
+  for (const LoopBend& bend : bends)
+    for (const auto [i, j] : LoopBend::pairs)
+      if (i != j && bend.vertices[i] < nodes && bend.vertices[j] < nodes)
+        out.push_back({bend.vertices[i], bend.vertices[j]});
+  return out;
+}
+
+SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends, Index nodes,
+                       bool couples) {
   SparsePattern pattern;
   pattern.size.assign(nodes, 3);
   pattern.size.resize(nodes + rods.size(), 1);
@@ -154,11 +181,17 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, Index nodes, bool coupl
     }
     entries.push_back({rod, 0, rod, 0, at + 13});
   }
-  pattern.order = with_rods(by_degree(rods, nodes), rods);
+  auto at = nodes + LoopSystem::per_rod * static_cast<Index>(rods.size());
+  for (const LoopBend& bend : bends) {
+    add_bend(bend, nodes, at, pattern, entries);
+    at += LoopBend::values;
+  }
+  const std::vector<LoopRod> graph = couplings(rods, bends, nodes);
+  pattern.order = with_rods(by_degree(graph, nodes), rods);
   // On square nets degree wins below 10,000 particles, dissection by a tenth above.
   if (nodes > 64) {
     SparsePattern other = pattern;
-    other.order = with_rods(Dissection(rods, nodes).run(), rods);
+    other.order = with_rods(Dissection(graph, nodes).run(), rods);
     if (SparseAnalysis::estimate(other) < SparseAnalysis::estimate(pattern)) pattern = std::move(other);
   }
   return SparseAnalysis(pattern, entries);
@@ -166,7 +199,12 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, Index nodes, bool coupl
 
 }  // namespace
 
-LoopSystem::LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t count, bool coupled)
-    : nodes(count), couples(coupled), analysis(analyse(rods, count, coupled)) {}
+LoopSystem::LoopSystem(const std::vector<LoopRod>& of, std::uint32_t count, bool coupled,
+                       const std::vector<LoopBend>& bent)
+    : nodes(count),
+      rods(static_cast<std::uint32_t>(of.size())),
+      bends(static_cast<std::uint32_t>(bent.size())),
+      couples(coupled),
+      analysis(analyse(of, bent, count, coupled)) {}
 
 }  // namespace plumb::detail

@@ -1,0 +1,93 @@
+#include "direct/bends/loop_bends.hpp"
+
+#include "direct/loops/loop_stepper.hpp"
+#include "direct/loops/loop_vectors.hpp"
+#include "scene/bends/bends.hpp"
+#include "scene/bends/curvature.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Returns w of three vectors: d1/L1 - d2/L2 from differences, which do not cancel far from the origin.
+Vec3 weighted(const BendNumbers& numbers, const LoopBend& bend, std::span<const double> x) {
+  const auto [a, b, c] = bend.vertices;
+  return -numbers.weights[0] * (at(x, b) - at(x, a)) + numbers.weights[2] * (at(x, c) - at(x, b));
+}
+
+BendPull pull_of(const LoopState& state, std::uint32_t k, double theta, bool gives,
+                 const LoopWorkspace& work) {
+  const BendNumbers& numbers = state.bends[k];
+  const Vec3 change = weighted(numbers, state.topology->bends[k], work.delta);
+  const double kick = work.laws.factors.kick;
+  if (gives) return definite_bend_pull(numbers, kick, work.bend_starts[k] + change);
+  return bend_pull(numbers, {kick, work.laws.factors.damping, theta}, work.bend_starts[k], change);
+}
+
+}  // namespace
+
+BendTable::BendTable(const Scene& of) : scene(of), lengths(bend_lengths(of)) {}
+
+void load_bends(LoopState& state, const BendTable& table, std::span<const std::uint32_t> bends) {
+  for (const std::uint32_t i : bends) {
+    const Bend& bend = table.scene.bends[i];
+    const auto [first, second] = table.lengths[i];
+    state.bends.push_back({{-1 / first, 1 / first + 1 / second, -1 / second},
+                           bend.stiffness / state.mass_unit,
+                           curvature_of_angle(bend.angle),
+                           bend.damping / state.mass_unit});
+  }
+}
+
+void measure_bends(const LoopState& state, LoopWorkspace& work) {
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k)
+    work.bend_starts[k] = weighted(state.bends[k], state.topology->bends[k], state.x);
+}
+
+void write_bends(const LoopState& state, double theta, bool gives, const LoopWorkspace& work,
+                 std::span<double> values, std::span<double> resists) {
+  double* at = values.data();
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const auto& weights = state.bends[k].weights;
+    const BendPull bend = pull_of(state, k, theta, gives, work);
+    for (const auto [i, j] : LoopBend::pairs)
+      for (const double slope : bend.slope) *at++ = weights[i] * weights[j] * slope;
+    const double mean = (bend.slope[0] + bend.slope[4] + bend.slope[8]) / 3;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const std::uint32_t node = state.topology->bends[k].vertices[i]; node < state.topology->nodes)
+        resists[node] += weights[i] * weights[i] * mean;
+  }
+}
+
+void pull_by_bends(const LoopState& state, double theta, bool gives, const LoopWorkspace& work,
+                   std::span<double> right) {
+  const SparseAnalysis& analysis = state.topology->system->analysis;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const Vec3 pull = pull_of(state, k, theta, gives, work).pull;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t node = state.topology->bends[k].vertices[i];
+      if (node >= state.topology->nodes) continue;
+      double* const to = right.data() + analysis.position(node);
+      put(to, Vec3{to[0], to[1], to[2]} - state.bends[k].weights[i] * pull);
+    }
+  }
+}
+
+double work_of_bends(const LoopState& state, double theta, const LoopWorkspace& work) {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k)
+    sum -= dot(pull_of(state, k, theta, false, work).pull,
+               weighted(state.bends[k], state.topology->bends[k], work.delta));
+  return sum;
+}
+
+double energy_of_bends(const LoopState& state, const LoopWorkspace& work) {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const Vec3 end = work.bend_starts[k] + weighted(state.bends[k], state.topology->bends[k], work.delta);
+    sum += bending_energy(work.laws.factors.kick * state.bends[k].stiffness, state.bends[k].curvature,
+                          dot(end, end));
+  }
+  return sum;
+}
+
+}  // namespace plumb::detail
