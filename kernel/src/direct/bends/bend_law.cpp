@@ -9,9 +9,9 @@ namespace plumb::detail {
 namespace {
 
 /// In substeps that pass the straight line w at theta can be zero, and has no direction there. This share of
-/// the square of the change is added to its square. It is so small that damping stays of second order in
-/// practice.
-constexpr double no_direction = 0.01;
+/// the square of the change is added to its square. Damping of an oscillator then is of second order; with
+/// 1e-2 it would be of first order.
+constexpr double no_direction = 1e-6;
 
 /// Adds scale u v^T + diagonal 1 to a matrix.
 void add(std::array<double, 9>& to, double diagonal, Vec3 u, Vec3 v) {

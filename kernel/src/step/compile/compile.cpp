@@ -108,16 +108,18 @@ class Compiler {
   }
 
   /// Refuses bends in an island with joints or shapes.
-  void require_straight(std::span<const std::uint32_t> particles) const {
-    if (bends_.empty()) return;
-    for (const std::uint32_t particle : particles) {
-      if (scene_.particles[particle].fixed) continue;
+  void require_straight(std::span<const std::uint32_t> particles) {
+    if (scene_.bends.empty()) return;
+    if (bend_at_.empty()) {
+      bend_at_.assign(scene_.particles.size(), none);
       for (std::uint32_t i = 0; i < scene_.bends.size(); ++i)
-        if (const Bend& bend = scene_.bends[i];
-            particle == bend.a || particle == bend.b || particle == bend.c)
-          refuse("bend ", i,
-                 ": its island has joints or shapes, which nothing moves together with bends yet");
+        for (const std::uint32_t particle : {scene_.bends[i].a, scene_.bends[i].b, scene_.bends[i].c})
+          if (bend_at_[particle] == none) bend_at_[particle] = i;
     }
+    for (const std::uint32_t particle : particles)
+      if (!scene_.particles[particle].fixed && bend_at_[particle] != none)
+        refuse("bend ", bend_at_[particle],
+               ": its island has joints or shapes, which nothing moves together with bends yet");
   }
 
   /// Refuses bends where the method or the gradient does not know them.
@@ -274,6 +276,7 @@ class Compiler {
   std::vector<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
   const layouts::Islands islands_;
   const std::vector<std::vector<std::uint32_t>> bends_;  ///< by island; there are none if the scene has none
+  std::vector<std::uint32_t> bend_at_;  ///< by particle: its first bend, once it was asked for
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;
