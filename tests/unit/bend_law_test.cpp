@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "direct/bends/loop_bend.hpp"
+#include "direct/bends/loop_bends.hpp"
 #include "direct/loops/loop_state.hpp"
 #include "plumb/plumb.hpp"
 #include "scene/bends/bends.hpp"
@@ -123,6 +125,22 @@ TEST(LoopSystem, ABentChainTakesLinearTime) {
     return LoopSystem(rods, nodes, true, bends).analysis.operations() / nodes;
   };
   EXPECT_NEAR(operations(4000) / operations(40), 1, 0.15);
+}
+
+// Weights add up to nothing, so that a bend that moves as a whole does not feel it.
+TEST(LoopBends, HaveWeightsOfTheirLengths) {
+  Scene scene;
+  scene.particles = {{.position = {0, 0, 0}, .fixed = true}, {.position = {2, 0, 0}, .mass = 1}};
+  scene.particles.push_back({.position = {2, 4, 0}, .mass = 1});
+  scene.rods = {{.a = 0, .b = 1}, {.a = 2, .b = 1}};
+  scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 3, .damping = 5}};
+  LoopState state(std::make_shared<LoopTopology>(2, 3, std::vector<LoopRod>{{0, 2}, {0, 1}}));
+  state.mass_unit = 2;
+  load_bends(state, BendTable(scene), std::vector<std::uint32_t>{0});
+  ASSERT_EQ(state.bends.size(), 1u);
+  EXPECT_EQ(state.bends[0].weights, (std::array{-0.5, 0.75, -0.25}));
+  EXPECT_EQ(state.bends[0].stiffness, 1.5);
+  EXPECT_EQ(state.bends[0].damping, 2.5);
 }
 
 // Both sides of an anchor that a bend joins are one island, which keeps its rods alone.

@@ -70,12 +70,11 @@ struct Rod {
 /// that it does not let go, and it is algebraic. Above 165.6 degrees kappa^2 goes on along its tangent and is
 /// finite.
 ///
-/// A beam of bending stiffness E I has E I/l at b, where l is the length of beam that is nearest to b, half
-/// of either rod (its Voronoi length). Between equal rods that is one rod's length. At a clamped end it is
-/// half a rod's, because there is no beam beyond. Such chains converge to Euler's elastica, with order 2 in
-/// l.
+/// A beam of bending stiffness E I has E I/l at b. There l is its Voronoi length, the length of beam nearest
+/// to b: half of either rod. At a clamped end it is half of one rod alone, because there is no beam beyond.
+/// Such chains converge to Euler's elastica with order 2 in l.
 ///
-/// An end is clamped at b if a and b are fixed. They need no rod between them. Bends have no twist.
+/// An end is clamped at b if a and b are fixed, which then need no rod between them. Bends have no twist.
 struct Bend {
   std::uint32_t a = 0;   ///< Index into Scene::particles.
   std::uint32_t b = 0;   ///< Index into Scene::particles, the one between the others.
