@@ -286,6 +286,47 @@ TEST(Bending, ActsAcrossAnAnchor) {
   EXPECT_NEAR(world.position(last).y, -sag, 1e-3 * sag);
 }
 
+// The error after a second is that of a second's growth; a third of it and less is seen.
+TEST(Bending, KeepsAnAccuracy) {
+  Scene scene = cantilever(10);
+  scene.gravity = {0, -9.81, 0};
+  World fine(scene, direct(Gradient::mid, 1024));
+  test::run(fine, 1.0 / 60, 60);
+  const std::vector<Vec3> truth = test::positions_of(fine);
+  for (const double accuracy : {1e-2, 1e-3, 1e-4}) {
+    World world(scene, {.accuracy = accuracy, .threads = 1});
+    const StepReport report = test::run(world, 1.0 / 60, 60);
+    EXPECT_EQ(report.inaccurate_steps, 0u);
+    EXPECT_LE(test::relative_error(scene, world, truth), accuracy);
+  }
+}
+
+// A program turns a clamp by moving the first of its two particles. The beam follows.
+TEST(Bending, FollowsAClampThatTurns) {
+  const Scene scene = cantilever(10);
+  World world(scene, direct(Gradient::new_));
+  for (int i = 1; i <= 60; ++i) {
+    const double angle = pi / 2 * i / 60;
+    world.move_anchor(0, {-0.1 * std::cos(angle), -0.1 * std::sin(angle), 0});
+    world.step(1.0 / 60);
+  }
+  test::run(world, 10, 60);
+  EXPECT_LE(norm(world.position(11) - Vec3{0, 1, 0}), 1e-9);
+}
+
+// A beam between anchors that are too far apart is straight, and its rods share what they lack.
+TEST(Bending, RodsThatDoNotFitShareWhatTheyLack) {
+  Scene scene = cantilever(10);
+  scene.gravity = {0, -9.81, 0};
+  scene.particles.back() = fixed({1.1, 0, 0});
+  World world(scene, direct(Gradient::mid));
+  const StepReport report = test::run(world, 1.0 / 60, 60);
+  EXPECT_GT(report.elastic_substeps, 0u);
+  EXPECT_EQ(report.unsolved, 0u);
+  for (std::uint32_t i = 1; i <= 11; ++i)
+    EXPECT_LE(norm(world.position(i) - Vec3{0.11 * (i - 1), 0, 0}), 1e-3) << i;
+}
+
 // Two beams with the same rods and other bends, on one thread and two.
 TEST(Bending, HasTheSameBitsEverywhere) {
   Scene scene = cantilever(12);

@@ -66,9 +66,9 @@ struct Rod {
 ///
 /// Its energy is stiffness/2 (kappa(phi) - kappa(angle))^2, in J, with phi the angle between the directions
 /// from a to b and from b to c. kappa(phi) = 2 tan(phi/2) is the curvature of discrete elastic rods (Bergou
-/// et al. 2008), which equals phi to third order. It grows without bound as a rod folds back on the other, so
-/// that it does not let go, and it is algebraic. Above 165.6 degrees kappa^2 goes on along its tangent and is
-/// finite.
+/// et al. 2008), which is phi up to phi^3/12. It grows steeply as one rod folds back on the other, so that
+/// the bend does not let go, and its square is algebraic. Above 165.6 degrees that square goes on along its
+/// tangent and stays finite.
 ///
 /// A beam of bending stiffness E I has E I/l at b. There l is its Voronoi length, the length of beam nearest
 /// to b: half of either rod. At a clamped end it is half of one rod alone, because there is no beam beyond.
