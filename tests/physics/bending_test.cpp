@@ -327,6 +327,35 @@ TEST(Bending, RodsThatDoNotFitShareWhatTheyLack) {
     EXPECT_LE(norm(world.position(i) - Vec3{0.11 * (i - 1), 0, 0}), 1e-3) << i;
 }
 
+// A rod that was broken off turns at the rate it had, because no bend holds it any more.
+TEST(Bending, EndsWhereARodBreaks) {
+  Scene scene = cantilever(4);
+  scene.gravity = {0, -9.81, 0};
+  scene.rods[2].law.strength = 1;
+  World world(scene, direct(Gradient::mid));
+  world.set_force(5, {100, 0, 0});
+  world.step(1.0 / 60);
+  ASSERT_TRUE(world.is_broken(2));
+  world.set_force(5, {});
+  const Vec3 before = world.velocity(4) - world.velocity(5);
+  test::run(world, 1.0 / 60, 3);
+  const Vec3 after = world.velocity(4) - world.velocity(5);
+  EXPECT_NEAR(norm(before), norm(after), 1e-9);
+}
+
+// A winch in a straight beam keeps it straight, and bends push nothing.
+TEST(Bending, RodsThatChangeTheirLengthStayStraight) {
+  const Scene scene = cantilever(10);
+  World world(scene, direct(Gradient::new_));
+  for (int i = 1; i <= 30; ++i) {
+    world.set_length(4, 0.1 + 0.002 * i);
+    world.step(1.0 / 60);
+  }
+  test::run(world, 10, 3);
+  for (std::uint32_t i = 6; i <= 11; ++i)
+    EXPECT_LE(norm(world.position(i) - Vec3{0.1 * (i - 1) + 0.06, 0, 0}), 1e-9) << i;
+}
+
 // Two beams with the same rods and other bends, on one thread and two.
 TEST(Bending, HasTheSameBitsEverywhere) {
   Scene scene = cantilever(12);

@@ -56,8 +56,8 @@ TEST(TreeBody, NewtonOfTreesAndOfLinesAgree) {
   prepare_lanes<double, 1>(line.view(), 0);
   ASSERT_TRUE(tree.view().is_plain);
   for (int i = 0; i < 8; ++i) {
-    newton_lanes<double, 1>(tree.view(), 0, 0.0);
-    newton_line_lanes<double, 1>(line.view(), 0);
+    newton_lanes<false, double, 1>(tree.view(), 0, 0.0);
+    newton_line_lanes<false, double, 1>(line.view(), 0);
   }
   double moved = 0;
   for (std::uint32_t i = 0; i < 12; ++i) {

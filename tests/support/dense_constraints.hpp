@@ -9,7 +9,7 @@ namespace plumb::test {
 
 /// The equations of a configuration written out as one dense matrix from the scene alone, M a - Jᵀ mu = f
 /// and J a = c for the movable particles, and solved by complete orthogonal decomposition: where rods are
-/// redundant, the least multipliers. O(n³); for comparison with what is clever.
+/// redundant, the least multipliers, and 0 for elastic ones. O(n³); for comparison with what is clever.
 class DenseConstraints {
  public:
   using Real = long double;
@@ -34,9 +34,13 @@ class DenseConstraints {
       add_mass(rod.b, rod.b, mass.bb);
       add_mass(rod.a, rod.b, mass.ab);
       add_mass(rod.b, rod.a, mass.ab);
+      const Eigen::Index multiplier = 3 * movable_ + static_cast<Eigen::Index>(r);
+      if (rod.law.is_elastic()) {
+        all_(multiplier, multiplier) = 1;  // It is no constraint, and its multiplier is 0.
+        continue;
+      }
       const Vec3 a = scene.particles[rod.a].position, b = scene.particles[rod.b].position;
       const Real d[3] = {Real{b.x} - a.x, Real{b.y} - a.y, Real{b.z} - a.z};
-      const Eigen::Index multiplier = 3 * movable_ + static_cast<Eigen::Index>(r);
       for (Eigen::Index k = 0; k < 3; ++k) {
         for (const auto& [end, sign] : {std::pair{rod.a, Real{-1}}, std::pair{rod.b, Real{1}}}) {
           if (row_[end] < 0) continue;

@@ -134,13 +134,16 @@ TEST(LoopBends, HaveWeightsOfTheirLengths) {
   scene.particles.push_back({.position = {2, 4, 0}, .mass = 1});
   scene.rods = {{.a = 0, .b = 1}, {.a = 2, .b = 1}};
   scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 3, .damping = 5}};
-  LoopState state(std::make_shared<LoopTopology>(2, 3, std::vector<LoopRod>{{0, 2}, {0, 1}}));
+  const auto topology = std::make_shared<LoopTopology>(2, 3, std::vector<LoopRod>{{1, 0}, {0, 2}});
+  topology->bends = {{{2, 0, 1}}};
+  LoopState state(topology);
   state.mass_unit = 2;
   load_bends(state, BendTable(scene), std::vector<std::uint32_t>{0});
   ASSERT_EQ(state.bends.size(), 1u);
-  EXPECT_EQ(state.bends[0].weights, (std::array{-0.5, 0.75, -0.25}));
-  EXPECT_EQ(state.bends[0].stiffness, 1.5);
-  EXPECT_EQ(state.bends[0].damping, 2.5);
+  EXPECT_EQ(state.bends[0].law.weights, (std::array{-0.5, 0.75, -0.25}));
+  EXPECT_EQ(state.bends[0].law.stiffness, 1.5);
+  EXPECT_EQ(state.bends[0].law.damping, 2.5);
+  EXPECT_EQ(state.bends[0].rods, (std::array{1u, 0u}));
 }
 
 // Both sides of an anchor that a bend joins are one island, which keeps its rods alone.

@@ -146,6 +146,9 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
       case detail::Reads::layout:
         s.layout = LayoutChoice::soa;
         break;
+      case detail::Reads::tensions:
+        s.tensions = true;
+        break;
       case detail::Reads::contact:
         s.contact.margin = 1e-3;
         break;

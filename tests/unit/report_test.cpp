@@ -95,6 +95,8 @@ TEST(Report, HasEveryField) {
                                                  "rms_gap",
                                                  "inaccurate_steps",
                                                  "capped_steps",
+                                                 "broken_rods",
+                                                 "problems",
                                                  "contact"}));
   EXPECT_EQ(keys(report["settings"]),
             (std::set<std::string>{

@@ -43,9 +43,10 @@ Difference against_dense(const Scene& scene, MassModel mass) {
     f[i] = {numbers.next(), numbers.next(), numbers.next()};
     if (!model.fixed[i]) wish[i] = {numbers.next(), numbers.next(), numbers.next()};
   }
-  test::DenseConstraints::Vector right(dense.matrix().rows());
+  test::DenseConstraints::Vector right = test::DenseConstraints::Vector::Zero(dense.matrix().rows());
   for (std::size_t r = 0; r < c.size(); ++r) {
     const ModelRod& rod = model.rods[r];
+    if (rod.elastic) continue;
     c[r] = dot(state.x[rod.b] - state.x[rod.a], wish[rod.b] - wish[rod.a]);
     right(dense.unknowns() + static_cast<Eigen::Index>(r)) = c[r];
   }
@@ -71,6 +72,10 @@ Difference against_dense(const Scene& scene, MassModel mass) {
   }
   for (std::size_t r = 0; r < c.size(); ++r) {
     const ModelRod& rod = model.rods[r];
+    if (rod.elastic) {
+      EXPECT_EQ(mu[r], 0) << "elastic rod " << r;
+      continue;
+    }
     out.length =
         std::max(out.length, std::abs(dot(state.x[rod.b] - state.x[rod.a], a[rod.b] - a[rod.a]) - c[r]));
   }
@@ -142,6 +147,22 @@ TEST(TruthSolver, LeavesOutRedundantRods) {
   expect_same(test::braced_box(), 21, 10);
   // With mass, the 15 loops that do not pass through the anchor are welds.
   expect_same(test::braced_box(2), 6 + 3 * 15, 10);
+}
+
+// Elastic rods tie nothing, but the mass of one couples its ends, in a tree and where it closes a loop.
+TEST(TruthSolver, CountsElasticRodsByTheirMassAlone) {
+  const auto soften = [](Scene scene, std::size_t every) {
+    for (std::size_t r = 0; r < scene.rods.size(); r += every) scene.rods[r].law = {.stiffness = 1e3};
+    return scene;
+  };
+  expect_same(soften(scenes::make_chain(20), 3), 0, 0);
+  expect_same(soften(scenes::make_tree(), 1), 0, 0);
+  expect_same(soften(scenes::make_tree(), 2), 0, 0);
+  expect_same(soften(scenes::make_tree(), 2), 0, 0, MassModel::lumped);
+  // Without mass an elastic rod closes nothing. With mass it is still welded in by three equations.
+  expect_same(soften(test::hung_ring(0), 8), 0, 0);
+  expect_same(soften(test::hung_ring(1), 1), 3, 0);
+  expect_same(soften(test::hung_ring(1), 1), 0, 0, MassModel::lumped);
 }
 
 TEST(TruthSolver, RefusesTooManyLoops) {

@@ -61,6 +61,36 @@ TEST(Truth, RefusesRodsOffTheirLengthAndNamesTheWorst) {
   expect_says(message_of<InputError>(scene, {.save_at = {1}}), "rod 1 starts off its length, by 1e-06");
 }
 
+// A series in time needs pulls that are smooth; a message names the rod and says what is not.
+TEST(Truth, RefusesLawsThatAreNotSmooth) {
+  Scene scene = scenes::make_chain(3);
+  scene.rods[1].law = {.stiffness = 1e3, .one_sided = true};
+  expect_says(message_of<InputError>(scene, {.save_at = {1}}), "rod 1 is one-sided");
+  scene.rods[1].law = {.one_sided = true};
+  expect_says(message_of<InputError>(scene, {.save_at = {1}}), "rod 1 is one-sided");
+  scene.rods[1].law = {};
+  scene.rods[2].law = {.strength = 50};
+  expect_says(message_of<InputError>(scene, {.save_at = {1}}), "rod 2 has a finite strength");
+}
+
+TEST(Truth, TakesElasticRodsOffTheirLengthButNotOfNone) {
+  Scene scene = scenes::make_chain(3);
+  scene.rods[1].length = 0.15;
+  scene.rods[1].law = {.stiffness = 1e3, .damping = 1};
+  EXPECT_EQ(message_of<InputError>(scene, {.save_at = {0.1}}), "no error");
+  scene.particles[2].position = scene.particles[1].position;
+  scene.rods[2].length = 0.2;
+  expect_says(message_of<InputError>(scene, {.save_at = {0.1}}), "rod 1 is elastic and its ends start");
+}
+
+// Velocities are relative to what a stretched rod's energy, k x²/2, can make of all mass: x sqrt(k/m).
+TEST(Truth, KnowsTheSpeedOfElasticRods) {
+  Scene scene;
+  scene.particles = {test::anchor({0, 0, 0}), test::loose({0.7, 0, 0}, 4)};
+  scene.rods = {{.a = 0, .b = 1, .length = 0.5, .law = {.stiffness = 1e6}}};
+  EXPECT_DOUBLE_EQ(solve(scene, {.save_at = {0}}).speed, 0.2 * 500);
+}
+
 TEST(Truth, RefusesBadScenes) {
   Scene scene = scenes::make_chain(3);
   scene.particles[2].mass = -1;

@@ -1,5 +1,6 @@
 #include "cli/run_summary.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "scenes/basics/lists.hpp"
@@ -109,6 +110,22 @@ void print_start(const WorldInfo& info) {
   }
 }
 
+/// Names the first problems of the last frame, and the number of the others.
+void print_problems(const std::vector<Problem>& problems) {
+  constexpr std::size_t most_named = 4;
+  if (problems.empty()) return;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(problems.size(), most_named); ++i) {
+    const Problem& problem = problems[i];
+    std::string item = std::string(to_string(problem.kind)) + " at particle " + std::to_string(problem.particle);
+    if (problem.kind == Problem::Kind::stretched)
+      item = "rod " + std::to_string(problem.rod) + " stretched by " + short_number(100 * problem.strain, 3) + " %";
+    text += (text.empty() ? "" : "; ") + item;
+  }
+  if (problems.size() > most_named) text += "; and " + std::to_string(problems.size() - most_named) + " more";
+  print_line("problems", text + " (last frame)");
+}
+
 }  // namespace
 
 std::string plural(std::uint64_t n, const char* noun) {
@@ -130,6 +147,7 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   if (relaxes) print_relaxation(plan, result);
   print_counts(result.total);
   print_errors(result);
+  print_problems(result.problems);
   print_start(info);
   std::string time = short_number(1e3 * result.wall_s, 4) + " ms, " +
                      short_number(1e6 * result.wall_s / static_cast<double>(result.frames), 4) +

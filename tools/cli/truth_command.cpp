@@ -44,7 +44,9 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
   for (const truth::Accuracy& accuracy : result.accuracy) {
     line("accuracy", accuracy_text(accuracy) + " at " + short_number(accuracy.t) + " s");
   }
-  if (scene.drag == 0) {
+  const bool damped =
+      std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) { return rod.law.damping > 0; });
+  if (scene.drag == 0 && !damped) {
     line("energy", "changes by at most " + short_number(result.energy_drift, 2) + " of its range");
   }
   if (result.velocity_change > 1e-15 * result.speed) {  // A change beyond rounding is reported.
@@ -101,16 +103,17 @@ void add_truth_command(Command& plumb) {
                "Refuse to write unless accurate to this, from 1e-15 [1e-9]");
   command.add_flag("--quiet", o.quiet, "Print nothing but errors");
   command.set_footer(
-      "Solves the equations of motion with every rod exactly at its length, by Taylor series in time, in "
-      "long\n"
-      "double, twice: order 20 and order 26, with different steps. How far the two lie apart is the "
-      "accuracy\n"
-      "stated: positions relative to the diagonal of the scene's box, velocities relative to its speed, the\n"
-      "greater of sqrt(gravity * diagonal) and that of the fastest particle at the start. The file is "
-      "written\n"
-      "only if both are within the tolerance at every time saved; otherwise the exit status is 1 and the\n"
-      "message says until when they were. Nothing here is shared with what `plumb run` does.\n\n"
-      "Rods must start at their length, to 1e-10; velocities that pull on rods are projected, as in a run.\n"
+      "Solves the equations of motion by Taylor series in time, in long double, with every rigid rod "
+      "exactly\n"
+      "at its length. It does so twice, at order 20 and at order 26, with different steps. How far the two\n"
+      "lie apart is the accuracy stated: positions relative to the diagonal of the scene's box, velocities\n"
+      "relative to its speed. That is the greatest of sqrt(gravity * diagonal), the speed of the fastest\n"
+      "particle at the start, and what all mass gets from the energy of elastic rods then. The file is\n"
+      "written only if both are within the tolerance at every time saved; otherwise the exit status is 1 "
+      "and\n"
+      "the message says until when they were. Nothing here is shared with what `plumb run` does.\n\n"
+      "Rigid rods must start at their length, to 1e-10; velocities that pull on them are projected, as in a\n"
+      "run. Elastic rods may be damped; cables and rods that may break are refused, as they are not smooth.\n"
       "Trees of rods have no limit; rods that close loops may be 1024, a third of that if they have mass.\n\n"
       "Examples:\n"
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.1,0.5,1 --out truth.csv\n"

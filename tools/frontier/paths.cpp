@@ -151,6 +151,12 @@ std::vector<Path> reduced(const std::string& family) {
   return out;
 }
 
+/// Returns whether some rod is not rigid. Only families auto and direct move those.
+bool has_laws(const Scene& scene) {
+  return std::any_of(scene.rods.begin(), scene.rods.end(),
+                     [](const Rod& rod) { return !rod.law.is_rigid(); });
+}
+
 /// Returns the path of a method about which only its row in the table is known.
 std::vector<Path> plain(const std::string& family, Method method) {
   return {{.family = family, .settings = {.method = method, .threads = 1}, .refine = double_substeps}};
@@ -174,6 +180,7 @@ std::vector<std::string> all_families() {
 std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "auto") return direct(family, problem, Method::automatic);
   if (family == "direct") return direct(family, problem, Method::direct);
+  if (has_laws(problem.scene)) return {};
   if (family == "relax") return relaxed(family, false);
   if (family == "over-relaxed") return relaxed(family, true);
   if (family == "jacobi") return relaxed(family, false, SweepOrder::jacobi);

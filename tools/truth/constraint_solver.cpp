@@ -1,6 +1,7 @@
 #include "truth/constraint_solver.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 namespace plumb::truth {
@@ -68,10 +69,14 @@ void ConstraintSolver::factor_tree(const std::vector<Point>& x) {
                         " has no inertia in some direction: the mass matrix is singular");
     }
     if (node.rod == no_rod) continue;
-    node.d = place(node.particle) - place(node.parent);
-    node.u = node.factor.solve(node.d);
-    node.sigma = dot(node.d, node.u);
-    node.e = node.d + node.coupling * node.u;
+    if (model_.rods[node.rod].elastic) {
+      node.sigma = std::numeric_limits<Real>::infinity();  // Its vectors stay 0, and so does what it says.
+    } else {
+      node.d = place(node.particle) - place(node.parent);
+      node.u = node.factor.solve(node.d);
+      node.sigma = dot(node.d, node.u);
+      node.e = node.d + node.coupling * node.u;
+    }
     if (!node.passes_up) continue;
     Symmetric& above = felt_[node.parent];
     above.add_square(1 / node.sigma, node.e);

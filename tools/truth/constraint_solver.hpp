@@ -13,6 +13,8 @@ namespace plumb::truth {
 ///
 ///   M a - J^T mu = f,   J a = c
 ///
+/// J has a row for every rigid rod. Elastic rods count only by their mass, and their pulls belong to f.
+///
 /// A spanning tree of rods is eliminated leaf to root in O(n), with a 3×3 block and a multiplier for each
 /// particle. Several fixed particles do not matter, since the tree has only one of the rods that tie a
 /// connected part to them. The rods left over are the chords, which close loops (through the ground as well).
@@ -31,9 +33,9 @@ class ConstraintSolver {
   /// if the mass matrix is not positive definite.
   void factor(const std::vector<Point>& x);
 
-  /// Solves for a in m/s², 0 where fixed, and mu in N/m, 0 for redundant rods. `f` is in N, one for each
-  /// particle, and `c` in m²/s², one for each rod. Both results must have the model's size. It costs O(n),
-  /// and with k rows O(n + k²).
+  /// Solves for a in m/s², 0 where fixed, and mu in N/m, 0 for redundant and elastic rods. `f` is in N,
+  /// one for each particle, and `c` in m²/s², one for each rod. Those of elastic rods are not read. Both
+  /// results must have the model's size. It costs O(n), and with k rows O(n + k²).
   void solve(const std::vector<Point>& f, const std::vector<Real>& c, std::vector<Point>& a,
              std::vector<Real>& mu);
 
@@ -49,7 +51,7 @@ class ConstraintSolver {
     Factor3 factor{};        ///< Factor of the mass felt here, in kg, with all that hangs below.
     Point u{};               ///< The inverse of that mass times d.
     Point e{};               ///< The sum d + coupling u.
-    Real sigma = 0;          ///< The product d·u.
+    Real sigma = 0;          ///< The product d·u; infinite for an elastic rod, whose mu is 0.
     Point q{};               ///< Scratch of a solve: the motion if the parent stood still.
     Real s = 0;              ///< Scratch of a solve: the multiplier then.
   };

@@ -9,10 +9,12 @@
 
 /// A scene stands for these constrained equations of motion, in long double:
 ///
-///   M a = M g - drag M v + J^T mu,   (|x_b - x_a|^2 - length^2) / 2 = 0 for every rod,
+///   M a = M g - drag M v + J^T mu,   (|x_b - x_a|^2 - length^2) / 2 = 0 for every rigid rod,
 ///
 /// J holds the gradients of the rods, which are x_b - x_a at b and its opposite at a. mu, in N/m, is a rod's
-/// push divided by its length.
+/// push divided by its length l = |x_b - x_a|. An elastic rod is no constraint, because its push is known:
+///
+///   mu l = -stiffness (l - length) - damping dl/dt
 namespace plumb::truth {
 
 /// There is no truth to the accuracy asked for. The message says what was reached, or what cannot be solved.
@@ -22,9 +24,12 @@ class Unreachable : public std::runtime_error {
 
 struct ModelRod {
   std::uint32_t a = 0, b = 0;
-  Real length = 0;    ///< Length, in m.
-  Real at_b = 0;      ///< Part of the rod's own mass on the diagonal of the mass matrix at b, in kg.
-  Real coupling = 0;  ///< The mass matrix's element between its ends, in kg; 0 if lumped.
+  Real length = 0;       ///< Length, in m; of an elastic rod that at which it does not pull.
+  Real at_b = 0;         ///< Part of the rod's own mass on the diagonal of the mass matrix at b, in kg.
+  Real coupling = 0;     ///< The mass matrix's element between its ends, in kg; 0 if lumped.
+  bool elastic = false;  ///< Whether it pulls as the next two say. Otherwise it keeps its length.
+  Real stiffness = 0;    ///< Stiffness, in N/m.
+  Real damping = 0;      ///< Damping along the rod, in N s/m.
 };
 
 /// Particles are in the scene's order. Gravity acts on all of the mass that moves with a particle. That
@@ -38,8 +43,9 @@ struct Model {
   Real drag = 0;  ///< Drag, in 1/s.
   /// Diagonal of the scene's bounding box in m, to which positions are relative; 1 if it has none.
   Real diagonal = 1;
-  /// Speed in m/s to which velocities are relative. It is the greater of sqrt(g diagonal) and the fastest
-  /// start, or 1 if neither is positive.
+  /// Speed in m/s to which velocities are relative. It is the greatest of sqrt(g diagonal), the fastest
+  /// start, and what all mass gets from the energy of the elastic rods at the start. It is 1 if none is
+  /// positive.
   Real speed = 1;
 
   std::size_t particles() const { return fixed.size(); }
@@ -50,15 +56,17 @@ struct State {
   std::vector<Point> v;  ///< Velocities, in m/s.
 };
 
-/// Makes the model of a scene. Throws InputError as validate() does.
+/// Makes the model of a scene. Throws InputError as validate() does. It also refuses rods that are one-sided
+/// or may break, because their pull is not smooth and has no series in time.
 Model make_model(const Scene& scene, MassModel mass);
 
 /// Returns the scene's start, with fixed particles at rest. Throws InputError naming the rod if one is off
-/// its length by more than `largest_start_stretch` of it. Truth is defined for rods that are kept.
+/// its length by more than `largest_start_stretch` of it. Truth is defined for rods that are kept. Elastic
+/// rods may start at any length but 0, where their pull has no direction.
 State start_of(const Scene& scene, const Model& model);
 inline constexpr double largest_start_stretch = 1e-10;
 
-/// This is the rod with the largest strain.
+/// This is the rigid rod with the largest strain.
 struct WorstRod {
   Real stretch = 0;  ///< Strain (|x_b - x_a| - length) / length, its absolute value.
   std::size_t rod = 0;

@@ -30,6 +30,11 @@ class Parts {
   std::vector<std::uint32_t> up_;
 };
 
+/// Returns whether a rod's mass ties the accelerations of its ends together.
+bool couples(const Model& model, const ModelRod& rod) {
+  return rod.coupling != 0 && !model.fixed[rod.a] && !model.fixed[rod.b];
+}
+
 /// Walks breadth first from the fixed particles, then from the first particle of each part that floats.
 std::vector<TreeNode> grow(const Model& model, const std::vector<std::uint32_t>& rods) {
   std::vector<std::vector<std::uint32_t>> rods_at(model.particles());
@@ -68,11 +73,11 @@ std::vector<TreeNode> grow(const Model& model, const std::vector<std::uint32_t>&
 }  // namespace
 
 SpanningTree grow_spanning_tree(const Model& model) {
-  std::vector<std::uint32_t> all(model.rods.size()), wanted, chosen;
-  std::iota(all.begin(), all.end(), 0u);
-  for (const std::uint32_t r : all) {
-    const ModelRod& rod = model.rods[r];
-    if (rod.coupling != 0 && !model.fixed[rod.a] && !model.fixed[rod.b]) wanted.push_back(r);
+  std::vector<std::uint32_t> all, wanted, chosen;
+  for (std::uint32_t r = 0; r < model.rods.size(); ++r) {
+    const bool coupled = couples(model, model.rods[r]);
+    if (coupled) wanted.push_back(r);
+    if (coupled || !model.rods[r].elastic) all.push_back(r);
   }
   for (const TreeNode& node : grow(model, all)) {
     if (node.rod != no_rod) wanted.push_back(node.rod);

@@ -18,7 +18,8 @@ struct TreeNode {
 };
 
 /// The tree has as many of a scene's rods as close no loop, with all fixed particles counted as one ground.
-/// The others are the chords.
+/// The others are the chords. Elastic rods whose mass couples nothing are neither, because they say nothing
+/// about accelerations.
 struct SpanningTree {
   std::vector<TreeNode> nodes;  ///< Every movable particle once, parents before their children.
   std::vector<std::uint32_t> chords;

@@ -9,7 +9,7 @@
 #include "truth/model.hpp"
 
 /// These functions find solutions to compare others with: the constrained equations of motion themselves,
-/// with rods exact, in long double. They share nothing with what steps a World.
+/// with rods exactly as their laws say, in long double. They share nothing with what steps a World.
 namespace plumb::truth {
 
 struct Plan {
@@ -35,9 +35,9 @@ struct Truth {
   std::vector<Accuracy> accuracy{};  ///< Accuracies at the same times.
   Accuracy reached{};                ///< The worst of each over all of them, and when that was.
   double diagonal = 0;               ///< Diagonal of the scene, in m.
-  double speed = 0;                  ///< The greater of sqrt(g diagonal) and the fastest start, in m/s.
+  double speed = 0;                  ///< Speed to which velocities are relative, in m/s; see Model::speed.
   double velocity_change = 0;  ///< Change of the start's velocities so that none pulls on a rod, in m/s.
-  /// Largest change between times saved, relative to energy_range(); without drag.
+  /// Largest change between times saved, relative to energy_range(); without drag and damped rods.
   double energy_drift = 0;
   std::uint64_t steps = 0;      ///< Steps of the more accurate solution.
   std::uint64_t rows = 0;       ///< Equations of rods that close loops.
@@ -45,8 +45,9 @@ struct Truth {
 };
 
 /// Solves a plan. Throws InputError for a scene or plan that makes no sense, or rods that start off their
-/// length. Throws Unreachable if the two solutions differ by more than the tolerance or one cannot be
-/// continued. Its message says what was reached and until when.
+/// length, and for rods whose pull is not smooth, see make_model(). Throws Unreachable if the two solutions
+/// differ by more than the tolerance or one cannot be continued. Its message says what was reached and until
+/// when.
 Truth solve(const Scene& scene, const Plan& plan);
 
 }  // namespace plumb::truth

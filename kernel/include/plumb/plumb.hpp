@@ -31,6 +31,7 @@
 #include "plumb/inertia.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/measures.hpp"
+#include "plumb/problem.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/vec3.hpp"

@@ -10,6 +10,7 @@
 
 #include "plumb/export.hpp"
 #include "plumb/measures.hpp"
+#include "plumb/problem.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 
@@ -57,6 +58,8 @@ struct StepReport {
   /// Counts steps of islands, or of islands side by side, that spent Settings::most_work, or half of it in
   /// tries for an accuracy. They ended with the substeps that are asked for by number.
   std::uint64_t capped_steps = 0;
+
+  std::uint64_t broken_rods = 0;  ///< Rods that pulled more than their strength and broke.
 
   // The next two members describe method springs at the end of a step. Of several steps or islands the worst
   // counts.
@@ -170,6 +173,25 @@ class PLUMB_API World {
   /// Moves an anchor to `target` (m) during the next step, along a straight line, a substep at a time. Throws
   /// InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
+
+  /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. Throws
+  /// InputError on an unknown rod, a length that is not positive and finite, or a rod that method direct does not
+  /// move.
+  void set_length(std::uint32_t rod, double target);
+
+  /// Returns the pull of a rod in N, averaged over the last step; negative if it pushes. It is NaN before the
+  /// first step, and where an island is relaxed or has joints. Throws InputError on an unknown rod, or without
+  /// Settings::tensions.
+  double tension(std::uint32_t rod) const;
+  /// Copies the pulls of all rods (N) into `out`. Throws InputError unless it has rod_count() elements, or
+  /// without Settings::tensions.
+  void copy_tensions(std::span<double> out) const;
+  /// Returns whether a rod has pulled more than its strength. Throws InputError on an unknown rod.
+  bool is_broken(std::uint32_t rod) const;
+
+  /// Returns what went wrong in the last step, by particle, and which rods that are not elastic are off their
+  /// length by more than `most_strain` of it. An empty list means that all is well.
+  std::vector<Problem> problems(double most_strain = 0.01) const;
 
   std::uint32_t particle_count() const;  ///< Particles of the scene.
   std::uint32_t rod_count() const;       ///< Rods of the scene.

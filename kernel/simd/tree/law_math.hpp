@@ -16,7 +16,8 @@
 // Gradient old takes k/2 ((c0 + c1)/2)^2 for the potential of a substep, which makes it variational (Marsden, West
 // 2001). A rod pulls along d by half of its kick where the substep starts, and by the other half where it ends.
 // Rods too stiff for the substep would swing for ever, though, and gain energy where their directions change.
-// They take more of c1 than of c0, which damps what no substep resolves, and in the limit they are those of SHAKE.
+// They take more of c1 than of c0, which damps what no substep resolves, and give their whole kick at the start.
+// In the limit they are those of SHAKE.
 
 #include "simd/tree/tree_kernels.hpp"
 
@@ -33,7 +34,7 @@ struct LawNumbers {
 /// These are the same for all rods in a substep, see law_factors.
 template <class V>
 struct LawFactors {
-  V damping, share, kick, kick_before, substep;
+  V share, kick, kick_back, kick_before, rate, substep, substep_before;
 };
 /// These numbers of a rod hold for one substep, see tree_fields::law_start.
 template <class V>
@@ -50,18 +51,31 @@ PLUMB_LAW_INLINE V taut_part(const LawNumbers<V>& law, const V& value) {
   return select_nonzero(law.one_sided, larger(value, V(0)), value);
 }
 
+/// Returns how much of a rod's own swing a substep of gradient old resolves: all of it up to h omega = 1, and
+/// then less. `substep` is 0 for other gradients, which ask nobody.
+template <class V>
+PLUMB_LAW_INLINE V resolved(const LawNumbers<V>& law, const V& substep) {
+  const V one(1);
+  return one / (one + larger(substep * substep * law.frequency2 - one, V(0)));
+}
+
+/// Returns the weight (s^2) of a rod's pull in this substep. What the substep before left of its kick to the end
+/// of it is in half_kick, and the rest is here.
+template <class V>
+PLUMB_LAW_INLINE V own_kick(const LawNumbers<V>& law, const LawFactors<V>& factors) {
+  return factors.kick - factors.kick_back * resolved(law, factors.substep_before);
+}
+
 /// Begins a substep of a rod of the squared length `length2`, which is `violation` = C off its own (both m²).
 template <class V>
 PLUMB_LAW_INLINE LawStart<V> start_law(const LawNumbers<V>& law, const LawFactors<V>& factors,
                                        const V& half_kick, const V& length2, const V& violation) {
-  const V twice = violation + violation, length = root(length2);
+  const V twice = violation + violation, length = root(length2), one(1), half(0.5f);
   // C = (l^2 - L^2)/2 = (l - L)(l + L)/2
   const V excess = twice / (length + root(larger(length2 - twice, V(0))));
-  const V one(1), half(0.5f), damps = factors.damping * law.damping;
-  // Of gradient old, (h omega)^2 above 1 is not resolved.
-  const V fast = larger(factors.substep * factors.substep * law.frequency2 - one, V(0));
-  const V share = factors.share + half * (fast / (one + fast));
-  const V pull = factors.kick * law.stiffness;
+  const V kick = own_kick(law, factors), pull = kick * law.stiffness;
+  const V damps = kick * factors.rate * law.damping;
+  const V share = factors.share + half * (one - resolved(law, factors.substep));
   return {length, excess, pull * share + damps,
           (pull * (one - share) - damps) * taut_part(law, excess) + factors.kick_before * half_kick};
 }
@@ -72,13 +86,15 @@ PLUMB_LAW_INLINE V end_length(const LawStart<V>& start, const V& growth) {
   return root(larger(start.length * start.length + growth, V(0)));
 }
 
-/// Returns the half of a kick that a rod with the multiplier mu leaves for the end of a substep of gradient old.
-/// `half_kick` is that of the substep before. Other gradients leave none (factors.substep = 0).
+/// Returns the half of a kick that a rod with the multiplier mu leaves for the end of a substep of gradient old, as
+/// far as the substep resolves its swing. `half_kick` is that of the substep before. Other gradients leave none
+/// (factors.substep = 0).
 template <class V>
-PLUMB_LAW_INLINE V end_law(const LawFactors<V>& factors, const LawStart<V>& start, const V& half_kick,
-                           const V& mu) {
-  const V psi = V(0) - mu * start.length, own = psi - factors.kick_before * half_kick;
-  return V(0.5f) * factors.substep * own / select_nonzero(factors.kick, factors.kick, V(1));
+PLUMB_LAW_INLINE V end_law(const LawNumbers<V>& law, const LawFactors<V>& factors, const LawStart<V>& start,
+                           const V& half_kick, const V& mu) {
+  const V own = (V(0) - mu * start.length) - factors.kick_before * half_kick, kick = own_kick(law, factors);
+  const V kept = V(0.5f) * factors.substep * resolved(law, factors.substep);
+  return kept * own / select_nonzero(kick, kick, V(1));
 }
 
 /// A row of Newton's matrix is  use b . (change of e) + soft (change of mu) = -c.
@@ -145,20 +161,24 @@ PLUMB_LAW_INLINE LawRow<V> law_row(const LawNumbers<V>& law, const LawStart<V>& 
           select_nonzero(law.rigid, stiff.c, soft.c)};
 }
 
-/// Rods that give resist no velocity. In a projection of velocities they pull with a multiplier that is known,
-/// and slack cables do not pull. A rigid cable is taut if it pulled last.
+/// Rods whose swing is resolved resist no velocity. In a projection of velocities they pull with a multiplier
+/// that is known, and slack cables do not pull. The less is resolved, the more a rod resists as rigid ones do. A
+/// rigid cable is taut if it pulled last. The slope of a rigid rod is its length times the rate of that, where
+/// its length changes.
 template <class V>
 struct KnownPull {
   V mu;
   LawRow<V> row;
 };
 template <class V>
-PLUMB_LAW_INLINE KnownPull<V> known_pull(const LawNumbers<V>& law, const LawStart<V>& start, const V& c,
-                                         const V& last_mu) {
+PLUMB_LAW_INLINE KnownPull<V> known_pull(const LawNumbers<V>& law, const LawFactors<V>& factors,
+                                         const LawStart<V>& start, const V& c, const V& last_mu) {
   const V zero(0), one(1);
-  const V holds = select_nonzero(law.one_sided, select_positive(zero - last_mu, law.rigid, zero), law.rigid);
+  const V stiff = select_nonzero(law.rigid, one, one - resolved(law, factors.substep));
+  const V holds = select_nonzero(law.one_sided, select_positive(zero - last_mu, stiff, zero), stiff);
+  const V give = select_nonzero(law.rigid, one, start.length * start.length);
   return {select_nonzero(law.rigid, zero, zero - start.before / start.length),
-          {holds, one - holds, select_nonzero(holds, c, zero)}};
+          {holds, (one - holds) * give, holds * (c - start.slope)}};
 }
 
 }  // namespace

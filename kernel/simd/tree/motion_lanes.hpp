@@ -35,13 +35,6 @@ PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, const V& scale_
   at.put(mu, i, scale * last + scale_before * before);
 }
 
-template <class V, class T, class At>
-PLUMB_INLINE LawFactors<V> law_factors_of(const TreeView<T>& tree, const At& at) {
-  const T* const from = tree.law_factors;
-  return {at.get(from, law_factors::damping), at.get(from, law_factors::share),
-          at.get(from, law_factors::kick), at.get(from, law_factors::kick_before),
-          at.get(from, law_factors::substep)};
-}
 /// Makes the start of rod i's law from its tree_fields::rod numbers.
 template <class V, class T, class At>
 PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* rods, const T* laws,
@@ -61,14 +54,14 @@ PLUMB_INLINE void keep_half_kicks(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const V active = at.get(tree.active, 0);
   const LawFactors<V> factors = law_factors_of<V>(tree, at);
-  const auto keep = [&](const T* starts, const T* mu, T* half_kicks, std::size_t i) {
+  const auto keep = [&](const T* laws, const T* starts, const T* mu, T* half_kicks, std::size_t i) {
     const V last = at.get(half_kicks, i);
-    const V kept = end_law(factors, law_start<V>(at, starts, i), last, at.get(mu, i));
+    const V kept = end_law(law_numbers<V>(at, laws, i), factors, law_start<V>(at, starts, i), last, at.get(mu, i));
     at.put(half_kicks, i, select_nonzero(active, kept, last));
   };
-  for (std::size_t i = 1; i < tree.nodes; ++i) keep(tree.law_start, tree.mu, tree.half_kick, i);
+  for (std::size_t i = 1; i < tree.nodes; ++i) keep(tree.law, tree.law_start, tree.mu, tree.half_kick, i);
   for (std::size_t k = 0; k < tree.tie_begin[tree.nodes]; ++k)
-    keep(tree.tie_law_start, tree.tie_mu, tree.tie_half_kick, k);
+    keep(tree.tie_law, tree.tie_law_start, tree.tie_mu, tree.tie_half_kick, k);
 }
 
 /// Does what TreeKernels::prepare() says, with masses that couple the ends of rods or without.

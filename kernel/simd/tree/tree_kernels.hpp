@@ -22,8 +22,8 @@ inline constexpr std::uint32_t elimination = 16;  ///< delta_i = P delta_p + q; 
 inline constexpr std::uint32_t tie_elimination =
     11;  ///< a; y; rho; for the first of a node's ties also a, kappa of its rod
 /// Stiffness and damping divided by the unit of mass; 1 if rigid; 1 if one-sided; square of the rod's own
-/// frequency (1/s^2). A broken rod has zeros.
-inline constexpr std::uint32_t law = 5;
+/// frequency (1/s^2); strength divided by the unit of mass, or 0 if it never breaks. A broken rod has zeros.
+inline constexpr std::uint32_t law = 6;
 inline constexpr std::uint32_t law_start = 4;  ///< l0; c0 = l0 - L; slope; what is left of psi where c1 is 0
 inline constexpr std::uint32_t below = 13;  ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
@@ -32,14 +32,17 @@ inline constexpr std::uint32_t below = 13;  ///< Sums of a node's children: thre
 inline constexpr std::uint32_t no_slot = 0xffffffff;
 
 /// These factors turn a law into an equation of a substep, by lane. A rod of stiffness k and damping r has
-/// psi = kick (k (share c1 + (1 - share) c0)) + damping r (c1 - c0) + kick_before half_kick.
+/// psi = own (k (share c1 + (1 - share) c0) + rate r (c1 - c0)) + kick_before half_kick, where own is kick without
+/// what the half kick has of it (simd/tree/law_math.hpp).
 namespace law_factors {
-inline constexpr std::uint32_t damping = 0;      ///< In s.
-inline constexpr std::uint32_t share = 1;        ///< Of the end of the substep.
-inline constexpr std::uint32_t kick = 2;         ///< Of this substep's own pull, in s^2.
-inline constexpr std::uint32_t kick_before = 3;  ///< In s; 0 where there is no last substep.
-inline constexpr std::uint32_t substep = 4;      ///< In s, of gradient old; 0 where no half kicks are kept.
-inline constexpr std::uint32_t count = 5;        ///< Numbers per lane.
+inline constexpr std::uint32_t share = 0;           ///< Of the end of the substep.
+inline constexpr std::uint32_t kick = 1;            ///< Of forces, in s^2.
+inline constexpr std::uint32_t kick_back = 2;       ///< What a half kick has of that, in s^2, of gradient old.
+inline constexpr std::uint32_t kick_before = 3;     ///< In s; 0 where there is no last substep.
+inline constexpr std::uint32_t rate = 4;            ///< 1 over the substep, in 1/s.
+inline constexpr std::uint32_t substep = 5;         ///< In s, of gradient old, and 0 of the others.
+inline constexpr std::uint32_t substep_before = 6;  ///< The last one, the same.
+inline constexpr std::uint32_t count = 7;           ///< Numbers per lane.
 }  // namespace law_factors
 
 /// A tree, or `lanes` equal ones. Every array holds `lanes` numbers for each entry.

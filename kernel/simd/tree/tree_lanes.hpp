@@ -84,6 +84,14 @@ PLUMB_INLINE LawStart<V> law_start(const At& at, const T* starts, std::size_t i)
   const std::size_t f = i * tree_fields::law_start;
   return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2), at.get(starts, f + 3)};
 }
+template <class V, class T, class At>
+PLUMB_INLINE LawFactors<V> law_factors_of(const TreeView<T>& tree, const At& at) {
+  const T* const from = tree.law_factors;
+  return {at.get(from, law_factors::share),       at.get(from, law_factors::kick),
+          at.get(from, law_factors::kick_back),   at.get(from, law_factors::kick_before),
+          at.get(from, law_factors::rate),        at.get(from, law_factors::substep),
+          at.get(from, law_factors::substep_before)};
+}
 /// Returns by how much the square of the length of a rod along d grows if its ends come apart by e.
 template <class V>
 PLUMB_INLINE V growth_of(const Vec<V>& d, const Vec<V>& e) {
@@ -100,9 +108,10 @@ PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const L
                  violation, mu, theta, tree.has_cables, tree.is_mid);
 }
 template <class V, class T, class At>
-PLUMB_INLINE KnownPull<V> known_pull_of(const At& at, const LawArrays<T>& arrays, std::size_t i, const V& c,
-                                        const V& last_mu) {
-  return known_pull(law_numbers<V>(at, arrays.law, i), law_start<V>(at, arrays.start, i), c, last_mu);
+PLUMB_INLINE KnownPull<V> known_pull_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
+                                        std::size_t i, const V& c, const V& last_mu) {
+  return known_pull(law_numbers<V>(at, arrays.law, i), law_factors_of<V>(tree, at),
+                    law_start<V>(at, arrays.start, i), c, last_mu);
 }
 
 /// A node whose ties and everything below it are eliminated has delta_i = q + H f for a force f from above.
@@ -129,7 +138,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
       block.r =
           block.r + at.get(tree.tie, k * tie) * (at.get3(tree.tie_u, 3 * k) - at.get3(tree.tie_delta, 3 * k));
       if constexpr (laws)
-        block.r = block.r + known_pull_of<V>(at, tie_laws(tree), k, V(0), at.get(tree.tie_mu, k)).mu *
+        block.r = block.r + known_pull_of<V>(tree, at, tie_laws(tree), k, V(0), at.get(tree.tie_mu, k)).mu *
                                 at.get3(tree.tie_rod, k * rod);
     }
   }
@@ -153,7 +162,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
     V soft(0);
     if constexpr (laws) {
       const V mu = at.get(tree.tie_mu, k);
-      const LawRow<V> row = linear ? known_pull_of<V>(at, tie_laws(tree), k, c, mu).row
+      const LawRow<V> row = linear ? known_pull_of<V>(tree, at, tie_laws(tree), k, c, mu).row
                                    : law_row_of(tree, at, tie_laws(tree), k, d, e, c, mu, theta);
       b = row.use * b;
       soft = row.soft;
@@ -197,7 +206,7 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   if constexpr (linear) {
     block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 3 * i);
     if constexpr (laws) {
-      const KnownPull<V> known = known_pull_of<V>(at, rod_laws(tree), i, own.c, at.get(tree.mu, i));
+      const KnownPull<V> known = known_pull_of<V>(tree, at, rod_laws(tree), i, own.c, at.get(tree.mu, i));
       own.mu = known.mu;
       own.b = known.row.use * d;
       own.soft = known.row.soft;

@@ -118,12 +118,18 @@ class Maker {
     MadeSolver made;
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
       const auto vertices = members_of(lane).vertices;
-      for (std::uint32_t i = 0; i < tree.nodes(); ++i)
+      const auto rods = members_of(lane).edges;
+      for (std::uint32_t i = 0; i < tree.nodes(); ++i) {
         made.places.push_back({vertices[tree.vertex[i]], solver->node_slot(i, lane)});
-      for (std::uint32_t k = 0; k < tree.ties.size(); ++k)
+        if (i > 0) made.rods.push_back({rods[tree.edge[i]], solver->rod_slot(i, lane)});
+      }
+      for (std::uint32_t k = 0; k < tree.ties.size(); ++k) {
         made.places.push_back({vertices[tree.ties[k].vertex], solver->tie_slot(k, lane)});
+        made.rods.push_back({rods[tree.ties[k].edge], solver->tie_slot(k, lane)});
+      }
     }
     start(*solver, equal, made);
+    if (settings_.tensions) solver->count_pulls();
     made.solver = std::move(solver);
     made_.push_back(std::move(made));
   }
@@ -159,10 +165,13 @@ class Maker {
         made.places.push_back({sets_.islands.vertices(island)[i], static_cast<Slot>(vertices.size())});
         vertices.push_back(sets_.islands.vertices(island)[i]);
       }
+      const auto rods = sets_.islands.edges(island);
+      for (std::uint32_t k = 0; k < rods.size(); ++k) made.rods.push_back({rods[k], k});
       LoopState state(topology, scene_, model(), vertices, sets_.islands.edges(island));
       load_bends(state, bends_, sets_.bends_of(island));
       auto solver = std::make_unique<LoopSolver>(loop_rules_, std::move(state));
       start(*solver, std::span(&island, 1), made);
+      if (settings_.tensions) solver->count_pulls();
       made.solver = std::move(solver);
       made_.push_back(std::move(made));
     }

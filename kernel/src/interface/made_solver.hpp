@@ -14,8 +14,14 @@ struct MadeSolver {
     std::uint32_t particle;  ///< the scene's number
     Slot slot;
   };
+  /// A rod has a slot where its solver can say how it pulls and change its length.
+  struct RodPlace {
+    std::uint32_t rod;  ///< the scene's number
+    Slot slot;
+  };
   std::unique_ptr<Solver> solver;
   std::vector<Place> places;
+  std::vector<RodPlace> rods{};
 };
 
 /// Says by how much a solver had to change the initial state (see WorldInfo).

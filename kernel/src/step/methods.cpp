@@ -26,6 +26,7 @@ constexpr SettingRow settings_table[] = {
      [](const Settings& s) { return s.multipliers != MultiplierSettings{}; }},
     {Reads::sleep, "sleep", [](const Settings& s) { return !s.sleep; }},
     {Reads::contact, "contact", [](const Settings& s) { return s.contact != ContactSettings{}; }},
+    {Reads::tensions, "tensions", [](const Settings& s) { return s.tensions; }},
     {Reads::layout, "layout", [](const Settings& s) { return s.layout != LayoutChoice::automatic; }},
 };
 
@@ -34,7 +35,7 @@ constexpr Reads relax_reads = Reads::precision | Reads::gradient | Reads::mass |
                               Reads::order | Reads::omega | Reads::accuracy | stop_rule | Reads::sleep |
                               Reads::contact | Reads::layout;
 constexpr Reads direct_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy |
-                               Reads::tolerance | Reads::sleep | Reads::contact;
+                               Reads::tolerance | Reads::sleep | Reads::contact | Reads::tensions;
 
 void validate_relax(const Settings& settings) {
   if (settings.mass == MassModel::consistent)

@@ -6,7 +6,7 @@
 
 namespace plumb::detail {
 
-/// Says where a particle's numbers are: the solver, and the slot in it.
+/// Says where the numbers of a particle or a rod are: the solver, and the slot in it.
 struct Place {
   std::uint32_t solver;
   std::uint32_t slot;
@@ -14,12 +14,12 @@ struct Place {
   friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// Leads from particles to places. A fixed particle has a place in every island that hangs from it, and none
+/// Leads from particles, or from rods, to places. A fixed particle has a place in every island that hangs from it, and none
 /// if nothing does. A movable particle has at least one; lanes that repeat an island add further ones.
 class Places {
  public:
   struct Entry {
-    std::uint32_t particle;
+    std::uint32_t particle;  ///< or rod
     Place place;
   };
 

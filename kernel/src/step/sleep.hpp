@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "interface/solver.hpp"
 #include "step/places.hpp"
+#include "step/problems.hpp"
 
 namespace plumb::detail {
 
@@ -14,6 +16,7 @@ struct Task {
   double still_time = 0;  ///< s, for how long it has moved by rounding only
   bool is_still = false;  ///< after this step
   bool asleep = false;
+  Troubles troubles = 0;  ///< what went wrong in the last step
 };
 
 /// Decides which pieces stand still. A piece sleeps once its particles have moved by rounding only for
@@ -26,6 +29,13 @@ class Sleep {
   void start(std::span<const std::unique_ptr<Solver>> solvers, const Settings& settings);
 
   std::span<Task> tasks() { return tasks_; }
+  std::span<const Task> tasks() const { return tasks_; }
+  /// Returns the number of the task that has a place, if its solver's pieces do not change.
+  std::optional<std::size_t> task_of(std::span<const std::unique_ptr<Solver>> solvers, Place place) const {
+    const Solver& solver = *solvers[place.solver];
+    if (solver.has_changing_pieces()) return {};
+    return first_task_[place.solver] + solver.piece_of(place.slot);
+  }
   bool all_asleep() const { return awake_ == 0; }
   std::uint32_t awake_tasks() const { return awake_; }
 
@@ -34,7 +44,7 @@ class Sleep {
     return relative_speed_ * solver.size(piece);
   }
   bool is_asleep(std::span<const std::unique_ptr<Solver>> solvers, Place place) const {
-    return tasks_[first_task_[place.solver] + solvers[place.solver]->piece_of(place.slot)].asleep;
+    return tasks_[*task_of(solvers, place)].asleep;
   }
 
   void wake(std::span<const std::unique_ptr<Solver>> solvers, Place place);

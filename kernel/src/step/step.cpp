@@ -1,6 +1,8 @@
 #include "step/step.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include "scene/refuse.hpp"
 #include "step/methods.hpp"
@@ -36,6 +38,8 @@ Step::Step(const Scene& scene, const Settings& settings)
       workers_(settings),
       compiled_(compile(scene, with_threads(settings, workers_.size()))),
       anchors_(scene, compiled_.solvers.size()),
+      lengths_(scene),
+      rods_(scene),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
   rules_.most_work = settings.most_work;
@@ -61,6 +65,9 @@ StepReport Step::run(double dt) {
 // --- Stages
 
 void Step::wake(StepReport&) {
+  for (const std::uint32_t rod : lengths_.moving())
+    for (const Place place : compiled_.rods.of(rod)) sleep_.wake(compiled_.solvers, place);
+  lengths_.begin_step(dt_, compiled_.rods, compiled_.solvers);
   if (!anchors_.any_paths()) return;
   anchors_.for_moving_places(compiled_.places,
                              [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
@@ -120,8 +127,11 @@ void Step::advance(Solver& solver, std::uint32_t piece, unsigned part) {
 
 void Step::advance(Task& task, unsigned part) {
   Solver& solver = *compiled_.solvers[task.solver];
+  task.troubles = 0;
   if (solver.is_away(task.piece)) return;
+  const StepReport before = reports_[part];
   advance(solver, task.piece, part);
+  task.troubles = troubles_between(before, reports_[part]);
 }
 
 void Step::sleep(StepReport& report) {
@@ -139,6 +149,7 @@ void Step::measure(StepReport& report) {
   for (const Task& task : sleep_.tasks())
     if (!task.asleep) report.awake_islands += compiled_.solvers[task.solver]->islands(task.piece);
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
+  lengths_.end_step(compiled_.rods, compiled_.solvers);
 }
 
 bool Step::uses_threads() const {
@@ -186,7 +197,24 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
   anchors_.set_target(particle, target);
 }
 
+void Step::set_length(std::uint32_t rod, double target) {
+  if (compiled_.rods.of(rod).empty())
+    refuse("rod ", rod, ": its length cannot change, since its island is relaxed or has joints");
+  lengths_.set_target(rod, target);
+}
+
 // --- Reading
+
+double Step::pull(std::uint32_t rod) const {
+  const auto places = compiled_.rods.of(rod);
+  if (places.empty() || dt_ == 0) return std::numeric_limits<double>::quiet_NaN();
+  return solver(places.front()).pull(places.front().slot, dt_);
+}
+
+bool Step::is_broken(std::uint32_t rod) const {
+  const auto places = compiled_.rods.of(rod);
+  return !places.empty() && solver(places.front()).is_broken(places.front().slot);
+}
 
 /// Returns where a particle is moved now, or null for a fixed one from which nothing hangs.
 const Place* Step::place_of(std::uint32_t particle) const {
@@ -195,6 +223,24 @@ const Place* Step::place_of(std::uint32_t particle) const {
   const bool visits = compiled_.contact && &solver(places.back()) == compiled_.contact &&
                       compiled_.contact->has(places.back().slot);
   return visits ? &places.back() : &places.front();
+}
+
+std::vector<Problem> Step::problems(double most_strain) const {
+  std::vector<Problem> out;
+  std::vector<Troubles> troubles;
+  for (const Task& task : sleep_.tasks()) troubles.push_back(task.troubles);
+  for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
+    const auto places = compiled_.places.of(particle);
+    if (anchors_.is_fixed(particle) || places.empty()) continue;
+    const auto task = sleep_.task_of(compiled_.solvers, places.front());
+    if (!task) continue;
+    append_problems(std::exchange(troubles[*task], 0), particle, out);
+  }
+  rods_.judge(
+      most_strain, [&](std::uint32_t particle) { return position(particle); },
+      [&](std::uint32_t rod) { return lengths_.length(rod); },
+      [&](std::uint32_t rod) { return is_broken(rod); }, out);
+  return out;
 }
 
 Vec3 Step::position(std::uint32_t particle) const {

@@ -5,6 +5,7 @@
 
 #include "step/anchors.hpp"
 #include "step/compile/compiled.hpp"
+#include "step/lengths.hpp"
 #include "step/sleep.hpp"
 #include "threads/sharing.hpp"
 #include "threads/workers.hpp"
@@ -28,6 +29,14 @@ class Step {
   void set_weights(Weights weights);
   void set_force(std::uint32_t particle, Vec3 force);
   void move_anchor(std::uint32_t particle, Vec3 target);
+  /// Throws InputError if no solver can change the length of this rod.
+  void set_length(std::uint32_t rod, double target);
+
+  /// Returns NaN where no solver knows the pull (N) of a rod in the last step.
+  double pull(std::uint32_t rod) const;
+  bool is_broken(std::uint32_t rod) const;
+
+  std::vector<Problem> problems(double most_strain) const;
 
   Vec3 position(std::uint32_t particle) const;
   Vec3 velocity(std::uint32_t particle) const;
@@ -62,6 +71,8 @@ class Step {
   Workers workers_;
   Compiled compiled_;
   Anchors anchors_;
+  Lengths lengths_;
+  RodJudge rods_;
   Sleep sleep_;
   TimeRules rules_;
   std::vector<Stage> stages_;           ///< those that this scene needs

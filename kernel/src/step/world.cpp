@@ -31,6 +31,7 @@ struct World::Impl {
   Precision precision = Precision::double_;
   std::uint32_t substeps = 1;
   std::uint32_t rods = 0;
+  bool tensions = false;
   double time = 0;
 
   void require_known(std::uint32_t particle) const {
@@ -41,6 +42,12 @@ struct World::Impl {
     require_known(particle);
     if ((fixed[particle] != 0) != want_fixed)
       refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
+  }
+  void require_rod(std::uint32_t rod) const {
+    if (rod >= rods) refuse("rod ", rod, ": unknown, the scene has ", rods, " rods");
+  }
+  void require_tensions() const {
+    if (!tensions) refuse("tensions are not known: Settings::tensions asks for them");
   }
   void require_fit(std::span<const Vec3> out, const char* what) const {
     if (out.size() != fixed.size())
@@ -58,6 +65,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->precision = settings.precision;
   impl_->substeps = settings.substeps;
+  impl_->tensions = settings.tensions;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
 }
 World::~World() = default;
@@ -98,6 +106,33 @@ void World::move_anchor(std::uint32_t particle, Vec3 target) {
     refuse("particle ", particle, ": target is too far for ", to_string(impl_->precision), ", at most ", most,
            " m from the origin");
   impl_->step->move_anchor(particle, target);
+}
+
+void World::set_length(std::uint32_t rod, double target) {
+  impl_->require_rod(rod);
+  if (!(target > 0 && std::isfinite(target)))
+    refuse("rod ", rod, ": a length must be positive and finite, got ", target, " m");
+  impl_->step->set_length(rod, target);
+}
+
+double World::tension(std::uint32_t rod) const {
+  impl_->require_rod(rod);
+  impl_->require_tensions();
+  return impl_->step->pull(rod);
+}
+void World::copy_tensions(std::span<double> out) const {
+  impl_->require_tensions();
+  if (out.size() != impl_->rods)
+    refuse("tensions of ", impl_->rods, " rods cannot be copied into ", out.size(), " elements");
+  for (std::uint32_t i = 0; i < impl_->rods; ++i) out[i] = impl_->step->pull(i);
+}
+bool World::is_broken(std::uint32_t rod) const {
+  impl_->require_rod(rod);
+  return impl_->step->is_broken(rod);
+}
+
+std::vector<Problem> World::problems(double most_strain) const {
+  return impl_->step->problems(most_strain);
 }
 
 std::uint32_t World::particle_count() const {
@@ -152,6 +187,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   rms_gap = std::max(rms_gap, other.rms_gap);
   inaccurate_steps += other.inaccurate_steps;
   capped_steps += other.capped_steps;
+  broken_rods += other.broken_rods;
   contacts = std::max(contacts, other.contacts);
   guarded_energy += other.guarded_energy;
   awake_islands = other.awake_islands;

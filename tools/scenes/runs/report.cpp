@@ -31,6 +31,17 @@ Method method_of(const RunPlan& plan, const RunResult& result) {
                                          : asked;
 }
 
+Json problems_json(const RunResult& result) {
+  Json out = Json::array();
+  for (const Problem& problem : result.problems) {
+    Json item{{"kind", to_string(problem.kind)}, {"particle", problem.particle}};
+    if (problem.kind == Problem::Kind::stretched)
+      item.update({{"rod", problem.rod}, {"strain", problem.strain}});
+    out.push_back(item);
+  }
+  return out;
+}
+
 Json errors_json(const RunResult& result) {
   Json errors = Json::array();
   for (const PositionError& e : result.position_error) {
@@ -107,6 +118,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
         {"final", energy.final / energy.range},
         {"drift_max", energy.drift_max / energy.range}}},
       {"position_error", errors_json(result)},
+      {"problems", problems_json(result)},
       {"projected_position", result.info.projected_position},
       {"unprojected_islands", result.info.unprojected_islands},
       {"projected_velocity", result.info.projected_velocity},

@@ -151,6 +151,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   }
   result.stretch.rms = std::sqrt(squares / static_cast<double>(frames));
   result.wall_s = std::chrono::duration<double>(wall).count();
+  result.problems = world.problems();
   result.state_hash = world.state_hash();
   return result;
 }

@@ -47,6 +47,7 @@ struct RunResult {
   Stretch stretch{};
   EnergyDrift energy{};
   std::vector<PositionError> position_error{};
+  std::vector<Problem> problems{};  ///< Those of the last frame.
   std::uint64_t state_hash = 0;
   bool finite = true;  ///< Whether every position and velocity was finite at every frame's end.
 

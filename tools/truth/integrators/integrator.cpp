@@ -16,6 +16,12 @@ std::string text(Real value, int digits = 3) {
 /// Rods may have at most this strain once projected. It is far above rounding and far below what is asked
 /// for, so that only rods that contradict each other exceed it.
 constexpr Real most_stretch = 1e-12L;
+/// The series of an elastic rod's length may differ so much from the distance of its ends, relative to the
+/// diagonal. This is above what rounding makes of a step that holds a swing, and far below what is asked for.
+constexpr Real most_length_error = 1e-15L;
+/// The ends of an elastic rod that is shorter than this share of the diagonal count as meeting, for a
+/// message.
+constexpr Real short_length = 1e-3L;
 
 }  // namespace
 
@@ -41,6 +47,17 @@ void Integrator::refuse_stretch(const WorstRod& worst) const {
                     "contradict each other");
 }
 
+void Integrator::refuse_shrinking() const {
+  std::string why;
+  for (std::size_t r = 0; r < model_.rods.size(); ++r) {
+    const ModelRod& rod = model_.rods[r];
+    if (!rod.elastic || norm(state_.x[rod.b] - state_.x[rod.a]) > short_length * model_.diagonal) continue;
+    why = ", because the ends of elastic rod " + std::to_string(r) + " meet, where its pull turns round";
+  }
+  throw Unreachable("the motion cannot be followed beyond t = " + text(time_, 6) +
+                    " s: steps there shrink to nothing" + why);
+}
+
 /// Takes Newton steps on the lengths with the factors at hand, then solves once for the velocities. Returns
 /// by how much these changed at most, in m/s.
 Real Integrator::project() {
@@ -49,6 +66,7 @@ Real Integrator::project() {
     Real worst = 0;
     for (std::size_t r = 0; r < model_.rods.size(); ++r) {
       const ModelRod& rod = model_.rods[r];
+      if (rod.elastic) continue;
       const Point d = state_.x[rod.b] - state_.x[rod.a];
       const Real square = rod.length * rod.length;
       c_[r] = (square - dot(d, d)) / 2;
@@ -63,6 +81,7 @@ Real Integrator::project() {
   if (!(worst.stretch <= most_stretch)) refuse_stretch(worst);
   for (std::size_t r = 0; r < model_.rods.size(); ++r) {
     const ModelRod& rod = model_.rods[r];
+    if (rod.elastic) continue;
     c_[r] = -dot(state_.x[rod.b] - state_.x[rod.a], state_.v[rod.b] - state_.v[rod.a]);
   }
   solver_.solve(none_, c_, change_, push_);
@@ -93,10 +112,31 @@ void Integrator::step(Real h) {
   finish_step(h);
 }
 
+/// Sets next_ to what follows in h or less, and returns that. The series' own estimate looks at three
+/// coefficients. The lengths of rods, which it does not know of, depend on all.
+Real Integrator::shorten_step(Real h, Real most) {
+  // Where the ends of a rod meet, the step that the coefficients allow is always too long.
+  constexpr int most_halvings = 20, most_halvings_of_lengths = 10;
+  for (int halvings = 0;; ++halvings) {
+    series_.evaluate(h, next_);
+    const WorstRod worst = worst_stretch(model_, next_.x);
+    const bool lengths_hold = series_.lengths_hold(h, next_, most_length_error);
+    if (worst.stretch <= most && lengths_hold) return h;
+    // A series too short for its step gains order digits from every halving. A rod that was left out as
+    // redundant and is not gains four: it is held straight, and nothing finite can hold it.
+    const int enough = solver_.redundant() > 0 ? 4 : most_halvings;
+    if (halvings >= enough && !(worst.stretch <= most)) refuse_stretch(worst);
+    if (halvings >= most_halvings_of_lengths && !lengths_hold) refuse_shrinking();
+    h /= 2;
+  }
+}
+
 void Integrator::advance_to(Real t) {
   // A strain comes from the rounding of positions, and from what the tolerance allows.
   Real shortest = model_.diagonal;
-  for (const ModelRod& rod : model_.rods) shortest = std::min(shortest, rod.length);
+  for (const ModelRod& rod : model_.rods) {
+    if (!rod.elastic) shortest = std::min(shortest, rod.length);
+  }
   const Real allowed =
       std::max(100 * std::max(settings_.tolerance, Real{1e-18L}) * model_.diagonal / shortest, Real{1e-15L});
   while (time_ < t) {
@@ -108,22 +148,9 @@ void Integrator::advance_to(Real t) {
     } else if (2 * h > left) {
       h = left / 2;  // Half of what is left avoids a short last step.
     }
-    // The series' own estimate looks at three coefficients; the rods, which it does not know of, depend on
-    // all. Redundant rods that contradict each other by rounding may keep the strain that they had before.
-    const Real most = allowed + 2 * worst_stretch(model_, state_.x).stretch;
-    for (int halvings = 0;; ++halvings) {
-      series_.evaluate(h, next_);
-      const WorstRod worst = worst_stretch(model_, next_.x);
-      if (worst.stretch <= most) break;
-      // A series too short for its step gains order digits from every halving. A rod that was left out as
-      // redundant and is not gains four: it is held straight, and nothing finite can hold it.
-      if (halvings == (solver_.redundant() > 0 ? 4 : 20)) refuse_stretch(worst);
-      h /= 2;
-    }
-    if (h != left && !(h > 1e-12L * std::max(left, time_))) {
-      throw Unreachable("the motion cannot be followed beyond t = " + text(time_, 6) +
-                        " s: steps there shrink to nothing");
-    }
+    // Redundant rods that contradict each other by rounding may keep the strain that they had before.
+    h = shorten_step(h, allowed + 2 * worst_stretch(model_, state_.x).stretch);
+    if (h != left && !(h > 1e-12L * std::max(left, time_))) refuse_shrinking();
     const bool last = h == left;
     finish_step(h);
     if (last) time_ = t;

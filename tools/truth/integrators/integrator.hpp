@@ -34,9 +34,11 @@ class Integrator {
 
  private:
   void expand();
+  Real shorten_step(Real h, Real most);
   void finish_step(Real h);
   Real project();
   [[noreturn]] void refuse_stretch(const WorstRod& worst) const;
+  [[noreturn]] void refuse_shrinking() const;
 
   const Model& model_;
   Settings settings_;

@@ -4,11 +4,30 @@
 #include <limits>
 
 namespace plumb::truth {
+namespace {
+
+/// Returns half the sum of c[j] c[last - j] for j from `first` to last - first. The sum reads the same from
+/// both ends, so half of it is taken, and half of its middle if it has one.
+Real half_square(const Real* c, std::size_t first, std::size_t last) {
+  Real sum = 0;
+  for (std::size_t j = first; 2 * j < last; ++j) sum += c[j] * c[last - j];
+  if (last % 2 == 0 && last >= 2 * first) sum += c[last / 2] * c[last / 2] / 2;
+  return sum;
+}
+
+/// Returns the value of a polynomial at t.
+Real value_at(const Real* c, std::size_t powers, Real t) {
+  Real sum = 0;
+  for (std::size_t k = powers; k-- > 0;) sum = sum * t + c[k];
+  return sum;
+}
+
+}  // namespace
 
 TaylorSeries::TaylorSeries(const Model& model, std::uint32_t order)
     : model_(model), powers_(order + 2), norm_(powers_) {
   for (auto* values : {&x_, &y_, &z_}) values->assign(model.particles() * powers_, 0);
-  for (auto* values : {&dx_, &dy_, &dz_, &mu_}) values->assign(model.rods.size() * powers_, 0);
+  for (auto* values : {&dx_, &dy_, &dz_, &mu_, &length_}) values->assign(model.rods.size() * powers_, 0);
   f_.resize(model.particles());
   a_.resize(model.particles());
   c_.resize(model.rods.size());
@@ -18,32 +37,60 @@ TaylorSeries::TaylorSeries(const Model& model, std::uint32_t order)
 /// Adds what coefficients below k + 2 say for the coefficient k of the acceleration: pulls into f_, lengths
 /// into c_.
 void TaylorSeries::weigh_rods(std::size_t k) {
-  const Real both = static_cast<Real>(k + 1) * static_cast<Real>(k + 2);
   for (std::size_t r = 0; r < model_.rods.size(); ++r) {
     const ModelRod& rod = model_.rods[r];
+    if (rod.elastic) {
+      expand_pull(k, r);
+    } else {
+      constrain(k, r);
+    }
     const Real *dx = &dx_[r * powers_], *dy = &dy_[r * powers_], *dz = &dz_[r * powers_],
                *mu = &mu_[r * powers_];
+    const std::size_t known =
+        rod.elastic ? k + 1 : k;  // The next multiplier of a rigid rod is yet to be found.
     Point pull;
-    for (std::size_t j = 0; j < k; ++j) {
+    for (std::size_t j = 0; j < known; ++j) {
       pull.x += mu[j] * dx[k - j], pull.y += mu[j] * dy[k - j], pull.z += mu[j] * dz[k - j];
     }
     f_[rod.b] += pull;
     f_[rod.a] -= pull;
-    // The sum reads the same from both ends, so half of it is taken, and half of its middle if it has one.
-    const std::size_t last = k + 2;
-    Real sum = 0;
-    for (std::size_t j = 1; 2 * j < last; ++j) {
-      const std::size_t i = last - j;
-      sum += dx[j] * dx[i] + dy[j] * dy[i] + dz[j] * dz[i];
-    }
-    if (last % 2 == 0) {
-      const std::size_t m = last / 2;
-      sum += (dx[m] * dx[m] + dy[m] * dy[m] + dz[m] * dz[m]) / 2;
-    }
-    // The drag is taken to the other side, see expand().
-    const Real along = dx[0] * dx[k + 1] + dy[0] * dy[k + 1] + dz[0] * dz[k + 1];
-    c_[r] = model_.drag * static_cast<Real>(k + 1) * along - both * sum;
   }
+}
+
+/// Sets c_ of a rigid rod.
+void TaylorSeries::constrain(std::size_t k, std::size_t r) {
+  const Real both = static_cast<Real>(k + 1) * static_cast<Real>(k + 2);
+  const Real *dx = &dx_[r * powers_], *dy = &dy_[r * powers_], *dz = &dz_[r * powers_];
+  const Real sum = half_square(dx, 1, k + 2) + half_square(dy, 1, k + 2) + half_square(dz, 1, k + 2);
+  // The drag is taken to the other side, see expand().
+  const Real along = dx[0] * dx[k + 1] + dy[0] * dy[k + 1] + dz[0] * dz[k + 1];
+  c_[r] = model_.drag * static_cast<Real>(k + 1) * along - both * sum;
+}
+
+/// Finds coefficient k of an elastic rod's length.
+void TaylorSeries::expand_length(std::size_t k, std::size_t r) {
+  const Real *dx = &dx_[r * powers_], *dy = &dy_[r * powers_], *dz = &dz_[r * powers_];
+  Real* length = &length_[r * powers_];
+  if (k == 0) {
+    length[0] = norm({dx[0], dy[0], dz[0]});
+    return;
+  }
+  const Real sum = half_square(dx, 0, k) + half_square(dy, 0, k) + half_square(dz, 0, k);
+  length[k] = (sum - half_square(length, 1, k)) / length[0];
+}
+
+/// Finds coefficient k of an elastic rod's multiplier, and one more of its length, because the damping needs
+/// it.
+void TaylorSeries::expand_pull(std::size_t k, std::size_t r) {
+  const ModelRod& rod = model_.rods[r];
+  if (k == 0) expand_length(0, r);
+  expand_length(k + 1, r);
+  const Real* length = &length_[r * powers_];
+  Real* mu = &mu_[r * powers_];
+  const Real excess = k == 0 ? length[0] - rod.length : length[k];
+  Real sum = -rod.stiffness * excess - rod.damping * static_cast<Real>(k + 1) * length[k + 1];
+  for (std::size_t j = 0; j < k; ++j) sum -= mu[j] * length[k - j];
+  mu[k] = sum / length[0];
 }
 
 void TaylorSeries::expand(const State& state, ConstraintSolver& solver) {
@@ -84,7 +131,9 @@ void TaylorSeries::expand(const State& state, ConstraintSolver& solver) {
       set(k + 2, i, (1 / both) * (a_[i] - model_.drag * static_cast<Real>(k + 1) * before));
     }
     stretch_rods(k + 2);
-    for (std::size_t r = 0; r < push_.size(); ++r) coefficient(mu_, r, k) = push_[r];
+    for (std::size_t r = 0; r < push_.size(); ++r) {
+      if (!model_.rods[r].elastic) coefficient(mu_, r, k) = push_[r];
+    }
   }
 }
 
@@ -115,6 +164,29 @@ void TaylorSeries::evaluate(Real t, State& out) const {
     sum(y_, i, out.x[i].y, out.v[i].y);
     sum(z_, i, out.x[i].z, out.v[i].z);
   }
+}
+
+bool TaylorSeries::lengths_hold(Real t, const State& state, Real most) const {
+  // A step may hold more than one swing of a rod, so that its length at the end does not tell all.
+  constexpr int looks = 32;
+  for (std::size_t r = 0; r < model_.rods.size(); ++r) {
+    const ModelRod& rod = model_.rods[r];
+    if (!rod.elastic) continue;
+    // The last coefficient belongs to a power that expand() has no use for.
+    const auto length_at = [&](Real when) { return value_at(&length_[r * powers_], powers_ - 1, when); };
+    Real earlier = length_at(0), here = length_at(t / looks);
+    for (int i = 2; i <= looks; ++i) {
+      const Real later = length_at(t * i / looks);
+      // Between two looks a length dips by an eighth of its second difference; twice that leaves room.
+      const Real dip = std::abs(earlier - 2 * here + later) / 4;
+      if (!(std::min({earlier, here, later}) > dip)) return false;
+      earlier = here;
+      here = later;
+    }
+    const Real length = norm(state.x[rod.b] - state.x[rod.a]);
+    if (!(std::abs(length_at(t) - length) <= most * std::max(length, model_.diagonal))) return false;
+  }
+  return true;
 }
 
 }  // namespace plumb::truth

@@ -15,6 +15,13 @@ namespace plumb::truth {
 ///   (k+1)(k+2) M x_{k+2} - J_0ᵀ mu_k = [M g if k = 0] - drag (k+1) M x_{k+1} + sum_{j<k} mu_j d_{k-j},
 ///   J_0 x_{k+2} = -1/2 sum_{j=1..k+1} d_j·d_{k+2-j}
 ///
+/// An elastic rod's mu_k is known beforehand and stands on the right. Its length l has a series too. It
+/// follows from l l = d·d, and mu from mu l = -stiffness (l - length) - damping dl/dt, one coefficient after
+/// the other:
+///
+///   l_0 l_k = 1/2 (sum_{j=0..k} d_j·d_{k-j} - sum_{j=1..k-1} l_j l_{k-j}),
+///   l_0 mu_k = -stiffness (l_k - [length if k = 0]) - damping (k+1) l_{k+1} - sum_{j<k} mu_j l_{k-j}
+///
 /// The recursion is that of Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section
 /// I.8. The constraint is differentiated as often as there are coefficients. The order is whatever is asked
 /// for.
@@ -34,11 +41,18 @@ class TaylorSeries {
 
   void evaluate(Real t, State& out) const;
 
+  /// Returns whether the series of the elastic rods' lengths hold up to `t`. Their ends may not meet before.
+  /// At `t` they may be off the distances in `state` by at most `most` of those or of the diagonal.
+  bool lengths_hold(Real t, const State& state, Real most) const;
+
  private:
   Real& coefficient(std::vector<Real>& of, std::size_t item, std::size_t power) const {
     return of[item * powers_ + power];
   }
   void weigh_rods(std::size_t k);
+  void constrain(std::size_t k, std::size_t r);
+  void expand_length(std::size_t k, std::size_t r);
+  void expand_pull(std::size_t k, std::size_t r);
 
   const Model& model_;
   std::size_t powers_;  ///< Powers of t that are kept: order + 2.
@@ -46,6 +60,7 @@ class TaylorSeries {
   std::vector<Real> x_, y_, z_;     ///< Coefficients of particles.
   std::vector<Real> dx_, dy_, dz_;  ///< Coefficients of rods, from a to b.
   std::vector<Real> mu_;            ///< Multipliers of rods.
+  std::vector<Real> length_;        ///< Coefficients of the lengths of elastic rods.
   std::vector<Real> norm_;          ///< Norm of each power, the largest over the particles.
   // These members are scratch.
   std::vector<Point> f_, a_;

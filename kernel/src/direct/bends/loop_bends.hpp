@@ -14,6 +14,14 @@ namespace plumb::detail {
 struct LoopState;
 struct LoopWorkspace;
 
+/// An island has these numbers of a bend. Those of the law hold while its rods have the lengths of the scene.
+struct LoopBendNumbers {
+  static constexpr std::uint32_t no_rod = 0xffffffff;
+
+  BendNumbers law;
+  std::array<std::uint32_t, 2> rods;  ///< The island's rods from a to b and from b to c, or no_rod.
+};
+
 /// A scene's bends, as solvers of islands take them.
 struct BendTable {
   explicit BendTable(const Scene& scene);
@@ -24,7 +32,8 @@ struct BendTable {
 /// Gives an island the numbers of its bends, in the order of its topology.
 void load_bends(LoopState& state, const BendTable& table, std::span<const std::uint32_t> bends);
 
-/// Measures w of every bend at the start of a substep.
+/// Measures w of every bend at the start of a substep. Rods that change their length change its numbers, and
+/// a broken rod takes it out.
 void measure_bends(const LoopState& state, LoopWorkspace& work);
 
 /// Writes what bends add to Newton's matrix into `values` of the island's system, and adds what every node

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "plumb/scene.hpp"
@@ -11,31 +12,39 @@ namespace plumb::detail {
 
 /// These factors make an equation of a law, see simd::law_factors.
 struct LawFactors {
-  double damping = 0, share = 0, kick = 0, kick_before = 0, substep = 0;
+  double share = 0, kick = 0, kick_back = 0, kick_before = 0, rate = 0, substep = 0, substep_before = 0;
 
   /// Returns those of a substep of `h` (s) after one of `last` (s), or 0 after a velocity. Forces act on its
   /// displacement by `kick` (s^2).
   static LawFactors of(Gradient gradient, double kick, double last, double h) {
-    if (gradient == Gradient::mid) return {kick / h, 0.5, kick, 0, 0};
-    if (gradient == Gradient::new_) return {kick / h, 1, kick, 0, 0};
-    const double between = (h + last) / 2, own = kick * (h / 2) / between;
-    return {own / h, 0.5, own, last != 0 ? kick / between : 0, h};
+    if (gradient != Gradient::old)
+      return {.share = gradient == Gradient::mid ? 0.5 : 1, .kick = kick, .rate = 1 / h};
+    const double between = (h + last) / 2;
+    return {.share = 0.5,
+            .kick = kick,
+            .kick_back = kick * (last / 2) / between,
+            .kick_before = last != 0 ? kick / between : 0,
+            .rate = 1 / h,
+            .substep = h,
+            .substep_before = last};
   }
   /// Returns those of a projection of velocities, after a substep of `last` (s). Forces change them by `kick`
   /// (s), and so does the half kick that rods of gradient old keep.
   static LawFactors of_projection(double kick, double last) {
-    return {.kick_before = last > 0 ? 2 * kick / last : 0};
+    return {.kick_before = last > 0 ? 2 * kick / last : 0, .substep = kick != 0 ? last : 0};
   }
   std::array<double, simd::law_factors::count> numbers() const {
-    return {damping, share, kick, kick_before, substep};
+    return {share, kick, kick_back, kick_before, rate, substep, substep_before};
   }
 };
 
 /// Returns tree_fields::law numbers of a rod. `unit` is that of mass, in kg. `give` is the sum of the inverse
 /// masses of its ends, in 1/kg.
 inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law, double unit, double give) {
-  if (!law.is_elastic()) return {0, 0, 1, law.one_sided ? 1.0 : 0.0, 0};
-  return {law.stiffness / unit, law.damping / unit, 0, law.one_sided ? 1.0 : 0.0, law.stiffness * give};
+  const double strength = std::isfinite(law.strength) ? law.strength / unit : 0;
+  if (!law.is_elastic()) return {0, 0, 1, law.one_sided ? 1.0 : 0.0, 0, strength};
+  return {law.stiffness / unit,         law.damping / unit, 0, law.one_sided ? 1.0 : 0.0,
+          law.stiffness * give, strength};
 }
 
 }  // namespace plumb::detail

@@ -1,6 +1,7 @@
 #include "direct/laws/loop_laws.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 // The equation of a rod needs what this file defines for one number.
 #include "simd/tree/one_lane.hpp"
@@ -11,12 +12,12 @@ namespace plumb::detail {
 namespace {
 
 simd::LawNumbers<double> numbers_of(const LoopLaws& laws, std::uint32_t k) {
-  const auto [stiffness, damping, rigid, one_sided, frequency2] = laws.rods[k];
+  const auto [stiffness, damping, rigid, one_sided, frequency2, strength] = laws.rods[k];
   return {stiffness, damping, rigid, one_sided, frequency2};
 }
 simd::LawFactors<double> factors_of(const LawWorkspace& work) {
-  const auto [damping, share, kick, kick_before, substep] = work.factors.numbers();
-  return {damping, share, kick, kick_before, substep};
+  const auto [share, kick, kick_back, kick_before, rate, substep, substep_before] = work.factors.numbers();
+  return {share, kick, kick_back, kick_before, rate, substep, substep_before};
 }
 simd::LawStart<double> start_of(const LawWorkspace& work, std::uint32_t k) {
   const auto [length, excess, slope, before] = work.starts[k];
@@ -25,10 +26,16 @@ simd::LawStart<double> start_of(const LawWorkspace& work, std::uint32_t k) {
 
 }  // namespace
 
-void start_law(const LoopLaws& laws, std::uint32_t k, double half_kick, double length2, double violation,
-               LawWorkspace& work) {
+void LoopLaws::make(std::span<const double> length2) {
+  if (any()) return;
+  rods.assign(length2.size(), Numbers{0, 0, 1});
+  half_kick = rate = impulse = std::vector<double>(length2.size());
+  for (const double square : length2) length.push_back(std::sqrt(square));
+}
+
+void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double violation, LawWorkspace& work) {
   const auto start =
-      simd::start_law(numbers_of(laws, k), factors_of(work), half_kick, length2, violation);
+      simd::start_law(numbers_of(laws, k), factors_of(work), laws.half_kick[k], length2, violation);
   work.starts[k] = {start.length, start.excess, start.slope, start.before};
 }
 
@@ -39,17 +46,47 @@ RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, 
   return {row.use, row.soft, row.c};
 }
 
-double known_multiplier(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k) {
-  return simd::known_pull(numbers_of(laws, k), start_of(work, k), 0.0, 0.0).mu;
+VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double c,
+                         double last_mu) {
+  const auto [mu, row] =
+      simd::known_pull(numbers_of(laws, k), factors_of(work), start_of(work, k), c, last_mu);
+  return {mu, {row.use, row.soft, row.c}};
 }
 
-bool holds_velocity(const LoopLaws& laws, std::uint32_t k, double last_mu) {
-  const auto law = numbers_of(laws, k);
-  return law.rigid != 0 && (law.one_sided == 0 || last_mu < 0);
+void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> length2) {
+  for (std::uint32_t k = 0; k < length2.size(); ++k) {
+    if (laws.rate[k] == 0) continue;
+    const double length = laws.length[k] + (laws.is_rigid(k) ? h : h / 2) * laws.rate[k];
+    length2[k] = length * length;
+  }
 }
 
-double end_law(const LawWorkspace& work, std::uint32_t k, double half_kick, double mu) {
-  return simd::end_law(factors_of(work), start_of(work, k), half_kick, mu);
+std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEnd& end,
+                       std::span<const double> mu, std::span<double> length2) {
+  std::uint32_t broken = 0;
+  for (std::uint32_t k = 0; k < length2.size(); ++k) {
+    if (!work.starts.empty())  // islands solved by their lines have none
+      laws.half_kick[k] = simd::end_law(numbers_of(laws, k), factors_of(work), start_of(work, k), laws.half_kick[k], mu[k]);
+    if (laws.rate[k] != 0) {
+      laws.length[k] += end.h * laws.rate[k];
+      length2[k] = laws.length[k] * laws.length[k];
+    }
+    const double length =
+        laws.is_rigid(k) ? laws.length[k] : pulled_length(work.starts[k], mu[k], end.theta);
+    const double pull = -mu[k] * length / end.kick, strength = laws.rods[k][5];
+    laws.impulse[k] += end.h * pull * end.mass_unit;
+    if (!(strength > 0 && pull > strength)) continue;
+    laws.rods[k] = {};
+    ++broken;
+  }
+  return broken;
+}
+
+double pulled_length(const std::array<double, simd::tree_fields::law_start>& start, double mu, double theta) {
+  const auto [length, excess, slope, before] = start;
+  const double give = slope + theta * mu;
+  // It solves the rod's equation, mu l + slope c1 + before = 0, for l1.
+  return give > 0 ? length - theta * ((mu * length + slope * excess) + before) / give : length;
 }
 
 LawPull law_pull(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double growth) {

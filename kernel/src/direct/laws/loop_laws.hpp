@@ -2,20 +2,32 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "direct/laws/law_factors.hpp"
 
 namespace plumb::detail {
 
-/// Holds how the rods of an island with loops give, in double. Islands of rigid rods have no numbers.
+/// Holds how the rods of an island with loops give, change their lengths and pull. Islands of rigid rods have
+/// no numbers.
 struct LoopLaws {
   using Numbers = std::array<double, simd::tree_fields::law>;
   std::vector<Numbers> rods;
 
+  std::vector<double> half_kick;  ///< They have one number per rod, see simd/tree/law_math.hpp.
+  std::vector<double> length;     ///< At the end of the last substep, in m.
+  std::vector<double> rate;       ///< Lengths change by so much, in m/s.
+  std::vector<double> impulse;    ///< Pulls times substeps, of this step, in N s.
+  bool moves = false;             ///< Some rod changes its length.
+  bool pulls = false;             ///< Pulls are added up.
+
+  /// Makes room for rods of these squared lengths (m^2), which are rigid.
+  void make(std::span<const double> length2);
   bool any() const { return !rods.empty(); }
   bool is_rigid(std::uint32_t k) const { return rods[k][2] != 0; }
   bool is_one_sided(std::uint32_t k) const { return rods[k][3] != 0; }
+  bool is_broken(std::uint32_t k) const { return rods[k] == Numbers{}; }
 };
 
 /// Holds what a substep makes of the laws, while it is solved.
@@ -31,18 +43,33 @@ struct RodRow {
 };
 
 /// Makes the start of rod `k` of the squared length `length2`, which is `violation` = C off its own (m²).
-void start_law(const LoopLaws& laws, std::uint32_t k, double half_kick, double length2, double violation,
-               LawWorkspace& work);
+void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double violation, LawWorkspace& work);
 /// Returns the row of rod `k` in a substep. The square of its length has grown by `growth`, and it violates its
 /// length by `violation` (m²).
 RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double growth,
                double violation, double mu, double theta);
-/// Returns the multiplier with which a rod that gives pulls in a projection of velocities.
-double known_multiplier(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k);
-/// Says whether rod `k` keeps its length in a projection of velocities. `last_mu` is its last multiplier.
-bool holds_velocity(const LoopLaws& laws, std::uint32_t k, double last_mu);
-/// Returns the half kick that a rod with multiplier mu leaves for the next substep.
-double end_law(const LawWorkspace& work, std::uint32_t k, double half_kick, double mu);
+/// Returns the multiplier with which rod `k` is known to pull in a projection of velocities, and the row of what
+/// is added to it. Its ends come apart at c (m²/s) times its length, and its last multiplier is `last_mu`.
+struct VelocityRow {
+  double mu = 0;
+  RodRow row{};
+};
+VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double c,
+                         double last_mu);
+
+/// Sets the lengths of rods whose length changes, as set_substep_lengths() of trees does.
+void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> length2);
+/// Ends a substep of `h` (s), as end_rods() of trees does. Forces acted by `kick` (s^2) on masses in units of
+/// `mass_unit` (kg).
+struct SubstepEnd {
+  double h, theta, kick, mass_unit;
+};
+std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEnd& end,
+                       std::span<const double> mu, std::span<double> length2);
+
+/// Returns the length (m) along which an elastic rod pulls with the multiplier `mu` in a substep of gradient
+/// theta. `start` has tree_fields::law_start numbers.
+double pulled_length(const std::array<double, simd::tree_fields::law_start>& start, double mu, double theta);
 
 /// Rod `k` of gradient new pulls with the multiplier -psi/l at the end of a substep, and psi is the derivative
 /// of an energy by the length. Returns both.

@@ -40,9 +40,14 @@ RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double
   return {terms.force, row.use * terms.gradient, row.soft, row.c};
 }
 
-/// Says whether rod `k` keeps its length in a projection of velocities.
-bool holds(const LoopState& state, std::uint32_t k) {
-  return !state.laws.any() || holds_velocity(state.laws, k, state.mu[k]);
+/// Returns the row of rod `k` in a projection of velocities, at the present delta.
+VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWorkspace& work) {
+  const auto [a, b] = state.topology->rods[k];
+  const double c = dot(at(work.d, k), at(work.delta, a) - at(work.delta, b));
+  if (!state.laws.any()) return {0, {1, 0, c}};
+  VelocityRow out = velocity_row(state.laws, work.laws, k, c, state.mu[k]);
+  if (state.laws.is_rigid(k)) out.row.c -= out.row.use * state.laws.length[k] * state.laws.rate[k];
+  return out;
 }
 
 /// Adds what bends do to Newton's matrix, and returns how much a node resists with its own part of it.
@@ -70,7 +75,8 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     const Vec3 d = at(state.x, shape.rods[k].a) - at(state.x, shape.rods[k].b);
     put(work.d.data() + 3 * std::size_t{k}, d);
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
-    if (state.laws.any()) start_law(state.laws, k, state.half_kick[k], dot(d, d), work.excess[k], work.laws);
+    if (state.laws.any())
+      start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
   }
   measure_bends(state, work);
 }
@@ -160,11 +166,11 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const Vec3 d = at(work.d, k);
-    const bool is_held = holds(state, k);
+    const RodRow row = projected_row(state, k, work).row;
     factor.values[system.at(k)] = state.coupling[k];
-    write_rod(&factor.values[system.at(k)], d, is_held ? d : Vec3{}, is_held ? 0 : 1);
+    write_rod(&factor.values[system.at(k)], d, row.use * d, row.soft);
     const double give = 1 / state.mass[a] + (b < shape.nodes ? 1 / state.mass[b] : 0);
-    factor.smallest[analysis.position(shape.nodes + k)] = is_held ? redundant_pivot * dot(d, d) * give : 0;
+    factor.smallest[analysis.position(shape.nodes + k)] = redundant_pivot * row.use * dot(d, d) * give;
   }
   factor.ldu.factorize(factor.values, factor.smallest);
   // The second time takes out what rounding left in the first.
@@ -173,10 +179,11 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
       put(factor.right.data() + analysis.position(i), force * at(state.force, i));
     for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
       const auto [a, b] = shape.rods[k];
-      factor.right[analysis.position(shape.nodes + k)] =
-          holds(state, k) ? dot(at(work.d, k), at(work.delta, b) - at(work.delta, a)) : 0;
-      if (!state.laws.any() || force == 0) continue;
-      const Vec3 pull = known_multiplier(state.laws, work.laws, k) * at(work.d, k);
+      const auto [known, row] = projected_row(state, k, work);
+      double& right = factor.right[analysis.position(shape.nodes + k)];
+      right = -(row.c + (force == 0 ? row.soft * right : 0));  // it was the pull that the first time found
+      if (known == 0 || force == 0) continue;
+      const Vec3 pull = known * at(work.d, k);
       add(factor.right.data() + analysis.position(a), pull);
       if (b < shape.nodes) add(factor.right.data() + analysis.position(b), -1.0 * pull);
     }

@@ -54,7 +54,8 @@ void LoopSolver::project_velocities() {
 
 void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   velocity_known_ = false;
-  if (anchors_changed_ && rules_->gradient == Gradient::mid)
+  if (state_.laws.pulls) std::fill(state_.laws.impulse.begin(), state_.laws.impulse.end(), 0.0);
+  if (anchors_changed(0) && rules_->gradient == Gradient::mid)
     rules_->stepper.project_velocities(state_, work_);
 }
 
@@ -192,6 +193,29 @@ void LoopSolver::place_anchor(Slot slot, Vec3 target) {
   x[0] = target.x;
   x[1] = target.y;
   x[2] = target.z;
+}
+
+// --- Settings and reports
+
+// --- Rods
+
+void LoopSolver::count_pulls() {
+  state_.laws.make(state_.length2);
+  state_.laws.pulls = true;
+}
+
+bool LoopSolver::is_broken(Slot rod) const {
+  return state_.laws.any() && state_.laws.is_broken(rod);
+}
+
+void LoopSolver::set_length(Slot rod, double length, double rate) {
+  state_.laws.make(state_.length2);
+  state_.laws.moves = true;
+  work_.lines.reset();  // they do not know of it
+  lengths_changed_ = lengths_changed_ || state_.laws.rate[rod] != rate;
+  state_.laws.rate[rod] = rate;
+  state_.laws.length[rod] = length;
+  state_.length2[rod] = length * length;
 }
 
 // --- Settings and reports

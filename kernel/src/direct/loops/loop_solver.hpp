@@ -52,8 +52,9 @@ class LoopSolver final : public Solver {
   ErrorModel error_model() const override;
   double& best_substep(std::uint32_t) override { return best_substep_; }
   std::uint32_t cuts(std::uint32_t, double h) const override { return rules_->stepper.cuts(state_, h); }
-  bool anchors_changed(std::uint32_t) const override { return anchors_changed_; }
-  bool starts_anew(std::uint32_t) const override { return anchors_changed_ || state_.u_step == 0; }
+  bool anchors_changed(std::uint32_t) const override { return anchors_changed_ || lengths_changed_; }
+  bool starts_anew(std::uint32_t) const override { return anchors_changed(0) || state_.u_step == 0; }
+  void end_step(StepReport&) override { lengths_changed_ = false; }
   void save(std::uint32_t, Saved which) override;
   void restore(std::uint32_t, Saved which) override;
   void mark(std::uint32_t) override { mark_ = state_.x; }
@@ -77,6 +78,11 @@ class LoopSolver final : public Solver {
   void set_away(Slot, bool away) override { away_ = away; }
   bool is_away(std::uint32_t) const override { return away_; }
 
+  void count_pulls() override;
+  double pull(Slot rod, double dt) const override { return state_.laws.impulse[rod] / dt; }
+  bool is_broken(Slot rod) const override;
+  void set_length(Slot rod, double length, double rate) override;
+
   bool set_stop_rule(const StopRule& rule) override;
   void describe(WorldInfo& info) const override;
 
@@ -89,7 +95,7 @@ class LoopSolver final : public Solver {
   mutable std::vector<double>
       velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocity_known_ = false;
-  bool anchors_changed_ = false, away_ = false;
+  bool anchors_changed_ = false, lengths_changed_ = false, away_ = false;
   // An accuracy needs these:
   LoopMotion saved_[2]{};
   std::vector<double> mark_{};

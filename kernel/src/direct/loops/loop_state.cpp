@@ -87,11 +87,11 @@ LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& sce
   if (std::all_of(edges.begin(), edges.end(), [&](std::uint32_t i) { return scene.rods[i].law.is_rigid(); }))
     return;
   const auto give = [&](std::uint32_t i) { return i < n ? 1 / (mass[i] * mass_unit) : 0; };
+  laws.make(length2);
   for (std::uint32_t k = 0; k < topology->rods.size(); ++k) {
     const auto [a, b] = topology->rods[k];
-    laws.rods.push_back(law_numbers(scene.rods[edges[k]].law, mass_unit, give(a) + give(b)));
+    laws.rods[k] = law_numbers(scene.rods[edges[k]].law, mass_unit, give(a) + give(b));
   }
-  half_kick.assign(laws.rods.size(), 0);
 }
 
 void LoopState::set_force(std::uint32_t node, Vec3 newton) {

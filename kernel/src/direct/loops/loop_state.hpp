@@ -65,7 +65,6 @@ struct LoopTopology {
 struct LoopMotion {
   std::vector<double> x;                  ///< Positions have 3 numbers per vertex, in m.
   std::vector<double> u, mu;              ///< u has 3 numbers per node, and mu one per rod.
-  std::vector<double> half_kick;          ///< It has one number per rod of islands with laws (law_math.hpp).
   std::vector<Vec3> fixed_last_velocity;  ///< There is one per fixed vertex, in m/s.
   /// Where errors are estimated, these are accelerations of the last two substeps, rods included: 3 per node,
   /// in m/s^2.
@@ -75,6 +74,7 @@ struct LoopMotion {
   std::uint32_t next_damped = 0;  ///< The next time it will be so many.
   /// Substeps longer than this (s) are cut before they are tried.
   double longest = std::numeric_limits<double>::infinity();
+  LoopLaws laws;
   double u_step = 0;   ///< It is in s.
   double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
 };
@@ -97,8 +97,7 @@ struct LoopState : LoopMotion {
   std::vector<double> mass, coupling,
       length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
   std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
-  LoopLaws laws;
-  std::vector<BendNumbers> bends;
+  std::vector<LoopBendNumbers> bends;
   bool anchors_move = false;
   double mass_unit = 1;  ///< It is in kg.
   double scale2 = 1;     ///< It is the mean squared length of a rod, in m^2.

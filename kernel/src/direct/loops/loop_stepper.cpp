@@ -104,7 +104,8 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   mu_start.assign(rods, 0);
   saved = state.motion();
   trial.assign(delta.size(), 0);
-  bend_starts.assign(state.bends.size(), {});
+  for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
+  bend_starts.assign(bends.size(), {});
   resists.assign(n, 0);
 }
 
@@ -130,6 +131,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   const auto [ratio, kick] = coefficients(state, h, gradient);
   work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h);
   work.laws.is_mid = gradient == Gradient::mid;
+  if (state.laws.moves) set_substep_lengths(state.laws, h, state.length2);
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
@@ -241,7 +243,8 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorks
   return false;
 }
 
-double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
+double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+                           Tally& counters) const {
   const auto [ratio, kick] = coefficients(state, h, gradient);
   // The change over two substeps is free of what mid swings by from one to the next. Half of it is that of
   // one, and h^2/12 times that is the error of position.
@@ -260,8 +263,9 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
     const double delta = work.delta[i];
     state.u[i] = gradient == Gradient::mid ? decay * (2 / h * delta - 1 / h * (ratio * state.u[i])) : delta;
   }
-  for (std::uint32_t k = 0; k < state.half_kick.size(); ++k)
-    state.half_kick[k] = end_law(work.laws, k, state.half_kick[k], state.mu[k]);
+  if (state.laws.any())
+    counters.broken_rods += end_rods(state.laws, work.laws, {h, theta_of(gradient), kick, state.mass_unit},
+                                     state.mu, state.length2);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
   // What follows in this step finds fixed vertices already on their way.
@@ -280,7 +284,7 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
     if (solve(state, h, gradient, work, counters)) {
-      attempts.error += accept(state, h, gradient, work);
+      attempts.error += accept(state, h, gradient, work, counters);
       if (depth > 0 && (attempts.shortest_half == 0 || std::abs(h) < attempts.shortest_half))
         attempts.shortest_half = std::abs(h);
       ++counters.direct_substeps;
@@ -334,8 +338,8 @@ void LoopStepper::advance_elastic(LoopState& state, double h, LoopWorkspace& wor
   ++counters.elastic_substeps;
   work.factor(true).h = 0;
   const bool moves = let_rods_give(state, work, counters);
+  if (moves) accept(state, h, Gradient::new_, work, counters);
   std::fill(state.mu.begin(), state.mu.end(), 0.0);
-  if (moves) accept(state, h, Gradient::new_, work);
 }
 
 void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {

@@ -42,6 +42,7 @@ struct LoopWorkspace {
   std::vector<double> load;       ///< It has 3 numbers per node.
   std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
   std::vector<double> mu_start, trial;
+  std::vector<BendNumbers> bends;  ///< They hold for this substep.
   std::vector<Vec3> bend_starts;  ///< w of every bend at the start of this substep (curvature.hpp).
   std::vector<double> resists;    ///< Bends resist a node's displacement by so much; it has one per node.
   LawWorkspace laws;
@@ -107,7 +108,7 @@ class LoopStepper {
   /// may have changed.
   bool try_substep(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
     if (!solve(state, h, gradient_, work, counters)) return false;
-    accept(state, h, gradient_, work);
+    accept(state, h, gradient_, work, counters);
     return true;
   }
 
@@ -131,7 +132,7 @@ class LoopStepper {
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
   bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
   /// Ends a substep and returns the estimate of its error.
-  double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
+  double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
   /// A part of a substep may try so much, and all parts so far came to the rest.
   struct Attempts {
     int halvings, left;

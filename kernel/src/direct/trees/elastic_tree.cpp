@@ -26,18 +26,45 @@ void copy(To& to, const From& from) {
                  [](auto value) { return static_cast<double>(value); });
 }
 
+/// Calls f(number of the island's rod, that of the tree's, whether it goes to an anchor).
+template <class T, class F>
+void for_rods(const TreeState<T>& tree, F&& f) {
+  const std::size_t nodes = tree.topology->nodes;
+  for (std::size_t i = 1; i < nodes; ++i) f(i - 1, i, false);
+  for (std::size_t k = 0; k < tree.topology->ties; ++k) f(nodes - 1 + k, k, true);
+}
+
+/// Copies what rods do besides keeping their lengths, of a tree alone. Half kicks are forgotten.
 template <class T>
 void load_laws(const TreeState<T>& tree, LoopState& island) {
-  constexpr std::size_t count = simd::tree_fields::law;
-  island.laws.rods.resize(island.mu.size());
-  island.half_kick.assign(island.mu.size(), 0);
-  const std::uint32_t nodes = tree.topology->nodes;
-  for (std::size_t c = 0; c < count; ++c) {
-    for (std::size_t i = 1; i < nodes; ++i)
-      island.laws.rods[i - 1][c] = static_cast<double>(tree.laws.rods[count * i + c]);
-    for (std::size_t k = 0; k < tree.topology->ties; ++k)
-      island.laws.rods[nodes - 1 + k][c] = static_cast<double>(tree.laws.ties[count * k + c]);
-  }
+  LoopLaws& to = island.laws;
+  const TreeLaws<T>& from = tree.laws;
+  to.make(island.length2);
+  to.moves = from.moves;
+  to.pulls = from.pulls;
+  for_rods(tree, [&](std::size_t rod, std::size_t i, bool tie) {
+    const auto part = [&](const auto& of) { return tie ? of.ties.data() : of.rods.data(); };
+    for (std::size_t c = 0; c < to.rods[rod].size(); ++c)
+      to.rods[rod][c] = static_cast<double>(part(from.law)[to.rods[rod].size() * i + c]);
+    to.half_kick[rod] = 0;
+    to.length[rod] = part(from.length)[i];
+    to.rate[rod] = part(from.rate)[i];
+    to.impulse[rod] = part(from.impulse)[i];
+  });
+}
+template <class T>
+void store_laws(const LoopState& island, TreeState<T>& tree) {
+  const LoopLaws& from = island.laws;
+  TreeLaws<T>& to = tree.laws;
+  for_rods(tree, [&](std::size_t rod, std::size_t i, bool tie) {
+    const auto part = [&](auto& of) { return tie ? of.ties.data() : of.rods.data(); };
+    for (std::size_t c = 0; c < from.rods[rod].size(); ++c)
+      part(to.law)[from.rods[rod].size() * i + c] = static_cast<T>(from.rods[rod][c]);
+    part(to.half_kick)[i] = T(0);
+    part(to.length)[i] = from.length[rod];
+    part(to.impulse)[i] = from.impulse[rod];
+    (tie ? tree.tie_length2 : tree.length2)[i] = island.length2[rod];
+  });
 }
 
 }  // namespace
@@ -69,7 +96,10 @@ auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
     island.coupling[nodes - 1 + k] = static_cast<double>(tree.tie[simd::tree_fields::tie * k]);
     island.length2[nodes - 1 + k] = tree.tie_length2[k];
   }
-  if (tree.laws.any) load_laws(tree, island);
+  if (tree.laws.any)
+    load_laws(tree, island);
+  else
+    island.laws = {};
   island.fixed_velocity = tree.tie_velocity;
   island.fixed_last_velocity = tree.tie_last_velocity;
   island.anchors_move = tree.ties_move;
@@ -93,10 +123,7 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
   for (auto* const each : {&tree.mu, &tree.tie_mu, &tree.mu_before, &tree.tie_mu_before})
     std::fill_n(each->data(), each->size(), T(0));
   tree.mu_kick[0] = tree.mu_kick_before[0] = 0;
-  if (tree.laws.any) {
-    std::fill_n(tree.laws.half_kick.data(), tree.laws.half_kick.size(), T(0));
-    std::fill_n(tree.laws.tie_half_kick.data(), tree.laws.tie_half_kick.size(), T(0));
-  }
+  if (tree.laws.any) store_laws(island, tree);
   tree.known[0] = 0;
   tree.smooth[0] = 0;
   tree.frequency2 = 0;

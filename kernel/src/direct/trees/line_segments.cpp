@@ -48,11 +48,6 @@ TreeState<T> LineSegments::cut(const TreeState<T>& whole) const {
   std::fill(segments.mass_unit.begin(), segments.mass_unit.end(), whole.mass_unit[0]);
   std::fill(segments.scale2.begin(), segments.scale2.end(), whole.scale2[0]);
   for_numbers(3, [&](std::size_t from, std::size_t to) { segments.force[to] = whole.force[from]; });
-  if (whole.laws.any) {
-    segments.laws.make(segments.mu.size(), segments.tie_mu.size());
-    segments.laws.cables = whole.laws.cables;
-    for_laws(segments.laws, whole.laws, [&](auto&&... fields) { scatter_rods(fields...); });
-  }
   scatter(whole, segments);
   return segments;
 }
@@ -67,14 +62,18 @@ void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) con
     tie_to[0] = tie_from[0];
   });
   for_lane_motion(whole, segments, [](auto& to, const auto& from) { to[0] = from[0]; });
-  if (whole.laws.any)
-    for_law_motion(whole.laws, segments.laws, [&](auto& to, auto& tie_to, std::uint32_t fields,
-                                                  const auto& from, const auto& tie_from) {
-      for_numbers(fields, [&](std::size_t i, std::size_t j) {
-        to[i] = begins(i / fields) ? tie_from[j] : from[j];
-      });
+  whole.laws.copy_flags(segments.laws);
+  if (whole.laws.any) {
+    whole.laws.make(whole.mu.size(), whole.tie_mu.size(), 1);
+    const auto gather_rods = [&](auto& to, auto& tie_to, std::uint32_t fields, const auto& from,
+                                 const auto& tie_from) {
+      for_numbers(fields,
+                  [&](std::size_t i, std::size_t j) { to[i] = begins(i / fields) ? tie_from[j] : from[j]; });
       for (std::uint32_t c = 0; c < fields; ++c) tie_to[c] = tie_from[c * lanes_];
-    });
+    };
+    for_laws(whole.laws, segments.laws, gather_rods);
+    gather_rods(whole.length2, whole.tie_length2, 1, segments.length2, segments.tie_length2);
+  }
   for_numbers(3, [&](std::size_t i, std::size_t j) { whole.force[i] = segments.force[j]; });
   for (std::uint32_t c = 0; c < 3; ++c) whole.tie_x[c] = segments.tie_x[c * lanes_];
   whole.tie_velocity[0] = segments.tie_velocity[0];
@@ -93,8 +92,12 @@ void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) co
   });
   for_lane_motion(segments, whole,
                   [](auto& to, const auto& from) { std::fill(to.begin(), to.end(), from[0]); });
-  if (whole.laws.any)
-    for_law_motion(segments.laws, whole.laws, [&](auto&&... fields) { scatter_rods(fields...); });
+  segments.laws.copy_flags(whole.laws);
+  if (whole.laws.any) {
+    segments.laws.make(segments.mu.size(), segments.tie_mu.size(), lanes_);
+    for_laws(segments.laws, whole.laws, [&](auto&&... fields) { scatter_rods(fields...); });
+    scatter_rods(segments.length2, segments.tie_length2, 1, whole.length2, whole.tie_length2);
+  }
   for (std::uint32_t c = 0; c < 3; ++c) segments.tie_x[c * lanes_] = whole.tie_x[c];
   segments.tie_velocity[0] = whole.tie_velocity[0];
   segments.tie_last_velocity[0] = whole.tie_last_velocity[0];

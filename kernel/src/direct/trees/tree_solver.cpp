@@ -115,7 +115,8 @@ void TreeSolver<T>::project_velocities() {
 template <class T>
 void TreeSolver<T>::begin_piece(std::uint32_t, unsigned part) {
   velocities_known_ = false;
-  if (anchors_changed_ && (is_calm_ || kind_->rules.gradient == Gradient::mid))
+  if (state_.laws.pulls) clear_pulls();
+  if (anchors_changed(0) && (is_calm_ || kind_->rules.gradient == Gradient::mid))
     kind_->stepper.project_velocities(state_, kind_->crews[part].work);
 }
 
@@ -149,7 +150,7 @@ ErrorModel TreeSolver<T>::error_model() const {
 
 template <class T>
 bool TreeSolver<T>::starts_anew(std::uint32_t) const {
-  if (anchors_changed_) return true;
+  if (anchors_changed(0)) return true;
   for (std::uint32_t lane = 0; lane < state_.lanes; ++lane)
     if (!state_.idle[lane] && state_.u_step[lane] == 0) return true;
   return false;
@@ -202,7 +203,7 @@ bool TreeSolver<T>::try_calm_step(std::uint32_t, double h, std::uint32_t count, 
 template <class T>
 void TreeSolver<T>::end_controlled_step(std::uint32_t, double error, double h, double longest, double allowed,
                                         unsigned part) {
-  if (anchors_changed_) std::fill(state_.known.begin(), state_.known.end(), std::uint8_t{0});
+  if (anchors_changed(0)) std::fill(state_.known.begin(), state_.known.end(), std::uint8_t{0});
   if (!kind_->calm_stepper || line_) return;
   const double rate = error * longest * longest / (h * h * h * allowed);
   const bool is_line = TreeStepper<T>::is_line(state_, Gradient::old);

@@ -38,12 +38,12 @@ class TreeSolver final : public Solver {
   std::uint32_t islands(std::uint32_t) const override { return line_ ? 1 : state_.trees; }
   void begin_piece(std::uint32_t, unsigned part) override;
   double advance(std::uint32_t, double h, std::uint32_t count, unsigned part, Tally& report) override;
-  void end_step(StepReport&) override { velocities_known_ = false; }
+  void end_step(StepReport&) override { velocities_known_ = lengths_changed_ = false; }
 
   ErrorModel error_model() const override;
   double& best_substep(std::uint32_t) override { return best_substep_; }
   std::uint32_t cuts(std::uint32_t, double h) const override { return kind_->stepper.cuts(state_, h); }
-  bool anchors_changed(std::uint32_t) const override { return anchors_changed_; }
+  bool anchors_changed(std::uint32_t) const override { return anchors_changed_ || lengths_changed_; }
   bool starts_anew(std::uint32_t) const override;
   void save(std::uint32_t, Saved which) override;
   void restore(std::uint32_t, Saved which) override;
@@ -72,6 +72,13 @@ class TreeSolver final : public Solver {
   void end_anchors() override;
   void place_anchor(Slot slot, Vec3 target) override;
 
+  /// Rods to parents have the slots of their nodes, and rods to anchors those of ties.
+  Slot rod_slot(std::uint32_t node, std::uint32_t lane) const;
+  void count_pulls() override;
+  double pull(Slot rod, double dt) const override;
+  bool is_broken(Slot rod) const override;
+  void set_length(Slot rod, double length, double rate) override;
+
   void describe(WorldInfo& info) const override;
 
  private:
@@ -84,6 +91,8 @@ class TreeSolver final : public Solver {
   struct Place {
     std::uint32_t node, lane;
   };
+  void make_laws();
+  void clear_pulls();
 
   Place place_of(Slot slot) const;
   bool is_tie(Slot slot) const { return slot >= ties_begin_; }
@@ -98,7 +107,7 @@ class TreeSolver final : public Solver {
   mutable layouts::AlignedBuffer<T>
       velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocities_known_ = false;
-  bool anchors_changed_ = false;
+  bool anchors_changed_ = false, lengths_changed_ = false;
   bool away_ = false;     ///< Another solver moves the line.
   bool is_calm_ = false;  ///< Gradient mid moves it.
   int calm_steps_ = 0;    ///< In so many steps in turn mid would have done.

@@ -148,22 +148,20 @@ void TreeState<T>::fill_laws(std::uint32_t lane, const Scene& scene, const layou
   const bool all_rigid = std::all_of(members.edges.begin(), members.edges.end(),
                                      [&](std::uint32_t rod) { return scene.rods[rod].law.is_rigid(); });
   if (all_rigid && !laws.any) return;
-  const bool first = !laws.any;
-  laws.make(mu.size(), tie_mu.size());
-  for (std::uint32_t l = 0; first && l < lane; ++l) {  // lanes before this one are rigid
-    for (std::uint32_t i = 0; i < topology->nodes; ++i) laws.put(laws.rods, i, lanes, l, {}, 1, 0);
-    for (std::uint32_t k = 0; k < topology->ties; ++k) laws.put(laws.ties, k, lanes, l, {}, 1, 0);
-  }
+  laws.make(mu.size(), tie_mu.size(), lanes);
+  const auto root_of = [](const AlignedBuffer<double>& squares, std::size_t i) { return std::sqrt(squares[i]); };
+  for (std::size_t i = lane; i < mu.size(); i += lanes) laws.length.rods[i] = root_of(length2, i);
+  for (std::size_t k = lane; k < tie_mu.size(); k += lanes) laws.length.ties[k] = root_of(tie_length2, k);
   const double unit = mass_unit[lane];
   const auto give = [&](std::uint32_t i) {
     return static_cast<double>(node[at(tree_fields::node * i + 3, lane)]) / unit;
   };
   for (std::uint32_t i = 0; i < topology->nodes; ++i) {
     const bool root = i == 0;
-    laws.put(laws.rods, i, lanes, lane, root ? RodLaw{} : law_of(tree.edge[i]), unit,
+    laws.put(laws.law.rods, i, lanes, lane, root ? RodLaw{} : law_of(tree.edge[i]), unit,
              root ? 0 : give(i) + give(tree.parent[i]));
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
-      laws.put(laws.ties, k, lanes, lane, law_of(tree.ties[k].edge), unit, give(i));
+      laws.put(laws.law.ties, k, lanes, lane, law_of(tree.ties[k].edge), unit, give(i));
   }
 }
 
@@ -215,17 +213,14 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(scale2, from.scale2);
   ties_move = from.ties_move;
   is_coupled = from.is_coupled;
-  laws.any = from.laws.any;
-  laws.cables = from.laws.cables;
+  laws.copy_flags(from.laws);
   if (!laws.any) return;
-  laws.make(mu.size(), tie_mu.size());
-  const auto copy_both = [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods,
-                             const auto& from_ties) {
-    copy(rods, from_rods);
-    copy(ties, from_ties);
-  };
-  for_laws(laws, from.laws, copy_both);
-  for_law_motion(laws, from.laws, copy_both);
+  laws.make(mu.size(), tie_mu.size(), lanes);
+  for_laws(laws, from.laws,
+           [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods, const auto& from_ties) {
+             copy(rods, from_rods);
+             copy(ties, from_ties);
+           });
 }
 
 template <class T>
@@ -255,13 +250,14 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   for_motion(*this, from, copy);
   copy(tie_x, from.tie_x);
   copy(tie_last_velocity, from.tie_last_velocity);
-  if (from.laws.any) {
-    laws.make(mu.size(), tie_mu.size());
-    for_law_motion(laws, from.laws,
-                   [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods, const auto& from_ties) {
-                     copy(rods, from_rods);
-                     copy(ties, from_ties);
-                   });
+  laws.copy_flags(from.laws);
+  if (laws.any) {
+    laws.make(mu.size(), tie_mu.size(), lanes);
+    for_laws(laws, from.laws,
+             [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods, const auto& from_ties) {
+               copy(rods, from_rods);
+               copy(ties, from_ties);
+             });
   }
   frequency2 = from.frequency2;
 }
@@ -299,7 +295,7 @@ template <class T>
 simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
   const TreeTopology& shape = *state.topology;
   TreeLaws<T>& laws = state.laws;
-  if (laws.any && law_start.size() == 0) {  // only trees with laws need it
+  if (laws.gives && law_start.size() == 0) {  // only trees with laws need it
     law_start = AlignedBuffer<T>(tree_fields::law_start * state.mu.size());
     tie_law_start = AlignedBuffer<T>(tree_fields::law_start * state.tie_mu.size());
   }
@@ -313,15 +309,15 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
           .tie = state.tie.data(),
           .length2 = state.length2.data(),
           .tie_length2 = state.tie_length2.data(),
-          .has_laws = laws.any,
+          .has_laws = laws.gives,
           .has_cables = laws.cables,
           .is_mid = is_mid,
-          .law = laws.rods.data(),
-          .tie_law = laws.ties.data(),
+          .law = laws.law.rods.data(),
+          .tie_law = laws.law.ties.data(),
           .law_start = law_start.data(),
           .tie_law_start = tie_law_start.data(),
-          .half_kick = laws.half_kick.data(),
-          .tie_half_kick = laws.tie_half_kick.data(),
+          .half_kick = laws.half_kick.rods.data(),
+          .tie_half_kick = laws.half_kick.ties.data(),
           .law_factors = law_factors.data(),
           .x = state.x.data(),
           .u = state.u.data(),

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "direct/trees/tree_laws.hpp"
+#include "direct/laws/tree_laws.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "direct/laws/tree_rods.hpp"
 #include "direct/trees/elastic_tree.hpp"
 #include "direct/trees/newton_guess.hpp"
 #include "direct/trees/newton_limits.hpp"
@@ -73,10 +74,11 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
     work.mu_scale[lane] = static_cast<T>(scale);
     work.mu_scale_before[lane] = static_cast<T>(scale_before);
     work.active[lane] = state.idle[lane] ? T(0) : T(1);
-    if (state.laws.any) work.put_law_factors(lane, LawFactors::of(gradient, kick, state.u_step[lane], h));
+    if (state.laws.gives) work.put_law_factors(lane, LawFactors::of(gradient, kick, state.u_step[lane], h));
   }
   work.is_mid = gradient == Gradient::mid;
   if (state.ties_move) set_tie_displacements(state, h, work);
+  if (state.laws.moves) set_substep_lengths(state, h);
   work.guesses = !is_line(state, gradient);
   work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
@@ -138,7 +140,8 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
 }
 
 template <class T>
-void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const {
+void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work,
+                            Tally& counters) const {
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
     const bool skipped = state.idle[lane] || work.failed[lane];
     work.active[lane] = skipped ? T(0) : T(1);
@@ -155,6 +158,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
       state.tie_last_velocity[i] = state.tie_velocity[i];
   }
   kernels(state).advance(work.view(state));
+  if (state.laws.any) counters.broken_rods += end_rods(state, h, theta_of(gradient), work);
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
     if (!state.idle[lane] && !work.failed[lane] && work.keeps_acceleration)
       state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];
@@ -176,7 +180,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int
     if (gradient != gradient_ && !last) break;
     begin(state, h, gradient, work);
     if (solve(state, gradient, work, counters) && (gradient != Gradient::old || is_stable(state, h, work))) {
-      accept(state, h, gradient, work);
+      accept(state, h, gradient, work, counters);
       ++counters.direct_substeps;
       if (gradient != gradient_) {
         ++counters.fallbacks;
@@ -263,7 +267,7 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
   if (gradient_ == Gradient::old) all = is_stable(state, h, work) && all;
   double error = 0;
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) work.first[lane] = state.known[lane] < 2;
-  accept(state, h, gradient_, work);
+  accept(state, h, gradient_, work, counters);
   for (std::uint32_t lane = 0; estimates_ && lane < state.lanes; ++lane) {
     if (state.idle[lane]) continue;
     const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
@@ -319,7 +323,7 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
   std::fill(work.failed.begin(), work.failed.end(), std::uint8_t{0});
   if (converged && is_stable(state, h, work, &segments)) {
     const bool first = state.known[0] < 2;
-    accept(state, h, gradient_, work);
+    accept(state, h, gradient_, work, counters);
     ++counters.direct_substeps;
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt) / nodes) : 0;
   }
@@ -334,13 +338,14 @@ template <class T>
 void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity,
                              TreeWorkspace<T>& work) const {
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
-  for (std::uint32_t lane = 0; state.laws.any && lane < state.lanes; ++lane)
+  for (std::uint32_t lane = 0; state.laws.gives && lane < state.lanes; ++lane)
     work.put_law_factors(lane, LawFactors::of_projection(double{work.kick[lane]}, state.u_step[lane]));
   simd::TreeView<T> view = work.view(state);
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
   for (std::size_t i = 0; i < tie_velocity.size(); ++i)
     put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
   kernels(state).prepare(view);
+  if (state.laws.moves) put_length_rates(state, work);
   std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
   kernels(state).project(view);
   std::fill_n(state.tie_delta.data(), state.tie_delta.size(), T(0));

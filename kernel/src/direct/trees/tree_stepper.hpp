@@ -85,7 +85,8 @@ class TreeStepper {
   void begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
   /// Iterates until every lane has converged or failed. Says whether all converged.
   bool solve(TreeState<T>& state, Gradient gradient, TreeWorkspace<T>& work, Tally& counters) const;
-  void accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const;
+  void accept(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work,
+              Tally& counters) const;
   /// Puts back those that a lane had before a substep that failed.
   void restore_multipliers(TreeState<T>& state, std::uint32_t lane) const;
   /// Takes a substep that failed in another way: of the tree crew.alone, which `load` puts there.

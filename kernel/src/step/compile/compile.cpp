@@ -243,6 +243,8 @@ class Compiler {
 
   void add(MadeSolver made) {
     slots_.push_back(std::move(made.places));
+    const auto number = static_cast<std::uint32_t>(out_.solvers.size());
+    for (const auto& [rod, slot] : made.rods) rods_.push_back({rod, {number, slot}});
     out_.solvers.push_back(std::move(made.solver));
   }
 
@@ -251,6 +253,7 @@ class Compiler {
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       for (const auto& [particle, slot] : slots_[s]) entries.push_back({particle, {s, slot}});
     out_.places = Places(static_cast<std::uint32_t>(scene_.particles.size()), entries);
+    out_.rods = Places(static_cast<std::uint32_t>(scene_.rods.size()), rods_);
   }
 
   void fill_info() {
@@ -282,6 +285,7 @@ class Compiler {
   Compiled out_;
   StartReport start_;
   std::vector<std::vector<MadeSolver::Place>> slots_;  ///< by solver
+  std::vector<Places::Entry> rods_;
 };
 
 }  // namespace

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "direct/laws/law_factors.hpp"
+#include "plumb/layouts/aligned_buffer.hpp"
+
+namespace plumb::detail {
+
+/// Holds how the rods of equal trees in lanes give, change their lengths and pull, see simd::TreeView. Trees of
+/// rigid rods have none of it.
+template <class T>
+struct TreeLaws {
+  bool any = false;     ///< There are numbers here: some rod gives, or is asked how it pulls.
+  bool gives = false;   ///< Some rod is not rigid, or changes its length.
+  bool cables = false;  ///< Some rod is one-sided.
+  bool breaks = false;  ///< Some rod has a finite strength.
+  bool moves = false;   ///< Some rod changes its length.
+  bool pulls = false;   ///< Pulls are added up.
+
+  /// Holds numbers of the rods to parents and of those to anchors.
+  template <class Number>
+  struct Of {
+    layouts::AlignedBuffer<Number> rods, ties;
+    void make(std::size_t rod_numbers, std::size_t tie_numbers) {
+      rods = layouts::AlignedBuffer<Number>(rod_numbers);
+      ties = layouts::AlignedBuffer<Number>(tie_numbers);
+    }
+  };
+  Of<T> law;           ///< They have tree_fields::law numbers per rod.
+  Of<T> half_kick;     ///< They have one number per rod, and so have the next ones.
+  Of<double> length;   ///< At the end of the last substep, in m.
+  Of<double> rate;     ///< Lengths change by so much, in m/s.
+  Of<double> impulse;  ///< Pulls times substeps, of this step, in N s.
+
+  /// Makes room for `nodes` rods to parents and `ties` to anchors, lanes included. All are rigid.
+  void make(std::size_t nodes, std::size_t ties, std::uint32_t lanes) {
+    any = true;
+    if (law.rods.size() > 0 || law.ties.size() > 0) return;
+    law.make(simd::tree_fields::law * nodes, simd::tree_fields::law * ties);
+    half_kick.make(nodes, ties);
+    length.make(nodes, ties);
+    rate.make(nodes, ties);
+    impulse.make(nodes, ties);
+    for (auto* const buffer : {&law.rods, &law.ties})
+      for (std::size_t i = 0; i * simd::tree_fields::law * lanes < buffer->size(); ++i)
+        std::fill_n(buffer->data() + (simd::tree_fields::law * i + 2) * lanes, lanes, T(1));
+  }
+
+  /// Writes the law of rod `i` of a lane into law.rods or law.ties, with what law_numbers() needs.
+  void put(layouts::AlignedBuffer<T>& to, std::size_t i, std::uint32_t lanes, std::uint32_t lane,
+           const RodLaw& of, double unit, double give) {
+    const auto numbers = law_numbers(of, unit, give);
+    for (std::size_t c = 0; c < numbers.size(); ++c)
+      to[(numbers.size() * i + c) * lanes + lane] = static_cast<T>(numbers[c]);
+    gives = gives || !of.is_rigid();
+    cables = cables || of.one_sided;
+    breaks = breaks || numbers[5] > 0;
+  }
+
+  void copy_flags(const TreeLaws& from) {
+    any = from.any;
+    gives = from.gives;
+    cables = from.cables;
+    breaks = from.breaks;
+    moves = from.moves;
+    pulls = from.pulls;
+  }
+};
+
+/// Visits the numbers of laws beside those of another, as f(rods, ties, numbers per rod, other's rods, other's
+/// ties).
+template <class Laws, class Other, class F>
+void for_laws(Laws& laws, Other& other, F&& f) {
+  const auto visit = [&](auto& of, std::uint32_t count, auto& others) {
+    f(of.rods, of.ties, count, others.rods, others.ties);
+  };
+  visit(laws.law, simd::tree_fields::law, other.law);
+  visit(laws.half_kick, 1, other.half_kick);
+  visit(laws.length, 1, other.length);
+  visit(laws.rate, 1, other.rate);
+  visit(laws.impulse, 1, other.impulse);
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "direct/trees/tree_solver.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Returns the number of a rod in the arrays of rods to parents, or in those of ties.
+template <class Part>
+auto& number_of(Part& part, Slot rod, Slot ties_begin) {
+  return rod >= ties_begin ? part.ties[rod - ties_begin] : part.rods[rod];
+}
+
+}  // namespace
+
+template <class T>
+Slot TreeSolver<T>::rod_slot(std::uint32_t node, std::uint32_t lane) const {
+  if (line_ && line_->segments.begins(node)) return ties_begin_ + line_->segments.lane(node);
+  return node_slot(node, lane);
+}
+
+template <class T>
+void TreeSolver<T>::make_laws() {
+  TreeLaws<T>& laws = state_.laws;
+  if (laws.any) return;
+  laws.make(state_.mu.size(), state_.tie_mu.size(), state_.lanes);
+  for (std::size_t i = 0; i < state_.length2.size(); ++i) laws.length.rods[i] = std::sqrt(state_.length2[i]);
+  for (std::size_t k = 0; k < state_.tie_length2.size(); ++k)
+    laws.length.ties[k] = std::sqrt(state_.tie_length2[k]);
+  for (auto& saved : saved_)
+    if (saved) saved->laws.make(state_.mu.size(), state_.tie_mu.size(), state_.lanes);
+}
+
+template <class T>
+void TreeSolver<T>::count_pulls() {
+  make_laws();
+  state_.laws.pulls = true;
+}
+
+template <class T>
+void TreeSolver<T>::clear_pulls() {
+  for (auto* const each : {&state_.laws.impulse.rods, &state_.laws.impulse.ties})
+    std::fill_n(each->data(), each->size(), 0.0);
+}
+
+template <class T>
+double TreeSolver<T>::pull(Slot rod, double dt) const {
+  return number_of(state_.laws.impulse, rod, ties_begin_) / dt;
+}
+
+template <class T>
+bool TreeSolver<T>::is_broken(Slot rod) const {
+  if (!state_.laws.breaks) return false;
+  const bool tie = rod >= ties_begin_;
+  const std::size_t at = tie ? rod - ties_begin_ : rod, lanes = state_.lanes;
+  const T* const numbers = (tie ? state_.laws.law.ties : state_.laws.law.rods).data() +
+                           simd::tree_fields::law * (at / lanes) * lanes + at % lanes;
+  // Only a broken rod neither stretches, damps nor is rigid.
+  return numbers[0] == 0 && numbers[lanes] == 0 && numbers[2 * lanes] == 0;
+}
+
+template <class T>
+void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
+  make_laws();
+  state_.laws.gives = state_.laws.moves = true;
+  double& last = number_of(state_.laws.rate, rod, ties_begin_);
+  lengths_changed_ = lengths_changed_ || last != rate;
+  last = rate;
+  number_of(state_.laws.length, rod, ties_begin_) = length;
+  (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;
+}
+
+#define PLUMB_INSTANTIATE(T)                                    \
+  template Slot TreeSolver<T>::rod_slot(std::uint32_t, std::uint32_t) const; \
+  template void TreeSolver<T>::make_laws();                     \
+  template void TreeSolver<T>::clear_pulls();                   \
+  template void TreeSolver<T>::count_pulls();                   \
+  template double TreeSolver<T>::pull(Slot, double) const;      \
+  template bool TreeSolver<T>::is_broken(Slot) const;           \
+  template void TreeSolver<T>::set_length(Slot, double, double);
+PLUMB_INSTANTIATE(float)
+PLUMB_INSTANTIATE(double)
+#undef PLUMB_INSTANTIATE
+
+}  // namespace plumb::detail

@@ -1,0 +1,37 @@
+#include "step/lengths.hpp"
+
+namespace plumb::detail {
+
+Lengths::Lengths(const Scene& scene) : is_moving_(scene.rods.size(), 0) {
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) lengths_.push_back(rod_length(scene, i));
+  targets_ = lengths_;
+}
+
+void Lengths::set_target(std::uint32_t rod, double target) {
+  targets_[rod] = target;
+  if (is_moving_[rod] == 0) moving_.push_back(rod);
+  is_moving_[rod] = 2;
+}
+
+void Lengths::begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
+  dt_ = dt;
+  for (const std::uint32_t rod : moving_)
+    for (const Place place : places.of(rod))
+      solvers[place.solver]->set_length(place.slot, lengths_[rod], rate(rod, dt));
+}
+
+void Lengths::end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
+  std::size_t kept = 0;
+  for (const std::uint32_t rod : moving_) {
+    // The rate stays what it was, since velocities at the end of the step have it.
+    const double last_rate = rate(rod, dt_);
+    lengths_[rod] = targets_[rod];
+    for (const Place place : places.of(rod))
+      solvers[place.solver]->set_length(place.slot, lengths_[rod], last_rate);
+    is_moving_[rod] = is_moving_[rod] == 2 ? 1 : 0;
+    if (is_moving_[rod] != 0) moving_[kept++] = rod;
+  }
+  moving_.resize(kept);
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "interface/solver.hpp"
+#include "plumb/scene.hpp"
+#include "step/places.hpp"
+
+namespace plumb::detail {
+
+/// Knows how long rods are, and how long they will be after the next step.
+class Lengths {
+ public:
+  explicit Lengths(const Scene& scene);
+
+  double length(std::uint32_t rod) const { return lengths_[rod]; }
+  /// Lets a rod become `target` (m) long during the next step, at a constant rate.
+  void set_target(std::uint32_t rod, double target);
+  /// Returns the rods that change their length in the next step, or did so in the last.
+  std::span<const std::uint32_t> moving() const { return moving_; }
+
+  /// Tells solvers the lengths and their rates in a step of dt (s). Once it is done, lengths are their targets
+  /// exactly, and rods without a new one will stop.
+  void begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
+  void end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
+
+ private:
+  double rate(std::uint32_t rod, double dt) const { return (targets_[rod] - lengths_[rod]) / dt; }
+
+  double dt_ = 0;
+  std::vector<double> lengths_, targets_;  ///< m, by rod
+  std::vector<std::uint8_t> is_moving_;    ///< by rod; 2 if it has a target for the next step
+  std::vector<std::uint32_t> moving_;
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "plumb/problem.hpp"
+#include "plumb/scene.hpp"
+#include "plumb/world.hpp"
+
+namespace plumb::detail {
+
+/// Names, as bits, what went wrong with a piece in a step, by the counts of that step.
+using Troubles = std::uint8_t;
+Troubles troubles_between(const StepReport& before, const StepReport& after);
+
+/// Knows what a rod needs to be judged by its length.
+class RodJudge {
+ public:
+  explicit RodJudge(const Scene& scene);
+
+  /// Appends a problem for every rod that is not elastic nor broken and whose strain is above `most_strain`.
+  /// position(particle), length(rod) and is_broken(rod) say how they are.
+  template <class Position, class Length, class IsBroken>
+  void judge(double most_strain, Position&& position, Length&& length, IsBroken&& is_broken,
+             std::vector<Problem>& out) const {
+    for (std::uint32_t i = 0; i < rods_.size(); ++i) {
+      const auto& [a, b, first_movable, is_elastic, one_sided] = rods_[i];
+      if (is_elastic) continue;
+      const double strain = norm(position(b) - position(a)) / length(i) - 1;
+      if ((one_sided ? strain : std::abs(strain)) <= most_strain || is_broken(i)) continue;
+      out.push_back({Problem::Kind::stretched, first_movable, i, strain});
+    }
+  }
+
+ private:
+  struct JudgedRod {
+    std::uint32_t a, b, first_movable;
+    bool is_elastic, one_sided;
+  };
+  std::vector<JudgedRod> rods_;
+};
+
+/// Appends the problems that troubles name, of an island with this particle.
+void append_problems(Troubles troubles, std::uint32_t particle, std::vector<Problem>& out);
+
+}  // namespace plumb::detail
