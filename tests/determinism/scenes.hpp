@@ -19,12 +19,22 @@ struct SharedScene {
   friend void PrintTo(const SharedScene& scene, std::ostream* out) { *out << scene.name; }
 };
 
+inline Scene with_law(Scene scene, const RodLaw& law) {
+  for (Rod& rod : scene.rods) rod.law = law;
+  return scene;
+}
+
 inline std::vector<SharedScene> shared_scenes() {
   return {
       {"chain", [] { return scenes::make_chain(5000, 0.1, 10); }, 4},
       {"net", [] { return scenes::make_net(64, 48); }, 4},
       {"ensemble", [] { return scenes::make_ensemble({.chains = 200, .links = 32}); }, 4},
       {"graph", [] { return scenes::make_graph({.particles = 2000, .degree = 5}); }, 5},
+      {"net_of_cables",
+       [] { return with_law(scenes::make_net(64, 48), {.stiffness = 1e4, .damping = 5, .one_sided = true}); },
+       4},
+      {"elastic_ensemble",
+       [] { return with_law(scenes::make_ensemble({.chains = 200, .links = 32}), {.stiffness = 1e4}); }, 4},
   };
 }
 

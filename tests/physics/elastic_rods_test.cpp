@@ -89,18 +89,22 @@ TEST(ElasticRods, EveryStiffnessIsStable) {
         const Scene scene = scenes::load_scene(shape);
         const Made made = run(scene, direct(gradient), 300);
         EXPECT_EQ(made.total.unsolved + made.total.frozen_islands, 0u) << shape << to_string(gradient);
-        EXPECT_LT(norm(made.positions.back()), 100) << shape << to_string(gradient);
+        EXPECT_LT(norm(made.positions.back()), 125) << "it falls no farther than freely, " << shape << to_string(gradient);
       }
 }
 
-// At 1e12 N/m rods of some 10 N are 1e-11 m longer, which a swing of half a second turns into little more.
+// Elastic rods of stiffness k are off the rigid ones by what they stretch: truths from 1e7 N/m on put that at
+// 1.7e3 N/k for this chain.
 TEST(ElasticRods, VeryStiffOnesAreRigid) {
   for (const std::string shape : {"chain:links=5,end_mass=2", "ring:links=12"})
     for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
-      const std::string stiff = shape + ",stiffness=1e12";
-      const Made elastic = run(scenes::load_scene(stiff), direct(gradient, 16), 30);
       const Made rigid = run(scenes::load_scene(shape), direct(gradient, 16), 30);
-      EXPECT_LT(rms_distance(elastic.positions, rigid.positions), 1e-9) << stiff << to_string(gradient);
+      for (const double stiffness : {1e11, 1e12, 1e13}) {
+        const std::string stiff = shape + ",stiffness=" + std::to_string(stiffness);
+        const Made elastic = run(scenes::load_scene(stiff), direct(gradient, 16), 30);
+        EXPECT_LT(rms_distance(elastic.positions, rigid.positions), 2e3 / stiffness + 1e-11)
+            << stiff << to_string(gradient);
+      }
     }
 }
 
@@ -238,7 +242,9 @@ TEST(Tensions, AreThoseOfStaticsAndOfThePendulum) {
   EXPECT_NEAR(std::log2(pendulum_error(Gradient::mid, 8) / pendulum_error(Gradient::mid, 16)), 2, 0.2);
 }
 
-// A winch: every rod of a rope shortens, and a load of 100 kg rises by 10 m. What rods do is what energy gains.
+// A winch: every rod of a rope shortens smoothly, and a load of 100 kg rises by 10 m in 10 s. What rods do is
+// what energy gains, to rounding while gradient mid is not interrupted. Two projections, where the rate jumps
+// from and to 0, do 1e-6 of it.
 TEST(Winch, DoesTheWorkThatEnergyGains) {
   constexpr std::uint32_t rods = 200;
   constexpr double rod = 0.1;
@@ -252,26 +258,27 @@ TEST(Winch, DoesTheWorkThatEnergyGains) {
     Settings settings = direct(Gradient::mid);
     settings.tensions = true;
     World world(scene, settings);
+    Scene now = scene;
     std::vector<Vec3> x(rods + 1), v(rods + 1);
     const auto energy = [&] {
       world.copy_positions(x);
       world.copy_velocities(v);
-      Scene now = scene;
-      for (Rod& each : now.rods) each.length = rod * (1 - 0.5 * std::min(world.time() / 10, 1.0));
       return measure_energy(now, x, v).total();
     };
     const double first = energy();
     double work = 0;
-    for (int i = 0; i < 600; ++i) {
-      const double shorter = rod * 0.5 / 600;
-      for (std::uint32_t k = 0; k < rods; ++k) world.set_length(k, rod - shorter * (i + 1));
+    for (int i = 1; i <= 600; ++i) {
+      const double s = i / 600.0, length = rod * (1 - 0.5 * s * s * (3 - 2 * s));
+      const double shorter = now.rods[0].length - length;
+      for (std::uint32_t k = 0; k < rods; ++k) {
+        now.rods[k].length = length;
+        world.set_length(k, length);
+      }
       EXPECT_EQ(world.step(frame).unsolved, 0u);
       for (std::uint32_t k = 0; k < rods; ++k) work += world.tension(k) * shorter;
     }
-    const double gained = energy() - first;
-    EXPECT_NEAR(world.position(rods).y, -10, stiffness < 1e9 ? 0.5 : 1e-9);
-    // At the start the load is set in motion at once, which takes half a m v^2 from nowhere: 50 J of 10,000.
-    EXPECT_NEAR(work / gained, 1, 1e-2);
+    EXPECT_NEAR(work / (energy() - first), 1, 1e-5) << stiffness;
+    EXPECT_NEAR(world.position(rods).y, -10, stiffness < 1e9 ? 0.3 : 1e-9);
     for (int i = 0; i < 60; ++i) world.step(frame);
     EXPECT_TRUE(world.problems().empty());
   }

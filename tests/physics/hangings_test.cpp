@@ -153,5 +153,99 @@ TEST(Hangings, ParticlesInOnePlaceAreLaidOut) {
   EXPECT_EQ(test::run(world, frame, 60).unsolved, 0u);
 }
 
+/// A net that hangs from corners nearer than its rows are long, by `slack` of their distance. Columns start
+/// in zigzag.
+Scene slack_net(std::uint32_t n, double slack) {
+  Scene scene = scenes::make_net(n, n);
+  const double length = norm(scene.particles[1].position), share = 1 / (1 + slack);
+  for (Rod& rod : scene.rods) rod.length = length;
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+    Vec3& position = scene.particles[i].position;
+    position.x *= share;
+    if (i % n % 2 == 1) position.z = length * std::sqrt(1 - share * share);
+  }
+  return scene;
+}
+
+// By default a net drawn straight below its corners hangs there: nothing stretches, and nothing moves but by
+// what is left of lengths.
+TEST(Hangings, ANetHangsFromItsCorners) {
+  for (const std::uint32_t n : {8u, 16u, 32u}) {
+    const Scene scene = scenes::make_net(n, n);
+    World world(scene, {.threads = 1});
+    double largest = 0;
+    StepReport total;
+    for (int i = 0; i < 120; ++i) {
+      total += world.step(frame);
+      largest = std::max(largest, test::stretch_of(scene, world).max);
+    }
+    EXPECT_EQ(total.unsolved + total.elastic_substeps + total.fallbacks, 0u) << n;
+    EXPECT_LE(largest, 1e-6) << n;
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+      EXPECT_LE(norm(world.position(i) - scene.particles[i].position), 1e-8) << n << ", particle " << i;
+  }
+}
+
+// By default a slack one falls, folds and comes taut, rigid all the time.
+TEST(Hangings, ASlackNetFallsRigidly) {
+  for (const std::uint32_t n : {8u, 16u, 32u}) {
+    Scene scene = slack_net(n, 0.1);
+    World world(scene, {.threads = 1});
+    double largest = 0;
+    StepReport total;
+    for (int i = 0; i < 120; ++i) {
+      total += world.step(frame);
+      largest = std::max(largest, test::stretch_of(scene, world).max);
+    }
+    EXPECT_EQ(total.unsolved + total.elastic_substeps, 0u) << n;
+    EXPECT_LE(largest, 1e-6) << n;
+  }
+}
+
+// Where a solved net comes to rest, relaxation leaves it: the shape is the same. Sweeps turn rods by what
+// particles fall in a substep, which moves the shape by 5e-4 of a metre at 1/60 s, and by h² of that.
+TEST(Hangings, ANetRestsWhereRelaxationDoes) {
+  Scene scene = slack_net(8, 0.1);
+  scene.drag = 4;
+  World solved(scene, {.sleep = false, .threads = 1});
+  EXPECT_EQ(test::run(solved, frame, 1800).unsolved, 0u);
+  const std::vector<Vec3> rest = test::positions_of(solved);
+  for (std::uint32_t i = 0; i < rest.size(); ++i) scene.particles[i].position = rest[i];
+  World relaxed(scene, {.method = Method::relax,
+                        .substeps = 64,
+                        .stop = {.sweeps = 100'000, .tolerance = 1e-9},
+                        .sleep = false,
+                        .threads = 1});
+  test::run(relaxed, frame, 15);
+  for (std::uint32_t i = 0; i < rest.size(); ++i) {
+    EXPECT_LE(norm(solved.velocity(i)), 1e-6) << "particle " << i;
+    EXPECT_LE(norm(relaxed.position(i) - rest[i]), 1e-6) << "particle " << i;
+  }
+}
+
+// A row that is locked goes where both corners go, and is free again when one corner comes nearer.
+TEST(Hangings, ALockedRowFollowsItsCorners) {
+  const std::uint32_t n = 8;
+  const Scene scene = scenes::make_net(n, n);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    World world(scene, {.method = Method::direct, .gradient = gradient, .threads = 1});
+    StepReport total;
+    const auto move = [&](Vec3 left, Vec3 right) {
+      world.move_anchor(0, world.position(0) + left);
+      world.move_anchor(n - 1, world.position(n - 1) + right);
+      total += world.step(frame);
+    };
+    const Vec3 by{0.002, 0, 0.004};
+    for (int i = 0; i < 30; ++i) move(by, by);
+    EXPECT_EQ(total.unsolved + total.elastic_substeps, 0u) << to_string(gradient);
+    for (std::uint32_t i = 1; i + 1 < n; ++i)
+      EXPECT_LE(norm(world.position(i) - scene.particles[i].position - 30.0 * by), 1e-12) << i;
+    for (int i = 0; i < 30; ++i) move({}, {-0.004, 0, 0});
+    EXPECT_EQ(total.unsolved, 0u) << to_string(gradient);
+    EXPECT_LT(world.position(n / 2).y, -0.05) << to_string(gradient);
+    EXPECT_LE(test::stretch_of(scene, world).max, 1e-3) << to_string(gradient);
+  }
+}
+
 }  // namespace
 }  // namespace plumb

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+#include <vector>
+
 #include "interface/island_shape.hpp"
 #include "support/graphs.hpp"
 #include "support/worlds.hpp"
@@ -26,6 +29,14 @@ TEST(IslandShape, ThinIslandsStayThinAtAnyLength) {
     EXPECT_TRUE(is_thin(test::lattice(n, 2).view())) << n;
   }
   EXPECT_FALSE(is_thin(test::lattice(64, 64).view()));
+}
+
+// Vast is what would need minutes and gigabytes to factorise. Long lattices are not, however many particles
+// they have.
+TEST(IslandShape, VastIslandsAreWideAndLarge) {
+  EXPECT_FALSE(is_vast(test::lattice(128, 128).view()));
+  EXPECT_FALSE(is_vast(test::lattice(10'000, 20).view()));
+  EXPECT_TRUE(is_vast(test::lattice(256, 256).view()));
 }
 
 TEST(IslandShape, TheNumberingDoesNotMatter) {
@@ -51,29 +62,48 @@ TEST(IslandShape, MassIsCarriedByRodsOfTheIslandThatHaveIt) {
   EXPECT_FALSE(carries_mass(two_rods(2), both, MassModel::lumped));
 }
 
-TEST(ChooseMethod, RelaxesWideIslandsOfMasslessRodsAlone) {
+std::vector<std::uint32_t> numbers(std::size_t count) {
+  std::vector<std::uint32_t> out(count);
+  std::iota(out.begin(), out.end(), 0u);
+  return out;
+}
+
+TEST(ChooseMethod, RelaxesVastIslandsOfMasslessRodsAlone) {
   const Settings plain{.method = Method::automatic}, accurate{.method = Method::automatic, .accuracy = 1e-3};
-  EXPECT_EQ(choose_method(two_rods(0), false, both, plain), Method::relax);
-  EXPECT_EQ(choose_method(two_rods(0), true, both, plain), Method::direct);
-  EXPECT_EQ(choose_method(two_rods(2), false, both, plain), Method::direct);
-  EXPECT_EQ(choose_method(two_rods(0), false, both, accurate), Method::direct);
+  for (const IslandShape shape : {IslandShape::tree, IslandShape::thin, IslandShape::wide})
+    EXPECT_EQ(choose_method(two_rods(0), shape, both, plain), Method::direct);
+  EXPECT_EQ(choose_method(two_rods(0), IslandShape::vast, both, plain), Method::relax);
+  EXPECT_EQ(choose_method(two_rods(2), IslandShape::vast, both, plain), Method::direct);
+  EXPECT_EQ(choose_method(two_rods(0), IslandShape::vast, both, accurate), Method::direct);
 }
 
 TEST(ChooseMethod, TakesTheGradientThatIsSet) {
   Settings settings{.method = Method::automatic};
-  EXPECT_EQ(choose_gradient(two_rods(0), true, both, settings), Gradient::mid);
+  const auto choose = [&](IslandShape shape, double mass) {
+    return choose_gradient(two_rods(mass), shape, both, settings);
+  };
+  for (const IslandShape shape : {IslandShape::tree, IslandShape::thin})
+    EXPECT_EQ(choose(shape, 0), Gradient::mid);
+  for (const IslandShape shape : {IslandShape::wide, IslandShape::vast}) {
+    EXPECT_EQ(choose(shape, 0), Gradient::new_);
+    EXPECT_EQ(choose(shape, 2), Gradient::mid) << "rods with mass";
+  }
   settings.accuracy = 1e-3;
-  EXPECT_EQ(choose_gradient(two_rods(0), true, both, settings), Gradient::old);
-  EXPECT_EQ(choose_gradient(two_rods(2), false, both, settings), Gradient::mid) << "loops with mass";
+  for (const IslandShape shape : {IslandShape::tree, IslandShape::thin, IslandShape::wide})
+    EXPECT_EQ(choose(shape, 0), Gradient::old);
+  EXPECT_EQ(choose(IslandShape::tree, 2), Gradient::old);
+  EXPECT_EQ(choose(IslandShape::wide, 2), Gradient::mid) << "loops with mass";
   settings.gradient = Gradient::new_;
-  EXPECT_EQ(choose_gradient(two_rods(0), true, both, settings), Gradient::new_);
+  EXPECT_EQ(choose(IslandShape::tree, 0), Gradient::new_);
 }
 
 // Order 4 is for gradient old in double, and the longer the tree, the finer the accuracy from which it pays.
 TEST(ChooseMethod, OrderFourPaysFromSomeAccuracyOn) {
   const auto order = [](double accuracy, bool is_tree, std::size_t rods, Gradient gradient = Gradient::old,
                         Precision precision = Precision::double_) {
-    return choose_time_order(gradient, is_tree, rods,
+    Scene scene;
+    scene.rods.resize(rods);
+    return choose_time_order(scene, gradient, is_tree, numbers(rods),
                              {.method = Method::automatic, .precision = precision, .accuracy = accuracy});
   };
   const auto from = [&](bool is_tree, std::size_t rods) {
@@ -85,7 +115,12 @@ TEST(ChooseMethod, OrderFourPaysFromSomeAccuracyOn) {
   EXPECT_NEAR(from(false, 10), from(false, 100), 1e-12) << "of loops it does not depend on their size";
   EXPECT_EQ(order(1e-15, true, 10, Gradient::mid), 2u);
   EXPECT_EQ(order(1e-15, true, 10, Gradient::old, Precision::single), 2u);
-  EXPECT_EQ(choose_time_order(Gradient::old, true, 10, {.method = Method::automatic}), 2u);
+  EXPECT_EQ(choose_time_order(two_rods(0), Gradient::old, true, both, {.method = Method::automatic}), 2u);
+  Scene elastic = two_rods(0);
+  elastic.rods[1].law = {.stiffness = 100, .damping = 1};
+  EXPECT_EQ(
+      choose_time_order(elastic, Gradient::old, true, both, {.method = Method::automatic, .accuracy = 1e-15}),
+      2u);
 }
 
 }  // namespace

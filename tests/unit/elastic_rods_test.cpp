@@ -1,6 +1,6 @@
 // Rods that do not fit together: how they give way, and how they are brought to their lengths.
 
-#include "direct/loops/elastic_rods.hpp"
+#include "direct/displacements/elastic_rods.hpp"
 
 #include <gtest/gtest.h>
 

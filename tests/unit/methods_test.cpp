@@ -189,7 +189,8 @@ TEST(Methods, AutomaticRefusesWhatNoIslandReads) {
   Settings settings;
   settings.stop.sweeps = 3;
   EXPECT_NE(refusal(scenes::make_chain(3), settings).find("sweeps"), std::string::npos);
-  EXPECT_EQ(refusal(scenes::make_net(20, 20), settings), "");
+  EXPECT_NE(refusal(scenes::make_net(20, 20), settings).find("sweeps"), std::string::npos);
+  EXPECT_EQ(refusal(scenes::make_net(200, 200), settings), "") << "vast, and relaxed";
 }
 
 // Worlds refuse what would change nothing, too.

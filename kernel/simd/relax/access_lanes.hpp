@@ -1,4 +1,5 @@
-// The loops of relax_lanes.hpp reach the ends of their rods in these ways. That file alone includes this one.
+// The loops of relax_lanes.hpp and law_lanes.hpp reach the ends of their rods in these ways. visit_lanes.hpp
+// alone includes this one.
 
 #include <type_traits>
 #include <xsimd/xsimd.hpp>

@@ -44,6 +44,54 @@ struct Range {
   bool uniform = false;
 };
 
+/// Fields per rod that gives, or that lies in an island with one that does (plumb::RodLaw). A rod's pull is
+/// kept as the length by which it shortens the rod. Stiffness and damping are then multiplied by what the
+/// rod's ends give, w = w_a + w_b in 1/kg, and have no unit of mass.
+namespace law_fields {
+/// Numbers that never change: L in m; stiffness w in 1/s^2; damping w in 1/s; how many times as much as w the
+/// shares are of (Jacobi, else 1); 1 if it is rigid; 1 if it is one-sided.
+inline constexpr std::uint32_t rod = 6;
+/// Numbers of a substep, see LawStart.
+inline constexpr std::uint32_t start = 5;
+/// By how much the rod has been moved in the substep, as a vector in m.
+inline constexpr std::uint32_t shift = 3;
+}  // namespace law_fields
+
+/// These factors of a substep are the same for all rods. Forces act on its displacement by kick (s^2).
+template <class T>
+struct LawTerms {
+  T damping;      ///< Multiplies damping, in s.
+  T share;        ///< Of an elastic pull, so much is by the length at the end.
+  T kick;         ///< Of the rod's own pull in this substep, in s^2.
+  T kick_before;  ///< Of the half of a pull that the last substep has left (gradient old), in s.
+  T keep;         ///< Makes of a rod's own pull the half that is left for the next substep, in 1/s.
+  T substep;      ///< In s with gradient old, else 0.
+};
+
+/// What kernels need of a block whose rods give. Shares are w_a/w and w_b/w, without omega.
+template <class T>
+struct LawView : BlockView<T> {
+  const T* law;  ///< law_fields::rod vectors per vector of rods.
+  T* start;      ///< law_fields::start, made by prepare.
+  T* shift;      ///< law_fields::shift.
+  T* half_kick;  ///< What gradient old keeps of a pull from one substep to the next, in m/s.
+  LawTerms<T> terms;
+  T omega;
+};
+
+/// Loops over rods that give. A visit finds how a rod would pull if its ends were moved by nobody else, and
+/// replaces by that what the rod has moved them before. Once nothing changes any more, all rods pull as their
+/// laws say, whatever the number and the order of visits (Macklin, Mueller, Chentanez 2016, "XPBD").
+/// `violation` is twice the largest move of another visit, in lengths of the rod. For rigid rods that is
+/// nearly |C|/L^2. `finish` keeps what gradient old leaves for the next substep.
+template <class T>
+struct LawKernels {
+  void (*prepare)(const LawView<T>&, Range);
+  void (*sweep[3])(const LawView<T>&, const Range*, std::uint32_t count);  ///< by Gradient
+  T (*violation[3])(const LawView<T>&, Range);                             ///< by Gradient
+  void (*finish)(const LawView<T>&, Range);
+};
+
 /// Loops for one way of addressing rods. `sweep` projects every rod of each range, range after range; rods of
 /// one range share no movable particle. `violation` is the largest |C|/L^2 of a range. It passes over what is
 /// not a number, so that a broken island does not keep the others of its block sweeping.
@@ -52,6 +100,7 @@ struct AccessKernels {
   void (*prepare)(const BlockView<T>&, Range);
   void (*sweep[3])(const BlockView<T>&, const Range*, std::uint32_t count);  ///< by Gradient
   T (*violation)(const BlockView<T>&, Range);
+  LawKernels<T> laws;
 };
 
 /// Loops over particle numbers, whatever the layout. Lengths are multiples of the logical width.

@@ -4,26 +4,11 @@
 //
 // relax_scalar.cpp says what is computed and why. The operations and their order are the same here.
 
-#include "simd/relax/access_lanes.hpp"
+#include "simd/relax/law_lanes.hpp"
+#include "simd/relax/visit_lanes.hpp"
 
 namespace plumb::simd {
 namespace {
-
-/// Writes twice the direction of every rod (m) and its violation |d|² − L² (m²), which sweeps read.
-template <class Access, class T>
-void prepare(const BlockView<T>& block, Range range) {
-  for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
-    const Position at = position<T>(range.begin, i);
-    const Triple<T> d = Access::difference(block, block.x, at);
-    const Batch<T> length2 =
-        range.uniform ? Batch<T>(block.uniform_length2) : load_field<weight_fields>(block.weight, at, 0);
-    T* rod = block.rod + std::size_t{at.v} * rod_fields * logical_width<T> + at.first;
-    (d.x + d.x).store_aligned(rod);
-    (d.y + d.y).store_aligned(rod + logical_width<T>);
-    (d.z + d.z).store_aligned(rod + 2 * logical_width<T>);
-    (dot(d, d) - length2).store_aligned(rod + 3 * logical_width<T>);
-  }
-}
 
 /// A projection between its two halves consists of twice the direction of the correction (m), its size, and
 /// the ends.
@@ -38,15 +23,8 @@ struct Correction {
 template <class Access, Gradient gradient, bool uniform, class T>
 PLUMB_INLINE Correction<Access, T> correction(const BlockView<T>& block, Position at,
                                               Batch<T> uniform_length2) {
-  using Kept = typename Access::template Kept<T>;
-  Kept kept;
-  Triple<T> e;
-  if constexpr (std::is_same_v<Kept, Ends<T>>) {
-    kept = Access::load_ends(block, at);
-    e = kept.b - kept.a;
-  } else {
-    e = Access::difference(block, static_cast<const T*>(block.p), at);
-  }
+  typename Access::template Kept<T> kept;
+  const Triple<T> e = movement<Access>(block, at, kept);
   const Triple<T> d2 = load_direction(block.rod, at);
   const Triple<T> sum = d2 + e;
   const Batch<T> c = load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) + dot(e, sum);
@@ -56,16 +34,6 @@ PLUMB_INLINE Correction<Access, T> correction(const BlockView<T>& block, Positio
   if constexpr (gradient == Gradient::old) return {d2, s, kept};
   if constexpr (gradient == Gradient::mid) return {sum, s, kept};
   return {sum + e, s, kept};
-}
-
-/// Moves the ends, or adds to the sums that stand for them (Jacobi).
-template <class Access, class T>
-PLUMB_INLINE void move(const BlockView<T>& block, Position at, const typename Access::template Kept<T>& kept,
-                       const Triple<T>& move_a, const Triple<T>& move_b) {
-  if constexpr (std::is_same_v<typename Access::template Kept<T>, Ends<T>>) {
-    if (block.out == block.p) return Access::store_ends(block, at, kept.a + move_a, kept.b - move_b);
-  }
-  Access::apply(block, at, move_a, move_b);
 }
 
 template <class Access, bool uniform, class T>
@@ -115,16 +83,6 @@ void sweep(const BlockView<T>& shared, const Range* ranges, std::uint32_t count)
       sweep_range<Access, gradient, false>(block, *range, length2, share);
     }
   }
-}
-
-/// Returns the largest of the lanes, or 0; a lane that is not a number does not count.
-template <class T>
-PLUMB_INLINE T largest_lane(const Batch<T>& batch) {
-  alignas(64) T lanes[width<T>];
-  batch.store_aligned(lanes);
-  T largest = 0;
-  for (const T lane : lanes) largest = lane > largest ? lane : largest;
-  return largest;
 }
 
 template <class Access, class T>
@@ -198,6 +156,7 @@ constexpr AccessKernels<T> access_kernels = {
     prepare<Access, T>,
     {sweep<Access, Gradient::new_, T>, sweep<Access, Gradient::old, T>, sweep<Access, Gradient::mid, T>},
     violation<Access, T>,
+    law_kernels<Access, T>,
 };
 
 template <class T>

@@ -1,10 +1,10 @@
 #pragma once
 
-// This is the equation of a rod that gives (plumb::RodLaw) in a Newton step, for V = one number or a vector of
-// lanes. The file before this one defines select_nonzero, select_positive, larger and root.
+// This is the equation of a rod that gives (plumb::RodLaw) in a Newton step, for V = one number or a vector
+// of lanes. The file before this one defines select_nonzero, select_positive, larger and root.
 //
-// A rod's multiplier mu pulls its end along d + theta e, at a length between l0 at the start of the substep and
-// l1 at its end. With c = l - L the law says
+// A rod's multiplier mu pulls its end along d + theta e, at a length between l0 at the start of the substep
+// and l1 at its end. With c = l - L the law says
 //
 //   mu l + psi(c1) = 0,   l = (1 - theta) l0 + theta l1,   psi = slope c1 + before.
 //
@@ -13,11 +13,11 @@
 // A cable takes the positive parts of c, psi and, with gradient mid, the share of c that it was taut in. Then
 // psi is the change of its energy over the change of c (Gonzalez 1996), which mid keeps to rounding.
 //
-// Gradient old takes k/2 ((c0 + c1)/2)^2 for the potential of a substep, which makes it variational (Marsden, West
-// 2001). A rod pulls along d by half of its kick where the substep starts, and by the other half where it ends.
-// Rods too stiff for the substep would swing for ever, though, and gain energy where their directions change.
-// They take more of c1 than of c0, which damps what no substep resolves, and give their whole kick at the start.
-// In the limit they are those of SHAKE.
+// Gradient old takes k/2 ((c0 + c1)/2)^2 for the potential of a substep, which makes it variational (Marsden,
+// West 2001). A rod pulls along d by half of its kick where the substep starts, and by the other half where
+// it ends. Rods too stiff for the substep would swing for ever, though, and gain energy where their
+// directions change. They take more of c1 than of c0, which damps what no substep resolves, and give their
+// whole kick at the start. In the limit they are those of SHAKE.
 
 #include "simd/tree/tree_kernels.hpp"
 
@@ -59,8 +59,8 @@ PLUMB_LAW_INLINE V resolved(const LawNumbers<V>& law, const V& substep) {
   return one / (one + larger(substep * substep * law.frequency2 - one, V(0)));
 }
 
-/// Returns the weight (s^2) of a rod's pull in this substep. What the substep before left of its kick to the end
-/// of it is in half_kick, and the rest is here.
+/// Returns the weight (s^2) of a rod's pull in this substep. What the substep before left of its kick to the
+/// end of it is in half_kick, and the rest is here.
 template <class V>
 PLUMB_LAW_INLINE V own_kick(const LawNumbers<V>& law, const LawFactors<V>& factors) {
   return factors.kick - factors.kick_back * resolved(law, factors.substep_before);
@@ -86,9 +86,9 @@ PLUMB_LAW_INLINE V end_length(const LawStart<V>& start, const V& growth) {
   return root(larger(start.length * start.length + growth, V(0)));
 }
 
-/// Returns the half of a kick that a rod with the multiplier mu leaves for the end of a substep of gradient old, as
-/// far as the substep resolves its swing. `half_kick` is that of the substep before. Other gradients leave none
-/// (factors.substep = 0).
+/// Returns the half of a kick that a rod with the multiplier mu leaves for the end of a substep of gradient
+/// old, as far as the substep resolves its swing. `half_kick` is that of the substep before. Other gradients
+/// leave none (factors.substep = 0).
 template <class V>
 PLUMB_LAW_INLINE V end_law(const LawNumbers<V>& law, const LawFactors<V>& factors, const LawStart<V>& start,
                            const V& half_kick, const V& mu) {
@@ -96,6 +96,17 @@ PLUMB_LAW_INLINE V end_law(const LawNumbers<V>& law, const LawFactors<V>& factor
   const V kept = V(0.5f) * factors.substep * resolved(law, factors.substep);
   return kept * own / select_nonzero(kick, kick, V(1));
 }
+
+/// This is where a rod is at an iterate of Newton's method: l1^2 - l0^2 and C at l1 (both m²), and its
+/// multiplier.
+template <class V>
+struct LawIterate {
+  V growth, violation, mu;
+};
+/// These say of all rods of a substep whether some are cables, and whether its gradient is mid.
+struct LawKind {
+  bool has_cables, is_mid;
+};
 
 /// A row of Newton's matrix is  use b . (change of e) + soft (change of mu) = -c.
 template <class V>
@@ -138,17 +149,16 @@ PLUMB_LAW_INLINE LawRow<V> elastic_row(const LawStart<V>& start, const Pull<V>& 
           select_positive(slope, soft * rest, rest)};
 }
 
-/// Returns the row of a rod. `growth` is l1^2 - l0^2, `violation` is C at l1 (both m^2).
 template <class V>
-PLUMB_LAW_INLINE LawRow<V> law_row(const LawNumbers<V>& law, const LawStart<V>& start, const V& growth,
-                                   const V& violation, const V& mu, const V& theta, bool has_cables,
-                                   bool is_mid) {
+PLUMB_LAW_INLINE LawRow<V> law_row(const LawNumbers<V>& law, const LawStart<V>& start,
+                                   const LawIterate<V>& iterate, const V& theta, LawKind kind) {
+  const auto [growth, violation, mu] = iterate;
   const V zero(0), one(1);
   const V end = end_length(start, growth), excess = start.excess + growth / (start.length + end);
   Pull<V> pull{start.slope * excess + start.before, start.slope};
   LawRow<V> stiff{one, zero, violation};
-  if (has_cables) {
-    const Pull<V> cable = cable_pull(start, excess, is_mid);
+  if (kind.has_cables) {
+    const Pull<V> cable = cable_pull(start, excess, kind.is_mid);
     pull.psi = select_nonzero(law.one_sided, cable.psi, pull.psi);
     pull.slope = select_nonzero(law.one_sided, cable.slope, pull.slope);
     // A rigid cable is taut where it would be too long or pulls.
@@ -162,9 +172,9 @@ PLUMB_LAW_INLINE LawRow<V> law_row(const LawNumbers<V>& law, const LawStart<V>& 
 }
 
 /// Rods whose swing is resolved resist no velocity. In a projection of velocities they pull with a multiplier
-/// that is known, and slack cables do not pull. The less is resolved, the more a rod resists as rigid ones do. A
-/// rigid cable is taut if it pulled last. The slope of a rigid rod is its length times the rate of that, where
-/// its length changes.
+/// that is known, and slack cables do not pull. The less is resolved, the more a rod resists as rigid ones
+/// do. A rigid cable is taut if it pulled last. The slope of a rigid rod is its length times the rate of
+/// that, where its length changes.
 template <class V>
 struct KnownPull {
   V mu;

@@ -35,17 +35,26 @@ struct LineNode {
   V w;
 };
 
+/// This is a rod with the nodes at its ends, and the rods on either side.
+template <class V, class T>
+struct LineSpan {
+  const LineRod<V, T>& last;
+  const LineNode<V>& from;
+  const LineRod<V, T>& rod;
+  const LineNode<V>& to;
+  const LineRod<V, T>& next;
+};
+
 template <bool laws, class V, class T, class At>
-PLUMB_INLINE LineRow<V> line_row(const TreeView<T>& tree, const At& at, const LineRod<V, T>& last,
-                                 const LineNode<V>& from, const LineRod<V, T>& rod, const LineNode<V>& to,
-                                 const LineRod<V, T>& next) {
+PLUMB_INLINE LineRow<V> line_row(const TreeView<T>& tree, const At& at, const LineSpan<V, T>& span) {
+  const auto& [last, from, rod, to, next] = span;
   const Vec<V> e = to.delta - from.delta;
   Vec<V> b = rod.d + e;
   V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e)), soft(0);
   if constexpr (laws)
     if (rod.laws.law != nullptr) {
       const LawRow<V> row =
-          law_row_of(tree, at, rod.laws, rod.index, rod.d, e, violation, rod.mu, V(0));
+          law_row_of<V>(tree, at, rod.laws, rod.index, {growth_of(rod.d, e), violation, rod.mu}, V(0));
       b = row.use * b;
       violation = row.c;
       soft = row.soft;
@@ -66,7 +75,7 @@ PLUMB_INLINE LineRod<V, T> line_rod(const TreeView<T>& tree, const At& at, std::
 /// Returns the tie at either end of a line, seen along it, or an absent rod.
 template <class V, class T, class At>
 PLUMB_INLINE LineRod<V, T> line_tie(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
-                                 T direction) {
+                                    T direction) {
   if (!present) return {{V(0), V(0), V(0)}, V(0), V(0)};
   return {V(direction) * at.get3(tree.tie_rod, tree_fields::rod * k),
           at.get(tree.tie_rod, tree_fields::rod * k + 3), at.get(tree.tie_mu, k), tie_laws(tree), k};
@@ -120,11 +129,11 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   V above = zero, right = zero, residual = zero;
   for (std::size_t k = 0; k <= n; ++k) {
     const LineRod<V, T> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
-                            : k + 1 == n ? line_tie<V>(tree, at, ends.last_tie, ends.last, T(-1))
-                                         : LineRod<V, T>{none, zero, zero};
+                               : k + 1 == n ? line_tie<V>(tree, at, ends.last_tie, ends.last, T(-1))
+                                            : LineRod<V, T>{none, zero, zero};
     const LineNode<V> to =
         k < n ? line_node<V>(tree, at, k, rod, next) : line_fixed<V>(tree, at, ends.last_tie, ends.last);
-    const LineRow<V> row = line_row<laws>(tree, at, last, from, rod, to, next);
+    const LineRow<V> row = line_row<laws, V, T>(tree, at, {last, from, rod, to, next});
     const V over = reciprocal_or_zero(row.diagonal - row.below * above, zero);
     residual = residual + row.right * row.right;
     above = row.above * over;

@@ -35,33 +35,34 @@ PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, const V& scale_
   at.put(mu, i, scale * last + scale_before * before);
 }
 
-/// Makes the start of rod i's law from its tree_fields::rod numbers.
+/// Makes the start of the law of rod i of `arrays` from its tree_fields::rod numbers in `rods`.
 template <class V, class T, class At>
-PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* rods, const T* laws,
-                              const T* half_kicks, T* starts, std::size_t i) {
+PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* rods,
+                              const LawArrays<T>& arrays, std::size_t i) {
   const Vec<V> d = at.get3(rods, i * tree_fields::rod);
   const LawStart<V> start =
-      start_law(law_numbers<V>(at, laws, i), law_factors_of<V>(tree, at), at.get(half_kicks, i),
+      start_law(law_numbers<V>(at, arrays.law, i), law_factors_of<V>(tree, at), at.get(arrays.half_kick, i),
                 dot(d, d), at.get(rods, i * tree_fields::rod + 3));
   const std::size_t f = i * tree_fields::law_start;
-  at.put(starts, f, start.length);
-  at.put(starts, f + 1, start.excess);
-  at.put(starts, f + 2, start.slope);
-  at.put(starts, f + 3, start.before);
+  at.put(arrays.start, f, start.length);
+  at.put(arrays.start, f + 1, start.excess);
+  at.put(arrays.start, f + 2, start.slope);
+  at.put(arrays.start, f + 3, start.before);
 }
+/// Keeps what is left of the kicks of all rods for the next substep.
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void keep_half_kicks(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const V active = at.get(tree.active, 0);
   const LawFactors<V> factors = law_factors_of<V>(tree, at);
-  const auto keep = [&](const T* laws, const T* starts, const T* mu, T* half_kicks, std::size_t i) {
-    const V last = at.get(half_kicks, i);
-    const V kept = end_law(law_numbers<V>(at, laws, i), factors, law_start<V>(at, starts, i), last, at.get(mu, i));
-    at.put(half_kicks, i, select_nonzero(active, kept, last));
+  const auto keep = [&](const LawArrays<T>& arrays, const T* mu, std::size_t i) {
+    const V last = at.get(arrays.half_kick, i);
+    const V kept = end_law(law_numbers<V>(at, arrays.law, i), factors, law_start<V>(at, arrays.start, i),
+                           last, at.get(mu, i));
+    at.put(arrays.half_kick, i, select_nonzero(active, kept, last));
   };
-  for (std::size_t i = 1; i < tree.nodes; ++i) keep(tree.law, tree.law_start, tree.mu, tree.half_kick, i);
-  for (std::size_t k = 0; k < tree.tie_begin[tree.nodes]; ++k)
-    keep(tree.tie_law, tree.tie_law_start, tree.tie_mu, tree.tie_half_kick, k);
+  for (std::size_t i = 1; i < tree.nodes; ++i) keep(rod_laws(tree), tree.mu, i);
+  for (std::size_t k = 0; k < tree.tie_begin[tree.nodes]; ++k) keep(tie_laws(tree), tree.tie_mu, k);
 }
 
 /// Does what TreeKernels::prepare() says, with masses that couple the ends of rods or without.
@@ -87,13 +88,12 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
       if constexpr (coupled) load = load + at.get(tree.tie, tie * k) * at.get3(tree.tie_u, 3 * k);
       prepare_rod<V>(at, place(tree.tie_x, 3 * k), place(tree.x, 3 * i), place(tree.tie_length2, k),
                      tree.tie_rod, k);
-      if (tree.has_laws)
-        prepare_law<V>(tree, at, tree.tie_rod, tree.tie_law, tree.tie_half_kick, tree.tie_law_start, k);
+      if (tree.has_laws) prepare_law<V>(tree, at, tree.tie_rod, tie_laws(tree), k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
       prepare_rod<V>(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
-      if (tree.has_laws) prepare_law<V>(tree, at, tree.rod, tree.law, tree.half_kick, tree.law_start, i);
+      if (tree.has_laws) prepare_law<V>(tree, at, tree.rod, rod_laws(tree), i);
       if constexpr (coupled) {
         const V coupling = at.get(tree.node, node * i + 1);
         load = load + coupling * (ratio * at.get3(tree.u, 3 * p));

@@ -119,7 +119,7 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
   for (std::size_t k = 0; k < s; ++k) {
     const LineRod<V, T> next = k + 1 < s ? line_rod<V>(tree, at, k + 1) : first_rod_after<V>(at, ends);
     const LineNode<V> to = line_node<V>(tree, at, k, rod, next);
-    const LineRow<V> row = line_row<laws>(tree, at, last, from, rod, to, next);
+    const LineRow<V> row = line_row<laws, V, T>(tree, at, {last, from, rod, to, next});
     residual = residual + row.right * row.right;
     if (k + 1 == s) {
       store(row.below, rows.lower + lane);

@@ -16,7 +16,8 @@
 //   r_p    -= (kappa u + a) (c - b.q) / s + kappa q
 //
 // A tie has the same equations with delta_p = 0. It takes a rank from H. A rod that gives has the second
-// equation  use b . (delta_i - delta_p) + soft nu = c  (simd/tree/law_math.hpp), so that s = use b . u + soft.
+// equation  use b . (delta_i - delta_p) + soft nu = c  (simd/tree/law_math.hpp), so that s = use b . u +
+// soft.
 
 #include "simd/tree/lane_math.hpp"
 #include "simd/tree/law_math.hpp"
@@ -63,15 +64,16 @@ PLUMB_INLINE NodeBlock<V> empty_block() {
 /// The rods to parents, or those to anchors, have these arrays of what gives.
 template <class T>
 struct LawArrays {
-  const T *law, *start;
+  const T* law;
+  T *start, *half_kick;
 };
 template <class T>
 PLUMB_INLINE LawArrays<T> rod_laws(const TreeView<T>& tree) {
-  return {tree.law, tree.law_start};
+  return {tree.law, tree.law_start, tree.half_kick};
 }
 template <class T>
 PLUMB_INLINE LawArrays<T> tie_laws(const TreeView<T>& tree) {
-  return {tree.tie_law, tree.tie_law_start};
+  return {tree.tie_law, tree.tie_law_start, tree.tie_half_kick};
 }
 template <class V, class T, class At>
 PLUMB_INLINE LawNumbers<V> law_numbers(const At& at, const T* laws, std::size_t i) {
@@ -87,9 +89,9 @@ PLUMB_INLINE LawStart<V> law_start(const At& at, const T* starts, std::size_t i)
 template <class V, class T, class At>
 PLUMB_INLINE LawFactors<V> law_factors_of(const TreeView<T>& tree, const At& at) {
   const T* const from = tree.law_factors;
-  return {at.get(from, law_factors::share),       at.get(from, law_factors::kick),
-          at.get(from, law_factors::kick_back),   at.get(from, law_factors::kick_before),
-          at.get(from, law_factors::rate),        at.get(from, law_factors::substep),
+  return {at.get(from, law_factors::share),         at.get(from, law_factors::kick),
+          at.get(from, law_factors::kick_back),     at.get(from, law_factors::kick_before),
+          at.get(from, law_factors::rate),          at.get(from, law_factors::substep),
           at.get(from, law_factors::substep_before)};
 }
 /// Returns by how much the square of the length of a rod along d grows if its ends come apart by e.
@@ -98,14 +100,12 @@ PLUMB_INLINE V growth_of(const Vec<V>& d, const Vec<V>& e) {
   const V along = dot(d, e);
   return (along + along) + dot(e, e);
 }
-/// Returns the row of rod i of `arrays`, which goes along d at first and is changed by e, and violates its
-/// length by `violation` (m²) then.
+/// Returns the row of rod i of `arrays`.
 template <class V, class T, class At>
 PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
-                                  std::size_t i, const Vec<V>& d, const Vec<V>& e, const V& violation,
-                                  const V& mu, const V& theta) {
-  return law_row(law_numbers<V>(at, arrays.law, i), law_start<V>(at, arrays.start, i), growth_of(d, e),
-                 violation, mu, theta, tree.has_cables, tree.is_mid);
+                                  std::size_t i, const LawIterate<V>& iterate, const V& theta) {
+  return law_row(law_numbers<V>(at, arrays.law, i), law_start<V>(at, arrays.start, i), iterate, theta,
+                 LawKind{tree.has_cables, tree.is_mid});
 }
 template <class V, class T, class At>
 PLUMB_INLINE KnownPull<V> known_pull_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
@@ -162,8 +162,9 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
     V soft(0);
     if constexpr (laws) {
       const V mu = at.get(tree.tie_mu, k);
-      const LawRow<V> row = linear ? known_pull_of<V>(tree, at, tie_laws(tree), k, c, mu).row
-                                   : law_row_of(tree, at, tie_laws(tree), k, d, e, c, mu, theta);
+      const LawRow<V> row = linear
+                                ? known_pull_of<V>(tree, at, tie_laws(tree), k, c, mu).row
+                                : law_row_of<V>(tree, at, tie_laws(tree), k, {growth_of(d, e), c, mu}, theta);
       b = row.use * b;
       soft = row.soft;
       c = row.c;
@@ -219,7 +220,8 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
     own.c = at.get(tree.rod, i * rod + 3) + (own.c + V(T(0.5)) * dot(e, e));
     own.mu = at.get(tree.mu, i);
     if constexpr (laws) {
-      const LawRow<V> row = law_row_of(tree, at, rod_laws(tree), i, d, e, own.c, own.mu, theta);
+      const LawRow<V> row =
+          law_row_of<V>(tree, at, rod_laws(tree), i, {growth_of(d, e), own.c, own.mu}, theta);
       own.b = row.use * own.b;
       own.soft = row.soft;
       own.c = row.c;
@@ -252,10 +254,10 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
   V pivot = dot(b, u);
   if constexpr (laws) pivot = pivot + soft;
-  const V over =
-      plain ? V(1) / pivot
-            : reciprocal_or_zero(pivot,
-                                 (at.get(tree.node, i * tree_fields::node + 2) * trace(node.h)) * dot(b, b));
+  const V over = plain
+                     ? V(1) / pivot
+                     : reciprocal_or_zero(
+                           pivot, (at.get(tree.node, i * tree_fields::node + 2) * trace(node.h)) * dot(b, b));
   const V rho = (V(0) - c - dot(b, node.q)) * over;
   const Vec<V> n = over * (b + kappa * w);
   const Vec<V> q = node.q + rho * u;

@@ -6,12 +6,12 @@ namespace plumb::detail {
 namespace {
 
 /// An island with loops is thin if its widest layer has no more particles than this. Rings, ladders and
-/// trusses are thin, nets are not. A larger value solves more islands directly.
-///
-/// bench_direct measured it at an error of 1e-4. A truss of 100 bays is solved at least 20 times faster than
-/// relaxed, a ring of 24 about as fast. Nets of 32 x 32 and 128 x 128 are solved two and seven times faster,
-/// but at errors of a hundredth relaxation is cheaper there.
+/// trusses are thin, nets are not. A larger value factorises more islands, and solves fewer by lines.
 constexpr std::size_t thin_layer = 12;
+
+/// An island is vast if its particles times the square of its widest layer are more. That is the work of a
+/// factorisation up to a factor, and nets of up to 150 x 150 particles stay below.
+constexpr double vast_work = 5e8;
 
 /// Returns the number of particles in the widest layer. A layer holds the particles at one distance in rods
 /// from an end of the island. It takes linear time.
@@ -45,6 +45,11 @@ std::size_t widest_layer(const layouts::Graph& island) {
 
 bool is_thin(const layouts::Graph& island) {
   return widest_layer(island) <= thin_layer;
+}
+
+bool is_vast(const layouts::Graph& island) {
+  const auto layer = static_cast<double>(widest_layer(island));
+  return layer * layer * island.vertices > vast_work;
 }
 
 bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods) {

@@ -8,10 +8,12 @@
 
 namespace plumb::detail {
 
-/// Returns whether an island with loops is always solved directly: a ring, ladder or truss, in which a
-/// correction would have far to travel. Trees of any size are solved directly too. All their rods at once
-/// cost about as much as a few sweeps, and no sweeps of that cost come near the solution.
+/// Returns whether an island with loops is thin: a ring, ladder or truss. It is factorised, and others are
+/// solved by lines first.
 bool is_thin(const layouts::Graph& island);
+
+/// Returns whether an island with loops is so wide and large that it is never to be factorised.
+bool is_vast(const layouts::Graph& island);
 
 /// Returns whether some rods are not rigid.
 bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods);

@@ -60,27 +60,82 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
       std::count_if(packing_.slot_vertex.begin(), packing_.slot_vertex.end(),
                     [&](std::uint32_t vertex) { return constants.inverse_mass[vertex] == 0; })));
 
+  make_laws(constants);
+  omega_ = static_cast<T>(omega);
   std::map<std::pair<T, T>, std::uint32_t> candidates;
   for (std::size_t i = 0; i < packing_.lane_edge.size(); ++i) {
     T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
     const std::uint32_t edge = packing_.lane_edge[i];
     if (edge == none) {
-      fields[0] = 1;
-      fields[lanes] = fields[2 * lanes] = fields[3 * lanes] = 0;
+      switch_off(i);
       continue;
     }
     const std::uint32_t a = end_of(packing_.address_a, i), b = end_of(packing_.address_b, i);
     const double wa = inverse_mass(a), wb = inverse_mass(b);
-    const double scale = omega / 4 / (rods_sharing(a) * wa + rods_sharing(b) * wb);
+    const double sum = rods_sharing(a) * wa + rods_sharing(b) * wb;
+    const double scale = (gives_ ? 1 : omega / 4) / sum;
     fields[0] = static_cast<T>(constants.length2[edge]);
     fields[lanes] = static_cast<T>(scale * wa);
     fields[2 * lanes] = static_cast<T>(scale * wb);
     fields[3 * lanes] = static_cast<T>(1 / constants.length2[edge]);
+    if (gives_) {
+      write_law(i, constants.laws[edge], std::sqrt(constants.length2[edge]),
+                constants.inverse_mass[a] + constants.inverse_mass[b], sum / (wa + wb));
+      continue;
+    }
     if (fields[lanes] == fields[2 * lanes]) ++candidates[{fields[0], fields[lanes]}];
   }
   find_uniform_ranges(candidates);
   if (std::find(frozen_slots_.begin(), frozen_slots_.end(), 1) != frozen_slots_.end())
     retire_frozen_rods(0, packing_.positions);
+}
+
+template <class T>
+void Block<T>::switch_off(std::size_t lane) {
+  const std::uint32_t lanes = packing_.lanes;
+  T* fields = weight_.data() + lane / lanes * simd::weight_fields * lanes + lane % lanes;
+  fields[0] = 1;
+  fields[lanes] = fields[2 * lanes] = fields[3 * lanes] = 0;
+  if (!gives_) return;
+  // Without stiffness and damping it is neither rigid nor elastic.
+  write_law(lane, {.stiffness = 0}, 1, 0, 1);
+  half_kick_[lane] = 0;
+}
+
+template <class T>
+void Block<T>::make_laws(const Constants& constants) {
+  gives_ = !constants.laws.empty() &&
+           std::any_of(packing_.lane_edge.begin(), packing_.lane_edge.end(),
+                       [&](std::uint32_t edge) { return edge != none && !constants.laws[edge].is_rigid(); });
+  if (!gives_ || law_.size() > 0) return;
+  const auto make = [&](std::uint32_t fields) {
+    return layouts::AlignedBuffer<T>(std::size_t{packing_.vectors()} * fields * packing_.lanes);
+  };
+  law_ = make(simd::law_fields::rod);
+  law_start_ = make(simd::law_fields::start);
+  shift_ = make(simd::law_fields::shift);
+  half_kick_ = make(1);
+}
+
+template <class T>
+void Block<T>::write_law(std::size_t lane, const RodLaw& law, double length, double give, double split) {
+  // Beyond this a rod is as good as rigid, and its square would overflow.
+  constexpr double most = sizeof(T) == 4 ? 1e30 : 1e200;
+  const bool rigid = !law.is_elastic();
+  const double fields[simd::law_fields::rod] = {length,
+                                                rigid ? 0 : std::min(most, law.stiffness * give),
+                                                rigid ? 0 : std::min(most, law.damping * give),
+                                                split,
+                                                rigid ? 1.0 : 0.0,
+                                                law.one_sided ? 1.0 : 0.0};
+  const std::size_t lanes = packing_.lanes,
+                    first = lane / lanes * simd::law_fields::rod * lanes + lane % lanes;
+  for (std::size_t c = 0; c < std::size(fields); ++c) law_[first + c * lanes] = static_cast<T>(fields[c]);
+}
+
+template <class T>
+simd::LawView<T> Block<T>::law_view(T* p, const simd::LawTerms<T>& terms) {
+  return {view(p), law_.data(), law_start_.data(), shift_.data(), half_kick_.data(), terms, omega_};
 }
 
 template <class T>
@@ -109,9 +164,7 @@ void Block<T>::retire_frozen_rods(std::uint32_t q0, std::uint32_t q1) {
       for (std::size_t i = std::size_t{r.begin} * lanes; i < std::size_t{r.end} * lanes; ++i) {
         if (packing_.lane_edge[i] == none || !is_frozen(slot_at[element_of_end(packing_.address_a, i)]))
           continue;
-        T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
-        fields[0] = 1;
-        fields[lanes] = fields[2 * lanes] = fields[3 * lanes] = 0;
+        switch_off(i);
         uniform_[q * packing_.stages.size() + stage] = 0;
       }
     }
@@ -178,8 +231,9 @@ Vec3 Block<T>::read(const T* field, std::uint32_t slot) const {
 
 template <class T>
 std::size_t Block<T>::bytes() const {
-  return sizeof(T) * (x_.size() + 2 * displacements_[0].size() + kick_.size() + accumulator_.size() +
-                      rod_.size() + weight_.size()) +
+  return sizeof(T) *
+             (x_.size() + 2 * displacements_[0].size() + kick_.size() + accumulator_.size() + rod_.size() +
+              weight_.size() + law_.size() + law_start_.size() + shift_.size() + half_kick_.size()) +
          sizeof(std::uint32_t) * (packing_.address_a.size() + packing_.address_b.size());
 }
 

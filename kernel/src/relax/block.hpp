@@ -39,6 +39,13 @@ class Block {
   /// one (Jacobi).
   simd::BlockView<T> view(T* p);
 
+  /// Says whether some rod gives. All rods of the block are then visited by the loops for such rods.
+  bool gives() const { return gives_; }
+  /// Returns what those loops need.
+  simd::LawView<T> law_view(T* p, const simd::LawTerms<T>& terms);
+  /// Gradient old keeps half of each rod's last pull, if rods give.
+  layouts::AlignedBuffer<T>& half_kick() { return half_kick_; }
+
   T* x() { return x_.data(); }
   const T* x() const { return x_.data(); }
   T* displacement(unsigned ago) { return displacements_[(newest_ + ago) & 1].data(); }
@@ -89,11 +96,19 @@ class Block {
   /// Turns the lanes of frozen islands' rods into padding, so that they are neither moved nor looked at
   /// again.
   void retire_frozen_rods(std::uint32_t q0, std::uint32_t q1);
+  /// Turns a rod in a lane into padding, which pulls nothing.
+  void switch_off(std::size_t lane);
+  void make_laws(const Constants& constants);
+  /// Writes how a rod gives whose ends give way by `give` (1/kg). Its shares are of `split` times that.
+  void write_law(std::size_t lane, const RodLaw& law, double length, double give, double split);
   std::uint32_t distinct_rods(std::uint32_t begin, std::uint32_t end) const;
   void find_uniform_ranges(const std::map<std::pair<T, T>, std::uint32_t>& candidates);
 
   layouts::Packing packing_;
   layouts::AlignedBuffer<T> x_, displacements_[2], kick_, accumulator_, rod_, weight_;
+  layouts::AlignedBuffer<T> law_, law_start_, shift_, half_kick_;  ///< Blocks of rigid rods have none.
+  bool gives_ = false;
+  T omega_ = 1;
   unsigned newest_ = 0;
   std::vector<std::uint8_t> uniform_;  ///< It has an entry per position and stage.
   T uniform_length2_ = 1, uniform_share_ = 0;

@@ -1,5 +1,7 @@
 #include "relax/constants.hpp"
 
+#include <algorithm>
+
 namespace plumb::detail {
 
 Constants make_constants(const Scene& scene) {
@@ -14,6 +16,8 @@ Constants make_constants(const Scene& scene) {
     ++constants.valence[rod.a];
     ++constants.valence[rod.b];
   }
+  if (std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) { return !rod.law.is_rigid(); }))
+    for (const Rod& rod : scene.rods) constants.laws.push_back(rod.law);
   return constants;
 }
 

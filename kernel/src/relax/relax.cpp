@@ -34,6 +34,7 @@ struct Moved {
   T* last;  ///< It is the displacement of the last substep, in m.
   T* own;   ///< It is the displacement of this one, in m.
   std::uint32_t q0, q1;
+  bool is_first;  ///< It is the first of several substeps.
 };
 
 /// Runs the stages of one substep.
@@ -50,7 +51,7 @@ class Substep {
         crew_(crew),
         u_(moved.last),
         p_(moved.own),
-        view_(block_.view(p_)),
+        view_(block_.law_view(p_, moved.is_first ? settings.first_terms : settings.terms)),
         q0_(moved.q0),
         q1_(moved.q1) {}
 
@@ -113,7 +114,9 @@ class Substep {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
         kernels_.particles.predict(p_ + first, u_ + first, block_.kick() + first, settings_.decay, n);
       });
-      for_rods(part, [&](simd::Range range) { access_.prepare(view_, range); });
+      for_rods(part, [&](simd::Range range) {
+        block_.gives() ? access_.laws.prepare(view_, range) : access_.prepare(view_, range);
+      });
     });
   }
 
@@ -152,6 +155,10 @@ class Substep {
           broken.store(true, std::memory_order_relaxed);
       });
     });
+    if (block_.gives() && settings_.gradient == Gradient::old)
+      crew_.for_parts([&](unsigned part) {
+        for_rods(part, [&](simd::Range range) { access_.laws.finish(view_, range); });
+      });
     if (broken.load(std::memory_order_relaxed))
       report_.frozen_islands += block_.freeze_broken_islands(u_, p_, q0_, q1_);
 
@@ -205,8 +212,12 @@ class Substep {
 
    private:
     void flush() {
-      substep_.access_.sweep[static_cast<int>(substep_.settings_.gradient)](substep_.view_, ranges_.data(),
-                                                                            count_);
+      const auto gradient = static_cast<int>(substep_.settings_.gradient);
+      if (substep_.block_.gives()) {
+        substep_.access_.laws.sweep[gradient](substep_.view_, ranges_.data(), count_);
+      } else {
+        substep_.access_.sweep[gradient](substep_.view_, ranges_.data(), count_);
+      }
       count_ = 0;
     }
 
@@ -274,7 +285,10 @@ class Substep {
     std::array<T, Team::max_size> largest{};
     crew_.for_parts([&](unsigned part) {
       for_rods(part, [&](simd::Range range) {
-        largest[part] = std::max(largest[part], access_.violation(view_, range));
+        const T found = block_.gives()
+                            ? access_.laws.violation[static_cast<int>(settings_.gradient)](view_, range)
+                            : access_.violation(view_, range);
+        largest[part] = std::max(largest[part], found);
       });
     });
     return *std::max_element(largest.begin(), largest.begin() + crew_.parts());
@@ -295,7 +309,7 @@ class Substep {
   Crew& crew_;
   T* u_;  ///< It is the displacement of the last substep, in m.
   T* p_;  ///< It is the displacement of this one, in m.
-  simd::BlockView<T> view_;
+  simd::LawView<T> view_;
   std::uint32_t q0_, q1_;
 };
 
@@ -307,14 +321,16 @@ void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const Rela
   Alone alone;
   for (std::uint32_t substep = 0; substep < settings.substeps; ++substep) {
     const unsigned odd = substep & 1;
-    const Moved<T> moved{block, block.displacement(odd), block.displacement(1 - odd), q0, q1};
+    const Moved<T> moved{block, block.displacement(odd), block.displacement(1 - odd), q0, q1, substep == 0};
     Substep<T, Alone>(moved, settings, report, alone).run();
   }
 }
 
 template <class T>
-void relax_block(Block<T>& block, const RelaxSettings<T>& settings, StepReport& report, Team& team) {
-  const Moved<T> moved{block, block.displacement(0), block.displacement(1), 0, block.packing().positions};
+void relax_block(Block<T>& block, const RelaxSettings<T>& settings, bool is_first, StepReport& report,
+                 Team& team) {
+  const Moved<T> moved{block, block.displacement(0),     block.displacement(1),
+                       0,     block.packing().positions, is_first};
   Substep<T, Team>(moved, settings, report, team).run();
   block.count_substeps(1);
 }
@@ -323,7 +339,7 @@ template void relax_alone(Block<float>&, std::uint32_t, std::uint32_t, const Rel
                           StepReport&);
 template void relax_alone(Block<double>&, std::uint32_t, std::uint32_t, const RelaxSettings<double>&,
                           StepReport&);
-template void relax_block(Block<float>&, const RelaxSettings<float>&, StepReport&, Team&);
-template void relax_block(Block<double>&, const RelaxSettings<double>&, StepReport&, Team&);
+template void relax_block(Block<float>&, const RelaxSettings<float>&, bool, StepReport&, Team&);
+template void relax_block(Block<double>&, const RelaxSettings<double>&, bool, StepReport&, Team&);
 
 }  // namespace plumb::detail

@@ -20,6 +20,9 @@ struct RelaxSettings {
   std::uint32_t substeps;
   T decay;  ///< Drag multiplies displacements by it, per substep or, with gradient mid, per half.
   double budget_us = 0;  ///< It is for this block and one substep, if the stop rule has a budget.
+  /// Rods that give need the first for the first substep, which may follow one of another length, and the
+  /// second for the others.
+  simd::LawTerms<T> first_terms{}, terms{};
 };
 
 /// Advances positions [q0, q1) of a block by all substeps on the calling thread. The positions must not
@@ -29,8 +32,10 @@ template <class T>
 void relax_alone(Block<T>& block, std::uint32_t q0, std::uint32_t q1, const RelaxSettings<T>& settings,
                  StepReport& report);
 
-/// Advances a whole block by one substep with all threads of the team, and counts it.
+/// Advances a whole block by one substep with all threads of the team, and counts it. `is_first` says which
+/// terms it takes.
 template <class T>
-void relax_block(Block<T>& block, const RelaxSettings<T>& settings, StepReport& report, Team& team);
+void relax_block(Block<T>& block, const RelaxSettings<T>& settings, bool is_first, StepReport& report,
+                 Team& team);
 
 }  // namespace plumb::detail

@@ -1,6 +1,7 @@
 // This file turns the islands that relaxation moves into blocks, each with a solver.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -34,27 +35,51 @@ void require_representable(const Scene& scene, Precision precision) {
              shortest_rod<T>(), " m");
 }
 
-/// Returns a scene's particles and those of its rods that relaxation moves.
-Scene relaxed_part(const Scene& scene, const IslandSets& sets) {
-  Scene out;
-  out.particles = scene.particles;
+/// Returns the rods that relaxation moves.
+std::vector<std::uint32_t> relaxed_rods(const IslandSets& sets) {
   std::vector<std::uint32_t> rods;
   for (const auto& set : sets.sets)
     for (const std::uint32_t island : set)
       rods.insert(rods.end(), sets.islands.edges(island).begin(), sets.islands.edges(island).end());
   std::sort(rods.begin(), rods.end());
+  return rods;
+}
+
+/// Returns a scene's particles and those of `rods` that resist a velocity from the start. Elastic rods do
+/// not, and cables only once they pull.
+Scene rigid_part(const Scene& scene, std::span<const std::uint32_t> rods) {
+  Scene out;
+  out.particles = scene.particles;
   for (const std::uint32_t rod : rods) {
+    const RodLaw& law = scene.rods[rod].law;
+    if (law.is_elastic() || law.one_sided) continue;
     out.rods.push_back(scene.rods[rod]);
     out.rods.back().length = rod_length(scene, rod);
   }
   return out;
 }
 
+/// Divides islands into those of rigid rods and those with rods that give, which do not share blocks.
+std::array<IslandSets, 2> divided(const Scene& scene, const IslandSets& sets) {
+  std::array<IslandSets, 2> out{IslandSets{sets.graph, sets.islands, {}},
+                                IslandSets{sets.graph, sets.islands, {}}};
+  const auto gives = [&](std::uint32_t island) {
+    const auto& rods = sets.islands.edges(island);
+    return std::any_of(rods.begin(), rods.end(),
+                       [&](std::uint32_t rod) { return !scene.rods[rod].law.is_rigid(); });
+  };
+  for (const auto& set : sets.sets) {
+    std::vector<std::uint32_t> parts[2];
+    for (const std::uint32_t island : set) parts[gives(island) ? 1 : 0].push_back(island);
+    for (int i = 0; i < 2; ++i)
+      if (!parts[i].empty()) out[i].sets.push_back(std::move(parts[i]));
+  }
+  return out;
+}
+
 template <class T>
-std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandSets& sets,
-                                    const std::shared_ptr<RelaxRules>& rules) {
-  require_representable<T>(scene, rules->settings.precision);
-  std::vector<MadeSolver> out;
+void add_blocks(const Scene& scene, const IslandSets& sets, const std::shared_ptr<RelaxRules>& rules,
+                std::vector<MadeSolver>& out) {
   for (layouts::Packing& packing :
        plan_blocks(sets, rules->settings.layout, common_rods(scene, rules->constants), layouts::lane_width<T>,
                    sizeof(T))) {
@@ -63,6 +88,15 @@ std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandSets& sets,
       made.places.push_back({packing.slot_vertex[slot], slot});
     made.solver = std::make_unique<RelaxSolver<T>>(rules, scene, std::move(packing));
   }
+}
+
+template <class T>
+std::vector<MadeSolver> make_blocks(const Scene& scene, const IslandSets& sets,
+                                    const std::shared_ptr<RelaxRules>& rules) {
+  require_representable<T>(scene, rules->settings.precision);
+  std::vector<MadeSolver> out;
+  for (const IslandSets& part : divided(scene, sets))
+    if (!part.sets.empty()) add_blocks<T>(scene, part, rules, out);
   return out;
 }
 
@@ -77,16 +111,16 @@ std::vector<MadeSolver> make_relax_solvers(const Scene& scene, const IslandSets&
   rules->constants = make_constants(scene);
   rules->shared_rods = thresholds_of(settings.executor).rods;
   rules->initial_velocities.resize(scene.particles.size());
-  const Scene part = relaxed_part(scene, sets);
-  rules->relaxed_rods = static_cast<std::uint32_t>(part.rods.size());
+  const std::vector<std::uint32_t> rods = relaxed_rods(sets);
+  rules->relaxed_rods = static_cast<std::uint32_t>(rods.size());
   for (const auto& set : sets.sets)
     for (const std::uint32_t island : set)
       for (const std::uint32_t particle : sets.islands.vertices(island))
         if (!scene.particles[particle].fixed)
           rules->initial_velocities[particle] = scene.particles[particle].velocity;
-  report.projected_velocity =
-      std::max(report.projected_velocity,
-               project_velocities(part, rules->constants.inverse_mass, rules->initial_velocities));
+  report.projected_velocity = std::max(
+      report.projected_velocity,
+      project_velocities(rigid_part(scene, rods), rules->constants.inverse_mass, rules->initial_velocities));
   if (settings.precision == Precision::single) return make_blocks<float>(scene, sets, rules);
   return make_blocks<double>(scene, sets, rules);
 }

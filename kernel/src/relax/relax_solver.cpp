@@ -52,7 +52,8 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
     const Rod& each = scene.rods[rod];
     const double length2 = rules_->constants.length2[rod], length = std::sqrt(length2);
     const double now = norm(scene.particles[each.b].position - scene.particles[each.a].position);
-    starts_off_length_ = starts_off_length_ || std::abs(now - length) > least_gap * length;
+    const bool is_loose = each.law.is_elastic() || (each.law.one_sided && now < length);
+    starts_off_length_ = starts_off_length_ || (!is_loose && std::abs(now - length) > least_gap * length);
     sum += length2;
     ++rods;
   }
@@ -81,6 +82,7 @@ void RelaxSolver<T>::take_substeps_of(double h) {
     change_step(h);
   }
   if (!has_moved_ || h != h_) kicks_stale_ = true;
+  last_h_ = has_moved_ ? h_ : 0;
   h_ = h;
   if (kicks_stale_) write_kicks();
 }
@@ -122,7 +124,27 @@ RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) const {
           settings.stop,
           settings.substeps,
           static_cast<T>(rules_->verlet.decay(h_)),
-          budget * share * rods / std::max(1.0, double{1} * rules_->relaxed_rods)};
+          budget * share * rods / std::max(1.0, double{1} * rules_->relaxed_rods),
+          law_terms(last_h_),
+          law_terms(h_)};
+}
+
+/// A pull acts as gravity does, from the middle of the last substep to that of this one. Gradient mid begins
+/// and ends where the substep does.
+template <class T>
+simd::LawTerms<T> RelaxSolver<T>::law_terms(double last) const {
+  if (!block_.gives()) return {};
+  const auto terms = [](double damping, double share, double kick, double before, double keep,
+                        double substep) {
+    return simd::LawTerms<T>{static_cast<T>(damping), static_cast<T>(share), static_cast<T>(kick),
+                             static_cast<T>(before),  static_cast<T>(keep),  static_cast<T>(substep)};
+  };
+  if (rules_->verlet.gradient == Gradient::mid) return terms(h_ / 2, 0.5, h_ * h_ / 2, 0, 0, 0);
+  const double between = (h_ + last) / 2, mean = mean_decay(rules_->verlet.drag * between);
+  if (rules_->verlet.gradient == Gradient::new_)
+    return terms(mean * between, 1, mean * h_ * between, 0, 0, 0);
+  const double own = mean * h_ * h_ / 2;
+  return terms(own / h_, 0.5, own, last > 0 ? mean * h_ : 0, h_ / 2 / own, h_);
 }
 
 template <class T>
@@ -152,7 +174,7 @@ bool RelaxSolver<T>::wants_team() const {
 template <class T>
 void RelaxSolver<T>::advance_with_team(double, std::uint32_t count, Team& team, StepReport& report) {
   const RelaxSettings<T> settings = settings_for(block_.rods(), 1);
-  for (std::uint32_t i = 0; i < count; ++i) relax_block(block_, settings, report, team);
+  for (std::uint32_t i = 0; i < count; ++i) relax_block(block_, settings, i == 0, report, team);
 }
 
 template <class T>
@@ -191,11 +213,14 @@ template <class T>
 void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   Motion& to = saved_[static_cast<int>(which)];
   const std::size_t n = block_.packing().elements;
+  const layouts::AlignedBuffer<T>& half_kick = block_.half_kick();
   if (to.x.size() == 0)
-    to = {layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n)};
+    to = {layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n),
+          layouts::AlignedBuffer<T>(half_kick.size())};
   std::copy_n(block_.x(), n, to.x.data());
   std::copy_n(block_.displacement(0), n, to.last.data());
   std::copy_n(block_.displacement(1), n, to.before.data());
+  std::copy_n(half_kick.data(), half_kick.size(), to.half_kick.data());
   to.h = h_;
   to.has_moved = has_moved_;
 }
@@ -207,6 +232,7 @@ void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
   std::copy_n(from.x.data(), n, block_.x());
   std::copy_n(from.last.data(), n, block_.displacement(0));
   std::copy_n(from.before.data(), n, block_.displacement(1));
+  std::copy_n(from.half_kick.data(), from.half_kick.size(), block_.half_kick().data());
   kicks_stale_ = kicks_stale_ || h_ != from.h;
   h_ = from.h;
   has_moved_ = from.has_moved;

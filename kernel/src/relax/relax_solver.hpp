@@ -79,7 +79,7 @@ class RelaxSolver final : public Solver {
   };
   /// An accuracy takes this back.
   struct Motion {
-    layouts::AlignedBuffer<T> x, last, before;
+    layouts::AlignedBuffer<T> x, last, before, half_kick;
     double h = 0;
     bool has_moved = false;
   };
@@ -89,6 +89,8 @@ class RelaxSolver final : public Solver {
   std::uint32_t particle_of(Slot slot) const { return block_.packing().slot_vertex[slot]; }
   Vec3 acceleration(Slot slot) const;
   RelaxSettings<T> settings_for(double rods, double share) const;
+  /// Returns the factors of rods that give, in a substep of h after one of `last`, or after a velocity (0).
+  simd::LawTerms<T> law_terms(double last) const;
   void take_substeps_of(double h);
   void start_displacements(double h);
   void change_step(double h);
@@ -107,6 +109,7 @@ class RelaxSolver final : public Solver {
   std::vector<std::uint8_t> rests_;              ///< A piece that rests has 1, and no displacements.
   double size_ = 1;                              ///< It is the RMS length of a rod, in m.
   double h_ = 0;                                 ///< The last substep took it, in s.
+  double last_h_ = 0;                            ///< The one before took it; 0 before the first.
   unsigned parts_ = 1;                           ///< The team has so many in this step.
   bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
   std::vector<Vec3> forces_;  ///< They are in N, per slot; it is empty until one is set.

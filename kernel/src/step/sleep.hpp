@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "interface/problems.hpp"
 #include "interface/solver.hpp"
 #include "step/places.hpp"
-#include "step/problems.hpp"
 
 namespace plumb::detail {
 

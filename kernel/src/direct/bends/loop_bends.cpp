@@ -83,11 +83,14 @@ void write_bends(const LoopState& state, double theta, bool gives, const LoopWor
   for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
     const auto& weights = work.bends[k].weights;
     const BendPull bend = pull_of(state, k, theta, gives, work);
-    for (const auto [i, j] : LoopBend::pairs)
-      for (const double slope : bend.slope) *at++ = weights[i] * weights[j] * slope;
+    const auto& vertices = state.topology->bends[k].vertices;
+    for (const auto [i, j] : LoopBend::pairs) {
+      const bool is_locked = state.locks.has(vertices[i]) || state.locks.has(vertices[j]);
+      for (const double slope : bend.slope) *at++ = is_locked ? 0 : weights[i] * weights[j] * slope;
+    }
     const double mean = (bend.slope[0] + bend.slope[4] + bend.slope[8]) / 3;
     for (std::size_t i = 0; i < 3; ++i)
-      if (const std::uint32_t node = state.topology->bends[k].vertices[i]; node < state.topology->nodes)
+      if (const std::uint32_t node = vertices[i]; node < state.topology->nodes)
         resists[node] += weights[i] * weights[i] * mean;
   }
 }

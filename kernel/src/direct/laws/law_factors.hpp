@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -38,13 +39,25 @@ struct LawFactors {
   }
 };
 
-/// Returns tree_fields::law numbers of a rod. `unit` is that of mass, in kg. `give` is the sum of the inverse
-/// masses of its ends, in 1/kg.
-inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law, double unit, double give) {
+/// Laws are made for masses in units of `unit` (kg). `give` is the sum of the inverse masses of a rod's ends,
+/// in 1/kg.
+struct LawMasses {
+  double unit, give;
+};
+/// Returns tree_fields::law numbers of a rod.
+inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law, const LawMasses& masses) {
+  const auto [unit, give] = masses;
   const double strength = std::isfinite(law.strength) ? law.strength / unit : 0;
   if (!law.is_elastic()) return {0, 0, 1, law.one_sided ? 1.0 : 0.0, 0, strength};
-  return {law.stiffness / unit,         law.damping / unit, 0, law.one_sided ? 1.0 : 0.0,
-          law.stiffness * give, strength};
+  return {law.stiffness / unit,      law.damping / unit,   0,
+          law.one_sided ? 1.0 : 0.0, law.stiffness * give, strength};
+}
+
+/// Says whether the rate (m/s) of a rod's length jumps, as when a winch starts or stops. Then velocities are
+/// projected onto it. A rate that changes little by little is not, since the work of such impulses is not
+/// in what rods pull.
+inline bool rate_jumps(double before, double after) {
+  return std::abs(after - before) > 0.5 * std::max(std::abs(before), std::abs(after));
 }
 
 }  // namespace plumb::detail

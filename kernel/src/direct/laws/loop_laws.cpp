@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-// The equation of a rod needs what this file defines for one number.
+// These functions are for plain numbers.
 #include "simd/tree/one_lane.hpp"
 
+// The equation of a rod needs what the file above defines.
 #include "simd/tree/law_math.hpp"
 
 namespace plumb::detail {
@@ -39,10 +40,11 @@ void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double vio
   work.starts[k] = {start.length, start.excess, start.slope, start.before};
 }
 
-RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double growth,
-               double violation, double mu, double theta) {
-  const auto row = simd::law_row(numbers_of(laws, k), start_of(work, k), growth, violation, mu, theta, true,
-                                 work.is_mid);
+RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, const RodIterate& iterate,
+               double theta) {
+  const auto row = simd::law_row(numbers_of(laws, k), start_of(work, k),
+                                 simd::LawIterate<double>{iterate.growth, iterate.violation, iterate.mu},
+                                 theta, simd::LawKind{true, work.is_mid});
   return {row.use, row.soft, row.c};
 }
 
@@ -66,13 +68,14 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
   std::uint32_t broken = 0;
   for (std::uint32_t k = 0; k < length2.size(); ++k) {
     if (!work.starts.empty())  // islands solved by their lines have none
-      laws.half_kick[k] = simd::end_law(numbers_of(laws, k), factors_of(work), start_of(work, k), laws.half_kick[k], mu[k]);
+      laws.half_kick[k] =
+          simd::end_law(numbers_of(laws, k), factors_of(work), start_of(work, k), laws.half_kick[k], mu[k]);
     if (laws.rate[k] != 0) {
       laws.length[k] += end.h * laws.rate[k];
       length2[k] = laws.length[k] * laws.length[k];
     }
-    const double length =
-        laws.is_rigid(k) ? laws.length[k] : pulled_length(work.starts[k], mu[k], end.theta);
+    const double length = laws.is_rigid(k) ? laws.length[k] - end.h / 2 * laws.rate[k]
+                                           : pulled_length(work.starts[k], mu[k], end.theta);
     const double pull = -mu[k] * length / end.kick, strength = laws.rods[k][5];
     laws.impulse[k] += end.h * pull * end.mass_unit;
     if (!(strength > 0 && pull > strength)) continue;

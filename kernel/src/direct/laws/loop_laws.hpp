@@ -44,12 +44,16 @@ struct RodRow {
 
 /// Makes the start of rod `k` of the squared length `length2`, which is `violation` = C off its own (m²).
 void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double violation, LawWorkspace& work);
-/// Returns the row of rod `k` in a substep. The square of its length has grown by `growth`, and it violates its
-/// length by `violation` (m²).
-RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double growth,
-               double violation, double mu, double theta);
-/// Returns the multiplier with which rod `k` is known to pull in a projection of velocities, and the row of what
-/// is added to it. Its ends come apart at c (m²/s) times its length, and its last multiplier is `last_mu`.
+/// This is where a rod is at an iterate of Newton's method, as simd::LawIterate.
+struct RodIterate {
+  double growth, violation, mu;
+};
+/// Returns the row of rod `k` in a substep of gradient theta.
+RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, const RodIterate& iterate,
+               double theta);
+/// Returns the multiplier with which rod `k` is known to pull in a projection of velocities, and the row of
+/// what is added to it. Its ends come apart at c (m²/s) times its length, and its last multiplier is
+/// `last_mu`.
 struct VelocityRow {
   double mu = 0;
   RodRow row{};
@@ -71,8 +75,8 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
 /// theta. `start` has tree_fields::law_start numbers.
 double pulled_length(const std::array<double, simd::tree_fields::law_start>& start, double mu, double theta);
 
-/// Rod `k` of gradient new pulls with the multiplier -psi/l at the end of a substep, and psi is the derivative
-/// of an energy by the length. Returns both.
+/// Rod `k` of gradient new pulls with the multiplier -psi/l at the end of a substep, and psi is the
+/// derivative of an energy by the length. Returns both.
 struct LawPull {
   double mu, energy;
 };

@@ -9,8 +9,8 @@
 
 namespace plumb::detail {
 
-/// Holds how the rods of equal trees in lanes give, change their lengths and pull, see simd::TreeView. Trees of
-/// rigid rods have none of it.
+/// Holds how the rods of equal trees in lanes give, change their lengths and pull, see simd::TreeView. Trees
+/// of rigid rods have none of it.
 template <class T>
 struct TreeLaws {
   bool any = false;     ///< There are numbers here: some rod gives, or is asked how it pulls.
@@ -49,12 +49,11 @@ struct TreeLaws {
         std::fill_n(buffer->data() + (simd::tree_fields::law * i + 2) * lanes, lanes, T(1));
   }
 
-  /// Writes the law of rod `i` of a lane into law.rods or law.ties, with what law_numbers() needs.
-  void put(layouts::AlignedBuffer<T>& to, std::size_t i, std::uint32_t lanes, std::uint32_t lane,
-           const RodLaw& of, double unit, double give) {
-    const auto numbers = law_numbers(of, unit, give);
-    for (std::size_t c = 0; c < numbers.size(); ++c)
-      to[(numbers.size() * i + c) * lanes + lane] = static_cast<T>(numbers[c]);
+  /// Writes tree_fields::law numbers of a rod from entry `first` on, and notes what they ask for.
+  void put(layouts::AlignedBuffer<T>& to, std::size_t first, std::uint32_t lanes, const RodLaw& of,
+           const LawMasses& masses) {
+    const auto numbers = law_numbers(of, masses);
+    for (std::size_t c = 0; c < numbers.size(); ++c) to[first + c * lanes] = static_cast<T>(numbers[c]);
     gives = gives || !of.is_rigid();
     cables = cables || of.one_sided;
     breaks = breaks || numbers[5] > 0;
@@ -70,8 +69,8 @@ struct TreeLaws {
   }
 };
 
-/// Visits the numbers of laws beside those of another, as f(rods, ties, numbers per rod, other's rods, other's
-/// ties).
+/// Visits the numbers of laws beside those of another, as f(rods, ties, numbers per rod, other's rods,
+/// other's ties).
 template <class Laws, class Other, class F>
 void for_laws(Laws& laws, Other& other, F&& f) {
   const auto visit = [&](auto& of, std::uint32_t count, auto& others) {

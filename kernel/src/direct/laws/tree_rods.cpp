@@ -65,7 +65,8 @@ std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWo
       }
       if (!laws.pulls && !laws.breaks) continue;
       T* const numbers = part(laws.law).data() + law * entry * lanes + lane;
-      double length = std::sqrt(length2[i]);
+      // The pull of a rigid rod does its work along the mean of its lengths.
+      double length = std::sqrt(length2[i]) - h / 2 * part(laws.rate)[i];
       if (numbers[2 * lanes] == 0) {
         std::array<double, simd::tree_fields::law_start> start;
         for (std::size_t c = 0; c < start.size(); ++c)

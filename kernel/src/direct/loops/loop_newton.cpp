@@ -17,6 +17,11 @@ void add(double* to, Vec3 v) {
   to[2] += v.z;
 }
 
+/// Says whether a vertex goes where anchors take it.
+bool is_held(const LoopState& state, std::uint32_t vertex) {
+  return vertex >= state.topology->nodes || state.locks.has(vertex);
+}
+
 /// At the present delta a rod has the direction of its force, the gradient of its row (both m), what it
 /// gives, and how far its equation is off (both m²).
 struct RodTerms {
@@ -24,14 +29,16 @@ struct RodTerms {
   double soft, c;
 };
 
+/// Between two held vertices a rod has nothing to do, and its multiplier becomes zero.
 RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double soft,
                    const LoopWorkspace& work) {
   const LoopRod& rod = state.topology->rods[k];
+  if (state.locks.has(rod.a) && is_held(state, rod.b)) return {{}, {}, 1, state.mu[k]};
   const Vec3 d = at(work.d, k), e = at(work.delta, rod.a) - at(work.delta, rod.b);
   const double c = constraint(d, e, work.excess[k]), give = softness(state, k, soft);
   RodTerms terms{d + theta * e, d + e, give, c + give * state.mu[k]};
   if (!state.laws.any()) return terms;
-  const RodRow row = law_row(state.laws, work.laws, k, growth_of(d, e), c, state.mu[k], theta);
+  const RodRow row = law_row(state.laws, work.laws, k, {growth_of(d, e), c, state.mu[k]}, theta);
   if (soft > 0 && state.laws.is_rigid(k)) {
     // A rigid cable that gives a little is taut where it is too long.
     if (!state.laws.is_one_sided(k) || c > 0) return terms;
@@ -43,6 +50,7 @@ RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double
 /// Returns the row of rod `k` in a projection of velocities, at the present delta.
 VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWorkspace& work) {
   const auto [a, b] = state.topology->rods[k];
+  if (state.locks.has(a) && is_held(state, b)) return {0, {0, 1, 0}};
   const double c = dot(at(work.d, k), at(work.delta, a) - at(work.delta, b));
   if (!state.laws.any()) return {0, {1, 0, c}};
   VelocityRow out = velocity_row(state.laws, work.laws, k, c, state.mu[k]);
@@ -66,6 +74,22 @@ void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
   values[13] = soft;
 }
 
+/// Takes from a rod, which write_rod() wrote, what it has at ends that are locked. Their changes stay zero.
+void leave_out_locked(const LoopState& state, std::uint32_t k, double* values) {
+  const auto [a, b] = state.topology->rods[k];
+  const bool is_a = state.locks.has(a), is_b = state.locks.has(b);
+  if (is_a || is_b) values[0] = 0;
+  if (is_a) std::fill(values + 4, values + 10, 0.0);
+  if (is_b) std::fill(values + 1, values + 4, 0.0);
+  if (is_b) std::fill(values + 10, values + 13, 0.0);
+}
+
+/// Lets nothing pull on locked nodes.
+void hold_locked(const LoopState& state, const SparseAnalysis& analysis, double* right) {
+  for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
+    if (state.locks.has(i)) put(right + analysis.position(i), {});
+}
+
 }  // namespace
 
 void measure_rods(const LoopState& state, LoopWorkspace& work) {
@@ -75,8 +99,7 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     const Vec3 d = at(state.x, shape.rods[k].a) - at(state.x, shape.rods[k].b);
     put(work.d.data() + 3 * std::size_t{k}, d);
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
-    if (state.laws.any())
-      start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
+    if (state.laws.any()) start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
   }
   measure_bends(state, work);
 }
@@ -95,15 +118,18 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
     factor.values[system.at(k)] = state.coupling[k] + theta * mu;
     const RodTerms rod = rod_terms(state, k, theta, soft, work);
     write_rod(&factor.values[system.at(k)], rod.force, rod.gradient, rod.soft);
+    if (state.locks.any()) leave_out_locked(state, k, &factor.values[system.at(k)]);
   }
+  for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
+    if (state.locks.has(i)) diagonal[i] = state.mass[i];
   add_bends(state, theta, soft, work, factor);
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const double* v = &factor.values[system.at(k)];
     const double along = std::abs(v[4] * v[7] + v[5] * v[8] + v[6] * v[9]);
     const auto give = [&](std::uint32_t i) {
-      const double own = i < shape.nodes ? diagonal[i] + work.resists[i] : 0;
-      return i < shape.nodes ? 1 / (own > 0 ? own : state.mass[i]) : 0.0;
+      const double own = is_held(state, i) ? 0 : diagonal[i] + work.resists[i];
+      return !is_held(state, i) ? 1 / (own > 0 ? own : state.mass[i]) : 0.0;
     };
     factor.smallest[system.analysis.position(shape.nodes + k)] =
         redundant_pivot * along * (give(a) + give(b));
@@ -128,6 +154,7 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
     right[analysis.position(shape.nodes + k)] = -rod.c;
   }
   if (!state.bends.empty()) pull_by_bends(state, theta, soft > 0, work, factor.right);
+  hold_locked(state, analysis, right);
   factor.ldu.solve(factor.right);
   double sum = 0;
   for (std::uint32_t i = 0; i < shape.nodes; ++i) {
@@ -169,7 +196,9 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
     const RodRow row = projected_row(state, k, work).row;
     factor.values[system.at(k)] = state.coupling[k];
     write_rod(&factor.values[system.at(k)], d, row.use * d, row.soft);
-    const double give = 1 / state.mass[a] + (b < shape.nodes ? 1 / state.mass[b] : 0);
+    if (state.locks.any()) leave_out_locked(state, k, &factor.values[system.at(k)]);
+    const auto give_of = [&](std::uint32_t i) { return is_held(state, i) ? 0 : 1 / state.mass[i]; };
+    const double give = give_of(a) + give_of(b);
     factor.smallest[analysis.position(shape.nodes + k)] = redundant_pivot * row.use * dot(d, d) * give;
   }
   factor.ldu.factorize(factor.values, factor.smallest);
@@ -187,6 +216,7 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
       add(factor.right.data() + analysis.position(a), pull);
       if (b < shape.nodes) add(factor.right.data() + analysis.position(b), -1.0 * pull);
     }
+    hold_locked(state, analysis, factor.right.data());
     factor.ldu.solve(factor.right);
     for (std::uint32_t i = 0; i < shape.nodes; ++i) {
       const double* change = factor.right.data() + analysis.position(i);

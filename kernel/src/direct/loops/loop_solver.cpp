@@ -34,6 +34,7 @@ LoopSolver::LoopSolver(std::shared_ptr<LoopRules> rules, LoopState state)
 std::uint32_t LoopSolver::project_positions() {
   const bool settled = settle(state_, work_);
   if (work_.lines) work_.lines->forget();
+  locks_known_ = false;
   return settled ? 0 : 1;
 }
 
@@ -46,15 +47,24 @@ void LoopSolver::set_velocity(Slot slot, Vec3 velocity) {
 
 void LoopSolver::project_velocities() {
   velocity_known_ = false;
+  if (!locks_known_) lock(find_locks(state_));
   const bool rests = std::all_of(state_.u.begin(), state_.u.end(), [](double u) { return u == 0; });
   if (!rests) rules_->stepper.project_velocities(state_, work_);
 }
 
 // --- Steps
 
+void LoopSolver::lock(Locks locks) {
+  locks_known_ = true;
+  if (!state_.locks.any() && !locks.any()) return;
+  state_.locks = std::move(locks);
+  work_.take_locks(state_);
+}
+
 void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   velocity_known_ = false;
   if (state_.laws.pulls) std::fill(state_.laws.impulse.begin(), state_.laws.impulse.end(), 0.0);
+  if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
   if (anchors_changed(0) && rules_->gradient == Gradient::mid)
     rules_->stepper.project_velocities(state_, work_);
 }
@@ -164,7 +174,7 @@ void LoopSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
   state_.u_step = 0;
   state_.mu_kick = 0;
   state_.known = 0;
-  velocity_known_ = false;
+  velocity_known_ = locks_known_ = false;
   if (work_.lines) work_.lines->forget();
 }
 
@@ -177,6 +187,9 @@ void LoopSolver::move_anchor(Slot slot, const AnchorMove& move) {
 
 void LoopSolver::begin_anchors() {
   anchors_changed_ = state_.fixed_velocity != state_.fixed_last_velocity;
+  if (locks_hold(state_)) return;
+  lock({});
+  locks_known_ = false;  // lines that come to rest are looked at again
 }
 
 void LoopSolver::end_anchors() {
@@ -211,8 +224,9 @@ bool LoopSolver::is_broken(Slot rod) const {
 void LoopSolver::set_length(Slot rod, double length, double rate) {
   state_.laws.make(state_.length2);
   state_.laws.moves = true;
-  work_.lines.reset();  // they do not know of it
-  lengths_changed_ = lengths_changed_ || state_.laws.rate[rod] != rate;
+  work_.lines.reset();  // they do not know of it, nor do locks
+  lock({});
+  lengths_changed_ = lengths_changed_ || rate_jumps(state_.laws.rate[rod], rate);
   state_.laws.rate[rod] = rate;
   state_.laws.length[rod] = length;
   state_.length2[rod] = length * length;

@@ -88,6 +88,7 @@ class LoopSolver final : public Solver {
 
  private:
   void find_velocities() const;
+  void lock(Locks locks);
 
   std::shared_ptr<LoopRules> rules_;
   mutable LoopState state_;
@@ -96,6 +97,7 @@ class LoopSolver final : public Solver {
       velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocity_known_ = false;
   bool anchors_changed_ = false, lengths_changed_ = false, away_ = false;
+  bool locks_known_ = false;
   // An accuracy needs these:
   LoopMotion saved_[2]{};
   std::vector<double> mark_{};

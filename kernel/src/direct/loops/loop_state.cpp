@@ -90,7 +90,7 @@ LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& sce
   laws.make(length2);
   for (std::uint32_t k = 0; k < topology->rods.size(); ++k) {
     const auto [a, b] = topology->rods[k];
-    laws.rods[k] = law_numbers(scene.rods[edges[k]].law, mass_unit, give(a) + give(b));
+    laws.rods[k] = law_numbers(scene.rods[edges[k]].law, {mass_unit, give(a) + give(b)});
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "direct/bends/loop_bends.hpp"
 #include "direct/laws/loop_laws.hpp"
+#include "direct/locks/locks.hpp"
 #include "direct/loops/loop_rod.hpp"
 #include "direct/nets/rod_lines.hpp"
 #include "linear/sparse_ldu.hpp"
@@ -98,6 +99,7 @@ struct LoopState : LoopMotion {
       length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
   std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
   std::vector<LoopBendNumbers> bends;
+  Locks locks;
   bool anchors_move = false;
   double mass_unit = 1;  ///< It is in kg.
   double scale2 = 1;     ///< It is the mean squared length of a rod, in m^2.

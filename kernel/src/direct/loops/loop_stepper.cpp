@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "direct/loops/elastic_rods.hpp"
+#include "direct/displacements/elastic_rods.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_vectors.hpp"
 #include "direct/nets/loop_lines.hpp"
@@ -32,6 +32,9 @@ constexpr int damped_halvings = 1;
 /// only.
 constexpr double energy_tolerance = 1e-6;
 
+/// Displacements below this share of a rod count as so much. What lines leave of lengths adds up along them.
+constexpr double least_motion = 1e-6, least_motion_by_lines = 1e-3;
+
 /// After a change this small, RMS over nodes relative to a rod, the next would be lost in rounding where
 /// convergence is quadratic. The second may be left where convergence is linear.
 constexpr double converged_change = 1e-8, converged_rest = 1e-17;
@@ -45,9 +48,11 @@ constexpr double slow_rate = 0.1;
 /// one of its own.
 constexpr double lost_rate = 0.5;
 
-/// From so many multiplications per number on, the factor of an earlier substep, with more iterations, is
-/// faster than a new one. A net of 16 x 16 particles has 30.
-constexpr double costly_factor = 30;
+/// Substeps that lines need in more pieces are factorised as a whole. Lines are tried again when regrowth has
+/// made such a piece of this share of a substep, which takes 30 substeps. On nets that fall, with 5 % and 30
+/// % slack, 4 pieces took less time than 8.
+constexpr std::uint32_t most_line_pieces = 4;
+constexpr double line_pause = 64;
 
 /// After so many substeps in a row for which lines were no help they are given up.
 constexpr int most_stalls = 3;
@@ -59,6 +64,12 @@ void damp_from_now(LoopState& state) {
   state.next_damped = std::max(state.next_damped, damped_substeps);
   state.damped = state.next_damped;
   state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
+}
+
+/// Sets the displacements of locked nodes in a time, as their anchors move.
+void move_locked(const LoopState& state, double time, std::span<double> displacements) {
+  for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
+    if (state.locks.has(i)) put(&displacements[3 * std::size_t{i}], time * locked_velocity(state, i));
 }
 
 }  // namespace
@@ -78,51 +89,11 @@ auto LoopStepper::coefficients(const LoopState& state, double h, Gradient gradie
           mean_decay(drag_ * between) * h * between};
 }
 
-LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
-    : system(&of),
-      ldu(of.analysis, isa),
-      values(of.values()),
-      smallest(of.analysis.size()),
-      right(of.analysis.size()) {}
-
-bool LoopWorkspace::Factor::worth_carrying() const {
-  return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());
-}
-
-LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa instructions)
-    : topology(state.topology), isa(instructions) {
-  const std::size_t n = topology->nodes, rods = topology->rods.size();
-  if (topology->system) {
-    first = std::make_unique<Factor>(*topology->system, isa);
-    if (gradient != Gradient::mid) projection = std::make_unique<Factor>(*topology->system, isa);
-  }
-  if (topology->lines) lines = std::make_unique<LineWorkspace>(*topology->lines, state.mass);
-  delta.assign(3 * std::size_t{topology->vertices}, 0);
-  load.assign(3 * n, 0);
-  d.assign(3 * rods, 0);
-  excess.assign(rods, 0);
-  mu_start.assign(rods, 0);
-  saved = state.motion();
-  trial.assign(delta.size(), 0);
-  for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
-  bend_starts.assign(bends.size(), {});
-  resists.assign(n, 0);
-}
-
 LoopStepper::LoopStepper(Gradient gradient, double drag, std::uint32_t time_order)
     : gradient_(gradient),
       drag_(drag),
       shares_(composition(time_order)),
       largest_share_(largest_share(time_order)) {}
-
-LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
-  if (first && (first->system->couples || !couples)) return *first;
-  if (!second) {
-    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, topology->bends);
-    second = std::make_unique<Factor>(*coupled, isa);
-  }
-  return *second;
-}
 
 /// Makes the load and the start of Newton's method: displacements and multipliers as they were, for this
 /// substep's length.
@@ -152,10 +123,9 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   }
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
     const Vec3 moved = h * state.fixed_velocity[i - shape.nodes];
-    work.delta[3 * i] = moved.x;
-    work.delta[3 * i + 1] = moved.y;
-    work.delta[3 * i + 2] = moved.z;
+    put(&work.delta[3 * std::size_t{i}], moved);
   }
+  move_locked(state, h, work.delta);
 }
 
 /// Gradient mid keeps energy as far as rods keep their lengths. delta . (M delta - load) is what they did,
@@ -164,7 +134,7 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
   if (state.anchors_move) return true;
   const LoopTopology& shape = *state.topology;
   double done = 0, scale = 0;
-  const double least = 1e-6 * std::sqrt(state.scale2);
+  const double least = (work.lines ? least_motion_by_lines : least_motion) * std::sqrt(state.scale2);
   for (std::size_t i = 0; i < work.load.size(); ++i) {
     done += work.delta[i] * (state.mass[i / 3] * work.delta[i] - work.load[i]);
     scale += std::abs(work.load[i]) * (std::abs(work.delta[i]) + least);
@@ -214,22 +184,40 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
   return false;
 }
 
-bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+bool LoopStepper::solve_by_lines(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+                                 Tally& counters) const {
+  begin(state, h, gradient, work);
+  const double kick = coefficients(state, h, gradient).kick;
+  const double tolerance = gradient == Gradient::mid ? finest_line_tolerance : line_tolerance_;
+  const LineOutcome outcome = iterate_by_lines(state, theta_of(gradient), kick, tolerance, work, counters);
+  if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
+    work.lines->stalls = 0;
+    return true;
+  }
+  std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+  if (outcome == LineOutcome::stalled && ++work.lines->stalls == most_stalls) work.lines.reset();
+  return false;
+}
+
+bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, bool by_lines, LoopWorkspace& work,
                         Tally& counters) const {
   const double theta = theta_of(gradient);
-  if (work.lines) {
+  if (work.lines && by_lines) {
+    const int stalls = work.lines->stalls;
+    if (solve_by_lines(state, h, gradient, work, counters)) return true;
+    // A shorter substep is what helps lines that do not stall, and costs less than a factorisation.
+    if (work.lines && work.lines->stalls == stalls) return false;
+  }
+  if (state.topology->lines && theta > 0) {
+    if (!work.displacements)
+      work.displacements = std::make_unique<DisplacementFactor>(*state.topology, work.isa);
+    if (work.lines) work.lines->forget();
     begin(state, h, gradient, work);
-    const double kick = coefficients(state, h, gradient).kick;
-    const double tolerance = gradient == Gradient::mid ? finest_line_tolerance : line_tolerance_;
-    const LineOutcome outcome = iterate_by_lines(state, theta, kick, tolerance, work, counters);
-    if (outcome == LineOutcome::solved && (gradient != Gradient::mid || keeps_energy(state, work))) {
-      work.lines->stalls = 0;
+    if (iterate_by_displacements(state, theta, *work.displacements, work, counters) &&
+        (gradient != Gradient::mid || keeps_energy(state, work)))
       return true;
-    }
     std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
-    // A shorter substep is what helps, and costs less than a factorisation.
-    if (outcome != LineOutcome::stalled) return false;
-    if (++work.lines->stalls == most_stalls) work.lines.reset();
+    return false;
   }
   const LoopWorkspace::Factor& factor = work.factor(theta > 0);
   for (const bool carried : {true, false}) {
@@ -268,6 +256,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
                                      state.mu, state.length2);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
+  move_locked(state, gradient == Gradient::mid ? 1 : h, state.u);
   // What follows in this step finds fixed vertices already on their way.
   if (state.anchors_move)
     std::copy(state.fixed_velocity.begin(), state.fixed_velocity.end(), state.fixed_last_velocity.begin());
@@ -283,7 +272,7 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
   const Gradient wanted = state.damped > 0 ? Gradient::new_ : gradient_;
   for (const Gradient gradient : {wanted, Gradient::new_}) {
     if (attempts.left-- == 0) return false;
-    if (solve(state, h, gradient, work, counters)) {
+    if (solve(state, h, gradient, attempts.by_lines, work, counters)) {
       attempts.error += accept(state, h, gradient, work, counters);
       if (depth > 0 && (attempts.shortest_half == 0 || std::abs(h) < attempts.shortest_half))
         attempts.shortest_half = std::abs(h);
@@ -305,17 +294,45 @@ std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
   return pieces_of(largest_share_ * h / state.longest);
 }
 
-double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
-  work.saved = state.motion();
-  const bool is_damped = state.damped > 0;
-  Attempts attempts{.halvings = is_damped ? damped_halvings : most_halvings, .left = 0};
-  const std::uint32_t count = cuts(state, h);
+bool LoopStepper::advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
+                                 LoopWorkspace& work, Tally& counters) const {
   bool solved = true;
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_) {
-      attempts.left = is_damped ? 3 * damped_halvings : most_attempts;
+      attempts.left = state.damped > 0 ? 3 * damped_halvings : most_attempts;
       solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
     }
+  if (!solved) state.motion() = work.saved;
+  return solved;
+}
+
+bool LoopStepper::advance_wide(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                               Tally& counters) const {
+  const std::uint32_t count = cuts(state, h);
+  if (count <= most_line_pieces) {
+    Attempts by_lines{.halvings = 0, .left = 0, .by_lines = true};
+    while (count << (by_lines.halvings + 1) <= most_line_pieces) ++by_lines.halvings;
+    if (advance_pieces(state, h, count, by_lines, work, counters)) {
+      attempts = by_lines;
+      return true;
+    }
+    state.longest = std::abs(h) / line_pause;
+  }
+  attempts.by_lines = false;
+  // Every whole substep is tried: to begin with the pieces of the last one takes half as much time again.
+  const bool solved = advance_pieces(state, h, 1, attempts, work, counters);
+  attempts.shortest_half = 0;  // says nothing about lines
+  return solved;
+}
+
+double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
+  work.saved = state.motion();
+  const bool is_damped = state.damped > 0;
+  Attempts attempts{
+      .halvings = is_damped ? damped_halvings : most_halvings, .left = 0, .by_lines = work.lines != nullptr};
+  const bool solved = attempts.by_lines && gradient_ != Gradient::old
+                          ? advance_wide(state, h, attempts, work, counters)
+                          : advance_pieces(state, h, cuts(state, h), attempts, work, counters);
   if (solved) {
     state.longest = attempts.shortest_half > 0 ? attempts.shortest_half : regrowth * state.longest;
     if (attempts.fell_back)
@@ -326,7 +343,6 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tal
       state.next_damped /= 2;
     return attempts.error;
   }
-  state.motion() = work.saved;
   advance_elastic(state, h, work, counters);
   damp_from_now(state);
   return std::numeric_limits<double>::infinity();
@@ -346,10 +362,9 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
   const LoopTopology& shape = *state.topology;
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
     const Vec3 v = state.fixed_velocity[i - shape.nodes];
-    work.delta[3 * i] = v.x;
-    work.delta[3 * i + 1] = v.y;
-    work.delta[3 * i + 2] = v.z;
+    put(&work.delta[3 * std::size_t{i}], v);
   }
+  move_locked(state, 1, work.delta);
   if (work.lines) {
     if (project_by_lines(state, kick, work)) return;
     kick = 0;

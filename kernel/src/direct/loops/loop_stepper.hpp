@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "direct/displacements/displacement_newton.hpp"
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/loop_lines.hpp"
 #include "interface/tally.hpp"
@@ -26,6 +27,8 @@ struct LoopWorkspace {
     bool worth_carrying() const;  ///< Says whether to keep it for the next substep.
     double theta = 0, h = 0;  ///< They are of the substep it was made for; h is 0 if it is not worth keeping.
   };
+  /// Prepares for the nodes that are locked from now on.
+  void take_locks(const LoopState& state);
   /// Returns a factor with couplings, or without if the topology's system does not have them.
   Factor& factor(bool couples);
 
@@ -36,6 +39,7 @@ struct LoopWorkspace {
   std::unique_ptr<LoopSystem>
       coupled;  ///< It is made when the topology has none with couplings and it is needed.
   std::unique_ptr<Factor> first, second;
+  std::unique_ptr<DisplacementFactor> displacements;  ///< It is made when lines do not lead to a solution.
   std::unique_ptr<Factor>
       projection;  ///< Gradient mid has none, as it projects in steps alone, not when asked for velocities.
   std::vector<double> delta;      ///< Displacements of this substep have 3 numbers per vertex, in m.
@@ -43,8 +47,8 @@ struct LoopWorkspace {
   std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
   std::vector<double> mu_start, trial;
   std::vector<BendNumbers> bends;  ///< They hold for this substep.
-  std::vector<Vec3> bend_starts;  ///< w of every bend at the start of this substep (curvature.hpp).
-  std::vector<double> resists;    ///< Bends resist a node's displacement by so much; it has one per node.
+  std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
+  std::vector<double> resists;     ///< Bends resist a node's displacement by so much; it has one per node.
   LawWorkspace laws;
   LoopMotion saved;
 };
@@ -54,8 +58,8 @@ struct LoopWorkspace {
 ///
 /// Wide islands of massless rods are solved by their lines (see iterate_by_lines()), in time that grows with
 /// the rods. It takes some 0.1 us a rod and substep on one thread of a Xeon at 2.5 GHz. If a substep is too
-/// long for that it is halved. Where lines are no help the island is factorised, after a few such substeps
-/// always.
+/// long for that it is halved, and with gradients mid and new it is soon factorised instead (see
+/// DisplacementFactor). Where lines are no help the island is factorised, after a few such substeps always.
 ///
 /// Of others Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers
 /// together (see LoopSystem). A factorisation serves for more than one iteration, and for later substeps, as
@@ -107,7 +111,7 @@ class LoopStepper {
   /// Takes one substep as it is, if Newton's method solves it. Otherwise returns false, and only multipliers
   /// may have changed.
   bool try_substep(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
-    if (!solve(state, h, gradient_, work, counters)) return false;
+    if (!solve(state, h, gradient_, true, work, counters)) return false;
     accept(state, h, gradient_, work, counters);
     return true;
   }
@@ -130,16 +134,26 @@ class LoopStepper {
   bool iterate(LoopState& state, double h, Gradient gradient, bool carried, LoopWorkspace& work,
                Tally& counters) const;
   bool keeps_energy(const LoopState& state, const LoopWorkspace& work) const;
-  bool solve(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
+  bool solve(LoopState& state, double h, Gradient gradient, bool by_lines, LoopWorkspace& work,
+             Tally& counters) const;
+  bool solve_by_lines(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
+                      Tally& counters) const;
   /// Ends a substep and returns the estimate of its error.
   double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
   /// A part of a substep may try so much, and all parts so far came to the rest.
   struct Attempts {
     int halvings, left;
+    bool by_lines;
     bool fell_back = false;
     double shortest_half = 0;  ///< It is of those that had to be halved, in s; 0 if none had to.
     double error = 0;          ///< It is in m.
   };
+  /// Takes a substep in so many pieces. Returns whether all were solved; otherwise the state is as it was.
+  bool advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
+                      LoopWorkspace& work, Tally& counters) const;
+  /// Takes a substep of a wide island by its lines, or where those need many pieces, by factorisation.
+  bool advance_wide(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                    Tally& counters) const;
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     Tally& counters) const;
   void project(LoopState& state, double kick, LoopWorkspace& work) const;

@@ -1,116 +1,28 @@
-#include <Eigen/OrderingMethods>
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "direct/loops/loop_state.hpp"
+#include "linear/elimination_order.hpp"
 
 namespace plumb::detail {
 namespace {
 
 using Index = std::uint32_t;
 
-/// Orders the graph of nodes by approximate minimum degree (Amestoy, Davis, Duff 1996).
-std::vector<Index> by_degree(const std::vector<LoopRod>& rods, Index nodes) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index i = 0; i < nodes; ++i) entries.emplace_back(i, i, 1);
+/// Returns the pairs of nodes that rods and bends couple.
+std::vector<std::pair<Index, Index>> edges_of(const std::vector<LoopRod>& rods,
+                                              const std::vector<LoopBend>& bends, Index nodes) {
+  std::vector<std::pair<Index, Index>> out;
   for (const LoopRod rod : rods)
-    if (rod.b < nodes) {
-      entries.emplace_back(rod.a, rod.b, 1);
-      entries.emplace_back(rod.b, rod.a, 1);
-    }
-  Eigen::SparseMatrix<double> matrix(nodes, nodes);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
-  Eigen::AMDOrdering<int>()(matrix, permutation);
-  std::vector<Index> order;
-  for (Eigen::Index i = 0; i < permutation.size(); ++i)
-    order.push_back(static_cast<Index>(permutation.indices()[i]));
-  return order;
+    if (rod.b < nodes) out.emplace_back(rod.a, rod.b);
+  for (const LoopBend& bend : bends)
+    for (const auto [i, j] : LoopBend::pairs)
+      if (i != j && bend.vertices[i] < nodes && bend.vertices[j] < nodes)
+        out.emplace_back(bend.vertices[i], bend.vertices[j]);
+  return out;
 }
-
-/// Cuts the graph of nodes in two through the middle level of a breadth-first search from an end of it, and
-/// the halves again (George 1973). Small parts are left in the order found.
-class Dissection {
- public:
-  Dissection(const std::vector<LoopRod>& rods, Index nodes)
-      : neighbours_(nodes), part_(nodes, 0), level_(nodes) {
-    for (const LoopRod rod : rods)
-      if (rod.b < nodes) {
-        neighbours_[rod.a].push_back(rod.b);
-        neighbours_[rod.b].push_back(rod.a);
-      }
-  }
-
-  std::vector<Index> run() {
-    std::vector<Index> all(neighbours_.size());
-    for (Index i = 0; i < all.size(); ++i) all[i] = i;
-    cut(std::move(all));
-    return std::move(order_);
-  }
-
- private:
-  static constexpr std::size_t smallest = 12;
-
-  /// Returns the part of `start` by growing distance, and writes levels into level_.
-  std::vector<Index> search(Index start) {
-    const Index part = part_[start];
-    const Index seen = ++last_part_;
-    std::vector<Index> found{start};
-    level_[start] = 0;
-    part_[start] = seen;
-    for (std::size_t k = 0; k < found.size(); ++k)
-      for (const Index next : neighbours_[found[k]])
-        if (part_[next] == part) {
-          part_[next] = seen;
-          level_[next] = level_[found[k]] + 1;
-          found.push_back(next);
-        }
-    return found;
-  }
-
-  void cut(std::vector<Index> nodes) {
-    const Index part = ++last_part_;
-    for (const Index i : nodes) part_[i] = part;
-    if (nodes.size() <= smallest) {
-      order_.insert(order_.end(), nodes.begin(), nodes.end());
-      return;
-    }
-    std::vector<Index> found = search(nodes.front());
-    if (found.size() < nodes.size()) {  // there are several pieces
-      std::vector<Index> others;
-      for (const Index i : nodes)
-        if (part_[i] == part) others.push_back(i);
-      cut(std::move(found));
-      cut(std::move(others));
-      return;
-    }
-    for (int turn = 0; turn < 3; ++turn) found = search(found.back());
-    const Index middle = level_[found[found.size() / 2]];
-    std::vector<Index> low, between, high;
-    for (const Index i : found) (level_[i] < middle ? low : level_[i] > middle ? high : between).push_back(i);
-    if (low.empty() || high.empty()) {
-      order_.insert(order_.end(), nodes.begin(), nodes.end());
-      return;
-    }
-    // Of the level, only what touches both sides has to be cut out.
-    std::vector<Index> separator;
-    for (const Index i : between) {
-      const bool touches = std::any_of(neighbours_[i].begin(), neighbours_[i].end(), [&](Index next) {
-        return part_[next] == part_[i] && level_[next] == middle + 1;
-      });
-      (touches ? separator : low).push_back(i);
-    }
-    cut(std::move(low));
-    cut(std::move(high));
-    order_.insert(order_.end(), separator.begin(), separator.end());
-  }
-
-  std::vector<std::vector<Index>> neighbours_;
-  std::vector<Index> part_, level_, order_;
-  Index last_part_ = 0;
-};
 
 /// Puts nodes in the order given and every rod right after the second of its ends. A rod's pivot is then what
 /// both of its ends can yield, which is never zero but for rods that others make redundant.
@@ -144,17 +56,6 @@ void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& patter
   }
 }
 
-/// Returns rods and, as if they were rods, what bends couple.
-std::vector<LoopRod> couplings(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends,
-                               Index nodes) {
-  std::vector<LoopRod> out = rods;
-  for (const LoopBend& bend : bends)
-    for (const auto [i, j] : LoopBend::pairs)
-      if (i != j && bend.vertices[i] < nodes && bend.vertices[j] < nodes)
-        out.push_back({bend.vertices[i], bend.vertices[j]});
-  return out;
-}
-
 SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends, Index nodes,
                        bool couples) {
   SparsePattern pattern;
@@ -186,12 +87,11 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopB
     add_bend(bend, nodes, at, pattern, entries);
     at += LoopBend::values;
   }
-  const std::vector<LoopRod> graph = couplings(rods, bends, nodes);
-  pattern.order = with_rods(by_degree(graph, nodes), rods);
-  // On square nets degree wins below 10,000 particles, dissection by a tenth above.
-  if (nodes > 64) {
+  const std::vector<std::pair<Index, Index>> edges = edges_of(rods, bends, nodes);
+  pattern.order = with_rods(order_by_degree(nodes, edges), rods);
+  if (nodes > least_dissected) {
     SparsePattern other = pattern;
-    other.order = with_rods(Dissection(graph, nodes).run(), rods);
+    other.order = with_rods(order_by_dissection(nodes, edges), rods);
     if (SparseAnalysis::estimate(other) < SparseAnalysis::estimate(pattern)) pattern = std::move(other);
   }
   return SparseAnalysis(pattern, entries);

@@ -34,12 +34,14 @@ constexpr double projected = 1e-9;
 
 /// Measures rods as they are at the start.
 void measure(const LoopState& state, LineWorkspace& lines) {
-  for (std::size_t s = 0; s < lines.lines->slots(); ++s) {
+  for (std::uint32_t s = 0; s < lines.lines->slots(); ++s) {
     if (lines.lines->numbers[s] == RodLines::none) continue;
     const auto [a, b] = lines.lines->ends[s];
     const Vec3 d = at(state.x, a) - at(state.x, b);
     put(&lines.d[3 * s], d);
-    lines.excess[s] = 0.5 * (dot(d, d) - state.length2[lines.lines->numbers[s]]);
+    // What rounding leaves of a rod between locked nodes is nothing that could be mended.
+    lines.excess[s] =
+        lines.solver.is_held(s) ? 0 : 0.5 * (dot(d, d) - state.length2[lines.lines->numbers[s]]);
   }
 }
 
@@ -79,12 +81,14 @@ double displace(const LoopState& state, double theta, LoopWorkspace& work) {
   }
   lines.solver.spread(lines.mu, lines.pushed);
   double most = 0;
-  for (std::uint32_t i = 0; i < state.topology->nodes; ++i)
+  for (std::uint32_t i = 0; i < state.topology->nodes; ++i) {
+    if (state.locks.has(i)) continue;
     for (std::size_t k = 3 * std::size_t{i}; k < 3 * std::size_t{i} + 3; ++k) {
       const double goes = lines.solver.inverse_mass(i) * work.load[k] + lines.pushed[k];
       most = std::max(most, std::abs(goes - work.delta[k]));
       work.delta[k] = goes;
     }
+  }
   return most;
 }
 

@@ -160,12 +160,19 @@ LineSolver::LineSolver(const RodLines& lines, std::span<const double> mass)
   std::uint32_t vertices = lines.nodes;
   for (const LoopRod rod : lines.ends) vertices = std::max({vertices, rod.a + 1, rod.b + 1});
   inverse_.assign(vertices, 0);
-  for (std::uint32_t i = 0; i < lines.nodes; ++i) inverse_[i] = 1 / mass[i];
   motion_.assign(3 * std::size_t{vertices}, 0);
-  for (std::uint32_t s = 0; s < lines.slots(); ++s) {
-    const bool empty = lines.numbers[s] == RodLines::none;
-    give_.push_back(empty ? 0 : inverse_[lines.ends[s].a] + inverse_[lines.ends[s].b]);
-    share_.push_back(lines.turns[s] * inverse_[lines.joints[s]]);
+  give_.resize(lines.slots());
+  share_.resize(lines.slots());
+  set_masses(mass, [](std::uint32_t) { return false; });
+}
+
+void LineSolver::set_masses(std::span<const double> mass,
+                            const std::function<bool(std::uint32_t)>& is_node_held) {
+  for (std::uint32_t i = 0; i < lines_->nodes; ++i) inverse_[i] = is_node_held(i) ? 0 : 1 / mass[i];
+  for (std::uint32_t s = 0; s < lines_->slots(); ++s) {
+    const bool empty = lines_->numbers[s] == RodLines::none;
+    give_[s] = empty ? 0 : inverse_[lines_->ends[s].a] + inverse_[lines_->ends[s].b];
+    share_[s] = lines_->turns[s] * inverse_[lines_->joints[s]];
   }
 }
 

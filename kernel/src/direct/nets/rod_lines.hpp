@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -56,6 +57,9 @@ class LineSolver {
   /// Takes the mass of every node, in any unit.
   LineSolver(const RodLines& lines, std::span<const double> mass);
 
+  /// Takes the mass of every node anew. Nodes that `is_held` says do not move, whatever pulls on them.
+  void set_masses(std::span<const double> mass, const std::function<bool(std::uint32_t)>& is_held);
+
   /// Returns the direction of every slot, three numbers each. That of padding is 0.
   std::span<double> directions() { return directions_; }
   /// Factorises lines. It is to be called when directions() have changed.
@@ -67,6 +71,8 @@ class LineSolver {
   bool solve(std::span<double> b, double goal, int most, std::span<double> m, std::span<double> motion);
 
   double inverse_mass(std::uint32_t node) const { return inverse_[node]; }
+  /// Says whether neither end of the rod in a slot moves.
+  bool is_held(std::uint32_t slot) const { return give_[slot] == 0; }
 
  private:
   double precondition(std::span<const double> residual);

@@ -144,24 +144,28 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
 template <class T>
 void TreeState<T>::fill_laws(std::uint32_t lane, const Scene& scene, const layouts::Tree& tree,
                              const TreeMembers& members) {
-  const auto law_of = [&](std::uint32_t edge) -> const RodLaw& { return scene.rods[members.edges[edge]].law; };
+  const auto law_of = [&](std::uint32_t edge) -> const RodLaw& {
+    return scene.rods[members.edges[edge]].law;
+  };
   const bool all_rigid = std::all_of(members.edges.begin(), members.edges.end(),
                                      [&](std::uint32_t rod) { return scene.rods[rod].law.is_rigid(); });
   if (all_rigid && !laws.any) return;
   laws.make(mu.size(), tie_mu.size(), lanes);
-  const auto root_of = [](const AlignedBuffer<double>& squares, std::size_t i) { return std::sqrt(squares[i]); };
+  const auto root_of = [](const AlignedBuffer<double>& squares, std::size_t i) {
+    return std::sqrt(squares[i]);
+  };
   for (std::size_t i = lane; i < mu.size(); i += lanes) laws.length.rods[i] = root_of(length2, i);
   for (std::size_t k = lane; k < tie_mu.size(); k += lanes) laws.length.ties[k] = root_of(tie_length2, k);
   const double unit = mass_unit[lane];
   const auto give = [&](std::uint32_t i) {
     return static_cast<double>(node[at(tree_fields::node * i + 3, lane)]) / unit;
   };
+  const auto first = [&](std::uint32_t i) { return at(tree_fields::law * i, lane); };
   for (std::uint32_t i = 0; i < topology->nodes; ++i) {
-    const bool root = i == 0;
-    laws.put(laws.law.rods, i, lanes, lane, root ? RodLaw{} : law_of(tree.edge[i]), unit,
-             root ? 0 : give(i) + give(tree.parent[i]));
+    if (i > 0)
+      laws.put(laws.law.rods, first(i), lanes, law_of(tree.edge[i]), {unit, give(i) + give(tree.parent[i])});
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
-      laws.put(laws.law.ties, k, lanes, lane, law_of(tree.ties[k].edge), unit, give(i));
+      laws.put(laws.law.ties, first(k), lanes, law_of(tree.ties[k].edge), {unit, give(i)});
   }
 }
 
@@ -294,69 +298,75 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
 template <class T>
 simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
   const TreeTopology& shape = *state.topology;
-  TreeLaws<T>& laws = state.laws;
-  if (laws.gives && law_start.size() == 0) {  // only trees with laws need it
-    law_start = AlignedBuffer<T>(tree_fields::law_start * state.mu.size());
-    tie_law_start = AlignedBuffer<T>(tree_fields::law_start * state.tie_mu.size());
+  simd::TreeView<T> view{.nodes = shape.nodes,
+                         .lanes = state.lanes,
+                         .parent = shape.parent.data(),
+                         .tie_begin = shape.tie_begin.data(),
+                         .is_coupled = state.is_coupled,
+                         .is_plain = !state.is_coupled && shape.ties <= 1,
+                         .node = state.node.data(),
+                         .tie = state.tie.data(),
+                         .length2 = state.length2.data(),
+                         .tie_length2 = state.tie_length2.data(),
+                         .x = state.x.data(),
+                         .u = state.u.data(),
+                         .force = state.force.data(),
+                         .tie_x = state.tie_x.data(),
+                         .tie_delta = state.tie_delta.data(),
+                         .tie_u = state.tie_u.data(),
+                         .guesses = guesses,
+                         .keeps_acceleration = keeps_acceleration,
+                         .acceleration_before = state.acceleration_before.data(),
+                         .acceleration = state.acceleration.data(),
+                         .ratio = ratio.data(),
+                         .kick = kick.data(),
+                         .guess = guess.data(),
+                         .guess_before = guess_before.data(),
+                         .mu_scale = mu_scale.data(),
+                         .mu_scale_before = mu_scale_before.data(),
+                         .u_delta = u_delta.data(),
+                         .u_before = u_before.data(),
+                         .inverse_kick = inverse_kick.data(),
+                         .active = active.data(),
+                         .change = change.data(),
+                         .stiffness = stiffness.data(),
+                         .residual = residual.data(),
+                         .push = push.data(),
+                         .jolt = jolt.data(),
+                         .delta = delta.data(),
+                         .mu = state.mu.data(),
+                         .tie_mu = state.tie_mu.data(),
+                         .mu_before = state.mu_before.data(),
+                         .tie_mu_before = state.tie_mu_before.data(),
+                         .load = load.data(),
+                         .rod = rod.data(),
+                         .tie_rod = tie_rod.data(),
+                         .elimination = elimination.data(),
+                         .tie_elimination = tie_elimination.data(),
+                         .below_slot = shape.below_slot.data(),
+                         .below_slots = shape.below_slots,
+                         .below = below.data()};
+  if (state.laws.gives) add_laws(state.laws, state.mu.size(), state.tie_mu.size(), view);
+  return view;
+}
+
+template <class T>
+void TreeWorkspace<T>::add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t ties,
+                                simd::TreeView<T>& to) {
+  if (law_start.size() == 0) {  // only trees with laws need it
+    law_start = AlignedBuffer<T>(tree_fields::law_start * rods);
+    tie_law_start = AlignedBuffer<T>(tree_fields::law_start * ties);
   }
-  return {.nodes = shape.nodes,
-          .lanes = state.lanes,
-          .parent = shape.parent.data(),
-          .tie_begin = shape.tie_begin.data(),
-          .is_coupled = state.is_coupled,
-          .is_plain = !state.is_coupled && shape.ties <= 1,
-          .node = state.node.data(),
-          .tie = state.tie.data(),
-          .length2 = state.length2.data(),
-          .tie_length2 = state.tie_length2.data(),
-          .has_laws = laws.gives,
-          .has_cables = laws.cables,
-          .is_mid = is_mid,
-          .law = laws.law.rods.data(),
-          .tie_law = laws.law.ties.data(),
-          .law_start = law_start.data(),
-          .tie_law_start = tie_law_start.data(),
-          .half_kick = laws.half_kick.rods.data(),
-          .tie_half_kick = laws.half_kick.ties.data(),
-          .law_factors = law_factors.data(),
-          .x = state.x.data(),
-          .u = state.u.data(),
-          .force = state.force.data(),
-          .tie_x = state.tie_x.data(),
-          .tie_delta = state.tie_delta.data(),
-          .tie_u = state.tie_u.data(),
-          .guesses = guesses,
-          .keeps_acceleration = keeps_acceleration,
-          .acceleration_before = state.acceleration_before.data(),
-          .acceleration = state.acceleration.data(),
-          .ratio = ratio.data(),
-          .kick = kick.data(),
-          .guess = guess.data(),
-          .guess_before = guess_before.data(),
-          .mu_scale = mu_scale.data(),
-          .mu_scale_before = mu_scale_before.data(),
-          .u_delta = u_delta.data(),
-          .u_before = u_before.data(),
-          .inverse_kick = inverse_kick.data(),
-          .active = active.data(),
-          .change = change.data(),
-          .stiffness = stiffness.data(),
-          .residual = residual.data(),
-          .push = push.data(),
-          .jolt = jolt.data(),
-          .delta = delta.data(),
-          .mu = state.mu.data(),
-          .tie_mu = state.tie_mu.data(),
-          .mu_before = state.mu_before.data(),
-          .tie_mu_before = state.tie_mu_before.data(),
-          .load = load.data(),
-          .rod = rod.data(),
-          .tie_rod = tie_rod.data(),
-          .elimination = elimination.data(),
-          .tie_elimination = tie_elimination.data(),
-          .below_slot = shape.below_slot.data(),
-          .below_slots = shape.below_slots,
-          .below = below.data()};
+  to.has_laws = true;
+  to.has_cables = laws.cables;
+  to.is_mid = is_mid;
+  to.law = laws.law.rods.data();
+  to.tie_law = laws.law.ties.data();
+  to.law_start = law_start.data();
+  to.tie_law_start = tie_law_start.data();
+  to.half_kick = laws.half_kick.rods.data();
+  to.tie_half_kick = laws.half_kick.ties.data();
+  to.law_factors = law_factors.data();
 }
 
 template struct TreeState<float>;

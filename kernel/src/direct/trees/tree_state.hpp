@@ -140,6 +140,7 @@ struct TreeWorkspace {
   TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes);
 
   simd::TreeView<T> view(TreeState<T>& state);
+  void add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t ties, simd::TreeView<T>& to);
   void put_law_factors(std::uint32_t lane, const LawFactors& factors) {
     const auto numbers = factors.numbers();
     for (std::size_t c = 0; c < numbers.size(); ++c)

@@ -21,24 +21,31 @@ double worth_order_4(bool is_tree, std::size_t rods) {
 
 }  // namespace
 
-Method choose_method(const Scene& scene, bool shape_is_for_direct, std::span<const std::uint32_t> rods,
+Method choose_method(const Scene& scene, IslandShape shape, std::span<const std::uint32_t> rods,
                      const Settings& settings) {
-  if (shape_is_for_direct || settings.accuracy || has_laws(scene, rods)) return Method::direct;
+  if (shape != IslandShape::vast || settings.accuracy || has_laws(scene, rods)) return Method::direct;
   return carries_mass(scene, rods, mass_model_of(settings)) ? Method::direct : Method::relax;
 }
 
-Gradient choose_gradient(const Scene& scene, bool is_tree, std::span<const std::uint32_t> rods,
+Gradient choose_gradient(const Scene& scene, IslandShape shape, std::span<const std::uint32_t> rods,
                          const Settings& settings) {
   if (settings.gradient) return *settings.gradient;
-  if (!settings.accuracy) return Gradient::mid;
+  const bool has_loops = shape != IslandShape::tree;
+  if (!settings.accuracy) {
+    const bool is_plain = !carries_mass(scene, rods, mass_model_of(settings)) && !has_laws(scene, rods);
+    return has_loops && shape != IslandShape::thin && is_plain ? Gradient::new_ : Gradient::mid;
+  }
   // Steps of gradient old cost a fraction of mid's where multipliers are the only unknowns, else as much. A
   // net of rods with mass, drawn straight between its corners, takes 130 times as many steps with old.
-  return is_tree || !carries_mass(scene, rods, mass_model_of(settings)) ? Gradient::old : Gradient::mid;
+  return !has_loops || !carries_mass(scene, rods, mass_model_of(settings)) ? Gradient::old : Gradient::mid;
 }
 
-std::uint32_t choose_time_order(Gradient gradient, bool is_tree, std::size_t rods, const Settings& settings) {
-  return settings.accuracy && *settings.accuracy <= worth_order_4(is_tree, rods) &&
-                 settings.precision == Precision::double_ && gradient == Gradient::old
+std::uint32_t choose_time_order(const Scene& scene, Gradient gradient, bool is_tree,
+                                std::span<const std::uint32_t> rods, const Settings& settings) {
+  // Composed substeps go backwards in between, where damping would feed motion.
+  return settings.accuracy && *settings.accuracy <= worth_order_4(is_tree, rods.size()) &&
+                 settings.precision == Precision::double_ && gradient == Gradient::old &&
+                 !has_laws(scene, rods)
              ? 4
              : 2;
 }

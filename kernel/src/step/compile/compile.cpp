@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "direct/direct_solvers.hpp"
@@ -36,15 +37,21 @@ Choice choose_bent(const Settings& settings) {
   return {Method::direct, {settings.gradient.value_or(Gradient::mid), 2, false}};
 }
 
+IslandShape shape_of(const layouts::Graph& island) {
+  if (layouts::find_tree(island)) return IslandShape::tree;
+  return is_thin(island) ? IslandShape::thin : is_vast(island) ? IslandShape::vast : IslandShape::wide;
+}
+
 Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const std::uint32_t> rods,
               const Settings& settings) {
   if (settings.method != Method::automatic)
     return {settings.method, {gradient_of(settings), settings.time_order, false}};
-  const bool is_tree = layouts::find_tree(island).has_value();
-  Choice out{choose_method(scene, is_tree || is_thin(island), rods, settings), {}};
+  const IslandShape shape = shape_of(island);
+  Choice out{choose_method(scene, shape, rods, settings), {}};
   if (out.method != Method::direct) return out;
-  out.direct.gradient = choose_gradient(scene, is_tree, rods, settings);
-  out.direct.time_order = choose_time_order(out.direct.gradient, is_tree, rods.size(), settings);
+  out.direct.gradient = choose_gradient(scene, shape, rods, settings);
+  out.direct.time_order =
+      choose_time_order(scene, out.direct.gradient, shape == IslandShape::tree, rods, settings);
   out.direct.changes_gradient = settings.accuracy && !settings.gradient &&
                                 out.direct.gradient == Gradient::old && out.direct.time_order == 2;
   return out;
@@ -73,6 +80,7 @@ class Compiler {
         bends_(bends_by_island(scene, islands_)) {}
 
   Compiled make() {
+    require_laws_moved();
     if (needs_contact_stage(scene_)) make_contact();
     add_islands();
     if (contact_) add_contact();
@@ -125,7 +133,7 @@ class Compiler {
   /// Refuses bends where the method or the gradient does not know them.
   void require_bends_moved() const {
     if (scene_.bends.empty()) return;
-    if (!method_row(settings_.method).moves_laws)
+    if (!method_row(settings_.method).moves_bends)
       refuse("bend 0: method ", to_string(settings_.method), " moves no bends; direct and auto do");
     if (settings_.gradient == Gradient::old)
       refuse(
@@ -148,15 +156,20 @@ class Compiler {
       refuse(of(), "mass lumped does not know: bodies need their inertia");
   }
 
-  /// Refuses rods that give where the method moves rigid ones alone.
-  void require_laws_moved(const IslandSets& sets) const {
-    if (method_row(settings_.method).moves_laws) return;
-    for (const auto& equal : sets.sets)
-      for (const std::uint32_t island : equal)
-        for (const std::uint32_t rod : sets.islands.edges(island))
-          if (!scene_.rods[rod].law.is_rigid())
-            refuse("rod ", rod, ": gives, which method ", to_string(settings_.method),
-                   " cannot move; direct and auto can");
+  /// Refuses rods that give where the method or its time order moves rigid ones alone.
+  void require_laws_moved() const {
+    const bool moves = method_row(settings_.method).moves_laws;
+    for (std::size_t i = 0; i < scene_.rods.size(); ++i) {
+      if (scene_.rods[i].law.is_rigid()) continue;
+      if (!moves)
+        refuse("rod ", i, ": gives, which method ", to_string(settings_.method),
+               " cannot move; relax, direct and auto can");
+      if (settings_.method == Method::relax && std::isfinite(scene_.rods[i].law.strength))
+        refuse("rod ", i, ": may break, which method relax does not see; direct and auto do");
+      if (settings_.time_order > 2 && scene_.rods[i].law.damping > 0)
+        refuse("rod ", i, ": is damped, which time order ", settings_.time_order,
+               " cannot move, since it goes backwards in between; 2 can");
+    }
   }
 
   /// Refuses settings of relaxation if method automatic relaxes no island.
@@ -182,7 +195,6 @@ class Compiler {
     for (const Share& share : shares) {
       const IslandSets sets{graph_, islands_, share.sets, bends_};
       if (share.choice.method != Method::direct) {
-        require_laws_moved(sets);
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
         continue;

@@ -66,19 +66,19 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   make_laws();
   state_.laws.gives = state_.laws.moves = true;
   double& last = number_of(state_.laws.rate, rod, ties_begin_);
-  lengths_changed_ = lengths_changed_ || last != rate;
+  lengths_changed_ = lengths_changed_ || rate_jumps(last, rate);
   last = rate;
   number_of(state_.laws.length, rod, ties_begin_) = length;
   (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;
 }
 
-#define PLUMB_INSTANTIATE(T)                                    \
+#define PLUMB_INSTANTIATE(T)                                                 \
   template Slot TreeSolver<T>::rod_slot(std::uint32_t, std::uint32_t) const; \
-  template void TreeSolver<T>::make_laws();                     \
-  template void TreeSolver<T>::clear_pulls();                   \
-  template void TreeSolver<T>::count_pulls();                   \
-  template double TreeSolver<T>::pull(Slot, double) const;      \
-  template bool TreeSolver<T>::is_broken(Slot) const;           \
+  template void TreeSolver<T>::make_laws();                                  \
+  template void TreeSolver<T>::clear_pulls();                                \
+  template void TreeSolver<T>::count_pulls();                                \
+  template double TreeSolver<T>::pull(Slot, double) const;                   \
+  template bool TreeSolver<T>::is_broken(Slot) const;                        \
   template void TreeSolver<T>::set_length(Slot, double, double);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

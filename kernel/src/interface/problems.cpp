@@ -1,4 +1,4 @@
-#include "step/problems.hpp"
+#include "interface/problems.hpp"
 
 #include <iterator>
 

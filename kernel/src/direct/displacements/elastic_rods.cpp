@@ -1,4 +1,4 @@
-#include "direct/loops/elastic_rods.hpp"
+#include "direct/displacements/elastic_rods.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "plumb/vec3.hpp"
+
+namespace plumb::detail {
+
+struct LoopState;
+
+/// Nodes are locked where rigid rods lie in a straight line between anchors that are as far apart as the line
+/// is long, or between other locked nodes. No motion is left to them, and no finite pull holds them there, so
+/// that equations for their rods have no solution. They move as their anchors do, like anchors themselves.
+struct Locks {
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  bool any() const { return !anchors.empty(); }
+  bool has(std::uint32_t vertex) const { return vertex < anchors.size() && anchors[vertex] != none; }
+
+  std::vector<std::uint32_t> anchors;  ///< Every node has the vertex that it moves with; empty if none has.
+  /// Lines end at these anchors, which must keep their distance.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+};
+
+/// Finds the nodes that are locked at the present positions.
+Locks find_locks(const LoopState& state);
+
+/// Says whether all lines keep their shape while anchors move as they do.
+bool locks_hold(const LoopState& state);
+
+/// Returns the velocity of a locked node, in m/s.
+Vec3 locked_velocity(const LoopState& state, std::uint32_t node);
+
+}  // namespace plumb::detail

@@ -1,0 +1,58 @@
+#include "direct/loops/loop_stepper.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// From so many multiplications per number on, the factor of an earlier substep, with more iterations, is
+/// faster than a new one. A net of 16 x 16 particles has 30.
+constexpr double costly_factor = 30;
+
+}  // namespace
+
+LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
+    : system(&of),
+      ldu(of.analysis, isa),
+      values(of.values()),
+      smallest(of.analysis.size()),
+      right(of.analysis.size()) {}
+
+bool LoopWorkspace::Factor::worth_carrying() const {
+  return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());
+}
+
+LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa instructions)
+    : topology(state.topology), isa(instructions) {
+  const std::size_t n = topology->nodes, rods = topology->rods.size();
+  if (topology->system) {
+    first = std::make_unique<Factor>(*topology->system, isa);
+    if (gradient != Gradient::mid) projection = std::make_unique<Factor>(*topology->system, isa);
+  }
+  if (topology->lines) lines = std::make_unique<LineWorkspace>(*topology->lines, state.mass);
+  delta.assign(3 * std::size_t{topology->vertices}, 0);
+  load.assign(3 * n, 0);
+  d.assign(3 * rods, 0);
+  excess.assign(rods, 0);
+  mu_start.assign(rods, 0);
+  saved = state.motion();
+  trial.assign(delta.size(), 0);
+  for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
+  bend_starts.assign(bends.size(), {});
+  resists.assign(n, 0);
+}
+
+void LoopWorkspace::take_locks(const LoopState& state) {
+  if (!lines) return;
+  lines->solver.set_masses(state.mass, [&](std::uint32_t i) { return state.locks.has(i); });
+  lines->forget();
+}
+
+LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
+  if (first && (first->system->couples || !couples)) return *first;
+  if (!second) {
+    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, topology->bends);
+    second = std::make_unique<Factor>(*coupled, isa);
+  }
+  return *second;
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,89 @@
+#include <algorithm>
+
+#include "direct/laws/tree_rods.hpp"
+#include "direct/trees/newton_limits.hpp"
+#include "direct/trees/tree_stepper.hpp"
+#include "math/elementary.hpp"
+#include "time/verlet.hpp"
+
+namespace plumb::detail {
+using namespace tree_limits;
+
+template <class T>
+void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity,
+                             TreeWorkspace<T>& work) const {
+  std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
+  for (std::uint32_t lane = 0; state.laws.gives && lane < state.lanes; ++lane)
+    work.put_law_factors(lane, LawFactors::of_projection(double{work.kick[lane]}, state.u_step[lane]));
+  simd::TreeView<T> view = work.view(state);
+  view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
+  for (std::size_t i = 0; i < tie_velocity.size(); ++i)
+    put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
+  kernels(state).prepare(view);
+  if (state.laws.moves) put_length_rates(state, work);
+  std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
+  kernels(state).project(view);
+  std::fill_n(state.tie_delta.data(), state.tie_delta.size(), T(0));
+  std::fill_n(state.tie_u.data(), state.tie_u.size(), T(0));
+}
+
+template <class T>
+void TreeStepper<T>::take_sound(const TreeState<T>& state, const TreeWorkspace<T>& work,
+                                layouts::AlignedBuffer<T>& to) const {
+  for (std::size_t lane = 0; lane < state.lanes; ++lane) {
+    double projected = 0, given = 0;
+    for (std::size_t i = lane; i < to.size(); i += state.lanes) {
+      projected += square(double{work.delta[i]});
+      given += square(double{work.velocity[i]}) + square(double{work.kick[lane]} * double{state.force[i]});
+    }
+    for (std::size_t i = lane; i < state.tie_velocity.size(); i += state.lanes)
+      for (const Vec3 v : {state.tie_velocity[i], state.tie_last_velocity[i]}) given += dot(v, v);
+    // Numbers that are not finite fail this comparison, too.
+    if (projected <= most_projected_growth * given)
+      for (std::size_t i = lane; i < to.size(); i += state.lanes) to[i] = work.delta[i];
+  }
+}
+
+template <class T>
+void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
+  std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
+  std::fill_n(work.kick.data(), work.kick.size(), T(0));
+  std::fill_n(work.active.data(), work.active.size(), T(1));
+  project(state, state.tie_velocity, work);
+  take_sound(state, work, state.u);
+  state.tie_last_velocity = state.tie_velocity;
+}
+
+template <class T>
+void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
+  bool any = false;
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    const double step = state.u_step[lane];
+    const bool displacements = step > 0;
+    any = any || displacements;
+    const T scale = displacements ? static_cast<T>(detail::exp(-drag_ * step / 2) / step) : T(1);
+    for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
+    // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
+    // substep earlier.
+    work.kick[lane] = gradient_ == Gradient::old && displacements
+                          ? static_cast<T>(mean_decay(drag_ * step / 2) * step / 2)
+                          : T(0);
+    work.active[lane] = displacements ? T(1) : T(0);
+  }
+  if (any) {
+    project(state, state.tie_last_velocity, work);
+    take_sound(state, work, work.velocity);
+  }
+}
+
+#define PLUMB_INSTANTIATE(T)                                                                               \
+  template void TreeStepper<T>::project(TreeState<T>&, const std::vector<Vec3>&, TreeWorkspace<T>&) const; \
+  template void TreeStepper<T>::take_sound(const TreeState<T>&, const TreeWorkspace<T>&,                   \
+                                           layouts::AlignedBuffer<T>&) const;                              \
+  template void TreeStepper<T>::project_velocities(TreeState<T>&, TreeWorkspace<T>&) const;                \
+  template void TreeStepper<T>::find_velocities(TreeState<T>&, TreeWorkspace<T>&) const;
+PLUMB_INSTANTIATE(float)
+PLUMB_INSTANTIATE(double)
+#undef PLUMB_INSTANTIATE
+
+}  // namespace plumb::detail
