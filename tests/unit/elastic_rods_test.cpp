@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
+#include "direct/displacements/displacement_newton.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/settle.hpp"
 #include "direct/trees/elastic_tree.hpp"
@@ -66,6 +68,26 @@ TEST(ElasticRods, DoWhatRigidOnesDoWhereThoseFit) {
     ASSERT_TRUE(stepper.try_substep(rigid, 0.01, work, tally));
   }
   for (std::size_t i = 0; i < state.x.size(); ++i) EXPECT_NEAR(state.x[i], rigid.x[i], 1e-6);
+}
+
+// Without multipliers in its matrix Newton's method finds what it finds with them, to rounding.
+TEST(DisplacementNewton, FindsWhatMultipliersFind) {
+  LoopState state = line(4, 4.5, 1);
+  LoopWorkspace work(state, Gradient::new_, Isa::scalar);
+  ASSERT_TRUE(settle(state, work));
+  const double h = 0.01;
+  for (std::uint32_t i = 0; i < 4; ++i) state.force[3 * i + 1] = -9.81;
+  LoopState other = state;
+  Tally tally;
+  ASSERT_TRUE(LoopStepper(Gradient::new_, 0).try_substep(state, h, work, tally));
+  for (std::uint32_t i = 0; i < 12; ++i) work.load[i] = h * h / 2 * other.force[i];
+  std::fill(work.delta.begin(), work.delta.end(), 0.0);
+  std::fill(other.mu.begin(), other.mu.end(), 0.0);
+  measure_rods(other, work);
+  DisplacementFactor factor(*other.topology, Isa::scalar);
+  ASSERT_TRUE(iterate_by_displacements(other, 1, factor, work, tally));
+  for (std::uint32_t i = 0; i < 12; ++i)
+    EXPECT_NEAR(other.x[i] + work.delta[i], state.x[i], 1e-12) << i;
 }
 
 TEST(ElasticRods, AreNotMovedByWhatIsNotFinite) {

@@ -120,6 +120,7 @@ TEST(LoopLaws, BreakAboveTheirStrength) {
   EXPECT_NEAR(laws.impulse[0], h * 9 * 2, 1e-15) << "a pull of 9 units of 2 kg for a substep";
   EXPECT_EQ(end_rods(laws, work, {h, 0, 1, 2}, std::vector<double>{-11.0}, length2), 1u);
   EXPECT_EQ(laws.rods[0], LoopLaws::Numbers{});
+  start_law(laws, 0, 1, 0, work);
   const RodRow row = law_row(laws, work, 0, {0, 0, -3}, 1);
   EXPECT_EQ(row.use, 0);
   EXPECT_EQ(row.c, -3) << "what it pulled goes";

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,16 @@ TEST(Trajectory, PositionErrorIsRmsDistanceAndItsShareOfTheDiagonal) {
   EXPECT_EQ(error.t, 1);
   EXPECT_NEAR(error.rms_m, 0.5 / std::sqrt(2), 1e-15);
   EXPECT_NEAR(error.relative, 0.1 / std::sqrt(2), 1e-15);
+}
+
+// What is not known, as before the first step, is left empty.
+TEST(Tensions, AreWrittenByRod) {
+  std::string csv(tensions_header);
+  append_tensions(csv, {.t = 0.5,
+                        .positions = {},
+                        .velocities = {},
+                        .tensions = {2, std::numeric_limits<double>::quiet_NaN(), -0.25}});
+  EXPECT_EQ(csv, "t,rod,tension\n0.5,0,2\n0.5,1,\n0.5,2,-0.25\n");
 }
 
 }  // namespace

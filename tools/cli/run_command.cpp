@@ -24,6 +24,7 @@ struct RunOptions {
   scenes::RunPlan plan;
   std::vector<double> save_at;
   std::string trajectory;
+  std::string tensions;
   std::string truth;
   std::string report;
   std::string vtk;   ///< Folder for VTK files.
@@ -43,13 +44,14 @@ class SavedFrames {
  public:
   SavedFrames(const RunOptions& options, const Scene& scene) : binary_(options.gltf.ends_with(".glb")) {
     if (!options.trajectory.empty()) trajectory_.emplace(options.trajectory).write(scenes::trajectory_header);
+    if (!options.tensions.empty()) tensions_.emplace(options.tensions).write(scenes::tensions_header);
     if (!options.vtk.empty()) vtk_.emplace(options.vtk, scene);
     if (options.gltf.empty()) return;
     gltf_file_.emplace(options.gltf);
     gltf_.emplace(scene);
   }
 
-  bool wanted() const { return trajectory_ || vtk_ || gltf_; }
+  bool wanted() const { return trajectory_ || tensions_ || vtk_ || gltf_; }
 
   void add(const Frame& frame) {
     if (trajectory_) {
@@ -57,12 +59,18 @@ class SavedFrames {
       scenes::append_frame(rows, frame);
       trajectory_->write(rows);
     }
+    if (tensions_) {
+      std::string rows;
+      scenes::append_tensions(rows, frame);
+      tensions_->write(rows);
+    }
     if (vtk_) vtk_->add(frame);
     if (gltf_) gltf_->add(frame);
   }
 
   void commit() {
     if (trajectory_) trajectory_->commit();
+    if (tensions_) tensions_->commit();
     if (vtk_) vtk_->finish();
     if (!gltf_) return;
     gltf_file_->write(gltf_->to_text(binary_));
@@ -71,15 +79,17 @@ class SavedFrames {
 
  private:
   bool binary_;
-  std::optional<scenes::OutputFile> trajectory_;
+  std::optional<scenes::OutputFile> trajectory_, tensions_;
   std::optional<VtkSeries> vtk_;
   std::optional<scenes::OutputFile> gltf_file_;
   std::optional<GltfAnimation> gltf_;
 };
 
 void require_different_files(const RunOptions& options) {
-  const std::pair<const char*, const std::string*> files[] = {
-      {"--trajectory", &options.trajectory}, {"--report", &options.report}, {"--gltf", &options.gltf}};
+  const std::pair<const char*, const std::string*> files[] = {{"--trajectory", &options.trajectory},
+                                                              {"--tensions", &options.tensions},
+                                                              {"--report", &options.report},
+                                                              {"--gltf", &options.gltf}};
   for (const auto& a : files)
     for (const auto& b : files) {
       if (&a >= &b || a.second->empty() || !same_file(*a.second, *b.second)) continue;
@@ -136,6 +146,13 @@ void add_run_command(Command& plumb) {
       command, o.save_at,
       "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
   command.add_option("--trajectory", "OUT.csv", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file");
+  command.add_option(
+      "--tensions", "OUT.csv",
+      [&o](const std::string& file) {
+        o.tensions = file;
+        o.plan.settings.tensions = true;
+      },
+      "Write t,rod,tension to this file: how rods pull, in N, in files of --vtk too");
   command.add_option("--vtk", "DIR", o.vtk,
                      "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder");
   command.add_option(

@@ -116,6 +116,10 @@ void add_cell_data(pugi::xml_node piece, const Scene& scene, const Frame& frame,
   add_array(data, "rod", rods);
   add_array(data, "stretch", stretch);
   add_array(data, "radius", radius);
+  if (frame.tensions.empty()) return;
+  std::vector<double> tension(vertices, 0);
+  tension.insert(tension.end(), frame.tensions.begin(), frame.tensions.end());
+  add_array(data, "tension", tension);
 }
 
 /// Writes <Verts> or <Lines>, with `connectivity` in cells of `width` points.

@@ -54,6 +54,8 @@ struct Frame {
   double t = 0;                  ///< Time, in s.
   std::vector<Vec3> positions;   ///< Positions, in m.
   std::vector<Vec3> velocities;  ///< Velocities, in m/s.
+  /// Mean pulls of the rods over the step before, in N, in the scene's order; empty if they are not known.
+  std::vector<double> tensions{};
 };
 
 /// Returns the root mean square distance over all particles between positions and truth, in m. Throws

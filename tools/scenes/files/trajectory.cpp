@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "plumb/error.hpp"
@@ -84,6 +85,15 @@ void append_frame(std::string& csv, const Frame& frame) {
         append_exact(csv, value);
       }
     }
+    csv += '\n';
+  }
+}
+
+void append_tensions(std::string& csv, const Frame& frame) {
+  for (std::size_t i = 0; i < frame.tensions.size(); ++i) {
+    append_exact(csv, frame.t);
+    csv += ',' + std::to_string(i) + ',';
+    if (std::isfinite(frame.tensions[i])) append_exact(csv, frame.tensions[i]);
     csv += '\n';
   }
 }

@@ -19,6 +19,11 @@ inline constexpr std::string_view trajectory_header = "t,particle,x,y,z,vx,vy,vz
 void append_frame(std::string& csv, const Frame& frame);
 std::string format_trajectory(std::span<const Frame> frames);
 
+/// Files of tensions have the header `t,rod,tension`. A row is one rod at one saved time, in s and N. What is
+/// not known is left empty.
+inline constexpr std::string_view tensions_header = "t,rod,tension\n";
+void append_tensions(std::string& csv, const Frame& frame);
+
 /// Reads frames. `name` begins every message. Throws InputError with the line on a wrong header, no rows, or
 /// a row that is not eight finite numbers. It also throws where times do not rise, particles are out of
 /// order, or their number changes.

@@ -67,6 +67,7 @@ bool all_finite(const Frame& frame) {
 void copy_state(const World& world, Frame& frame) {
   world.copy_positions(frame.positions);
   world.copy_velocities(frame.velocities);
+  if (!frame.tensions.empty()) world.copy_tensions(frame.tensions);
 }
 
 }  // namespace
@@ -110,7 +111,8 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   RunResult result{.info = world.info(), .frames = frames};
   Frame now{.t = 0,
             .positions = std::vector<Vec3>(world.particle_count()),
-            .velocities = std::vector<Vec3>(world.particle_count())};
+            .velocities = std::vector<Vec3>(world.particle_count()),
+            .tensions = std::vector<double>(plan.settings.tensions ? world.rod_count() : 0)};
   const auto visit = [&](std::uint64_t number) {
     copy_state(world, now);
     result.finite = result.finite && all_finite(now);
