@@ -86,6 +86,21 @@ void add_particles_and_rods(Bytes& bytes, Scene& scene) {
   }
 }
 
+/// Bends most rods against the next one, where they share a particle.
+void add_bends(Bytes& bytes, Scene& scene) {
+  for (std::size_t i = 1; i < scene.rods.size(); ++i) {
+    const Rod &first = scene.rods[i - 1], &second = scene.rods[i];
+    if (first.b != second.a || rarely(bytes, 3)) continue;
+    Bend& bend = scene.bends.emplace_back();
+    bend.a = first.a;
+    bend.b = rarely(bytes, 50) ? index(bytes, scene.particles.size()) : first.b;
+    bend.c = second.b;
+    bend.stiffness = rarely(bytes, 3) ? number(bytes, 0, 1e5) : number(bytes, 0, 1);
+    if (rarely(bytes, 3)) bend.angle = number(bytes, 0, 3);
+    if (rarely(bytes, 3)) bend.damping = number(bytes, 0, 1);
+  }
+}
+
 void add_limbs(Bytes& bytes, Scene& scene) {
   if (rarely(bytes, 3)) {
     MassProperties block = solid_box(number(bytes, 0.1, 10), {0.3, 0.2, 0.1});
@@ -163,6 +178,7 @@ RandomWorld make_random_world(const std::uint8_t* data, std::size_t size) {
   }
   out.pushed = index(bytes, out.scene.particles.size());
   out.push = place(bytes);
+  if (rarely(bytes, 4)) add_bends(bytes, out.scene);
   return out;
 }
 

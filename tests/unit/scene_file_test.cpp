@@ -81,6 +81,8 @@ Scene bodies_and_joints() {
   scene.rods[2].mass = 0.3;
   scene.rods[2].orthogonal_drag = 1.0 / 7;
   scene.rods[3].law = {.stiffness = 1e4 / 3, .damping = 0.1, .one_sided = true, .strength = 7e3 / 9};
+  scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 0.1 / 3},
+                 {.a = 3, .b = 2, .c = 1, .angle = 1.0 / 7, .damping = 1e-5 / 3}};
   add_revolute(scene, 0, 1, {1, 0.1, 0.2}, {1, 2, 3});
   add_spherical(scene, point_at(1), point_on_rod(scene, 7, 0.3));
   const Direction u{point_at(0), point_at(1)}, v{point_at(4), point_on_rod(scene, 8, 2)};
@@ -119,6 +121,14 @@ void expect_same(const Direction& a, const Direction& b) {
 void expect_same(const Surface& a, const Surface& b) {
   EXPECT_EQ(a.friction, b.friction);
   EXPECT_EQ(a.restitution, b.restitution);
+}
+void expect_same(const Bend& a, const Bend& b) {
+  EXPECT_EQ(a.a, b.a);
+  EXPECT_EQ(a.b, b.b);
+  EXPECT_EQ(a.c, b.c);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.angle, b.angle);
+  EXPECT_EQ(a.damping, b.damping);
 }
 void expect_same(const Body& a, const Body& b) {
   EXPECT_EQ(a.particles, b.particles);
@@ -177,6 +187,7 @@ TEST(SceneFile, RoundTripKeepsEveryBitOfBodiesAndJoints) {
     EXPECT_EQ(back.rods[i].orthogonal_drag, scene.rods[i].orthogonal_drag);
     EXPECT_EQ(back.rods[i].law, scene.rods[i].law);
   }
+  expect_same(back.bends, scene.bends);
   expect_same(back.bodies, scene.bodies);
   expect_same(back.pins, scene.pins);
   expect_same(back.alignments, scene.alignments);
@@ -214,6 +225,10 @@ TEST(SceneFile, WhatIsWrongWithBodiesAndJointsIsNamedWithItsPath) {
   EXPECT_EQ(message_of_list(R"("bodies": [{"particles": [0, 1, 2, 3], "mass": 1, "center": [0, 0, 0],
                                            "inertia": {"xx": 1, "yy": 1}}])"),
             "f.json: bodies[0].inertia.zz is missing");
+  EXPECT_EQ(message_of_list(R"("bends": [{"a": 0, "b": 1, "stiffness": 1}])"),
+            "f.json: bends[0].c is missing");
+  EXPECT_EQ(message_of_list(R"("bends": [{"a": 0, "b": 1, "c": 1, "twist": 1}])"),
+            "f.json: bends[0].twist is not a known key; known are a, b, c, stiffness, angle, damping");
   EXPECT_EQ(message_of_list(R"("pins": [{"a": 0, "b": 1}, {"a": 1}])"), "f.json: pins[1].b is missing");
   EXPECT_EQ(message_of_list(R"("pins": [{"a": 0, "b": 1, "c": 2}])"),
             "f.json: pins[0].c is not a known key; known are a, b");
@@ -246,7 +261,7 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
             "linear_drag, orthogonal_drag, stiffness, damping, one_sided, strength");
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
-            "rods, bodies, pins, "
+            "rods, bends, bodies, pins, "
             "alignments, angles, capsules, planes, boxes");
 }
 

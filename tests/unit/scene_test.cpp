@@ -134,6 +134,41 @@ TEST(Scene, RodsHaveDragOfTheAir) {
             "rod 0: has drag of the air, but no mass of its own for it to act on");
 }
 
+TEST(Scene, BendsLieBetweenRods) {
+  const auto with = [](Bend bend) {
+    return refusal([=](Scene& s) { s.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 1}, bend}; });
+  };
+  EXPECT_EQ(with({.a = 3, .b = 2, .c = 1, .stiffness = 1}), "");
+  EXPECT_EQ(with({.a = 1, .b = 2, .c = 9, .stiffness = 1}),
+            "bend 1: particle 9 does not exist (the scene has 4 particles)");
+  EXPECT_EQ(with({.a = 1, .b = 2, .c = 1, .stiffness = 1}),
+            "bend 1: needs three different particles, got 1, 2 and 1");
+  EXPECT_EQ(with({.a = 1, .b = 3, .c = 2, .stiffness = 1}),
+            "bend 1: no rod joins particles 1 and 3; only fixed particles need none");
+  EXPECT_EQ(with({.a = 1, .b = 2, .c = 3, .stiffness = infinity}),
+            "bend 1: stiffness must be finite and not negative, got inf N m");
+  EXPECT_EQ(with({.a = 1, .b = 2, .c = 3, .stiffness = 1, .damping = -1}),
+            "bend 1: damping must be finite and not negative, got -1 N m s");
+  EXPECT_EQ(with({.a = 1, .b = 2, .c = 3}),
+            "bend 1: has neither stiffness nor damping, so that it holds nothing");
+  EXPECT_EQ(with({.a = 1, .b = 2, .c = 3, .stiffness = 1, .angle = 4}),
+            "bend 1: angle must be at least 0 and below pi, got 4 rad");
+  EXPECT_EQ(with({.a = 2, .b = 1, .c = 0, .damping = 1}), "bend 1: bends the same particles as bend 0");
+}
+
+TEST(Scene, AnEndIsClampedByTwoFixedParticles) {
+  const auto with = [](Vec3 position, std::uint32_t last) {
+    return refusal([=](Scene& s) {
+      s.particles.push_back(fixed_at(position));
+      s.particles.push_back(fixed_at({0, 1, 0}));
+      s.bends = {{.a = 4, .b = 0, .c = last, .stiffness = 1}};
+    });
+  };
+  EXPECT_EQ(with({-1, 0, 0}, 1), "");
+  EXPECT_EQ(with({0, 0, 0}, 1), "bend 0: fixed particles 4 and 0 are at the same place");
+  EXPECT_EQ(with({-1, 0, 0}, 5), "bend 0: all of its particles (4, 0 and 5) are fixed");
+}
+
 TEST(Scene, RodsMayGive) {
   EXPECT_EQ(refusal([](Scene& s) { s.rods[1].law.stiffness = -1; }),
             "rod 1: stiffness must be 0 or more, got -1 N/m");

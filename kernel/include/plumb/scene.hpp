@@ -27,11 +27,11 @@ struct Particle {
 
 /// Says how a rod answers to what pulls on it. By default it is rigid: it keeps its length.
 ///
-/// A rod of finite stiffness is elastic. At length l it pulls with stiffness (l - length) + damping dl/dt, in N
-/// (Hooke; Kelvin and Voigt). A bar of cross section A and modulus E has the stiffness E A/length.
+/// A rod of finite stiffness is elastic. At length l it pulls with stiffness (l - length) + damping dl/dt, in
+/// N (Hooke; Kelvin and Voigt). A bar of cross section A and modulus E has the stiffness E A/length.
 struct RodLaw {
   double stiffness = std::numeric_limits<double>::infinity();  ///< Stiffness, in N/m; infinity is rigid.
-  double damping = 0;      ///< Damping along an elastic rod, in N s/m.
+  double damping = 0;                                          ///< Damping along an elastic rod, in N s/m.
   bool one_sided = false;  ///< Whether it is a cable, which pulls, never pushes, and may be slack.
   /// Pull at which the rod breaks, in N; infinity means never. A broken rod pulls nothing any more.
   double strength = std::numeric_limits<double>::infinity();
@@ -45,8 +45,8 @@ struct RodLaw {
   friend constexpr bool operator==(const RodLaw&, const RodLaw&) = default;
 };
 
-/// Keeps particles `a` and `b` at `length`, or pulls them there as `law` says. Its own mass lies evenly along it, unless `center` and `inertia`
-/// say otherwise.
+/// Keeps particles `a` and `b` at `length`, or pulls them there as `law` says. Its own mass lies evenly along
+/// it, unless `center` and `inertia` say otherwise.
 struct Rod {
   std::uint32_t a = 0;  ///< Index into Scene::particles.
   std::uint32_t b = 0;  ///< Index into Scene::particles.
@@ -60,6 +60,28 @@ struct Rod {
   /// Air slows the rod across its axis at this rate, in 1/s (thesis 2.1.6).
   double orthogonal_drag = 0;
   RodLaw law{};  ///< How it answers to what pulls on it.
+};
+
+/// Resists bending where the rods from `a` to `b` and from `b` to `c` meet, as a wire, a beam or a hair does.
+///
+/// Its energy is stiffness/2 (kappa(phi) - kappa(angle))^2, in J, with phi the angle between the directions
+/// from a to b and from b to c. kappa(phi) = 2 tan(phi/2) is the curvature of discrete elastic rods (Bergou
+/// et al. 2008), which is phi up to phi^3/12. It grows steeply as one rod folds back on the other, so that
+/// the bend does not let go, and its square is algebraic. Above 165.6 degrees that square goes on along its
+/// tangent and stays finite.
+///
+/// A beam of bending stiffness E I has E I/l at b. There l is its Voronoi length, the length of beam nearest
+/// to b: half of either rod. At a clamped end it is half of one rod alone, because there is no beam beyond.
+/// Such chains converge to Euler's elastica with order 2 in l.
+///
+/// An end is clamped at b if a and b are fixed, which then need no rod between them. Bends have no twist.
+struct Bend {
+  std::uint32_t a = 0;   ///< Index into Scene::particles.
+  std::uint32_t b = 0;   ///< Index into Scene::particles, the one between the others.
+  std::uint32_t c = 0;   ///< Index into Scene::particles.
+  double stiffness = 0;  ///< Stiffness, in N m.
+  double angle = 0;      ///< Angle phi at rest, in rad; 0 is straight. It has no plane of its own.
+  double damping = 0;    ///< Torque per rate of phi, in N m s.
 };
 
 /// This is a place that moves with a body or a rod: a weighted mean of up to four particles.
@@ -166,6 +188,7 @@ struct Scene {
   /// joints alike, and keeps momentum and angular momentum.
   double joint_drag = 0;
 
+  std::vector<Bend> bends{};            ///< Bending stiffness between rods.
   std::vector<Body> bodies{};           ///< Rigid solids.
   std::vector<Pin> pins{};              ///< Ball joints.
   std::vector<Alignment> alignments{};  ///< Dot products that are kept.
@@ -175,19 +198,24 @@ struct Scene {
   std::vector<Box> boxes{};             ///< Solid boxes that do not move.
 };
 
-/// Returns whether a scene has more than particles and rods: shapes, ground, bodies, joints, air on rods or
-/// sleepers.
+/// Returns whether a scene has more than particles and rods: bends, shapes, ground, bodies, joints, air on
+/// rods or sleepers.
 PLUMB_API bool has_more_than_rods(const Scene& scene);
 
-/// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, body,
-/// joint or shape, and the reason.
+/// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, bend,
+/// body, joint or shape, and the reason.
 ///
 /// Of particles and rods it refuses:
 /// - numbers that are not finite, negative mass or drag, a movable particle without mass;
 /// - an unknown particle, a rod from a particle to itself, a duplicate rod, a rod with both ends fixed;
 /// - zero or negative length, drag of a rod without mass;
-/// - negative stiffness or damping, strength that is not positive, a damped rod that is not elastic, an elastic
-///   rod that neither stretches nor damps.
+/// - negative stiffness or damping, strength that is not positive;
+/// - a damped rod that is not elastic, an elastic rod that neither stretches nor damps.
+///
+/// Of bends it refuses:
+/// - an unknown particle, the same particle twice, three fixed particles, a second bend of the same three;
+/// - rods that are not there, unless both of their ends are fixed in different places;
+/// - negative stiffness or damping, or neither; an angle outside [0, pi).
 ///
 /// Of bodies, joints and shapes it refuses:
 /// - a body whose particles lie in one plane (their volume is below 1e-9 of their size cubed) or lack a rod;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "direct/loops/loop_solver.hpp"
 #include "direct/trees/tree_solver.hpp"
@@ -16,6 +17,25 @@ using layouts::lane_width;
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
 
+/// Returns the bends of an island by its vertices.
+std::vector<LoopBend> local_bends(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
+  std::vector<LoopBend> out;
+  const auto vertices = sets.islands.vertices(island);
+  const auto fixed = std::find_if(vertices.begin(), vertices.end(),
+                                  [&](std::uint32_t i) { return scene.particles[i].fixed; });
+  const auto place = [&](std::uint32_t particle) {
+    const bool is_fixed = scene.particles[particle].fixed;
+    const auto at =
+        std::lower_bound(is_fixed ? fixed : vertices.begin(), is_fixed ? vertices.end() : fixed, particle);
+    return static_cast<std::uint32_t>(at - vertices.begin());
+  };
+  for (const std::uint32_t i : sets.bends_of(island)) {
+    const Bend& bend = scene.bends[i];
+    out.push_back({{place(bend.a), place(bend.b), place(bend.c)}});
+  }
+  return out;
+}
+
 /// Says whether fixed points may hold a node other than the root for good, by three ties or, in a plane, by
 /// two. Elimination from the tips would divide by zero at its rod to the parent; the solver for loops does
 /// not.
@@ -29,14 +49,24 @@ class Maker {
  public:
   Maker(const Scene& scene, const IslandSets& sets, const Settings& settings, const DirectRules& rules,
         StartReport& report)
-      : scene_(scene), sets_(sets), settings_(settings), rules_(rules), report_(report) {}
+      : scene_(scene), sets_(sets), settings_(settings), rules_(rules), report_(report), bends_(scene) {}
 
   std::vector<MadeSolver> make() {
-    for (const std::vector<std::uint32_t>& equal : sets_.sets) {
+    for (const std::vector<std::uint32_t>& alike : sets_.sets) {
+      std::vector<std::uint32_t> equal;
+      std::map<std::vector<LoopBend>, std::vector<std::uint32_t>> bent;
+      for (const std::uint32_t island : alike)
+        if (sets_.bends_of(island).empty())
+          equal.push_back(island);
+        else
+          bent[local_bends(scene_, sets_, island)].push_back(island);
+      for (const auto& [bends, islands] : bent)
+        add_loops(islands, layouts::local_graph(sets_.graph, sets_.islands, islands.front()).view(), bends);
+      if (equal.empty()) continue;
       const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
       if (!tree || is_held_below_root(*tree))
-        add_loops(equal, local.view());
+        add_loops(equal, local.view(), {});
       else if (settings_.precision == Precision::single)
         add_trees<float>(equal, *tree);
       else
@@ -104,7 +134,8 @@ class Maker {
     made_.push_back(std::move(made));
   }
 
-  void add_loops(const std::vector<std::uint32_t>& equal, const layouts::Graph& local) {
+  void add_loops(const std::vector<std::uint32_t>& equal, const layouts::Graph& local,
+                 const std::vector<LoopBend>& bends) {
     if (!loop_rules_) {
       loop_rules_ = std::make_shared<LoopRules>(rules_.gradient, rules_.time_order, scene_.drag,
                                                 settings_.accuracy, isa());
@@ -114,12 +145,13 @@ class Maker {
       return carries_mass(scene_, sets_.islands.edges(island), model());
     });
     const auto topology = std::make_shared<LoopTopology>(local);
-    const bool gives = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+    topology->bends = bends;
+    const bool gives = !bends.empty() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
       return has_laws(scene_, sets_.islands.edges(island));
     });
     if (couples || gives || is_thin(local)) {
       topology->system = std::make_unique<LoopSystem>(topology->rods, topology->nodes,
-                                                      LoopStepper::couples(rules_.gradient, model()));
+                                                      LoopStepper::couples(rules_.gradient, model()), bends);
     } else {
       std::vector<Vec3> positions;
       for (const std::uint32_t vertex : sets_.islands.vertices(equal.front()))
@@ -135,8 +167,9 @@ class Maker {
       }
       const auto rods = sets_.islands.edges(island);
       for (std::uint32_t k = 0; k < rods.size(); ++k) made.rods.push_back({rods[k], k});
-      auto solver = std::make_unique<LoopSolver>(
-          loop_rules_, LoopState(topology, scene_, model(), vertices, sets_.islands.edges(island)));
+      LoopState state(topology, scene_, model(), vertices, sets_.islands.edges(island));
+      load_bends(state, bends_, sets_.bends_of(island));
+      auto solver = std::make_unique<LoopSolver>(loop_rules_, std::move(state));
       start(*solver, std::span(&island, 1), made);
       if (settings_.tensions) solver->count_pulls();
       made.solver = std::move(solver);
@@ -167,6 +200,7 @@ class Maker {
   const Settings& settings_;
   const DirectRules& rules_;
   StartReport& report_;
+  const BendTable bends_;
   std::shared_ptr<LoopRules> loop_rules_;
   std::vector<MadeSolver> made_;
 };

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "plumb/error.hpp"
+#include "scene/bends/bends.hpp"
 
 namespace plumb {
 namespace {
@@ -84,6 +85,7 @@ Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::
     const double excess = excess_length(scene, i, positions);
     energy.elastic += 0.5 * law.stiffness * excess * excess;
   }
+  energy.elastic += detail::bending_energy(scene, positions);
   return energy;
 }
 

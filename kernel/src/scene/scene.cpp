@@ -7,6 +7,7 @@
 
 #include "plumb/error.hpp"
 #include "scene/barycentric.hpp"
+#include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
 #include "scene/validate_bodies.hpp"
@@ -118,6 +119,7 @@ void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.particles.size(); ++i) validate_particle(scene.particles[i], i);
   for (std::size_t i = 0; i < scene.rods.size(); ++i) validate_rod(scene, i);
   refuse_duplicate_rods(scene.rods);
+  detail::validate_bends(scene);
   detail::validate_bodies(scene);
   validate_lumped_masses(scene);
   detail::validate_joints(scene);
@@ -125,9 +127,9 @@ void validate(const Scene& scene) {
 }
 
 bool has_more_than_rods(const Scene& scene) {
-  const bool plain = scene.bodies.empty() && scene.pins.empty() && scene.alignments.empty() &&
-                     scene.angles.empty() && scene.capsules.empty() && scene.planes.empty() &&
-                     scene.boxes.empty();
+  const bool plain = scene.bends.empty() && scene.bodies.empty() && scene.pins.empty() &&
+                     scene.alignments.empty() && scene.angles.empty() && scene.capsules.empty() &&
+                     scene.planes.empty() && scene.boxes.empty();
   const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
                                   [](const Particle& particle) { return particle.asleep; });
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {

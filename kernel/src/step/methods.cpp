@@ -54,7 +54,8 @@ std::vector<MethodRow>& table() {
        .moves = "everything: picks relax or direct for every island",
        .reads = relax_reads | direct_reads,
        .moves_joints = true,
-       .moves_laws = true},
+       .moves_laws = true,
+       .moves_bends = true},
       {.method = Method::relax,
        .name = to_string(Method::relax),
        .moves = "particles and rods, one rod after the other (thesis 3.2)",
@@ -68,6 +69,7 @@ std::vector<MethodRow>& table() {
        .reads = direct_reads | Reads::time_order,
        .moves_joints = true,
        .moves_laws = true,
+       .moves_bends = true,
        .validate = validate_direct},
   };
   return rows;

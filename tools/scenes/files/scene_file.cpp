@@ -52,9 +52,24 @@ void read_rods(const Object& top, Scene& scene) {
   }
 }
 
+void read_bends(const Object& top, Scene& scene) {
+  if (!top.find("bends")) return;
+  const Array list(top, "bends");
+  scene.bends.reserve(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Object item(list[i], list.path_of(i), {"a", "b", "c", "stiffness", "angle", "damping"});
+    scene.bends.push_back({.a = particle_id(item, "a"),
+                           .b = particle_id(item, "b"),
+                           .c = particle_id(item, "c"),
+                           .stiffness = number_or(item, "stiffness", 0),
+                           .angle = number_or(item, "angle", 0),
+                           .damping = number_or(item, "damping", 0)});
+  }
+}
+
 Scene scene_of(const json& root) {
   const Object top(root, "",
-                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bodies", "pins",
+                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "bodies", "pins",
                     "alignments", "angles", "capsules", "planes", "boxes"});
   require_version(top, "plumb", 1);
   Scene scene;
@@ -63,6 +78,7 @@ Scene scene_of(const json& root) {
   scene.joint_drag = number_or(top, "joint_drag", scene.joint_drag);
   read_particles(top, scene);
   read_rods(top, scene);
+  read_bends(top, scene);
   read_limbs(top, scene);
   return scene;
 }
@@ -107,6 +123,14 @@ std::string format_scene(const Scene& scene) {
     if (std::isfinite(r.law.strength)) object["strength"] = r.law.strength;
     return object;
   });
+  if (!scene.bends.empty())
+    append_list(out, "bends", scene.bends, [](const Bend& bend) {
+      Json object{{"a", bend.a}, {"b", bend.b}, {"c", bend.c}};
+      if (bend.stiffness != 0) object["stiffness"] = bend.stiffness;
+      if (bend.angle != 0) object["angle"] = bend.angle;
+      if (bend.damping != 0) object["damping"] = bend.damping;
+      return object;
+    });
   append_limbs(out, scene);
   return out + "\n}\n";
 }

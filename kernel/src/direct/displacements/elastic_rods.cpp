@@ -48,7 +48,7 @@ double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& 
     sum += state.coupling[k] * dot(at(work.delta, a), at(work.delta, b)) +
            elastic_pull(state, k, soft, work).energy;
   }
-  return sum;
+  return sum + energy_of_bends(state, work);
 }
 
 /// Sets the multiplier of every rod, -C/softness where it is rigid.

@@ -27,6 +27,7 @@ struct LoopLaws {
   bool any() const { return !rods.empty(); }
   bool is_rigid(std::uint32_t k) const { return rods[k][2] != 0; }
   bool is_one_sided(std::uint32_t k) const { return rods[k][3] != 0; }
+  bool is_broken(std::uint32_t k) const { return rods[k] == Numbers{}; }
 };
 
 /// Holds what a substep makes of the laws, while it is solved.

@@ -58,6 +58,14 @@ VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWor
   return out;
 }
 
+/// Adds what bends do to Newton's matrix, and returns how much a node resists with its own part of it.
+void add_bends(const LoopState& state, double theta, double soft, LoopWorkspace& work,
+               LoopWorkspace::Factor& factor) {
+  std::fill(work.resists.begin(), work.resists.end(), 0.0);
+  write_bends(state, theta, soft > 0, work, std::span(factor.values).subspan(factor.system->at_bends()),
+              work.resists);
+}
+
 void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
   put(values + 1, force);
   put(values + 4, -1.0 * force);
@@ -93,6 +101,7 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     work.excess[k] = 0.5 * (dot(d, d) - state.length2[k]);
     if (state.laws.any()) start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
   }
+  measure_bends(state, work);
 }
 
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
@@ -113,12 +122,14 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
   }
   for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
     if (state.locks.has(i)) diagonal[i] = state.mass[i];
+  add_bends(state, theta, soft, work, factor);
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const double* v = &factor.values[system.at(k)];
     const double along = std::abs(v[4] * v[7] + v[5] * v[8] + v[6] * v[9]);
     const auto give = [&](std::uint32_t i) {
-      return !is_held(state, i) ? 1 / (diagonal[i] > 0 ? diagonal[i] : state.mass[i]) : 0.0;
+      const double own = is_held(state, i) ? 0 : diagonal[i] + work.resists[i];
+      return !is_held(state, i) ? 1 / (own > 0 ? own : state.mass[i]) : 0.0;
     };
     factor.smallest[system.analysis.position(shape.nodes + k)] =
         redundant_pivot * along * (give(a) + give(b));
@@ -142,6 +153,7 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
       add(right + analysis.position(b), -1.0 * (pull + state.coupling[k] * at(work.delta, a)));
     right[analysis.position(shape.nodes + k)] = -rod.c;
   }
+  if (!state.bends.empty()) pull_by_bends(state, theta, soft > 0, work, factor.right);
   hold_locked(state, analysis, right);
   factor.ldu.solve(factor.right);
   double sum = 0;
@@ -177,6 +189,7 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
   const LoopSystem& system = *factor.system;
   const SparseAnalysis& analysis = system.analysis;
   std::copy(state.mass.begin(), state.mass.end(), factor.values.data());
+  std::fill(factor.values.begin() + static_cast<std::ptrdiff_t>(system.at_bends()), factor.values.end(), 0.0);
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const Vec3 d = at(work.d, k);

@@ -218,7 +218,7 @@ void LoopSolver::count_pulls() {
 }
 
 bool LoopSolver::is_broken(Slot rod) const {
-  return state_.laws.any() && state_.laws.rods[rod] == LoopLaws::Numbers{};
+  return state_.laws.any() && state_.laws.is_broken(rod);
 }
 
 void LoopSolver::set_length(Slot rod, double length, double rate) {

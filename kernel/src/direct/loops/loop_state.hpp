@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "direct/bends/loop_bends.hpp"
 #include "direct/laws/loop_laws.hpp"
 #include "direct/locks/locks.hpp"
 #include "direct/loops/loop_rod.hpp"
@@ -22,14 +23,19 @@ namespace plumb::detail {
 ///   [ B                  soft ]        A, B: +direction at a, -direction at b of every rod
 ///
 /// Its values begin with the diagonal of every node. Then every rod has the coupling of its ends, what -A^T
-/// has at b (3) and at a (3), what B has at a (3) and at b (3), and soft.
+/// has at b (3) and at a (3), what B has at a (3) and at b (3), and soft. Bends add 3 x 3 numbers to M for
+/// each pair of their particles. They are never rigid, so that a multiplier would only make the system
+/// larger.
 struct LoopSystem {
-  LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples);
+  LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples,
+             const std::vector<LoopBend>& bends = {});
 
   static constexpr std::uint32_t per_rod = 14;
   std::size_t at(std::uint32_t rod) const { return nodes + std::size_t{per_rod} * rod; }
+  std::size_t at_bends() const { return at(rods); }  ///< Bends begin there.
+  std::size_t values() const { return at_bends() + std::size_t{LoopBend::values} * bends; }
 
-  std::uint32_t nodes;
+  std::uint32_t nodes, rods, bends;
   bool couples;  ///< It says whether ends of a rod meet other than through it.
   SparseAnalysis analysis;
 };
@@ -46,6 +52,7 @@ struct LoopTopology {
   std::uint32_t nodes = 0, vertices;
   std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
   std::vector<LoopRod> rods;
+  std::vector<LoopBend> bends;
   /// One of both is there. Lines are for islands whose factorisations would be dear. Who needs a system all
   /// the same makes it.
   std::unique_ptr<const LoopSystem> system;
@@ -91,6 +98,7 @@ struct LoopState : LoopMotion {
   std::vector<double> mass, coupling,
       length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
   std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
+  std::vector<LoopBendNumbers> bends;
   Locks locks;
   bool anchors_move = false;
   double mass_unit = 1;  ///< It is in kg.

@@ -146,6 +146,7 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     if (state.laws.any() && !state.laws.is_rigid(k))  // elastic rods do what is in their energy
       done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
   }
+  done -= work_of_bends(state, theta_of(Gradient::mid), work);
   return std::abs(done) <= energy_tolerance * scale;
 }
 

@@ -11,11 +11,16 @@ namespace {
 
 using Index = std::uint32_t;
 
-/// Returns the ends of rods between nodes.
-std::vector<std::pair<Index, Index>> edges_of(const std::vector<LoopRod>& rods, Index nodes) {
+/// Returns the pairs of nodes that rods and bends couple.
+std::vector<std::pair<Index, Index>> edges_of(const std::vector<LoopRod>& rods,
+                                              const std::vector<LoopBend>& bends, Index nodes) {
   std::vector<std::pair<Index, Index>> out;
   for (const LoopRod rod : rods)
     if (rod.b < nodes) out.emplace_back(rod.a, rod.b);
+  for (const LoopBend& bend : bends)
+    for (const auto [i, j] : LoopBend::pairs)
+      if (i != j && bend.vertices[i] < nodes && bend.vertices[j] < nodes)
+        out.emplace_back(bend.vertices[i], bend.vertices[j]);
   return out;
 }
 
@@ -36,7 +41,23 @@ std::vector<Index> with_rods(const std::vector<Index>& nodes, const std::vector<
   return order;
 }
 
-SparseAnalysis analyse(const std::vector<LoopRod>& rods, Index nodes, bool couples) {
+/// Adds what bends couple to a pattern and its entries. Of a bend's values `at` is the first.
+void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& pattern,
+              std::vector<SparseEntry>& entries) {
+  for (const auto [i, j] : LoopBend::pairs) {
+    const Index a = bend.vertices[i], b = bend.vertices[j];
+    for (Index row = 0; row < 3; ++row)
+      for (Index column = 0; column < 3; ++column, ++at) {
+        if (a >= nodes || b >= nodes) continue;
+        entries.push_back({a, row, b, column, at});
+        if (a != b) entries.push_back({b, row, a, column, at});
+      }
+    if (a < nodes && b < nodes && a != b) pattern.meet.emplace_back(a, b);
+  }
+}
+
+SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends, Index nodes,
+                       bool couples) {
   SparsePattern pattern;
   pattern.size.assign(nodes, 3);
   pattern.size.resize(nodes + rods.size(), 1);
@@ -61,7 +82,12 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, Index nodes, bool coupl
     }
     entries.push_back({rod, 0, rod, 0, at + 13});
   }
-  const std::vector<std::pair<Index, Index>> edges = edges_of(rods, nodes);
+  auto at = nodes + LoopSystem::per_rod * static_cast<Index>(rods.size());
+  for (const LoopBend& bend : bends) {
+    add_bend(bend, nodes, at, pattern, entries);
+    at += LoopBend::values;
+  }
+  const std::vector<std::pair<Index, Index>> edges = edges_of(rods, bends, nodes);
   pattern.order = with_rods(order_by_degree(nodes, edges), rods);
   if (nodes > least_dissected) {
     SparsePattern other = pattern;
@@ -73,7 +99,12 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, Index nodes, bool coupl
 
 }  // namespace
 
-LoopSystem::LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t count, bool coupled)
-    : nodes(count), couples(coupled), analysis(analyse(rods, count, coupled)) {}
+LoopSystem::LoopSystem(const std::vector<LoopRod>& of, std::uint32_t count, bool coupled,
+                       const std::vector<LoopBend>& bent)
+    : nodes(count),
+      rods(static_cast<std::uint32_t>(of.size())),
+      bends(static_cast<std::uint32_t>(bent.size())),
+      couples(coupled),
+      analysis(analyse(of, bent, count, coupled)) {}
 
 }  // namespace plumb::detail

@@ -12,7 +12,7 @@ constexpr double costly_factor = 30;
 LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
     : system(&of),
       ldu(of.analysis, isa),
-      values(of.at(static_cast<std::uint32_t>(of.analysis.size() - 3 * std::size_t{of.nodes}))),
+      values(of.values()),
       smallest(of.analysis.size()),
       right(of.analysis.size()) {}
 
@@ -35,6 +35,9 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   mu_start.assign(rods, 0);
   saved = state.motion();
   trial.assign(delta.size(), 0);
+  for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
+  bend_starts.assign(bends.size(), {});
+  resists.assign(n, 0);
 }
 
 void LoopWorkspace::take_locks(const LoopState& state) {
@@ -46,7 +49,7 @@ void LoopWorkspace::take_locks(const LoopState& state) {
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   if (first && (first->system->couples || !couples)) return *first;
   if (!second) {
-    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true);
+    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, topology->bends);
     second = std::make_unique<Factor>(*coupled, isa);
   }
   return *second;

@@ -5,6 +5,7 @@
 #include "direct/direct_solvers.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
+#include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
 #include "step/compile/choose_method.hpp"
@@ -27,6 +28,14 @@ struct Share {
   Choice choice;
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
+
+/// An island with bends is solved directly, with gradient mid if none is set: trees and gradient old do not
+/// know bends yet.
+Choice choose_bent(const Settings& settings) {
+  if (settings.method != Method::automatic)
+    return {settings.method, {gradient_of(settings), settings.time_order, false}};
+  return {Method::direct, {settings.gradient.value_or(Gradient::mid), 2, false}};
+}
 
 IslandShape shape_of(const layouts::Graph& island) {
   if (layouts::find_tree(island)) return IslandShape::tree;
@@ -66,7 +75,9 @@ class Compiler {
         settings_(settings),
         scene_graph_(scene),
         graph_(scene_graph_.view()),
-        is_jointed_(scene.particles.size(), 0) {}
+        is_jointed_(scene.particles.size(), 0),
+        islands_(find_bent_islands(scene, graph_)),
+        bends_(bends_by_island(scene, islands_)) {}
 
   Compiled make() {
     require_laws_moved();
@@ -86,6 +97,7 @@ class Compiler {
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
       if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
       require_rigid(parts.part(p), parts.particles(p).front());
+      require_straight(parts.particles(p));
       if (is_plain(parts.part(p))) continue;
       require_joints_moved(parts.particles(p).front());
       ++out_.info.islands;
@@ -101,6 +113,33 @@ class Compiler {
     if (std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) { return !rod.law.is_rigid(); }))
       refuse("particle ", particle,
              ": its island has rods that give, and joints or shapes, between which nothing mediates yet");
+  }
+
+  /// Refuses bends in an island with joints or shapes.
+  void require_straight(std::span<const std::uint32_t> particles) {
+    if (scene_.bends.empty()) return;
+    if (bend_at_.empty()) {
+      bend_at_.assign(scene_.particles.size(), none);
+      for (std::uint32_t i = 0; i < scene_.bends.size(); ++i)
+        for (const std::uint32_t particle : {scene_.bends[i].a, scene_.bends[i].b, scene_.bends[i].c})
+          if (bend_at_[particle] == none) bend_at_[particle] = i;
+    }
+    for (const std::uint32_t particle : particles)
+      if (!scene_.particles[particle].fixed && bend_at_[particle] != none)
+        refuse("bend ", bend_at_[particle],
+               ": its island has joints or shapes, which nothing moves together with bends yet");
+  }
+
+  /// Refuses bends where the method or the gradient does not know them.
+  void require_bends_moved() const {
+    if (scene_.bends.empty()) return;
+    if (!method_row(settings_.method).moves_bends)
+      refuse("bend 0: method ", to_string(settings_.method), " moves no bends; direct and auto do");
+    if (settings_.gradient == Gradient::old)
+      refuse(
+          "bend 0: gradient old moves no bends: a straight bend has no direction at the old position; mid "
+          "and "
+          "new do");
   }
 
   /// Refuses a setting that cannot move an island with joints.
@@ -149,12 +188,12 @@ class Compiler {
   }
 
   void add_islands() {
-    const layouts::Islands islands = layouts::find_islands(graph_);
+    require_bends_moved();
     bool is_first = true;
-    const std::vector<Share> shares = shares_of(islands);
+    const std::vector<Share> shares = shares_of(islands_);
     if (settings_.method == Method::automatic) require_settings_read(shares);
     for (const Share& share : shares) {
-      const IslandSets sets{graph_, islands, share.sets};
+      const IslandSets sets{graph_, islands_, share.sets, bends_};
       if (share.choice.method != Method::direct) {
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
@@ -195,7 +234,9 @@ class Compiler {
       for (const std::uint32_t island : equal) {
         if (is_jointed_[islands.vertices(island).front()] != 0) continue;
         ++islands_of_rods_;
-        const Choice choice = choose(scene_, local.view(), islands.edges(island), settings_);
+        const Choice choice = is_bent(island)
+                                  ? choose_bent(settings_)
+                                  : choose(scene_, local.view(), islands.edges(island), settings_);
         auto share = std::find_if(shares.begin(), shares.end(),
                                   [&](const Share& each) { return each.choice == choice; });
         if (share == shares.end()) share = shares.insert(shares.end(), {choice, {}});
@@ -209,6 +250,8 @@ class Compiler {
     }
     return shares;
   }
+
+  bool is_bent(std::uint32_t island) const { return !bends_.empty() && !bends_[island].empty(); }
 
   void add(MadeSolver made) {
     slots_.push_back(std::move(made.places));
@@ -246,6 +289,9 @@ class Compiler {
   static constexpr std::uint32_t none = 0xffffffff;
 
   std::vector<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
+  const layouts::Islands islands_;
+  const std::vector<std::vector<std::uint32_t>> bends_;  ///< by island; there are none if the scene has none
+  std::vector<std::uint32_t> bend_at_;  ///< by particle: its first bend, once it was asked for
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;

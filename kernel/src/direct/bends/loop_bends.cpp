@@ -1,0 +1,130 @@
+#include "direct/bends/loop_bends.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "direct/loops/loop_stepper.hpp"
+#include "direct/loops/loop_vectors.hpp"
+#include "scene/bends/bends.hpp"
+#include "scene/bends/curvature.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Returns w of three vectors: d1/L1 - d2/L2 from differences, which do not cancel far from the origin.
+Vec3 weighted(const BendNumbers& numbers, const LoopBend& bend, std::span<const double> x) {
+  const auto [a, b, c] = bend.vertices;
+  return -numbers.weights[0] * (at(x, b) - at(x, a)) + numbers.weights[2] * (at(x, c) - at(x, b));
+}
+
+BendPull pull_of(const LoopState& state, std::uint32_t k, double theta, bool gives,
+                 const LoopWorkspace& work) {
+  const BendNumbers& numbers = work.bends[k];
+  const Vec3 change = weighted(numbers, state.topology->bends[k], work.delta);
+  const double kick = work.laws.factors.kick;
+  if (gives) return definite_bend_pull(numbers, kick, work.bend_starts[k] + change);
+  return bend_pull(numbers, {kick, kick * work.laws.factors.rate, theta}, work.bend_starts[k], change);
+}
+
+std::array<double, 3> weights_of(double first, double second) {
+  return {-1 / first, 1 / first + 1 / second, -1 / second};
+}
+
+/// Returns the numbers of a bend whose rods may have other lengths than in the scene, or be broken.
+BendNumbers present_numbers(const LoopState& state, const LoopBendNumbers& bend) {
+  BendNumbers out = bend.law;
+  double lengths[2] = {-1 / out.weights[0], -1 / out.weights[2]};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::uint32_t rod = bend.rods[side];
+    if (rod == LoopBendNumbers::no_rod) continue;
+    if (state.laws.is_broken(rod)) return {out.weights, 0, out.curvature, 0};
+    if (state.laws.moves) lengths[side] = std::sqrt(state.length2[rod]);
+  }
+  if (state.laws.moves) out.weights = weights_of(lengths[0], lengths[1]);
+  return out;
+}
+
+}  // namespace
+
+BendTable::BendTable(const Scene& of) : scene(of), lengths(bend_lengths(of)) {}
+
+void load_bends(LoopState& state, const BendTable& table, std::span<const std::uint32_t> bends) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> rods;
+  for (std::uint32_t k = 0; k < state.topology->rods.size(); ++k) {
+    const auto [a, b] = state.topology->rods[k];
+    rods[std::minmax(a, b)] = k;
+  }
+  const auto rod = [&](std::uint32_t a, std::uint32_t b) {
+    const auto at = rods.find(std::minmax(a, b));
+    return at == rods.end() ? LoopBendNumbers::no_rod : at->second;
+  };
+  for (std::size_t k = 0; k < bends.size(); ++k) {
+    const Bend& bend = table.scene.bends[bends[k]];
+    const auto [first, second] = table.lengths[bends[k]];
+    const auto [a, b, c] = state.topology->bends[k].vertices;
+    state.bends.push_back({{weights_of(first, second), bend.stiffness / state.mass_unit,
+                            curvature_of_angle(bend.angle), bend.damping / state.mass_unit},
+                           {rod(a, b), rod(b, c)}});
+  }
+}
+
+void measure_bends(const LoopState& state, LoopWorkspace& work) {
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    if (state.laws.any()) work.bends[k] = present_numbers(state, state.bends[k]);
+    work.bend_starts[k] = weighted(work.bends[k], state.topology->bends[k], state.x);
+  }
+}
+
+void write_bends(const LoopState& state, double theta, bool gives, const LoopWorkspace& work,
+                 std::span<double> values, std::span<double> resists) {
+  double* at = values.data();
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const auto& weights = work.bends[k].weights;
+    const BendPull bend = pull_of(state, k, theta, gives, work);
+    const auto& vertices = state.topology->bends[k].vertices;
+    for (const auto [i, j] : LoopBend::pairs) {
+      const bool is_locked = state.locks.has(vertices[i]) || state.locks.has(vertices[j]);
+      for (const double slope : bend.slope) *at++ = is_locked ? 0 : weights[i] * weights[j] * slope;
+    }
+    const double mean = (bend.slope[0] + bend.slope[4] + bend.slope[8]) / 3;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const std::uint32_t node = vertices[i]; node < state.topology->nodes)
+        resists[node] += weights[i] * weights[i] * mean;
+  }
+}
+
+void pull_by_bends(const LoopState& state, double theta, bool gives, const LoopWorkspace& work,
+                   std::span<double> right) {
+  const SparseAnalysis& analysis = state.topology->system->analysis;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const Vec3 pull = pull_of(state, k, theta, gives, work).pull;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t node = state.topology->bends[k].vertices[i];
+      if (node >= state.topology->nodes) continue;
+      double* const to = right.data() + analysis.position(node);
+      put(to, Vec3{to[0], to[1], to[2]} - work.bends[k].weights[i] * pull);
+    }
+  }
+}
+
+double work_of_bends(const LoopState& state, double theta, const LoopWorkspace& work) {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k)
+    sum -= dot(pull_of(state, k, theta, false, work).pull,
+               weighted(work.bends[k], state.topology->bends[k], work.delta));
+  return sum;
+}
+
+double energy_of_bends(const LoopState& state, const LoopWorkspace& work) {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const Vec3 end = work.bend_starts[k] + weighted(work.bends[k], state.topology->bends[k], work.delta);
+    sum += bending_energy(work.laws.factors.kick * work.bends[k].stiffness, work.bends[k].curvature,
+                          dot(end, end));
+  }
+  return sum;
+}
+
+}  // namespace plumb::detail

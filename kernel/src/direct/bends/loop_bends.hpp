@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "direct/bends/bend_law.hpp"
+#include "direct/bends/loop_bend.hpp"
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+struct LoopState;
+struct LoopWorkspace;
+
+/// An island has these numbers of a bend. Those of the law hold while its rods have the lengths of the scene.
+struct LoopBendNumbers {
+  static constexpr std::uint32_t no_rod = 0xffffffff;
+
+  BendNumbers law;
+  std::array<std::uint32_t, 2> rods;  ///< The island's rods from a to b and from b to c, or no_rod.
+};
+
+/// A scene's bends, as solvers of islands take them.
+struct BendTable {
+  explicit BendTable(const Scene& scene);
+  const Scene& scene;
+  std::vector<std::array<double, 2>> lengths;  ///< See bend_lengths().
+};
+
+/// Gives an island the numbers of its bends, in the order of its topology.
+void load_bends(LoopState& state, const BendTable& table, std::span<const std::uint32_t> bends);
+
+/// Measures w of every bend at the start of a substep. Rods that change their length change its numbers, and
+/// a broken rod takes it out.
+void measure_bends(const LoopState& state, LoopWorkspace& work);
+
+/// Writes what bends add to Newton's matrix into `values` of the island's system, and adds what every node
+/// resists by them to `resists`. `gives` asks for definite bends (definite_bend_pull()).
+void write_bends(const LoopState& state, double theta, bool gives, const LoopWorkspace& work,
+                 std::span<double> values, std::span<double> resists);
+
+/// Adds what bends pull to the right-hand side, where node i is at positions[i].
+void pull_by_bends(const LoopState& state, double theta, bool gives, const LoopWorkspace& work,
+                   std::span<double> right);
+
+/// Returns the work of bends in a substep by theta, in units of delta . M delta.
+double work_of_bends(const LoopState& state, double theta, const LoopWorkspace& work);
+
+/// Returns the energy of all bends at the end of a substep, in the same units.
+double energy_of_bends(const LoopState& state, const LoopWorkspace& work);
+
+}  // namespace plumb::detail
