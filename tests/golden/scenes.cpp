@@ -109,7 +109,8 @@ void change(Scene& scene, const std::string& key, double value) {
   } else if (key == "joint_drag") {
     scene.joint_drag = value;
   } else if (key == "rod_drag") {
-    for (Rod& rod : scene.rods) rod.orthogonal_drag = value, rod.linear_drag = value / 4;
+    for (Rod& rod : scene.rods)
+      if (rod.mass > 0) rod.orthogonal_drag = value, rod.linear_drag = value / 4;
   } else if (key == "rod_mass") {
     for (Rod& rod : scene.rods) rod.mass = value;
   } else if (key == "uneven") {

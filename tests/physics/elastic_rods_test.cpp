@@ -89,7 +89,8 @@ TEST(ElasticRods, EveryStiffnessIsStable) {
         const Scene scene = scenes::load_scene(shape);
         const Made made = run(scene, direct(gradient), 300);
         EXPECT_EQ(made.total.unsolved + made.total.frozen_islands, 0u) << shape << to_string(gradient);
-        EXPECT_LT(norm(made.positions.back()), 125) << "it falls no farther than freely, " << shape << to_string(gradient);
+        EXPECT_LT(norm(made.positions.back()), 125)
+            << "it falls no farther than freely, " << shape << to_string(gradient);
       }
 }
 
@@ -186,7 +187,8 @@ TEST(ElasticRods, ARigidCableIsNeverTooLong) {
   }
 }
 
-// A chain whose third rod holds less than what hangs from it breaks there, is counted, and falls freely below.
+// A chain whose third rod holds less than what hangs from it breaks there, is counted, and falls freely
+// below.
 TEST(ElasticRods, BreakWhereTheyPullTooMuch) {
   for (const char* const law : {"", ",stiffness=1e6,damping=100"})
     for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {

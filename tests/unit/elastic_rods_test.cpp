@@ -86,8 +86,7 @@ TEST(DisplacementNewton, FindsWhatMultipliersFind) {
   measure_rods(other, work);
   DisplacementFactor factor(*other.topology, Isa::scalar);
   ASSERT_TRUE(iterate_by_displacements(other, 1, factor, work, tally));
-  for (std::uint32_t i = 0; i < 12; ++i)
-    EXPECT_NEAR(other.x[i] + work.delta[i], state.x[i], 1e-12) << i;
+  for (std::uint32_t i = 0; i < 12; ++i) EXPECT_NEAR(other.x[i] + work.delta[i], state.x[i], 1e-12) << i;
 }
 
 TEST(ElasticRods, AreNotMovedByWhatIsNotFinite) {

@@ -117,9 +117,11 @@ void print_problems(const std::vector<Problem>& problems) {
   std::string text;
   for (std::size_t i = 0; i < std::min(problems.size(), most_named); ++i) {
     const Problem& problem = problems[i];
-    std::string item = std::string(to_string(problem.kind)) + " at particle " + std::to_string(problem.particle);
+    std::string item =
+        std::string(to_string(problem.kind)) + " at particle " + std::to_string(problem.particle);
     if (problem.kind == Problem::Kind::stretched)
-      item = "rod " + std::to_string(problem.rod) + " stretched by " + short_number(100 * problem.strain, 3) + " %";
+      item = "rod " + std::to_string(problem.rod) + " stretched by " + short_number(100 * problem.strain, 3) +
+             " %";
     text += (text.empty() ? "" : "; ") + item;
   }
   if (problems.size() > most_named) text += "; and " + std::to_string(problems.size() - most_named) + " more";

@@ -63,7 +63,6 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
 
 int truth_of(const TruthOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
-  if (!scene.bends.empty()) throw InputError("bend 0: plumb truth does not know bends");
   scenes::OutputFile out(options.out);
   const auto start = std::chrono::steady_clock::now();
   truth::Truth result;

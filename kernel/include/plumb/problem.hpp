@@ -9,9 +9,9 @@ namespace plumb {
 
 /// Says what went wrong in the last step of a World (World::problems()).
 struct Problem {
-  /// `frozen`: numbers of an island went non-finite, and it stands still. `unsolved`: a substep was not solved.
-  /// `inaccurate`: a step was taken though not accurate enough. `capped`: an island spent Settings::most_work.
-  /// `stretched`: a rod that is not elastic is off its length.
+  /// `frozen`: numbers of an island went non-finite, and it stands still. `unsolved`: a substep was not
+  /// solved. `inaccurate`: a step was taken though not accurate enough. `capped`: an island spent
+  /// Settings::most_work. `stretched`: a rod that is not elastic is off its length.
   enum class Kind : std::uint8_t { frozen, unsolved, inaccurate, capped, stretched };
 
   Kind kind = Kind::unsolved;

@@ -175,13 +175,13 @@ class PLUMB_API World {
   void move_anchor(std::uint32_t particle, Vec3 target);
 
   /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. Throws
-  /// InputError on an unknown rod, a length that is not positive and finite, or a rod that method direct does not
-  /// move.
+  /// InputError on an unknown rod, a length that is not positive and finite, or a rod that method direct does
+  /// not move.
   void set_length(std::uint32_t rod, double target);
 
   /// Returns the pull of a rod in N, averaged over the last step; negative if it pushes. It is NaN before the
-  /// first step, and where an island is relaxed or has joints. Throws InputError on an unknown rod, or without
-  /// Settings::tensions.
+  /// first step, and where an island is relaxed or has joints. Throws InputError on an unknown rod, or
+  /// without Settings::tensions.
   double tension(std::uint32_t rod) const;
   /// Copies the pulls of all rods (N) into `out`. Throws InputError unless it has rod_count() elements, or
   /// without Settings::tensions.

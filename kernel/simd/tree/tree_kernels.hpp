@@ -25,22 +25,22 @@ inline constexpr std::uint32_t tie_elimination =
 /// frequency (1/s^2); strength divided by the unit of mass, or 0 if it never breaks. A broken rod has zeros.
 inline constexpr std::uint32_t law = 6;
 inline constexpr std::uint32_t law_start = 4;  ///< l0; c0 = l0 - L; slope; what is left of psi where c1 is 0
-inline constexpr std::uint32_t below = 13;  ///< Sums of a node's children: three rows; r; a diagonal
+inline constexpr std::uint32_t below = 13;     ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
 
 /// The value of TreeView::below_slot for a node that needs none.
 inline constexpr std::uint32_t no_slot = 0xffffffff;
 
 /// These factors turn a law into an equation of a substep, by lane. A rod of stiffness k and damping r has
-/// psi = own (k (share c1 + (1 - share) c0) + rate r (c1 - c0)) + kick_before half_kick, where own is kick without
-/// what the half kick has of it (simd/tree/law_math.hpp).
+/// psi = own (k (share c1 + (1 - share) c0) + rate r (c1 - c0)) + kick_before half_kick, where own is kick
+/// without what the half kick has of it (simd/tree/law_math.hpp).
 namespace law_factors {
-inline constexpr std::uint32_t share = 0;           ///< Of the end of the substep.
-inline constexpr std::uint32_t kick = 1;            ///< Of forces, in s^2.
-inline constexpr std::uint32_t kick_back = 2;       ///< What a half kick has of that, in s^2, of gradient old.
-inline constexpr std::uint32_t kick_before = 3;     ///< In s; 0 where there is no last substep.
-inline constexpr std::uint32_t rate = 4;            ///< 1 over the substep, in 1/s.
-inline constexpr std::uint32_t substep = 5;         ///< In s, of gradient old, and 0 of the others.
+inline constexpr std::uint32_t share = 0;        ///< Of the end of the substep.
+inline constexpr std::uint32_t kick = 1;         ///< Of forces, in s^2.
+inline constexpr std::uint32_t kick_back = 2;    ///< What a half kick has of that, in s^2, of gradient old.
+inline constexpr std::uint32_t kick_before = 3;  ///< In s; 0 where there is no last substep.
+inline constexpr std::uint32_t rate = 4;         ///< 1 over the substep, in 1/s.
+inline constexpr std::uint32_t substep = 5;      ///< In s, of gradient old, and 0 of the others.
 inline constexpr std::uint32_t substep_before = 6;  ///< The last one, the same.
 inline constexpr std::uint32_t count = 7;           ///< Numbers per lane.
 }  // namespace law_factors
@@ -64,16 +64,16 @@ struct TreeView {
   const double* tie_length2 = nullptr;  ///< Squared length of the rod to the anchor, in m^2, per tie.
 
   // These are of trees with rods that give (plumb::RodLaw). Others have none.
-  bool has_laws = false;          ///< Whether there are such rods.
-  bool has_cables = false;        ///< Whether some of them are one-sided.
-  bool is_mid = false;            ///< Whether the substep is of gradient mid.
-  const T* law = nullptr;         ///< tree_fields::law numbers of the rod to the parent, per node.
-  const T* tie_law = nullptr;     ///< The same of the rod to the anchor, per tie.
-  T* law_start = nullptr;         ///< tree_fields::law_start numbers per node; prepare() makes them.
-  T* tie_law_start = nullptr;     ///< The same per tie.
+  bool has_laws = false;       ///< Whether there are such rods.
+  bool has_cables = false;     ///< Whether some of them are one-sided.
+  bool is_mid = false;         ///< Whether the substep is of gradient mid.
+  const T* law = nullptr;      ///< tree_fields::law numbers of the rod to the parent, per node.
+  const T* tie_law = nullptr;  ///< The same of the rod to the anchor, per tie.
+  T* law_start = nullptr;      ///< tree_fields::law_start numbers per node; prepare() makes them.
+  T* tie_law_start = nullptr;  ///< The same per tie.
   /// Half of the last kick of the rod to the parent, in m/s times the unit of mu, of gradient old, per node.
   T* half_kick = nullptr;
-  T* tie_half_kick = nullptr;     ///< The same per tie.
+  T* tie_half_kick = nullptr;      ///< The same per tie.
   const T* law_factors = nullptr;  ///< law_factors::count numbers per lane.
 
   double* x =

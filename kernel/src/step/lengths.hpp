@@ -22,8 +22,8 @@ class Lengths {
   /// Returns the rods that change their length in the next step, or did so in the last.
   std::span<const std::uint32_t> moving() const { return moving_; }
 
-  /// Tells solvers the lengths and their rates in a step of dt (s). Once it is done, lengths are their targets
-  /// exactly, and rods without a new one will stop.
+  /// Tells solvers the lengths and their rates in a step of dt (s). Once it is done, lengths are their
+  /// targets exactly, and rods without a new one will stop.
   void begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
   void end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
 

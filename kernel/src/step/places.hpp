@@ -14,8 +14,9 @@ struct Place {
   friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// Leads from particles, or from rods, to places. A fixed particle has a place in every island that hangs from it, and none
-/// if nothing does. A movable particle has at least one; lanes that repeat an island add further ones.
+/// Leads from particles, or from rods, to places. A fixed particle has a place in every island that hangs
+/// from it, and none if nothing does. A movable particle has at least one; lanes that repeat an island add
+/// further ones.
 class Places {
  public:
   struct Entry {

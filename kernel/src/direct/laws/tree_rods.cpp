@@ -14,8 +14,10 @@ using simd::tree_fields::law;
 /// and lane, and part(laws.any member) those of laws.
 template <class F>
 void for_parts(F&& f) {
-  f([](auto& of) -> auto& { return of.rods; }, false);
-  f([](auto& of) -> auto& { return of.ties; }, true);
+  f(
+      [](auto& of) -> auto& { return of.rods; }, false);
+  f(
+      [](auto& of) -> auto& { return of.ties; }, true);
 }
 
 }  // namespace
@@ -84,8 +86,8 @@ std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWo
   return broken;
 }
 
-#define PLUMB_INSTANTIATE(T)                                \
-  template void set_substep_lengths(TreeState<T>&, double); \
+#define PLUMB_INSTANTIATE(T)                                              \
+  template void set_substep_lengths(TreeState<T>&, double);               \
   template void put_length_rates(const TreeState<T>&, TreeWorkspace<T>&); \
   template std::uint32_t end_rods(TreeState<T>&, double, double, const TreeWorkspace<T>&);
 PLUMB_INSTANTIATE(float)

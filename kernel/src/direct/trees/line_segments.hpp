@@ -47,7 +47,8 @@ class LineSegments {
   template <class Buffer>
   void scatter_rods(Buffer& to, Buffer& tie_to, std::uint32_t fields, const Buffer& from,
                     const Buffer& tie_from) const {
-    for_numbers(fields, [&](std::size_t i, std::size_t j) { (begins(i / fields) ? tie_to : to)[j] = from[i]; });
+    for_numbers(fields,
+                [&](std::size_t i, std::size_t j) { (begins(i / fields) ? tie_to : to)[j] = from[i]; });
     for (std::uint32_t c = 0; c < fields; ++c) tie_to[c * lanes_] = tie_from[c];
   }
 
