@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "plumb/joints.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/world.hpp"
 #include "scenes/generators/generators.hpp"
@@ -244,6 +245,20 @@ TEST(Tensions, AreThoseOfStaticsAndOfThePendulum) {
   EXPECT_NEAR(std::log2(pendulum_error(Gradient::mid, 8) / pendulum_error(Gradient::mid, 16)), 2, 0.2);
 }
 
+// What sleeps keeps its pulls, whatever steps the world takes then.
+TEST(Tensions, StayWhereAnIslandSleeps) {
+  Scene scene = scenes::load_scene("chain:links=4");
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    scene.particles[i].position = {0, -0.1 * static_cast<double>(i), 0};
+  World world(scene, {.tensions = true});
+  EXPECT_TRUE(std::isnan(world.tension(0)));
+  StepReport report;
+  for (int i = 0; i < 60; ++i) report = world.step(frame);
+  ASSERT_EQ(report.awake_islands, 0u);
+  world.step(frame / 3);
+  EXPECT_NEAR(world.tension(0), 4 * 9.81, 1e-9);
+}
+
 // A winch: every rod of a rope shortens smoothly, and a load of 100 kg rises by 10 m in 10 s. What rods do is
 // what energy gains, to rounding while gradient mid is not interrupted. Two projections, where the rate jumps
 // from and to 0, do 1e-6 of it.
@@ -309,6 +324,15 @@ TEST(Laws, AreRefusedWhereNothingMovesThem) {
   EXPECT_THROW(world.tension(0), std::exception);
   EXPECT_THROW(world.set_length(0, -1), std::exception);
   EXPECT_THROW(world.set_length(3, 1), std::exception);
+  Scene touching = scenes::load_scene("chain:links=3");
+  touching.capsules.push_back({.a = point_at(3), .b = point_at(3), .radius = 0.01});
+  touching.planes.push_back({.offset = -0.1});
+  World with_shapes(touching, {.tensions = true});
+  EXPECT_THROW(with_shapes.set_length(0, 0.2), std::exception);
+  for (int i = 0; i < 30; ++i) with_shapes.step(frame);
+  EXPECT_TRUE(std::isnan(with_shapes.tension(0))) << "it lies on the ground, and contact moves it";
+  touching.rods[1].law.stiffness = 100;
+  EXPECT_THROW(World(touching, {}), std::exception) << "contact moves rigid rods alone";
 }
 
 // What is wrong is named by its ids.

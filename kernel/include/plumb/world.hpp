@@ -175,8 +175,8 @@ class PLUMB_API World {
   void move_anchor(std::uint32_t particle, Vec3 target);
 
   /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. Throws
-  /// InputError on an unknown rod, a length that is not positive and finite, or a rod that method direct does
-  /// not move.
+  /// InputError on an unknown rod, a length that is not positive and finite, and a rod that is relaxed or
+  /// whose island has joints or shapes.
   void set_length(std::uint32_t rod, double target);
 
   /// Returns the pull of a rod in N, averaged over the last step; negative if it pushes. It is NaN before the

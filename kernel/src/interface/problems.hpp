@@ -19,6 +19,9 @@ class RodJudge {
  public:
   explicit RodJudge(const Scene& scene);
 
+  /// Returns a movable end of a rod.
+  std::uint32_t end(std::uint32_t rod) const { return rods_[rod].first_movable; }
+
   /// Appends a problem for every rod that is not elastic nor broken and whose strain is above `most_strain`.
   /// position(particle), length(rod) and is_broken(rod) say how they are.
   template <class Position, class Length, class IsBroken>

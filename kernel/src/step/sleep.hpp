@@ -17,6 +17,7 @@ struct Task {
   bool is_still = false;  ///< after this step
   bool asleep = false;
   Troubles troubles = 0;  ///< what went wrong in the last step
+  double dt = 0;          ///< s, of the last step that it took awake
 };
 
 /// Decides which pieces stand still. A piece sleeps once its particles have moved by rounding only for

@@ -129,6 +129,7 @@ void Step::advance(Task& task, unsigned part) {
   Solver& solver = *compiled_.solvers[task.solver];
   task.troubles = 0;
   if (solver.is_away(task.piece)) return;
+  task.dt = dt_;
   const StepReport before = reports_[part];
   advance(solver, task.piece, part);
   task.troubles = troubles_between(before, reports_[part]);
@@ -200,6 +201,9 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 void Step::set_length(std::uint32_t rod, double target) {
   if (compiled_.rods.of(rod).empty())
     refuse("rod ", rod, ": its length cannot change, since its island is relaxed or has joints");
+  const auto ends = compiled_.places.of(rods_.end(rod));
+  if (compiled_.contact && &solver(ends.back()) == compiled_.contact)
+    refuse("rod ", rod, ": its length cannot change, since its island has shapes that may touch");
   lengths_.set_target(rod, target);
 }
 
@@ -207,8 +211,13 @@ void Step::set_length(std::uint32_t rod, double target) {
 
 double Step::pull(std::uint32_t rod) const {
   const auto places = compiled_.rods.of(rod);
-  if (places.empty() || dt_ == 0) return std::numeric_limits<double>::quiet_NaN();
-  return solver(places.front()).pull(places.front().slot, dt_);
+  const Place* const end = place_of(rods_.end(rod));
+  if (compiled_.contact && end && &solver(*end) == compiled_.contact)
+    return std::numeric_limits<double>::quiet_NaN();  // the contact solver moves it now
+  const auto task = places.empty() ? std::nullopt : sleep_.task_of(compiled_.solvers, places.front());
+  const double dt = task ? sleep_.tasks()[*task].dt : 0;
+  if (dt == 0) return std::numeric_limits<double>::quiet_NaN();
+  return solver(places.front()).pull(places.front().slot, dt);
 }
 
 bool Step::is_broken(std::uint32_t rod) const {

@@ -25,6 +25,19 @@ void copy_entries(B& to, std::uint32_t to_lanes, std::uint32_t to_lane, const B&
     to[i * to_lanes + to_lane] = from[i * from_lanes + from_lane];
 }
 
+/// Copies what rods do besides keeping their lengths, by copy(buffer, other's buffer).
+template <class T, class Copy>
+void copy_laws(TreeState<T>& to, const TreeState<T>& from, Copy&& copy) {
+  to.laws.copy_flags(from.laws);
+  if (!to.laws.any) return;
+  to.laws.make(to.mu.size(), to.tie_mu.size(), to.lanes);
+  for_laws(to.laws, from.laws,
+           [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods, const auto& from_ties) {
+             copy(rods, from_rods);
+             copy(ties, from_ties);
+           });
+}
+
 }  // namespace
 
 TreeTopology::TreeTopology(const layouts::Tree& tree)
@@ -217,14 +230,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(scale2, from.scale2);
   ties_move = from.ties_move;
   is_coupled = from.is_coupled;
-  laws.copy_flags(from.laws);
-  if (!laws.any) return;
-  laws.make(mu.size(), tie_mu.size(), lanes);
-  for_laws(laws, from.laws,
-           [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods, const auto& from_ties) {
-             copy(rods, from_rods);
-             copy(ties, from_ties);
-           });
+  copy_laws(*this, from, copy);
 }
 
 template <class T>
@@ -254,15 +260,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   for_motion(*this, from, copy);
   copy(tie_x, from.tie_x);
   copy(tie_last_velocity, from.tie_last_velocity);
-  laws.copy_flags(from.laws);
-  if (laws.any) {
-    laws.make(mu.size(), tie_mu.size(), lanes);
-    for_laws(laws, from.laws,
-             [&](auto& rods, auto& ties, std::uint32_t, const auto& from_rods, const auto& from_ties) {
-               copy(rods, from_rods);
-               copy(ties, from_ties);
-             });
-  }
+  copy_laws(*this, from, copy);
   frequency2 = from.frequency2;
 }
 
