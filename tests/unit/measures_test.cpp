@@ -33,6 +33,19 @@ Scene elbow() {
   return scene;
 }
 
+// Elastic rods have energy, slack cables and broken rods have none, nor strain.
+TEST(Stretch, IsOfWhatPulls) {
+  Scene scene = elbow();
+  const std::vector<Vec3> x{{0, 0, 0}, {3, 0, 0}, {3, -0.5, 0}}, v(3);
+  scene.rods[0].law = {.stiffness = 6};
+  scene.rods[1].law = {.stiffness = 8, .one_sided = true};
+  EXPECT_DOUBLE_EQ(measure_energy(scene, x, v).elastic, 12) << "6 N/m over 2 m; the other is slack";
+  EXPECT_DOUBLE_EQ(measure_stretch(scene, x).rms, std::sqrt(2.0));
+  scene.rods[0].law = {.stiffness = 0};
+  EXPECT_EQ(measure_energy(scene, x, v).elastic, 0);
+  EXPECT_EQ(measure_stretch(scene, x).max, 0);
+}
+
 TEST(Stretch, IsZeroAtRest) {
   const Scene scene = elbow();
   const Stretch stretch = measure_stretch(scene, std::vector<Vec3>{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}});

@@ -11,7 +11,8 @@
 namespace plumb {
 
 /// Holds the strain, (current length − rest length) / rest length, over all rods of a scene. Files and
-/// reports call it stretch. That of a slack cable is 0.
+/// reports call it stretch. That of a slack cable is 0, and so is that of a rod without stiffness and
+/// damping, which stands for one that broke.
 struct Stretch {
   double rms = 0;             ///< Root mean square, without a unit.
   double max = 0;             ///< Largest absolute value, without a unit.

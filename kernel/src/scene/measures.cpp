@@ -42,9 +42,11 @@ void for_masses(const Scene& scene, MassModel model, F&& f) {
   }
 }
 
-/// Returns by how much rod `i` is too long, in m. A cable is never too short.
+/// Returns by how much rod `i` is too long, in m. A cable is never too short, and what holds nothing is never
+/// too long.
 double excess_length(const Scene& scene, std::size_t i, std::span<const Vec3> positions) {
   const Rod& rod = scene.rods[i];
+  if (rod.law.stiffness == 0 && rod.law.damping == 0) return 0;
   const double excess = norm(positions[rod.b] - positions[rod.a]) - rod_length(scene, i);
   return rod.law.one_sided && excess < 0 ? 0 : excess;
 }

@@ -64,6 +64,12 @@ bool all_finite(const Frame& frame) {
          std::all_of(frame.velocities.begin(), frame.velocities.end(), is_finite);
 }
 
+/// Takes from a scene that is measured what its rods that broke hold.
+void leave_out_broken(const World& world, Scene& measured) {
+  for (std::uint32_t i = 0; i < measured.rods.size(); ++i)
+    if (world.is_broken(i)) measured.rods[i].law = {.stiffness = 0};
+}
+
 void copy_state(const World& world, Frame& frame) {
   world.copy_positions(frame.positions);
   world.copy_velocities(frame.velocities);
@@ -108,6 +114,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
 
   const MassModel mass = mass_model_of(plan.settings);
   World world(scene, plan.settings);
+  Scene measured = scene;  // without what has broken
   RunResult result{.info = world.info(), .frames = frames};
   Frame now{.t = 0,
             .positions = std::vector<Vec3>(world.particle_count()),
@@ -126,7 +133,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   };
 
   visit(0);
-  result.energy.initial = measure_energy(scene, now.positions, now.velocities, mass).total();
+  result.energy.initial = measure_energy(measured, now.positions, now.velocities, mass).total();
   result.energy.final = result.energy.initial;
   result.energy.range = energy_range(scene);
   double squares = 0;
@@ -135,17 +142,18 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
     const auto start = Clock::now();
     const StepReport step = world.step(plan.dt);
     wall += Clock::now() - start;
+    if (step.broken_rods > 0) leave_out_broken(world, measured);
     result.total += step;
     visit(number);
 
-    const Stretch stretch = measure_stretch(scene, now.positions);
+    const Stretch stretch = measure_stretch(measured, now.positions);
     squares += stretch.rms * stretch.rms;
     // It is written so that a value that is not a number wins and stays.
     if (!(stretch.max <= result.stretch.max) && !std::isnan(result.stretch.max)) {
       result.stretch.max = stretch.max;
       result.stretch.max_rod = stretch.max_rod;
     }
-    result.energy.final = measure_energy(scene, now.positions, now.velocities, mass).total();
+    result.energy.final = measure_energy(measured, now.positions, now.velocities, mass).total();
     const double drift = std::abs(result.energy.final - result.energy.initial);
     if (!(drift <= result.energy.drift_max) && !std::isnan(result.energy.drift_max))
       result.energy.drift_max = drift;
