@@ -133,8 +133,8 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   };
 
   visit(0);
-  result.energy.initial = measure_energy(measured, now.positions, now.velocities, mass).total();
-  result.energy.final = result.energy.initial;
+  result.energy.initial = result.energy.final =
+      measure_energy(measured, now.positions, now.velocities, mass).total();
   result.energy.range = energy_range(scene);
   double squares = 0;
   Clock::duration wall{};
@@ -145,7 +145,6 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
     if (step.broken_rods > 0) leave_out_broken(world, measured);
     result.total += step;
     visit(number);
-
     const Stretch stretch = measure_stretch(measured, now.positions);
     squares += stretch.rms * stretch.rms;
     // It is written so that a value that is not a number wins and stays.
