@@ -148,6 +148,50 @@ TEST(ElasticRods, SwingAsTheDampedOscillator) {
   }
 }
 
+// A rope between two anchors at rest: at every particle the pulls of its rods carry its weight.
+TEST(ElasticRods, HangInTheirCatenary) {
+  Scene scene = scenes::load_scene("line:links=40,span=8,slack=0.05,mass=0.5,stiffness=2000,damping=20");
+  scene.drag = 4;
+  for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
+    const Made made = run(scene, direct(gradient), 1800);
+    const auto pull = [&](std::uint32_t rod) {
+      const Vec3 d = made.positions[rod + 1] - made.positions[rod];
+      const double length = norm(d);
+      return 2000 * (length - rod_length(scene, rod)) / length * d;
+    };
+    for (std::uint32_t i = 1; i < 40; ++i) {
+      const Vec3 left = pull(i) - pull(i - 1) + 0.5 * scene.gravity;
+      EXPECT_LT(norm(left), 1e-9 * norm(pull(0))) << to_string(gradient) << ' ' << i;
+    }
+  }
+}
+
+// A blow along a straight rope travels at sqrt(EA/rho), that is L sqrt(k/m) on rods of length L.
+TEST(ElasticRods, CarryWavesAtTheirSpeed) {
+  constexpr std::uint32_t rods = 400;
+  constexpr double length = 0.05, k = 5e4, m = 0.02;
+  Scene scene;
+  scene.gravity = {};
+  for (std::uint32_t i = 0; i <= rods; ++i) {
+    const double s = (i - 60.0) / 15;  // a smooth bump of velocity, many rods wide
+    scene.particles.push_back(
+        {.position = {length * i, 0, 0}, .velocity = {std::exp(-s * s), 0, 0}, .mass = m});
+    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .law = {.stiffness = k}});
+  }
+  const double speed = length * std::sqrt(k / m), time = 0.1;
+  for (const Gradient gradient : {Gradient::mid, Gradient::old}) {
+    const Made made = run(scene, direct(gradient), 500, time / 500);
+    // Half of the bump goes to the right. Its middle is the mean of where velocities are, by their squares.
+    double sum = 0, weighted = 0;
+    for (std::uint32_t i = 130; i <= rods; ++i) {
+      const double v = made.velocities[i].x;
+      sum += v * v;
+      weighted += v * v * length * i;
+    }
+    EXPECT_NEAR((weighted / sum - length * 60) / time / speed, 1, 0.01) << to_string(gradient);
+  }
+}
+
 // A slack elastic cable catches a falling load. Until the cable is taut the load falls freely, and after that
 // it swings about its rest length: energy says how deep it goes.
 TEST(ElasticRods, ASlackCableCatchesItsLoad) {
