@@ -158,7 +158,8 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
       state.tie_last_velocity[i] = state.tie_velocity[i];
   }
   kernels(state).advance(work.view(state));
-  if (state.laws.any) counters.broken_rods += end_rods(state, h, theta_of(gradient), work);
+  if (const auto& laws = state.laws; laws.moves || laws.pulls || laws.breaks)
+    counters.broken_rods += end_rods(state, h, theta_of(gradient), work);
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
     if (!state.idle[lane] && !work.failed[lane] && work.keeps_acceleration)
       state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];
