@@ -167,18 +167,27 @@ Scene slack_net(std::uint32_t n, double slack) {
   return scene;
 }
 
+/// What two seconds did, and the largest strain at the end of a frame.
+struct Hung {
+  StepReport total{};
+  double largest = 0;
+};
+Hung hang(const Scene& scene, World& world) {
+  Hung out;
+  for (int i = 0; i < 120; ++i) {
+    out.total += world.step(frame);
+    out.largest = std::max(out.largest, test::stretch_of(scene, world).max);
+  }
+  return out;
+}
+
 // By default a net drawn straight below its corners hangs there: nothing stretches, and nothing moves but by
 // what is left of lengths.
 TEST(Hangings, ANetHangsFromItsCorners) {
   for (const std::uint32_t n : {8u, 16u, 32u}) {
     const Scene scene = scenes::make_net(n, n);
     World world(scene, {.threads = 1});
-    double largest = 0;
-    StepReport total;
-    for (int i = 0; i < 120; ++i) {
-      total += world.step(frame);
-      largest = std::max(largest, test::stretch_of(scene, world).max);
-    }
+    const auto [total, largest] = hang(scene, world);
     EXPECT_EQ(total.unsolved + total.elastic_substeps + total.fallbacks, 0u) << n;
     EXPECT_LE(largest, 1e-6) << n;
     for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
@@ -191,12 +200,7 @@ TEST(Hangings, ASlackNetFallsRigidly) {
   for (const std::uint32_t n : {8u, 16u, 32u}) {
     Scene scene = slack_net(n, 0.1);
     World world(scene, {.threads = 1});
-    double largest = 0;
-    StepReport total;
-    for (int i = 0; i < 120; ++i) {
-      total += world.step(frame);
-      largest = std::max(largest, test::stretch_of(scene, world).max);
-    }
+    const auto [total, largest] = hang(scene, world);
     EXPECT_EQ(total.unsolved + total.elastic_substeps, 0u) << n;
     EXPECT_LE(largest, 1e-6) << n;
   }

@@ -6,6 +6,7 @@
 
 #include "scenes/generators/generators.hpp"
 #include "support/laws.hpp"
+#include "support/series_order.hpp"
 #include "support/truths.hpp"
 #include "truth/integrators/integrator.hpp"
 #include "truth/truth.hpp"
@@ -174,21 +175,8 @@ TEST(TruthLaws, ConvergeWithTheOrderOfTheSeries) {
   scene.rods[1].law = {};
   const Model model = make_model(scene, MassModel::consistent);
   const State start = start_of(scene, model);
-  Integrator best(model, start, {});
-  best.advance_to(0.1L);
-  const auto error = [&](std::uint32_t order, int steps) {
-    Integrator one(model, start, {.order = order});
-    for (int i = 0; i < steps; ++i) one.step(0.1L / steps);
-    Real worst = 0;
-    for (std::size_t i = 0; i < model.particles(); ++i) {
-      worst = std::max(
-          {worst, norm(one.state().x[i] - best.state().x[i]), norm(one.state().v[i] - best.state().v[i])});
-    }
-    return worst;
-  };
   for (const std::uint32_t order : {2u, 3u, 4u, 6u, 8u}) {
-    const Real measured = std::log2(error(order, 24) / error(order, 48));
-    EXPECT_NEAR(static_cast<double>(measured), order, 0.2);
+    EXPECT_NEAR(test::measured_order(model, start, order, 24), order, 0.2);
   }
 }
 

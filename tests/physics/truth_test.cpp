@@ -10,6 +10,7 @@
 #include "scenes/files/trajectory.hpp"
 #include "scenes/generators/generators.hpp"
 #include "support/planar_chain.hpp"
+#include "support/series_order.hpp"
 #include "support/truths.hpp"
 #include "truth/integrators/integrator.hpp"
 
@@ -127,21 +128,8 @@ TEST(TruthMotion, KeepsEnergy) {
 TEST(TruthMotion, ConvergesWithTheOrderOfTheSeries) {
   const Model model = make_model(scenes::make_tree(), MassModel::consistent);
   const State start = start_of(scenes::make_tree(), model);
-  Integrator best(model, start, {});
-  best.advance_to(0.1L);
-  const auto error = [&](std::uint32_t order, int steps) {
-    Integrator one(model, start, {.order = order});
-    for (int i = 0; i < steps; ++i) one.step(0.1L / steps);
-    Real worst = 0;
-    for (std::size_t i = 0; i < model.particles(); ++i) {
-      worst = std::max(
-          {worst, norm(one.state().x[i] - best.state().x[i]), norm(one.state().v[i] - best.state().v[i])});
-    }
-    return worst;
-  };
   for (const std::uint32_t order : {2u, 3u, 4u, 6u, 8u}) {
-    const Real measured = std::log2(error(order, 16) / error(order, 32));
-    EXPECT_NEAR(static_cast<double>(measured), order, 0.2);
+    EXPECT_NEAR(test::measured_order(model, start, order, 16), order, 0.2);
   }
 }
 

@@ -149,6 +149,7 @@ PLUMB_LAW_INLINE LawRow<V> elastic_row(const LawStart<V>& start, const Pull<V>& 
           select_positive(slope, soft * rest, rest)};
 }
 
+/// Returns the row of a rod in a substep, for every lane as its law asks.
 template <class V>
 PLUMB_LAW_INLINE LawRow<V> law_row(const LawNumbers<V>& law, const LawStart<V>& start,
                                    const LawIterate<V>& iterate, const V& theta, LawKind kind) {
