@@ -93,6 +93,32 @@ struct Point {
   std::array<double, 4> weights{};           ///< Weights, in the order of `particles`.
 };
 
+/// Resists being twisted: a chain of rods whose cross sections turn against each other along it, as those of
+/// a wire, a hose or a hair do. It bends nothing; Scene::bends do.
+///
+/// The twist is spread evenly, as it is once torsional waves, which are fast, have died out. Its energy is
+/// stiffness/2 theta^2/length, in J, with theta the total twist in rad and `length` that of the chain
+/// (Langer and Singer 1996; Bergou et al. 2008). The ends' cross sections do not turn about their rods by
+/// themselves. theta is `angle` as the scene stands, and then follows from how the rods turn.
+struct Twist {
+  /// Indices into Scene::particles, along the chain. There is a rod between each two. A ring ends where it
+  /// starts.
+  std::vector<std::uint32_t> particles{};
+  double stiffness = 0;  ///< Torsional stiffness G J, in N m².
+  double angle = 0;      ///< Angle by which the last cross section is turned against the first, in rad.
+};
+
+/// This is a massless cord that runs through particles in their order, as over pulleys. The sum of the
+/// distances between neighbours is its length, and its pull is the same everywhere.
+///
+/// Particles that it runs through are blocks of no size. Where one is fixed, a pulley hangs from the ceiling.
+struct Tackle {
+  std::vector<std::uint32_t> particles{};  ///< Indices into Scene::particles; neighbours differ.
+  double length = 0;                       ///< Length in m; 0 means that of the scene as it stands.
+  RodLaw law{};                            ///< How it answers to what pulls on it, as a rod does.
+  double friction = 0;  ///< Coulomb's coefficient on each pulley: pulls differ by exp(friction · angle).
+};
+
 /// This is a rigid solid with a full tensor of inertia, carried by four particles that do not lie in one
 /// plane.
 ///
@@ -139,6 +165,31 @@ struct AngleControl {
   double target = std::numbers::pi / 2;  ///< Angle that the drive seeks, in rad.
   double stiffness = 0;                  ///< Stiffness of the drive, in N m/rad; 0 means no drive.
   double damping = 0;                    ///< Damping of the drive, in N m s/rad.
+};
+
+/// Pulls two places together with stiffness (l - length) + damping dl/dt + force, in N, at their distance l.
+/// Between two particles an elastic Rod does the same.
+struct Spring {
+  Point a{};               ///< One end.
+  Point b{};               ///< The other end.
+  double length = 0;       ///< Length at rest, in m.
+  double stiffness = 0;    ///< Stiffness, in N/m.
+  double damping = 0;      ///< Damping, in N s/m.
+  double force = 0;        ///< Pull that is added, in N, as of a motor.
+  bool one_sided = false;  ///< Whether it is slack below its length.
+};
+
+/// Turns two sides against each other about an axis, with the torque stiffness (angle - phi) - damping
+/// dphi/dt + torque, in N m. phi is the angle from `u` to `v`, both projected across the axis, and counts
+/// whole turns.
+struct Torsion {
+  Direction axis{};      ///< The axis, which moves with the side of u. Its length does not matter.
+  Direction u{};         ///< A direction of one side, which does not lie along the axis.
+  Direction v{};         ///< A direction of the other side. At the start it is within half a turn of u.
+  double angle = 0;      ///< Angle that is sought, in rad; it may be many turns.
+  double stiffness = 0;  ///< Stiffness, in N m/rad.
+  double damping = 0;    ///< Damping, in N m s/rad.
+  double torque = 0;     ///< Torque on v's side that is added, in N m, as of a motor.
 };
 
 /// Says how something feels when touched. Of two surfaces the larger restitution counts, and the geometric
@@ -189,10 +240,14 @@ struct Scene {
   double joint_drag = 0;
 
   std::vector<Bend> bends{};            ///< Bending stiffness between rods.
+  std::vector<Twist> twists{};          ///< Torsional stiffness along chains.
+  std::vector<Tackle> tackles{};        ///< Cords over pulleys.
   std::vector<Body> bodies{};           ///< Rigid solids.
   std::vector<Pin> pins{};              ///< Ball joints.
   std::vector<Alignment> alignments{};  ///< Dot products that are kept.
   std::vector<AngleControl> angles{};   ///< Limits, friction and drives of angles.
+  std::vector<Spring> springs{};        ///< Springs, dampers and motors between places.
+  std::vector<Torsion> torsions{};      ///< Springs, dampers and motors about axes.
   std::vector<Capsule> capsules{};      ///< Shapes that move with the islands.
   std::vector<Plane> planes{};          ///< Ground.
   std::vector<Box> boxes{};             ///< Solid boxes that do not move.
