@@ -149,7 +149,12 @@ class Maker {
     const bool gives = !bends.empty() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
       return has_laws(scene_, sets_.islands.edges(island));
     });
-    if (couples || gives || is_thin(local)) {
+    const bool all_give = bends.empty() && std::all_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+                            return all_elastic(scene_, sets_.islands.edges(island));
+                          });
+    if (!couples && all_give && !is_thin(local)) {
+      topology->use_net();
+    } else if (couples || gives || is_thin(local)) {
       topology->system = std::make_unique<LoopSystem>(topology->rods, topology->nodes,
                                                       LoopStepper::couples(rules_.gradient, model()), bends);
     } else {

@@ -57,6 +57,11 @@ bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods) {
                      [&](std::uint32_t rod) { return !scene.rods[rod].law.is_rigid(); });
 }
 
+bool all_elastic(const Scene& scene, std::span<const std::uint32_t> rods) {
+  return std::all_of(rods.begin(), rods.end(),
+                     [&](std::uint32_t rod) { return scene.rods[rod].law.is_elastic(); });
+}
+
 bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassModel model) {
   return model == MassModel::consistent &&
          std::any_of(rods.begin(), rods.end(), [&](std::uint32_t rod) { return scene.rods[rod].mass > 0; });

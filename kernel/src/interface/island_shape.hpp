@@ -18,6 +18,9 @@ bool is_vast(const layouts::Graph& island);
 /// Returns whether some rods are not rigid.
 bool has_laws(const Scene& scene, std::span<const std::uint32_t> rods);
 
+/// Returns whether all rods are elastic.
+bool all_elastic(const Scene& scene, std::span<const std::uint32_t> rods);
+
 /// Returns whether rods carry masses that couple their ends.
 bool carries_mass(const Scene& scene, std::span<const std::uint32_t> rods, MassModel model);
 

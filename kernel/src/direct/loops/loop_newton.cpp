@@ -22,42 +22,6 @@ bool is_held(const LoopState& state, std::uint32_t vertex) {
   return vertex >= state.topology->nodes || state.locks.has(vertex);
 }
 
-/// At the present delta a rod has the direction of its force, the gradient of its row (both m), what it
-/// gives, and how far its equation is off (both m²).
-struct RodTerms {
-  Vec3 force, gradient;
-  double soft, c;
-};
-
-/// Between two held vertices a rod has nothing to do, and its multiplier becomes zero.
-RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double soft,
-                   const LoopWorkspace& work) {
-  const LoopRod& rod = state.topology->rods[k];
-  if (state.locks.has(rod.a) && is_held(state, rod.b)) return {{}, {}, 1, state.mu[k]};
-  const Vec3 d = at(work.d, k), e = at(work.delta, rod.a) - at(work.delta, rod.b);
-  const double c = constraint(d, e, work.excess[k]), give = softness(state, k, soft);
-  RodTerms terms{d + theta * e, d + e, give, c + give * state.mu[k]};
-  if (!state.laws.any()) return terms;
-  const RodRow row = law_row(state.laws, work.laws, k, {growth_of(d, e), c, state.mu[k]}, theta);
-  if (soft > 0 && state.laws.is_rigid(k)) {
-    // A rigid cable that gives a little is taut where it is too long.
-    if (!state.laws.is_one_sided(k) || c > 0) return terms;
-    return {terms.force, {}, 1, state.mu[k]};
-  }
-  return {terms.force, row.use * terms.gradient, row.soft, row.c};
-}
-
-/// Returns the row of rod `k` in a projection of velocities, at the present delta.
-VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWorkspace& work) {
-  const auto [a, b] = state.topology->rods[k];
-  if (state.locks.has(a) && is_held(state, b)) return {0, {0, 1, 0}};
-  const double c = dot(at(work.d, k), at(work.delta, a) - at(work.delta, b));
-  if (!state.laws.any()) return {0, {1, 0, c}};
-  VelocityRow out = velocity_row(state.laws, work.laws, k, c, state.mu[k]);
-  if (state.laws.is_rigid(k)) out.row.c -= out.row.use * state.laws.length[k] * state.laws.rate[k];
-  return out;
-}
-
 /// Adds what bends do to Newton's matrix, and returns how much a node resists with its own part of it.
 void add_bends(const LoopState& state, double theta, double soft, LoopWorkspace& work,
                LoopWorkspace::Factor& factor) {
@@ -91,6 +55,33 @@ void hold_locked(const LoopState& state, const SparseAnalysis& analysis, double*
 }
 
 }  // namespace
+
+RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double soft,
+                   const LoopWorkspace& work) {
+  const LoopRod& rod = state.topology->rods[k];
+  if (state.locks.has(rod.a) && is_held(state, rod.b)) return {{}, {}, 0, 1, state.mu[k]};
+  const Vec3 d = at(work.d, k), e = at(work.delta, rod.a) - at(work.delta, rod.b);
+  const double c = constraint(d, e, work.excess[k]), give = softness(state, k, soft);
+  RodTerms terms{d + theta * e, d + e, 1, give, c + give * state.mu[k]};
+  if (!state.laws.any()) return terms;
+  const RodRow row = law_row(state.laws, work.laws, k, {growth_of(d, e), c, state.mu[k]}, theta);
+  if (soft > 0 && state.laws.is_rigid(k)) {
+    // A rigid cable that gives a little is taut where it is too long.
+    if (!state.laws.is_one_sided(k) || c > 0) return terms;
+    return {terms.force, {}, 0, 1, state.mu[k]};
+  }
+  return {terms.force, row.use * terms.gradient, row.use, row.soft, row.c};
+}
+
+VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWorkspace& work) {
+  const auto [a, b] = state.topology->rods[k];
+  if (state.locks.has(a) && is_held(state, b)) return {0, {0, 1, 0}};
+  const double c = dot(at(work.d, k), at(work.delta, a) - at(work.delta, b));
+  if (!state.laws.any()) return {0, {1, 0, c}};
+  VelocityRow out = velocity_row(state.laws, work.laws, k, c, state.mu[k]);
+  if (state.laws.is_rigid(k)) out.row.c -= out.row.use * state.laws.length[k] * state.laws.rate[k];
+  return out;
+}
 
 void measure_rods(const LoopState& state, LoopWorkspace& work) {
   const LoopTopology& shape = *state.topology;

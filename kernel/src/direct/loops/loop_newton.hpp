@@ -8,6 +8,19 @@ namespace plumb::detail {
 /// give, with the factors of work.laws.
 void measure_rods(const LoopState& state, LoopWorkspace& work);
 
+/// At the present delta a rod has the direction of its force, the gradient of its row, `use` times its own
+/// (both m), what it gives, and how far its equation is off (both m²).
+struct RodTerms {
+  Vec3 force, gradient;
+  double use, soft, c;
+};
+/// Returns those of rod `k`. Between two held vertices a rod has nothing to do, and its multiplier becomes
+/// zero.
+RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double soft,
+                   const LoopWorkspace& work);
+/// Returns the row of rod `k` in a projection of velocities, at the present delta.
+VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWorkspace& work);
+
 /// Factorises Newton's matrix at work.delta and state.mu. `soft` is the compliance of rods in units of their
 /// 2 L^2/mass. With it, multipliers that push are left out of the matrix, so that it is definite for theta 1.
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,

@@ -22,12 +22,20 @@ LoopTopology::LoopTopology(std::uint32_t movable, std::uint32_t all, std::vector
 
 void LoopTopology::use_lines(std::span<const Vec3> positions) {
   const std::vector<Line> found = find_lines(rods, nodes, positions);
-  const std::vector<std::uint32_t> by_lines = RodLines(found, rods, nodes).node_order();
-  std::copy(by_lines.begin(), by_lines.end(), order.begin());
+  renumber(RodLines(found, rods, nodes).node_order());
+  lines = std::make_unique<RodLines>(found, rods, nodes);
+}
+
+void LoopTopology::use_net() {
+  renumber(order_by_levels(rods, nodes));
+  net = std::make_unique<NetPattern>(rods, nodes);
+}
+
+void LoopTopology::renumber(const std::vector<std::uint32_t>& nodes_in_order) {
+  std::copy(nodes_in_order.begin(), nodes_in_order.end(), order.begin());
   std::vector<std::uint32_t> place(vertices);
   for (std::uint32_t i = 0; i < vertices; ++i) place[order[i]] = i;
   for (LoopRod& rod : rods) rod = {place[rod.a], place[rod.b]};
-  lines = std::make_unique<RodLines>(found, rods, nodes);
 }
 
 LoopState::LoopState(std::shared_ptr<const LoopTopology> shape) : topology(std::move(shape)) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "direct/bends/loop_bends.hpp"
+#include "direct/elastic_nets/net_matrix.hpp"
 #include "direct/laws/loop_laws.hpp"
 #include "direct/locks/locks.hpp"
 #include "direct/loops/loop_rod.hpp"
@@ -48,15 +49,21 @@ struct LoopTopology {
 
   /// Lets the island be solved by lines, which `positions` (m) of its vertices show.
   void use_lines(std::span<const Vec3> positions);
+  /// Lets the island, whose rods all give, be solved without a factorisation.
+  void use_net();
 
   std::uint32_t nodes = 0, vertices;
   std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
   std::vector<LoopRod> rods;
   std::vector<LoopBend> bends;
-  /// One of both is there. Lines are for islands whose factorisations would be dear. Who needs a system all
-  /// the same makes it.
+  /// One of these is there. The others are for islands whose factorisations would be dear. Who needs a system
+  /// all the same makes it.
   std::unique_ptr<const LoopSystem> system;
   std::unique_ptr<const RodLines> lines;
+  std::unique_ptr<const NetPattern> net;
+
+ private:
+  void renumber(const std::vector<std::uint32_t>& nodes_in_order);
 };
 
 /// Steps change these numbers of an island.

@@ -208,14 +208,14 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, bool by_l
     // A shorter substep is what helps lines that do not stall, and costs less than a factorisation.
     if (work.lines && work.lines->stalls == stalls) return false;
   }
-  if (state.topology->lines && theta > 0) {
-    if (!work.displacements)
-      work.displacements = std::make_unique<DisplacementFactor>(*state.topology, work.isa);
+  const bool by_net = work.net && by_lines;
+  if (by_net || (state.topology->lines && theta > 0)) {
     if (work.lines) work.lines->forget();
     begin(state, h, gradient, work);
-    if (iterate_by_displacements(state, theta, *work.displacements, work, counters) &&
-        (gradient != Gradient::mid || keeps_energy(state, work)))
-      return true;
+    const bool converged =
+        by_net ? iterate_net(state, theta, work, counters)
+               : iterate_by_displacements(state, theta, work.displacement_factor(), work, counters);
+    if (converged && (gradient != Gradient::mid || keeps_energy(state, work))) return true;
     std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
     return false;
   }
@@ -329,8 +329,8 @@ double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tal
   work.saved = state.motion();
   const bool is_damped = state.damped > 0;
   Attempts attempts{
-      .halvings = is_damped ? damped_halvings : most_halvings, .left = 0, .by_lines = work.lines != nullptr};
-  const bool solved = attempts.by_lines && gradient_ != Gradient::old
+      .halvings = is_damped ? damped_halvings : most_halvings, .left = 0, .by_lines = work.is_wide()};
+  const bool solved = work.lines && gradient_ != Gradient::old
                           ? advance_wide(state, h, attempts, work, counters)
                           : advance_pieces(state, h, cuts(state, h), attempts, work, counters);
   if (solved) {
@@ -369,11 +369,12 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
     if (project_by_lines(state, kick, work)) return;
     kick = 0;
   }
-  // The factor is its own, so that it changes nothing that a later substep starts from.
-  if (shape.lines && !work.projection)
-    work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   work.laws.factors = LawFactors::of_projection(kick, state.u_step);
   measure_rods(state, work);
+  if (work.net && project_net(state, kick, work)) return;
+  // The factor is its own, so that it changes nothing that a later substep starts from.
+  if (!shape.system && !work.projection)
+    work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
   project_delta(state, kick, work, factor);
   factor.h = 0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "direct/displacements/displacement_newton.hpp"
+#include "direct/elastic_nets/net_newton.hpp"
 #include "direct/loops/loop_state.hpp"
 #include "direct/nets/loop_lines.hpp"
 #include "interface/tally.hpp"
@@ -29,13 +30,18 @@ struct LoopWorkspace {
   };
   /// Prepares for the nodes that are locked from now on.
   void take_locks(const LoopState& state);
+  /// Says whether there is a cheaper way than to factorise.
+  bool is_wide() const { return lines || net; }
   /// Returns a factor with couplings, or without if the topology's system does not have them.
   Factor& factor(bool couples);
+  /// Returns the one that lines give way to. It is made when first asked for.
+  DisplacementFactor& displacement_factor();
 
   std::shared_ptr<const LoopTopology> topology;
   Isa isa;
   std::unique_ptr<LineWorkspace>
       lines;  ///< They are here as long as they lead anywhere, if the topology has them.
+  std::unique_ptr<NetWorkspace> net;  ///< It is here if the topology has one.
   std::unique_ptr<LoopSystem>
       coupled;  ///< It is made when the topology has none with couplings and it is needed.
   std::unique_ptr<Factor> first, second;

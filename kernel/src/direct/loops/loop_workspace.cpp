@@ -28,6 +28,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
     if (gradient != Gradient::mid) projection = std::make_unique<Factor>(*topology->system, isa);
   }
   if (topology->lines) lines = std::make_unique<LineWorkspace>(*topology->lines, state.mass);
+  if (topology->net) net = std::make_unique<NetWorkspace>(*topology->net);
   delta.assign(3 * std::size_t{topology->vertices}, 0);
   load.assign(3 * n, 0);
   d.assign(3 * rods, 0);
@@ -53,6 +54,11 @@ LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
     second = std::make_unique<Factor>(*coupled, isa);
   }
   return *second;
+}
+
+DisplacementFactor& LoopWorkspace::displacement_factor() {
+  if (!displacements) displacements = std::make_unique<DisplacementFactor>(*topology, isa);
+  return *displacements;
 }
 
 }  // namespace plumb::detail
