@@ -14,6 +14,7 @@
 #include "scenes/basics/files.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
+#include "stability/hangings_report.hpp"
 #include "stability/picture.hpp"
 
 namespace plumb::tools {
@@ -33,6 +34,8 @@ struct StabilityOptions {
   std::uint32_t sweeps = 20;
   double budget_s = 2;
   std::string out = "out";
+  std::uint32_t hangings = 0;  ///< So many random hangings are measured instead, if any.
+  std::uint32_t seed = 1;
   bool quiet = false;
   std::string typed;  ///< Options that the page repeats, as the user typed them.
 };
@@ -167,6 +170,10 @@ void publish(const StabilityOptions& options, const std::vector<StabilityResult>
 }
 
 int stability(StabilityOptions options) {
+  if (options.hangings > 0) {
+    report_hangings(options.hangings, options.seed, options.grid.duration);
+    return fine;
+  }
   StabilityGrid& grid = options.grid;
   grid.at_dt = plane_at(options.at_dt, grid.dts, StabilityGrid{}.at_dt);
   grid.at_links = plane_at(options.at_links, grid.links, StabilityGrid{}.at_links);
@@ -235,12 +242,16 @@ void add_stability_command(Command& plumb) {
   add_seconds(command, "--budget", o.budget_s, "Most wall-clock time for a cell; above, it is too slow [2]");
   command.add_option("--out", "DIR", o.out,
                      "Write stability.csv, stability.html and pictures into this folder [out]");
+  add_count(command, "--hangings", o.hangings,
+            "Instead of the map, hang up so many random lines, nets, bridges, cranes and others");
+  add_count(command, "--seed", o.seed, "Seed of the first of them; the others follow [1]");
   command.add_flag("--quiet", o.quiet, "No progress bar");
   command.set_footer(
       "A cell survives if its state stays finite, no island is frozen, no substep stays unsolved, no rod is "
       "ever stretched\nby more than 50 % and energy never rises by more than its range.\n\nExamples:\n"
       "  plumb stability\n"
       "  plumb stability --quick --methods relax-new,direct-mid\n"
+      "  plumb stability --hangings 1000 --seed 1\n"
       "  plumb stability --full --budget 10 --out out-full\n"
       "  plumb stability --links 20 --ratios 1,1000 --dt 1/240,1/60 --methods direct-mid");
   command.set_action([options, command] {

@@ -14,8 +14,8 @@ constexpr int most_iterations = 30;
 constexpr double coarse = 1e-3, projected = 1e-12;
 constexpr int most_gradients = 400;
 /// Where changes fall more slowly than this, cables go to and fro between slack and taut. Then half a change
-/// is made, and half of that if need be. Below the least share a shorter substep comes sooner to the end.
-constexpr double lost_rate = 0.7, least_scale = 1.0 / 16;
+/// is made, and half of that if need be. No less than the least share is made.
+constexpr double lost_rate = 0.7, least_scale = 1.0 / 4;
 /// The last change, RMS over nodes relative to a rod, leaves this by its rate. Where a change this small does
 /// not fall any more, it is rounding.
 constexpr double converged_rest = 1e-14, rounding = 1e-9;
@@ -81,8 +81,7 @@ bool iterate_net(LoopState& state, double theta, LoopWorkspace& work, Tally& cou
     const double change = std::sqrt(sum / (state.topology->nodes * state.scale2));
     if (!(change <= hopeless_change)) return false;
     const double rate = last > 0 ? change / last : 1;
-    scale = rate > lost_rate && i > 0 ? scale / 2 : std::min(2 * scale, 1.0);
-    if (scale < least_scale) return false;
+    scale = rate > lost_rate && i > 0 ? std::max(scale / 2, least_scale) : std::min(2 * scale, 1.0);
     apply(state, scale, net, work);
     if ((scale == 1 && change * rate <= converged_rest) || (change <= rounding && rate > lost_rate))
       return true;

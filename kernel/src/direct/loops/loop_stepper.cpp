@@ -143,7 +143,8 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     const auto [a, b] = shape.rods[k];
     for (std::uint32_t c = 0; c < 3; ++c)
       done += 2 * state.coupling[k] * work.delta[3 * a + c] * work.delta[3 * b + c];
-    if (state.laws.any() && !state.laws.is_rigid(k))  // elastic rods do what is in their energy
+    // Elastic rods do what is in their energy, and a rigid cable that is caught loses some.
+    if (state.laws.any() && (!state.laws.is_rigid(k) || state.laws.is_one_sided(k)))
       done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
   }
   done -= work_of_bends(state, theta_of(Gradient::mid), work);

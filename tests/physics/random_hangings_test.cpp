@@ -1,0 +1,40 @@
+// Random lines, nets, bridges, cranes, graphs and loads between lines, with default settings.
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "stability/hangings.hpp"
+
+namespace plumb {
+namespace {
+
+// All are solved or named, and what is slack moves. `plumb stability --hangings 1000` hangs up more of them.
+TEST(RandomHangings, AreSolvedOrNamed) {
+  std::set<std::string> kinds;
+  int dear = 0;
+  const int count = 100;
+  for (std::uint64_t seed = 1; seed <= count; ++seed) {
+    const scenes::HangingResult result = scenes::hang(seed, 1);
+    EXPECT_EQ(result.fault(), "") << result.kind << ", seed " << seed;
+    EXPECT_EQ(result.total.capped_steps, 0u) << result.kind << ", seed " << seed;
+    kinds.insert(result.kind);
+    dear += result.is_dear();
+  }
+  EXPECT_EQ(kinds.size(), 6u);
+  EXPECT_LE(dear, count / 4) << "frames above 20 times the median one";
+}
+
+// A seed is a scene.
+TEST(RandomHangings, DependOnTheirSeedAlone) {
+  const scenes::Hanging one = scenes::random_hanging(5), again = scenes::random_hanging(5);
+  EXPECT_EQ(one.kind, again.kind);
+  ASSERT_EQ(one.scene.particles.size(), again.scene.particles.size());
+  for (std::size_t i = 0; i < one.scene.particles.size(); ++i)
+    EXPECT_EQ(one.scene.particles[i].position, again.scene.particles[i].position);
+}
+
+}  // namespace
+}  // namespace plumb
