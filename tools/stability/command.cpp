@@ -249,9 +249,8 @@ void add_stability_command(Command& plumb) {
   command.set_footer(
       "A cell survives if its state stays finite, no island is frozen, no substep stays unsolved, no rod is "
       "ever stretched\nby more than 50 % and energy never rises by more than its range.\n\nExamples:\n"
-      "  plumb stability\n"
+      "  plumb stability\n  plumb stability --hangings 1000\n"
       "  plumb stability --quick --methods relax-new,direct-mid\n"
-      "  plumb stability --hangings 1000 --seed 1\n"
       "  plumb stability --full --budget 10 --out out-full\n"
       "  plumb stability --links 20 --ratios 1,1000 --dt 1/240,1/60 --methods direct-mid");
   command.set_action([options, command] {
