@@ -96,9 +96,20 @@ void add_bends(Bytes& bytes, Scene& scene) {
     bend.b = rarely(bytes, 50) ? index(bytes, scene.particles.size()) : first.b;
     bend.c = second.b;
     bend.stiffness = rarely(bytes, 3) ? number(bytes, 0, 1e5) : number(bytes, 0, 1);
-    if (rarely(bytes, 3)) bend.angle = number(bytes, 0, 3);
+    if (rarely(bytes, 3)) bend.angle = number(bytes, 0, 2.89);
     if (rarely(bytes, 3)) bend.damping = number(bytes, 0, 1);
   }
+}
+
+/// Twists the chain that the first rods make, as far as they follow each other.
+void add_twist(Bytes& bytes, Scene& scene) {
+  if (scene.rods.empty()) return;
+  Twist& twist = scene.twists.emplace_back();
+  twist.particles = {scene.rods.front().a};
+  for (const Rod& rod : scene.rods)
+    if (rod.a == twist.particles.back()) twist.particles.push_back(rod.b);
+  twist.stiffness = rarely(bytes, 3) ? number(bytes, 0, 1e5) : number(bytes, 0.01, 1);
+  twist.angle = number(bytes, -10, 10);
 }
 
 void add_limbs(Bytes& bytes, Scene& scene) {
@@ -179,6 +190,7 @@ RandomWorld make_random_world(const std::uint8_t* data, std::size_t size) {
   out.pushed = index(bytes, out.scene.particles.size());
   out.push = place(bytes);
   if (rarely(bytes, 4)) add_bends(bytes, out.scene);
+  if (rarely(bytes, 6)) add_twist(bytes, out.scene);
   return out;
 }
 

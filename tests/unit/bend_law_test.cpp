@@ -8,11 +8,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "direct/bends/island_rods.hpp"
 #include "direct/bends/loop_bend.hpp"
 #include "direct/bends/loop_bends.hpp"
 #include "direct/loops/loop_state.hpp"
 #include "plumb/plumb.hpp"
 #include "scene/bends/bends.hpp"
+#include "scene/bends/bent_islands.hpp"
 #include "scene/bends/curvature.hpp"
 #include "support/graphs.hpp"
 
@@ -138,7 +140,7 @@ TEST(LoopBends, HaveWeightsOfTheirLengths) {
   topology->bends = {{{2, 0, 1}}};
   LoopState state(topology);
   state.mass_unit = 2;
-  load_bends(state, BendTable(scene), std::vector<std::uint32_t>{0});
+  load_bends(state, BendTable(scene), IslandRods(topology->rods), std::vector<std::uint32_t>{0});
   ASSERT_EQ(state.bends.size(), 1u);
   EXPECT_EQ(state.bends[0].law.weights, (std::array{-0.5, 0.75, -0.25}));
   EXPECT_EQ(state.bends[0].law.stiffness, 1.5);

@@ -12,6 +12,7 @@
 #include "plumb/scene.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/files/scene_file.hpp"
+#include "scenes/generators/wires.hpp"
 #include "scenes/spec.hpp"
 
 namespace plumb::scenes {
@@ -182,6 +183,21 @@ TEST(Generators, GraphIsTheSameWithEveryCompiler) {
   EXPECT_NE(hash_of(make_graph({.particles = 200, .seed = 2})), hash_of(make_graph({.particles = 200})));
 }
 
+// A clamped end has no beam on its other side, so that its bend is twice as stiff.
+TEST(Generators, AWireHasTheStiffnessOfItsMaterial) {
+  const Scene scene = make_wire({.rods = 4, .length = 2, .mass = 8, .bending = 3, .torsion = 5, .twist = 7});
+  ASSERT_EQ(scene.bends.size(), 4u);
+  EXPECT_EQ(scene.bends[0].stiffness, 12);
+  EXPECT_EQ(scene.bends[3].stiffness, 6);
+  EXPECT_EQ(scene.particles.back().mass, 1);
+  ASSERT_EQ(scene.twists.size(), 1u);
+  EXPECT_EQ(scene.twists[0].particles.size(), 6u);
+  EXPECT_EQ(scene.twists[0].stiffness, 5);
+  EXPECT_EQ(scene.twists[0].angle, 7);
+  EXPECT_TRUE(make_wire({.torsion = 0}).twists.empty());
+  EXPECT_EQ(message_of("wire:bending=0"), "scene 'wire:bending=0': bending must be positive and finite");
+}
+
 TEST(Generators, EveryListedDefaultCanBeWrittenOut) {
   ASSERT_GE(list_generators().size(), 5u);
   for (const GeneratorHelp& help : list_generators()) {
@@ -194,7 +210,7 @@ TEST(Generators, WhatIsWrongInASpecIsNamed) {
   EXPECT_EQ(
       message_of("rope"),
       "no scene 'rope': there is no such file, and the generators are chain, thesis5, line, net, ensemble, "
-      "ring, truss, rods5, tree, humanoid, graph, crowd, stick_box, drop");
+      "ring, truss, rods5, tree, humanoid, graph, crowd, stick_box, drop, wire");
   EXPECT_EQ(message_of("chain:colour=3"),
             "scene 'chain:colour=3': no parameter 'colour'; known are links, length, mass, end_mass");
   EXPECT_EQ(message_of("thesis5:links=3"), "scene 'thesis5:links=3': no parameter 'links'; it takes none");

@@ -83,6 +83,8 @@ Scene bodies_and_joints() {
   scene.rods[3].law = {.stiffness = 1e4 / 3, .damping = 0.1, .one_sided = true, .strength = 7e3 / 9};
   scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 0.1 / 3},
                  {.a = 3, .b = 2, .c = 1, .angle = 1.0 / 7, .damping = 1e-5 / 3}};
+  scene.twists = {{.particles = {0, 1, 2}, .stiffness = 0.2 / 3, .angle = 10.0 / 7},
+                  {.particles = {3, 2, 1, 0}, .stiffness = 2}};
   add_revolute(scene, 0, 1, {1, 0.1, 0.2}, {1, 2, 3});
   add_spherical(scene, point_at(1), point_on_rod(scene, 7, 0.3));
   const Direction u{point_at(0), point_at(1)}, v{point_at(4), point_on_rod(scene, 8, 2)};
@@ -129,6 +131,11 @@ void expect_same(const Bend& a, const Bend& b) {
   EXPECT_EQ(a.stiffness, b.stiffness);
   EXPECT_EQ(a.angle, b.angle);
   EXPECT_EQ(a.damping, b.damping);
+}
+void expect_same(const Twist& a, const Twist& b) {
+  EXPECT_EQ(a.particles, b.particles);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.angle, b.angle);
 }
 void expect_same(const Body& a, const Body& b) {
   EXPECT_EQ(a.particles, b.particles);
@@ -188,6 +195,7 @@ TEST(SceneFile, RoundTripKeepsEveryBitOfBodiesAndJoints) {
     EXPECT_EQ(back.rods[i].law, scene.rods[i].law);
   }
   expect_same(back.bends, scene.bends);
+  expect_same(back.twists, scene.twists);
   expect_same(back.bodies, scene.bodies);
   expect_same(back.pins, scene.pins);
   expect_same(back.alignments, scene.alignments);
@@ -229,6 +237,10 @@ TEST(SceneFile, WhatIsWrongWithBodiesAndJointsIsNamedWithItsPath) {
             "f.json: bends[0].c is missing");
   EXPECT_EQ(message_of_list(R"("bends": [{"a": 0, "b": 1, "c": 1, "twist": 1}])"),
             "f.json: bends[0].twist is not a known key; known are a, b, c, stiffness, angle, damping");
+  EXPECT_EQ(message_of_list(R"("twists": [{"particles": [0, 1, 2]}])"),
+            "f.json: twists[0].stiffness is missing");
+  EXPECT_EQ(message_of_list(R"("twists": [{"particles": [0, "b"], "stiffness": 1}])"),
+            "f.json: twists[0].particles[1] must be the number of a particle, counted from 0, not a string");
   EXPECT_EQ(message_of_list(R"("pins": [{"a": 0, "b": 1}, {"a": 1}])"), "f.json: pins[1].b is missing");
   EXPECT_EQ(message_of_list(R"("pins": [{"a": 0, "b": 1, "c": 2}])"),
             "f.json: pins[0].c is not a known key; known are a, b");
@@ -261,7 +273,7 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
             "linear_drag, orthogonal_drag, stiffness, damping, one_sided, strength");
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
-            "rods, bends, bodies, pins, "
+            "rods, bends, twists, bodies, pins, "
             "alignments, angles, capsules, planes, boxes");
 }
 

@@ -152,7 +152,7 @@ TEST(Scene, BendsLieBetweenRods) {
   EXPECT_EQ(with({.a = 1, .b = 2, .c = 3}),
             "bend 1: has neither stiffness nor damping, so that it holds nothing");
   EXPECT_EQ(with({.a = 1, .b = 2, .c = 3, .stiffness = 1, .angle = 4}),
-            "bend 1: angle must be at least 0 and below pi, got 4 rad");
+            "bend 1: angle must be from 0 to 2.89 rad, got 4 rad");
   EXPECT_EQ(with({.a = 2, .b = 1, .c = 0, .damping = 1}), "bend 1: bends the same particles as bend 0");
 }
 
@@ -167,6 +167,23 @@ TEST(Scene, AnEndIsClampedByTwoFixedParticles) {
   EXPECT_EQ(with({-1, 0, 0}, 1), "");
   EXPECT_EQ(with({0, 0, 0}, 1), "bend 0: fixed particles 4 and 0 are at the same place");
   EXPECT_EQ(with({-1, 0, 0}, 5), "bend 0: all of its particles (4, 0 and 5) are fixed");
+}
+
+TEST(Scene, TwistsLieAlongRods) {
+  const auto with = [](Twist twist) { return refusal([=](Scene& s) { s.twists = {twist}; }); };
+  EXPECT_EQ(with({.particles = {0, 1, 2}, .stiffness = 1, .angle = 100}), "");
+  EXPECT_EQ(with({.particles = {0, 1}, .stiffness = 1}),
+            "twist 0: needs a chain of three particles or more, got 2");
+  EXPECT_EQ(with({.particles = {0, 1, 9}, .stiffness = 1}),
+            "twist 0: particle 9 does not exist (the scene has 4 particles)");
+  EXPECT_EQ(with({.particles = {0, 1, 0}, .stiffness = 1}),
+            "twist 0: a ring needs three different particles");
+  EXPECT_EQ(with({.particles = {0, 1, 2, 1}, .stiffness = 1}), "twist 0: goes through particle 1 twice");
+  EXPECT_EQ(with({.particles = {0, 1, 3}, .stiffness = 1}),
+            "twist 0: no rod joins particles 1 and 3; only fixed particles need none");
+  EXPECT_EQ(with({.particles = {0, 1, 2}}), "twist 0: stiffness must be positive and finite, got 0 N m^2");
+  EXPECT_EQ(with({.particles = {0, 1, 2}, .stiffness = 1, .angle = infinity}),
+            "twist 0: angle is not finite: inf");
 }
 
 TEST(Scene, RodsMayGive) {

@@ -64,6 +64,11 @@ std::vector<Path> relaxed(const std::string& family, bool over_relaxed,
   return out;
 }
 
+/// Returns whether a scene has bends or twists, which gradient old and other families do not move.
+bool is_bent(const Scene& scene) {
+  return !scene.bends.empty() || !scene.twists.empty();
+}
+
 std::vector<Path> direct(const std::string& family, const Problem& problem, Method method) {
   std::vector<Path> out;
   for (const Precision precision : {Precision::double_, Precision::single}) {
@@ -71,6 +76,7 @@ std::vector<Path> direct(const std::string& family, const Problem& problem, Meth
     for (const std::optional<Gradient> gradient :
          {std::optional<Gradient>{}, std::optional{Gradient::old}, std::optional{Gradient::mid}}) {
       if (gradient.has_value() == automatic) continue;
+      if (gradient == Gradient::old && is_bent(problem.scene)) continue;
       Settings settings{.method = method, .precision = precision, .gradient = gradient, .threads = 1};
       add(out, family, settings);
       if (precision == Precision::double_ && gradient == Gradient::old) {
@@ -180,7 +186,7 @@ std::vector<std::string> all_families() {
 std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "auto") return direct(family, problem, Method::automatic);
   if (family == "direct") return direct(family, problem, Method::direct);
-  if (has_laws(problem.scene)) return {};
+  if (has_laws(problem.scene) || is_bent(problem.scene)) return {};
   if (family == "relax") return relaxed(family, false);
   if (family == "over-relaxed") return relaxed(family, true);
   if (family == "jacobi") return relaxed(family, false, SweepOrder::jacobi);

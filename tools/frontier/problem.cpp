@@ -73,6 +73,7 @@ std::vector<Problem> all_problems() {
       out.push_back({.name = "N" + std::to_string(links) + "_r" + std::to_string(mass),
                      .spec = "chain:links=" + std::to_string(links) + ",end_mass=" + std::to_string(mass)});
   out.push_back({.name = "elastic", .spec = "chain:links=20,end_mass=10,stiffness=1e4"});
+  out.push_back({.name = "wire", .spec = "wire", .patience = 4});
   out.push_back({.name = "rods5", .spec = "rods5"});
   out.push_back({.name = "tree", .spec = "tree"});
   out.push_back({.name = "humanoid", .spec = "humanoid"});

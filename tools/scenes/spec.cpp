@@ -12,6 +12,7 @@
 #include "scenes/files/scene_file.hpp"
 #include "scenes/generators/contacts.hpp"
 #include "scenes/generators/generators.hpp"
+#include "scenes/generators/wires.hpp"
 #include "scenes/humanoid/humanoid.hpp"
 
 namespace plumb::scenes {
@@ -174,6 +175,7 @@ std::vector<Generator> figures_and_solids() {
   using W = CrowdShape;
   using S = StickBoxShape;
   using D = DropShape;
+  using V = WireShape;
   return {
       describe<H>("humanoid",
                   "the thesis's nine limbs as rods with mass, level from the top of the head; "
@@ -211,6 +213,13 @@ std::vector<Generator> figures_and_solids() {
                    {"mass", &D::mass},
                    {"restitution", &D::restitution},
                    {"friction", &D::friction}}),
+      describe<V>("wire", "a wire clamped at one end, straight along +x and twisted", make_wire,
+                  {{"rods", &V::rods},
+                   {"length", &V::length},
+                   {"mass", &V::mass},
+                   {"bending", &V::bending},
+                   {"torsion", &V::torsion},
+                   {"twist", &V::twist}}),
   };
 }
 

@@ -1,8 +1,11 @@
 #include "truth/model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "plumb/error.hpp"
 #include "scenes/basics/numbers.hpp"
@@ -49,7 +52,71 @@ void set_law(const RodLaw& law, std::size_t i, ModelRod& out) {
   out.damping = law.damping;
 }
 
-/// Returns the speed in m/s that all mass would have if it got the energy that elastic rods start with.
+/// Says how long a scene's rods are, and how far fixed particles without one are apart.
+class LengthTable {
+ public:
+  struct Entry {
+    Real length;
+    bool elastic, clamps;
+  };
+  LengthTable(const Scene& scene, const Model& model) : scene_(scene) {
+    for (const ModelRod& rod : model.rods)
+      rods_[std::minmax(rod.a, rod.b)] = {.length = rod.length, .elastic = rod.elastic, .clamps = false};
+  }
+  Entry of(std::uint32_t a, std::uint32_t b) const {
+    const auto at = rods_.find(std::minmax(a, b));
+    if (at != rods_.end()) return at->second;
+    return {.length = norm(between(a, b)), .elastic = false, .clamps = true};
+  }
+  /// Returns the vector from a to b at the start, in m.
+  Point between(std::uint32_t a, std::uint32_t b) const {
+    return point_of(scene_.particles[b].position) - point_of(scene_.particles[a].position);
+  }
+
+ private:
+  const Scene& scene_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Entry> rods_;
+};
+
+Real fold_of(const ModelBend& bend, const LengthTable& lengths) {
+  const Point w = (1 / bend.first) * lengths.between(bend.a, bend.b) -
+                  (1 / bend.second) * lengths.between(bend.b, bend.c);
+  return dot(w, w);
+}
+
+ModelBend bend_of(const Bend& bend, std::size_t i, const LengthTable& lengths) {
+  const std::string name = "bend " + std::to_string(i);
+  if (bend.damping > 0) throw InputError(name + " is damped, which a truth does not know");
+  ModelBend out{.a = bend.a,
+                .b = bend.b,
+                .c = bend.c,
+                .first = lengths.of(bend.a, bend.b).length,
+                .second = lengths.of(bend.b, bend.c).length,
+                .stiffness = bend.stiffness,
+                .rest = 2 * std::tan(Real{bend.angle} / 2)};
+  const Real fold = fold_of(out, lengths);
+  if (!(fold < most_fold)) throw InputError(name + " starts folded by more than 165.6 degrees");
+  if (out.rest > 0 && !(fold > 0))
+    throw InputError(name + " has a rest angle and starts straight, where its pull has no direction");
+  return out;
+}
+
+ModelTwist twist_of(const Twist& twist, std::size_t i, const LengthTable& lengths) {
+  ModelTwist out{.particles = twist.particles, .lengths = {}, .angle = twist.angle};
+  Real length = 0;
+  for (std::size_t k = 1; k < twist.particles.size(); ++k) {
+    const LengthTable::Entry rod = lengths.of(twist.particles[k - 1], twist.particles[k]);
+    if (rod.elastic)
+      throw InputError("twist " + std::to_string(i) + " is of elastic rods, which a truth does not know");
+    out.lengths.push_back(rod.length);
+    if (!rod.clamps) length += rod.length;
+  }
+  out.stiffness = twist.stiffness / length;
+  return out;
+}
+
+/// Returns the speed in m/s that all mass would have if it got the energy that elastic rods, bends and twists
+/// start with.
 Real elastic_speed(const Scene& scene, const Model& model) {
   Real twice_energy = 0, mass = 0;
   for (const ModelRod& rod : model.rods) {
@@ -58,6 +125,12 @@ Real elastic_speed(const Scene& scene, const Model& model) {
     const Real excess = norm(point_of(b) - point_of(a)) - rod.length;
     twice_energy += rod.stiffness * excess * excess;
   }
+  const LengthTable lengths(scene, model);
+  for (const ModelBend& bend : model.bends) {
+    const Real fold = fold_of(bend, lengths), off = std::sqrt(fold / (1 - fold / 4)) - bend.rest;
+    twice_energy += bend.stiffness * off * off;
+  }
+  for (const ModelTwist& twist : model.twists) twice_energy += twist.stiffness * twist.angle * twist.angle;
   for (std::size_t i = 0; i < model.particles(); ++i) mass += model.fixed[i] ? 0 : model.weight[i];
   return mass > 0 ? std::sqrt(twice_energy / mass) : 0;
 }
@@ -66,12 +139,14 @@ Real elastic_speed(const Scene& scene, const Model& model) {
 
 Model make_model(const Scene& scene, MassModel mass) {
   validate(scene);
-  if (has_more_than_rods(scene))
+  Scene straight = scene;
+  straight.bends.clear();
+  straight.twists.clear();
+  if (has_more_than_rods(straight))
     throw InputError(
-        "a truth is of particles and rods alone: this scene has bends, bodies, joints, shapes, ground, drag "
-        "of "
-        "joints or "
-        "of rods, or sleepers");
+        "a truth is of particles, rods, bends and twists alone: this scene has bodies, joints, shapes, "
+        "ground, "
+        "drag of joints or of rods, or sleepers");
   Model model;
   Real fastest = 0;
   for (const Particle& particle : scene.particles) {
@@ -92,6 +167,11 @@ Model make_model(const Scene& scene, MassModel mass) {
     add_rod(model, rod, mass, out);
     model.rods.push_back(out);
   }
+  const LengthTable lengths(scene, model);
+  for (std::size_t i = 0; i < scene.bends.size(); ++i)
+    model.bends.push_back(bend_of(scene.bends[i], i, lengths));
+  for (std::size_t i = 0; i < scene.twists.size(); ++i)
+    model.twists.push_back(twist_of(scene.twists[i], i, lengths));
   model.gravity = point_of(scene.gravity);
   model.drag = scene.drag;
   if (const double diagonal = bounding_diagonal(scene); diagonal > 0) model.diagonal = diagonal;
@@ -107,6 +187,7 @@ State start_of(const Scene& scene, const Model& model) {
     state.x.push_back(point_of(particle.position));
     state.v.push_back(particle.fixed ? Point{} : point_of(particle.velocity));
   }
+  for (const ModelTwist& twist : model.twists) state.twisted.push_back(twist.angle);
   for (std::size_t i = 0; i < model.rods.size(); ++i) {
     const ModelRod& rod = model.rods[i];
     if (rod.elastic && !(norm(state.x[rod.b] - state.x[rod.a]) > 0)) {

@@ -69,15 +69,24 @@ std::string number(double value, int digits = 2) {
                     number(good_until, 6) + " s");
 }
 
-double energy_drift(const Scene& scene, const Plan& plan, const Frame& start,
-                    const std::vector<Frame>& frames) {
+/// A frame is measured together with how far chains are twisted there.
+struct Instant {
+  Frame frame;
+  std::vector<Real> twisted;
+};
+
+double energy_drift(const Scene& scene, const Plan& plan, const Instant& start,
+                    const std::vector<Instant>& instants) {
   const double range = energy_range(scene);
   if (!(range > 0)) return 0;
-  const auto energy = [&](const Frame& f) {
-    return measure_energy(scene, f.positions, f.velocities, plan.mass).total();
+  const auto energy = [&](const Instant& now) {
+    double sum = measure_energy(scene, now.frame.positions, now.frame.velocities, plan.mass).total();
+    for (std::size_t i = 0; i < now.twisted.size(); ++i)
+      sum += twist_energy(scene, i, static_cast<double>(now.twisted[i]));
+    return sum;
   };
   double worst = 0;
-  for (const Frame& frame : frames) worst = std::max(worst, std::abs(energy(frame) - energy(start)));
+  for (const Instant& now : instants) worst = std::max(worst, std::abs(energy(now) - energy(start)));
   return worst / range;
 }
 
@@ -92,7 +101,8 @@ Truth solve(const Scene& scene, const Plan& plan) {
               .speed = static_cast<double>(model.speed),
               .velocity_change = static_cast<double>(two.velocity_change()),
               .rows = two.solver().rows()};
-  const Frame first = frame_of(two.state(), 0);
+  const Instant first{frame_of(two.state(), 0), two.state().twisted};
+  std::vector<Instant> instants;
   const double end = plan.save_at.back();
   double good_until = 0;
   int next_look = 1;
@@ -113,12 +123,13 @@ Truth solve(const Scene& scene, const Plan& plan) {
     }
     if (!(now.worst() <= plan.tolerance)) give_up(now, good_until, plan.tolerance);
     truth.frames.push_back(frame_of(two.state(), t));
+    instants.push_back({truth.frames.back(), two.state().twisted});
     truth.accuracy.push_back(now);
     if (now.worst() >= truth.reached.worst()) truth.reached.t = t;
     truth.reached.position = std::max(truth.reached.position, now.position);
     truth.reached.velocity = std::max(truth.reached.velocity, now.velocity);
   }
-  truth.energy_drift = energy_drift(scene, plan, first, truth.frames);
+  truth.energy_drift = energy_drift(scene, plan, first, instants);
   truth.steps = two.steps();
   truth.redundant = two.solver().redundant();
   return truth;

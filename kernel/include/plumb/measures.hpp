@@ -36,6 +36,11 @@ struct Energy {
 PLUMB_API Energy measure_energy(const Scene& scene, std::span<const Vec3> positions,
                                 std::span<const Vec3> velocities, MassModel model = MassModel::lumped);
 
+/// Returns the energy in J of twist `i` of a valid scene, when it is twisted by `angle` (rad,
+/// World::twist()). measure_energy() leaves it out, because a chain's twist does not follow from positions.
+/// Throws InputError on an unknown twist.
+PLUMB_API double twist_energy(const Scene& scene, std::size_t i, double angle);
+
 /// Returns total mass × |g| × diagonal of the first bounding box, in J. Energy drift is relative to it.
 PLUMB_API double energy_range(const Scene& scene);
 

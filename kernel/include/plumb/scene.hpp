@@ -97,12 +97,16 @@ struct Point {
 /// a wire, a hose or a hair do. It bends nothing; Scene::bends do.
 ///
 /// The twist is spread evenly, as it is once torsional waves, which are fast, have died out. Its energy is
-/// stiffness/2 theta^2/length, in J, with theta the total twist in rad and `length` that of the chain
-/// (Langer and Singer 1996; Bergou et al. 2008). The ends' cross sections do not turn about their rods by
-/// themselves. theta is `angle` as the scene stands, and then follows from how the rods turn.
+/// stiffness/2 theta^2/length, in J. theta is the total twist in rad, right-handed along the chain, and
+/// `length` that of its rods (Langer and Singer 1996; Bergou et al. 2008).
+///
+/// The first and the last rod do not spin about themselves. theta is `angle` as the scene stands, and then
+/// follows from how the rods turn: it changes by the areas that tangents of neighbours sweep on the sphere.
+/// A wire whose tangent goes round a cone is twisted that way. Whatever holds an end carries its torque
+/// stiffness theta/length along the last rod. In a ring that is the first rod, so that nothing needs to.
 struct Twist {
-  /// Indices into Scene::particles, along the chain. There is a rod between each two. A ring ends where it
-  /// starts.
+  /// Indices into Scene::particles, along the chain. There is a rod between each two; fixed neighbours, which
+  /// clamp an end, need none. A ring ends where it starts.
   std::vector<std::uint32_t> particles{};
   double stiffness = 0;  ///< Torsional stiffness G J, in N m².
   double angle = 0;      ///< Angle by which the last cross section is turned against the first, in rad.
@@ -253,12 +257,12 @@ struct Scene {
   std::vector<Box> boxes{};             ///< Solid boxes that do not move.
 };
 
-/// Returns whether a scene has more than particles and rods: bends, shapes, ground, bodies, joints, air on
-/// rods or sleepers.
+/// Returns whether a scene has more than particles and rods: bends, twists, shapes, ground, bodies, joints,
+/// air on rods or sleepers.
 PLUMB_API bool has_more_than_rods(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, bend,
-/// body, joint or shape, and the reason.
+/// twist, body, joint or shape, and the reason.
 ///
 /// Of particles and rods it refuses:
 /// - numbers that are not finite, negative mass or drag, a movable particle without mass;
@@ -270,7 +274,12 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// Of bends it refuses:
 /// - an unknown particle, the same particle twice, three fixed particles, a second bend of the same three;
 /// - rods that are not there, unless both of their ends are fixed in different places;
-/// - negative stiffness or damping, or neither; an angle outside [0, pi).
+/// - negative stiffness or damping, or neither; an angle outside [0, 2.89].
+///
+/// Of twists it refuses:
+/// - fewer than three particles, an unknown one, the same one twice unless a ring ends there, all fixed;
+/// - rods that are not there, unless both of their ends are fixed in different places;
+/// - stiffness that is not positive, an angle that is not finite.
 ///
 /// Of bodies, joints and shapes it refuses:
 /// - a body whose particles lie in one plane (their volume is below 1e-9 of their size cubed) or lack a rod;

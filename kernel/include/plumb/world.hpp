@@ -179,6 +179,13 @@ class PLUMB_API World {
   /// whose island has joints or shapes.
   void set_length(std::uint32_t rod, double target);
 
+  /// Turns the last cross section of a twist (Scene::twists) against the first, at a constant rate during the
+  /// next step, as a motor at its end does. `angle` (rad) takes the place of Twist::angle. Throws InputError
+  /// on an unknown twist or an angle that is not finite.
+  void set_twist(std::uint32_t twist, double angle);
+  /// Returns how far a chain is twisted (Scene::twists), in rad. Throws InputError on an unknown twist.
+  double twist(std::uint32_t twist) const;
+
   /// Returns the pull of a rod in N, averaged over the last step; negative if it pushes. It is NaN before the
   /// first step, and where an island is relaxed or has joints. Throws InputError on an unknown rod, or
   /// without Settings::tensions.

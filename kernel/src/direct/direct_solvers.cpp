@@ -17,9 +17,16 @@ using layouts::lane_width;
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
 
-/// Returns the bends of an island by its vertices.
-std::vector<LoopBend> local_bends(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
-  std::vector<LoopBend> out;
+/// These bends and twists of an island are by its vertices.
+struct LocalBends {
+  std::vector<LoopBend> bends;
+  std::vector<LoopTwist> twists;
+  bool any() const { return !bends.empty() || !twists.empty(); }
+  friend auto operator<=>(const LocalBends&, const LocalBends&) = default;
+};
+
+LocalBends local_bends(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
+  LocalBends out;
   const auto vertices = sets.islands.vertices(island);
   const auto fixed = std::find_if(vertices.begin(), vertices.end(),
                                   [&](std::uint32_t i) { return scene.particles[i].fixed; });
@@ -31,7 +38,11 @@ std::vector<LoopBend> local_bends(const Scene& scene, const IslandSets& sets, st
   };
   for (const std::uint32_t i : sets.bends_of(island)) {
     const Bend& bend = scene.bends[i];
-    out.push_back({{place(bend.a), place(bend.b), place(bend.c)}});
+    out.bends.push_back({{place(bend.a), place(bend.b), place(bend.c)}});
+  }
+  for (const std::uint32_t i : sets.twists_of(island)) {
+    LoopTwist& twist = out.twists.emplace_back();
+    for (const std::uint32_t particle : scene.twists[i].particles) twist.vertices.push_back(place(particle));
   }
   return out;
 }
@@ -54,9 +65,9 @@ class Maker {
   std::vector<MadeSolver> make() {
     for (const std::vector<std::uint32_t>& alike : sets_.sets) {
       std::vector<std::uint32_t> equal;
-      std::map<std::vector<LoopBend>, std::vector<std::uint32_t>> bent;
+      std::map<LocalBends, std::vector<std::uint32_t>> bent;
       for (const std::uint32_t island : alike)
-        if (sets_.bends_of(island).empty())
+        if (sets_.bends_of(island).empty() && sets_.twists_of(island).empty())
           equal.push_back(island);
         else
           bent[local_bends(scene_, sets_, island)].push_back(island);
@@ -135,7 +146,7 @@ class Maker {
   }
 
   void add_loops(const std::vector<std::uint32_t>& equal, const layouts::Graph& local,
-                 const std::vector<LoopBend>& bends) {
+                 const LocalBends& bends) {
     if (!loop_rules_) {
       loop_rules_ = std::make_shared<LoopRules>(rules_.gradient, rules_.time_order, scene_.drag,
                                                 settings_.accuracy, isa());
@@ -145,18 +156,20 @@ class Maker {
       return carries_mass(scene_, sets_.islands.edges(island), model());
     });
     const auto topology = std::make_shared<LoopTopology>(local);
-    topology->bends = bends;
-    const bool gives = !bends.empty() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
-      return has_laws(scene_, sets_.islands.edges(island));
-    });
-    const bool all_give = bends.empty() && std::all_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+    topology->bends = bends.bends;
+    topology->twists = bends.twists;
+    const bool gives = bends.any() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+                         return has_laws(scene_, sets_.islands.edges(island));
+                       });
+    const bool all_give = !bends.any() && std::all_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
                             return all_elastic(scene_, sets_.islands.edges(island));
                           });
     if (!couples && all_give && !is_thin(local)) {
       topology->use_net();
     } else if (couples || gives || is_thin(local)) {
       topology->system = std::make_unique<LoopSystem>(topology->rods, topology->nodes,
-                                                      LoopStepper::couples(rules_.gradient, model()), bends);
+                                                      LoopStepper::couples(rules_.gradient, model()),
+                                                      topology->bends, topology->twists);
     } else {
       std::vector<Vec3> positions;
       for (const std::uint32_t vertex : sets_.islands.vertices(equal.front()))
@@ -173,13 +186,21 @@ class Maker {
       const auto rods = sets_.islands.edges(island);
       for (std::uint32_t k = 0; k < rods.size(); ++k) made.rods.push_back({rods[k], k});
       LoopState state(topology, scene_, model(), vertices, sets_.islands.edges(island));
-      load_bends(state, bends_, sets_.bends_of(island));
+      if (bends.any()) load_bends(state, island, made);
       auto solver = std::make_unique<LoopSolver>(loop_rules_, std::move(state));
       start(*solver, std::span(&island, 1), made);
       if (settings_.tensions) solver->count_pulls();
       made.solver = std::move(solver);
       made_.push_back(std::move(made));
     }
+  }
+
+  void load_bends(LoopState& state, std::uint32_t island, MadeSolver& made) const {
+    const IslandRods rods(state.topology->rods);
+    detail::load_bends(state, bends_, rods, sets_.bends_of(island));
+    load_twists(state, bends_, rods, sets_.twists_of(island));
+    for (const std::uint32_t twist : sets_.twists_of(island))
+      made.twists.emplace_back(twist, static_cast<Slot>(made.twists.size()));
   }
 
   /// Positions come first, before there are velocities.

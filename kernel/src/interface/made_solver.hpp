@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "interface/solver.hpp"
@@ -22,6 +23,7 @@ struct MadeSolver {
   std::unique_ptr<Solver> solver;
   std::vector<Place> places;
   std::vector<RodPlace> rods{};
+  std::vector<std::pair<std::uint32_t, Slot>> twists{};  ///< the scene's numbers and the solver's
 };
 
 /// Says by how much a solver had to change the initial state (see WorldInfo).

@@ -159,6 +159,12 @@ class Solver {
   /// begin_piece().
   virtual void set_length(Slot, double /*length*/, double /*rate*/) {}
 
+  // --- Twists, by slots of their own; of solvers that have them (MadeSolver::twists)
+
+  /// Lets the last cross section of a chain be turned to `angle` (rad) at the end of the next step.
+  virtual void set_twist(Slot, double /*angle*/) {}
+  virtual double twist(Slot) const { return 0; }  ///< rad
+
   // --- Settings and reports
 
   /// Returns whether sweeps move rods, so that the stop rule says how much work there is.

@@ -5,6 +5,7 @@
 
 #include "plumb/error.hpp"
 #include "scene/bends/bends.hpp"
+#include "scene/bends/twists.hpp"
 
 namespace plumb {
 namespace {
@@ -89,6 +90,14 @@ Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::
   }
   energy.elastic += detail::bending_energy(scene, positions);
   return energy;
+}
+
+double twist_energy(const Scene& scene, std::size_t i, double angle) {
+  if (i >= scene.twists.size())
+    throw InputError("twist " + std::to_string(i) + ": unknown, the scene has " +
+                     std::to_string(scene.twists.size()) + " twists");
+  const Twist& twist = scene.twists[i];
+  return 0.5 * twist.stiffness / detail::twist_length(scene, detail::RodTable(scene), twist) * angle * angle;
 }
 
 double energy_range(const Scene& scene) {

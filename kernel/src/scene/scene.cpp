@@ -8,6 +8,7 @@
 #include "plumb/error.hpp"
 #include "scene/barycentric.hpp"
 #include "scene/bends/bends.hpp"
+#include "scene/bends/twists.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
 #include "scene/validate_bodies.hpp"
@@ -120,6 +121,7 @@ void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.rods.size(); ++i) validate_rod(scene, i);
   refuse_duplicate_rods(scene.rods);
   detail::validate_bends(scene);
+  detail::validate_twists(scene);
   detail::validate_bodies(scene);
   validate_lumped_masses(scene);
   detail::validate_joints(scene);
@@ -127,9 +129,9 @@ void validate(const Scene& scene) {
 }
 
 bool has_more_than_rods(const Scene& scene) {
-  const bool plain = scene.bends.empty() && scene.bodies.empty() && scene.pins.empty() &&
-                     scene.alignments.empty() && scene.angles.empty() && scene.capsules.empty() &&
-                     scene.planes.empty() && scene.boxes.empty();
+  const bool plain = scene.bends.empty() && scene.twists.empty() && scene.bodies.empty() &&
+                     scene.pins.empty() && scene.alignments.empty() && scene.angles.empty() &&
+                     scene.capsules.empty() && scene.planes.empty() && scene.boxes.empty();
   const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
                                   [](const Particle& particle) { return particle.asleep; });
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {

@@ -207,7 +207,19 @@ void Step::set_length(std::uint32_t rod, double target) {
   lengths_.set_target(rod, target);
 }
 
+void Step::set_twist(std::uint32_t twist, double angle) {
+  for (const Place place : compiled_.twists.of(twist)) {
+    solver(place).set_twist(place.slot, angle);
+    sleep_.wake(compiled_.solvers, place);
+  }
+}
+
 // --- Reading
+
+double Step::twist(std::uint32_t twist) const {
+  const Place place = compiled_.twists.of(twist).front();
+  return solver(place).twist(place.slot);
+}
 
 double Step::pull(std::uint32_t rod) const {
   const auto places = compiled_.rods.of(rod);

@@ -36,6 +36,9 @@ class Step {
   double pull(std::uint32_t rod) const;
   bool is_broken(std::uint32_t rod) const;
 
+  double twist(std::uint32_t twist) const;
+  void set_twist(std::uint32_t twist, double angle);
+
   std::vector<Problem> problems(double most_strain) const;
 
   Vec3 position(std::uint32_t particle) const;

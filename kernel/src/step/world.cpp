@@ -30,7 +30,7 @@ struct World::Impl {
   std::vector<std::uint8_t> fixed;
   Precision precision = Precision::double_;
   std::uint32_t substeps = 1;
-  std::uint32_t rods = 0;
+  std::uint32_t rods = 0, twists = 0;
   bool tensions = false;
   double time = 0;
 
@@ -45,6 +45,9 @@ struct World::Impl {
   }
   void require_rod(std::uint32_t rod) const {
     if (rod >= rods) refuse("rod ", rod, ": unknown, the scene has ", rods, " rods");
+  }
+  void require_twist(std::uint32_t twist) const {
+    if (twist >= twists) refuse("twist ", twist, ": unknown, the scene has ", twists, " twists");
   }
   void require_tensions() const {
     if (!tensions) refuse("tensions are not known: Settings::tensions asks for them");
@@ -67,6 +70,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->substeps = settings.substeps;
   impl_->tensions = settings.tensions;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
+  impl_->twists = static_cast<std::uint32_t>(scene.twists.size());
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -113,6 +117,16 @@ void World::set_length(std::uint32_t rod, double target) {
   if (!(target > 0 && std::isfinite(target)))
     refuse("rod ", rod, ": a length must be positive and finite, got ", target, " m");
   impl_->step->set_length(rod, target);
+}
+
+void World::set_twist(std::uint32_t twist, double angle) {
+  impl_->require_twist(twist);
+  if (!std::isfinite(angle)) refuse("twist ", twist, ": angle is not finite");
+  impl_->step->set_twist(twist, angle);
+}
+double World::twist(std::uint32_t twist) const {
+  impl_->require_twist(twist);
+  return impl_->step->twist(twist);
 }
 
 double World::tension(std::uint32_t rod) const {

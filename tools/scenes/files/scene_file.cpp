@@ -67,10 +67,24 @@ void read_bends(const Object& top, Scene& scene) {
   }
 }
 
+void read_twists(const Object& top, Scene& scene) {
+  if (!top.find("twists")) return;
+  const Array list(top, "twists");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Object item(list[i], list.path_of(i), {"particles", "stiffness", "angle"});
+    Twist& twist = scene.twists.emplace_back();
+    const Array particles(item, "particles");
+    for (std::size_t k = 0; k < particles.size(); ++k)
+      twist.particles.push_back(particle_id(particles[k], particles.path_of(k)));
+    twist.stiffness = number(item, "stiffness");
+    twist.angle = number_or(item, "angle", 0);
+  }
+}
+
 Scene scene_of(const json& root) {
   const Object top(root, "",
-                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "bodies", "pins",
-                    "alignments", "angles", "capsules", "planes", "boxes"});
+                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "twists",
+                    "bodies", "pins", "alignments", "angles", "capsules", "planes", "boxes"});
   require_version(top, "plumb", 1);
   Scene scene;
   scene.gravity = vector_or(top, "gravity", scene.gravity);
@@ -79,6 +93,7 @@ Scene scene_of(const json& root) {
   read_particles(top, scene);
   read_rods(top, scene);
   read_bends(top, scene);
+  read_twists(top, scene);
   read_limbs(top, scene);
   return scene;
 }
@@ -129,6 +144,12 @@ std::string format_scene(const Scene& scene) {
       if (bend.stiffness != 0) object["stiffness"] = bend.stiffness;
       if (bend.angle != 0) object["angle"] = bend.angle;
       if (bend.damping != 0) object["damping"] = bend.damping;
+      return object;
+    });
+  if (!scene.twists.empty())
+    append_list(out, "twists", scene.twists, [](const Twist& twist) {
+      Json object{{"particles", Json::array_of(twist.particles)}, {"stiffness", twist.stiffness}};
+      if (twist.angle != 0) object["angle"] = twist.angle;
       return object;
     });
   append_limbs(out, scene);

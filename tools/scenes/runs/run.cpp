@@ -70,6 +70,14 @@ void leave_out_broken(const World& world, Scene& measured) {
     if (world.is_broken(i)) measured.rods[i].law = {.stiffness = 0};
 }
 
+/// Returns the energy of a world, in J. What bends and rods hold is as `measured` says.
+double energy_of(const World& world, const Scene& measured, const Frame& now, MassModel mass) {
+  double energy = measure_energy(measured, now.positions, now.velocities, mass).total();
+  for (std::uint32_t i = 0; i < measured.twists.size(); ++i)
+    energy += twist_energy(measured, i, world.twist(i));
+  return energy;
+}
+
 void copy_state(const World& world, Frame& frame) {
   world.copy_positions(frame.positions);
   world.copy_velocities(frame.velocities);
@@ -133,8 +141,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   };
 
   visit(0);
-  result.energy.initial = result.energy.final =
-      measure_energy(measured, now.positions, now.velocities, mass).total();
+  result.energy.initial = result.energy.final = energy_of(world, measured, now, mass);
   result.energy.range = energy_range(scene);
   double squares = 0;
   Clock::duration wall{};
@@ -152,7 +159,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
       result.stretch.max = stretch.max;
       result.stretch.max_rod = stretch.max_rod;
     }
-    result.energy.final = measure_energy(measured, now.positions, now.velocities, mass).total();
+    result.energy.final = energy_of(world, measured, now, mass);
     const double drift = std::abs(result.energy.final - result.energy.initial);
     if (!(drift <= result.energy.drift_max) && !std::isnan(result.energy.drift_max))
       result.energy.drift_max = drift;

@@ -58,6 +58,16 @@ void Integrator::refuse_shrinking() const {
                     " s: steps there shrink to nothing" + why);
 }
 
+void Integrator::refuse_folds() const {
+  for (std::size_t i = 0; i < model_.bends.size(); ++i) {
+    const auto& [a, b, c, first, second, stiffness, rest] = model_.bends[i];
+    const Point w = (1 / first) * (state_.x[b] - state_.x[a]) - (1 / second) * (state_.x[c] - state_.x[b]);
+    if (!(dot(w, w) < most_fold))
+      throw Unreachable("bend " + std::to_string(i) + " is folded by more than 165.6 degrees at t = " +
+                        text(time_, 6) + " s, where its law has no series");
+  }
+}
+
 /// Takes Newton steps on the lengths with the factors at hand, then solves once for the velocities. Returns
 /// by how much these changed at most, in m/s.
 Real Integrator::project() {
@@ -102,6 +112,7 @@ void Integrator::finish_step(Real h) {
   std::swap(state_, next_);
   time_ += h;
   ++steps_;
+  refuse_folds();
   solver_.factor(state_.x);
   project();
 }

@@ -39,6 +39,7 @@ class Integrator {
   Real project();
   [[noreturn]] void refuse_stretch(const WorstRod& worst) const;
   [[noreturn]] void refuse_shrinking() const;
+  void refuse_folds() const;
 
   const Model& model_;
   Settings settings_;

@@ -25,7 +25,7 @@ Real value_at(const Real* c, std::size_t powers, Real t) {
 }  // namespace
 
 TaylorSeries::TaylorSeries(const Model& model, std::uint32_t order)
-    : model_(model), powers_(order + 2), norm_(powers_) {
+    : model_(model), powers_(order + 2), bent_(model, powers_), norm_(powers_) {
   for (auto* values : {&x_, &y_, &z_}) values->assign(model.particles() * powers_, 0);
   for (auto* values : {&dx_, &dy_, &dz_, &mu_, &length_}) values->assign(model.rods.size() * powers_, 0);
   f_.resize(model.particles());
@@ -121,6 +121,12 @@ void TaylorSeries::expand(const State& state, ConstraintSolver& solver) {
       f_[i] = k == 0 && !model_.fixed[i] ? model_.weight[i] * model_.gravity : Point{};
     }
     weigh_rods(k);
+    bent_.add_forces(
+        k,
+        [&](std::size_t i, std::size_t power) {
+          return Point{coefficient(x_, i, power), coefficient(y_, i, power), coefficient(z_, i, power)};
+        },
+        state, f_);
     // The system is solved for a + drag v, whose mass-weighted value needs no drag. So M need not be applied
     // to v.
     solver.solve(f_, c_, a_, push_);
@@ -164,6 +170,7 @@ void TaylorSeries::evaluate(Real t, State& out) const {
     sum(y_, i, out.x[i].y, out.v[i].y);
     sum(z_, i, out.x[i].z, out.v[i].z);
   }
+  for (std::size_t i = 0; i < out.twisted.size(); ++i) out.twisted[i] = bent_.twist_at(i, t);
 }
 
 bool TaylorSeries::lengths_hold(Real t, const State& state, Real most) const {

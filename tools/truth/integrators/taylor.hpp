@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "truth/constraint_solver.hpp"
+#include "truth/integrators/bent_series.hpp"
 #include "truth/model.hpp"
 
 namespace plumb::truth {
@@ -21,6 +22,8 @@ namespace plumb::truth {
 ///
 ///   l_0 l_k = 1/2 (sum_{j=0..k} d_j·d_{k-j} - sum_{j=1..k-1} l_j l_{k-j}),
 ///   l_0 mu_k = -stiffness (l_k - [length if k = 0]) - damping (k+1) l_{k+1} - sum_{j<k} mu_j l_{k-j}
+///
+/// Bends and twists push likewise, see BentSeries.
 ///
 /// The recursion is that of Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section
 /// I.8. The constraint is differentiated as often as there are coefficients. The order is whatever is asked
@@ -56,6 +59,7 @@ class TaylorSeries {
 
   const Model& model_;
   std::size_t powers_;  ///< Powers of t that are kept: order + 2.
+  BentSeries bent_;
   // An item's powers lie side by side, because convolutions run along them.
   std::vector<Real> x_, y_, z_;     ///< Coefficients of particles.
   std::vector<Real> dx_, dy_, dz_;  ///< Coefficients of rods, from a to b.

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <utility>
 
 #include "direct/loops/loop_stepper.hpp"
 #include "direct/loops/loop_vectors.hpp"
 #include "scene/bends/bends.hpp"
 #include "scene/bends/curvature.hpp"
+#include "scene/bends/twists.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -38,7 +37,7 @@ BendNumbers present_numbers(const LoopState& state, const LoopBendNumbers& bend)
   double lengths[2] = {-1 / out.weights[0], -1 / out.weights[2]};
   for (std::size_t side = 0; side < 2; ++side) {
     const std::uint32_t rod = bend.rods[side];
-    if (rod == LoopBendNumbers::no_rod) continue;
+    if (rod == IslandRods::none) continue;
     if (state.laws.is_broken(rod)) return {out.weights, 0, out.curvature, 0};
     if (state.laws.moves) lengths[side] = std::sqrt(state.length2[rod]);
   }
@@ -48,25 +47,21 @@ BendNumbers present_numbers(const LoopState& state, const LoopBendNumbers& bend)
 
 }  // namespace
 
-BendTable::BendTable(const Scene& of) : scene(of), lengths(bend_lengths(of)) {}
+BendTable::BendTable(const Scene& of) : scene(of), lengths(bend_lengths(of)) {
+  if (of.twists.empty()) return;
+  const RodTable rods(of);
+  for (const Twist& twist : of.twists) twist_lengths.push_back(twist_length(of, rods, twist));
+}
 
-void load_bends(LoopState& state, const BendTable& table, std::span<const std::uint32_t> bends) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> rods;
-  for (std::uint32_t k = 0; k < state.topology->rods.size(); ++k) {
-    const auto [a, b] = state.topology->rods[k];
-    rods[std::minmax(a, b)] = k;
-  }
-  const auto rod = [&](std::uint32_t a, std::uint32_t b) {
-    const auto at = rods.find(std::minmax(a, b));
-    return at == rods.end() ? LoopBendNumbers::no_rod : at->second;
-  };
+void load_bends(LoopState& state, const BendTable& table, const IslandRods& rods,
+                std::span<const std::uint32_t> bends) {
   for (std::size_t k = 0; k < bends.size(); ++k) {
     const Bend& bend = table.scene.bends[bends[k]];
     const auto [first, second] = table.lengths[bends[k]];
     const auto [a, b, c] = state.topology->bends[k].vertices;
     state.bends.push_back({{weights_of(first, second), bend.stiffness / state.mass_unit,
                             curvature_of_angle(bend.angle), bend.damping / state.mass_unit},
-                           {rod(a, b), rod(b, c)}});
+                           {rods.find(a, b), rods.find(b, c)}});
   }
 }
 
@@ -109,12 +104,15 @@ void pull_by_bends(const LoopState& state, double theta, bool gives, const LoopW
   }
 }
 
-double work_of_bends(const LoopState& state, double theta, const LoopWorkspace& work) {
-  double sum = 0;
-  for (std::uint32_t k = 0; k < state.bends.size(); ++k)
-    sum -= dot(pull_of(state, k, theta, false, work).pull,
-               weighted(work.bends[k], state.topology->bends[k], work.delta));
-  return sum;
+LoopWork work_of_bends(const LoopState& state, const LoopWorkspace& work, double least) {
+  LoopWork out;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const Vec3 pull = pull_of(state, k, 0.5, false, work).pull;
+    const Vec3 change = weighted(work.bends[k], state.topology->bends[k], work.delta);
+    out.done -= dot(pull, change);
+    out.scale += norm(pull) * (norm(change) + least);
+  }
+  return out;
 }
 
 double energy_of_bends(const LoopState& state, const LoopWorkspace& work) {

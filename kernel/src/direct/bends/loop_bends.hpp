@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "direct/bends/bend_law.hpp"
+#include "direct/bends/island_rods.hpp"
 #include "direct/bends/loop_bend.hpp"
+#include "direct/loops/loop_rod.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
@@ -16,21 +18,21 @@ struct LoopWorkspace;
 
 /// An island has these numbers of a bend. Those of the law hold while its rods have the lengths of the scene.
 struct LoopBendNumbers {
-  static constexpr std::uint32_t no_rod = 0xffffffff;
-
   BendNumbers law;
-  std::array<std::uint32_t, 2> rods;  ///< The island's rods from a to b and from b to c, or no_rod.
+  std::array<std::uint32_t, 2> rods;  ///< The island's rods from a to b and from b to c, or IslandRods::none.
 };
 
-/// A scene's bends, as solvers of islands take them.
+/// A scene's bends and twists, as solvers of islands take them.
 struct BendTable {
   explicit BendTable(const Scene& scene);
   const Scene& scene;
   std::vector<std::array<double, 2>> lengths;  ///< See bend_lengths().
+  std::vector<double> twist_lengths;           ///< See twist_length().
 };
 
 /// Gives an island the numbers of its bends, in the order of its topology.
-void load_bends(LoopState& state, const BendTable& table, std::span<const std::uint32_t> bends);
+void load_bends(LoopState& state, const BendTable& table, const IslandRods& rods,
+                std::span<const std::uint32_t> bends);
 
 /// Measures w of every bend at the start of a substep. Rods that change their length change its numbers, and
 /// a broken rod takes it out.
@@ -45,8 +47,8 @@ void write_bends(const LoopState& state, double theta, bool gives, const LoopWor
 void pull_by_bends(const LoopState& state, double theta, bool gives, const LoopWorkspace& work,
                    std::span<double> right);
 
-/// Returns the work of bends in a substep by theta, in units of delta . M delta.
-double work_of_bends(const LoopState& state, double theta, const LoopWorkspace& work);
+/// Returns the work of bends in a substep of gradient mid. Directions turn by `least` at least for its scale.
+LoopWork work_of_bends(const LoopState& state, const LoopWorkspace& work, double least);
 
 /// Returns the energy of all bends at the end of a substep, in the same units.
 double energy_of_bends(const LoopState& state, const LoopWorkspace& work);

@@ -22,12 +22,15 @@ bool is_held(const LoopState& state, std::uint32_t vertex) {
   return vertex >= state.topology->nodes || state.locks.has(vertex);
 }
 
-/// Adds what bends do to Newton's matrix, and returns how much a node resists with its own part of it.
+/// Adds what bends and twists do to Newton's matrix, and returns how much a node resists by bends with its
+/// own part of it.
 void add_bends(const LoopState& state, double theta, double soft, LoopWorkspace& work,
                LoopWorkspace::Factor& factor) {
   std::fill(work.resists.begin(), work.resists.end(), 0.0);
   write_bends(state, theta, soft > 0, work, std::span(factor.values).subspan(factor.system->at_bends()),
               work.resists);
+  if (!state.twists.empty())
+    write_twists(state, theta, soft > 0, work, std::span(factor.values).subspan(factor.system->at_twists()));
 }
 
 void write_rod(double* values, Vec3 force, Vec3 gradient, double soft) {
@@ -145,6 +148,7 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
     right[analysis.position(shape.nodes + k)] = -rod.c;
   }
   if (!state.bends.empty()) pull_by_bends(state, theta, soft > 0, work, factor.right);
+  if (!state.twists.empty()) pull_by_twists(state, theta, soft > 0, work, factor.right);
   hold_locked(state, analysis, right);
   factor.ldu.solve(factor.right);
   double sum = 0;
@@ -163,6 +167,7 @@ void apply_change(LoopState& state, double scale, LoopWorkspace& work, const Loo
       work.delta[3 * i + c] += scale * factor.right[analysis.position(i) + c];
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
     state.mu[k] += scale * factor.right[analysis.position(shape.nodes + k)];
+  change_torques(state, scale, factor.right, work);
 }
 
 double largest_misfit(const LoopState& state, const LoopWorkspace& work,

@@ -54,7 +54,11 @@ class LoopSolver final : public Solver {
   std::uint32_t cuts(std::uint32_t, double h) const override { return rules_->stepper.cuts(state_, h); }
   bool anchors_changed(std::uint32_t) const override { return anchors_changed_ || lengths_changed_; }
   bool starts_anew(std::uint32_t) const override { return anchors_changed(0) || state_.u_step == 0; }
-  void end_step(StepReport&) override { lengths_changed_ = false; }
+  void begin_step(double dt, Team&) override { begin_twists(state_, dt); }
+  void end_step(StepReport&) override {
+    lengths_changed_ = false;
+    finish_twists(state_);
+  }
   void save(std::uint32_t, Saved which) override;
   void restore(std::uint32_t, Saved which) override;
   void mark(std::uint32_t) override { mark_ = state_.x; }
@@ -82,6 +86,9 @@ class LoopSolver final : public Solver {
   double pull(Slot rod, double dt) const override { return state_.laws.impulse[rod] / dt; }
   bool is_broken(Slot rod) const override;
   void set_length(Slot rod, double length, double rate) override;
+
+  void set_twist(Slot twist, double angle) override { state_.twists[twist].target = angle; }
+  double twist(Slot twist) const override { return state_.twisted[twist]; }
 
   bool set_stop_rule(const StopRule& rule) override;
   void describe(WorldInfo& info) const override;

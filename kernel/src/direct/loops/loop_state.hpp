@@ -12,6 +12,7 @@
 #include "direct/locks/locks.hpp"
 #include "direct/loops/loop_rod.hpp"
 #include "direct/nets/rod_lines.hpp"
+#include "direct/twists/loop_twists.hpp"
 #include "linear/sparse_ldu.hpp"
 #include "plumb/layouts/graph.hpp"
 #include "plumb/scene.hpp"
@@ -26,17 +27,22 @@ namespace plumb::detail {
 /// Its values begin with the diagonal of every node. Then every rod has the coupling of its ends, what -A^T
 /// has at b (3) and at a (3), what B has at a (3) and at b (3), and soft. Bends add 3 x 3 numbers to M for
 /// each pair of their particles. They are never rigid, so that a multiplier would only make the system
-/// larger.
+/// larger. Every twist adds its torque to the unknowns: one for all of its chain, which keeps the rest
+/// sparse.
 struct LoopSystem {
   LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples,
-             const std::vector<LoopBend>& bends = {});
+             const std::vector<LoopBend>& bends = {}, const std::vector<LoopTwist>& twists = {});
 
   static constexpr std::uint32_t per_rod = 14;
   std::size_t at(std::uint32_t rod) const { return nodes + std::size_t{per_rod} * rod; }
   std::size_t at_bends() const { return at(rods); }  ///< Bends begin there.
-  std::size_t values() const { return at_bends() + std::size_t{LoopBend::values} * bends; }
+  std::size_t at_twists() const { return at_bends() + std::size_t{LoopBend::values} * bends; }
+  std::size_t values() const { return at_twists() + twist_values; }
+  /// Returns the variable of a twist's torque.
+  std::uint32_t torque(std::uint32_t twist) const { return nodes + rods + twist; }
 
   std::uint32_t nodes, rods, bends;
+  std::size_t twist_values = 0;
   bool couples;  ///< It says whether ends of a rod meet other than through it.
   SparseAnalysis analysis;
 };
@@ -56,6 +62,7 @@ struct LoopTopology {
   std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
   std::vector<LoopRod> rods;
   std::vector<LoopBend> bends;
+  std::vector<LoopTwist> twists;
   /// One of these is there. The others are for islands whose factorisations would be dear. Who needs a system
   /// all the same makes it.
   std::unique_ptr<const LoopSystem> system;
@@ -82,6 +89,7 @@ struct LoopMotion {
   std::uint32_t next_damped = 0;  ///< The next time it will be so many.
   /// Substeps longer than this (s) are cut before they are tried.
   double longest = std::numeric_limits<double>::infinity();
+  std::vector<double> twisted;  ///< Chains are twisted so far, in rad.
   LoopLaws laws;
   double u_step = 0;   ///< It is in s.
   double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
@@ -106,6 +114,7 @@ struct LoopState : LoopMotion {
       length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
   std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
   std::vector<LoopBendNumbers> bends;
+  std::vector<LoopTwistNumbers> twists;
   Locks locks;
   bool anchors_move = false;
   double mass_unit = 1;  ///< It is in kg.

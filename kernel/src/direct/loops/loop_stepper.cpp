@@ -8,7 +8,6 @@
 #include "direct/displacements/elastic_rods.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_vectors.hpp"
-#include "direct/nets/loop_lines.hpp"
 #include "math/elementary.hpp"
 #include "time/composition.hpp"
 #include "time/verlet.hpp"
@@ -103,6 +102,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h);
   work.laws.is_mid = gradient == Gradient::mid;
   if (state.laws.moves) set_substep_lengths(state.laws, h, state.length2);
+  start_twists(state, h, work);
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
@@ -129,7 +129,8 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
 }
 
 /// Gradient mid keeps energy as far as rods keep their lengths. delta . (M delta - load) is what they did,
-/// zero but for rounding. Where rods are nearly redundant, multipliers can be so large that it is not.
+/// zero but for rounding. Where rods are nearly redundant, multipliers can be so large that it is not. Bends
+/// and twists are loads too, since rods hold against them.
 bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work) const {
   if (state.anchors_move) return true;
   const LoopTopology& shape = *state.topology;
@@ -147,7 +148,8 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     if (state.laws.any() && (!state.laws.is_rigid(k) || state.laws.is_one_sided(k)))
       done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
   }
-  done -= work_of_bends(state, theta_of(Gradient::mid), work);
+  for (const auto& of : {work_of_bends(state, work, least_motion), work_of_twists(state, work, least_motion)})
+    done -= of.done, scale += of.scale;
   return std::abs(done) <= energy_tolerance * scale;
 }
 
@@ -247,6 +249,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   const double error = state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
   state.known = gradient == gradient_ ? std::min(state.known + 1, 2u) : 0;
   const double decay = detail::exp(-drag_ * h / 2);
+  end_twists(state, h, work);
   for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     const double delta = work.delta[i];
@@ -354,8 +357,7 @@ void LoopStepper::advance_elastic(LoopState& state, double h, LoopWorkspace& wor
   measure_rods(state, work);
   ++counters.elastic_substeps;
   work.factor(true).h = 0;
-  const bool moves = let_rods_give(state, work, counters);
-  if (moves) accept(state, h, Gradient::new_, work, counters);
+  if (let_rods_give(state, work, counters)) accept(state, h, Gradient::new_, work, counters);
   std::fill(state.mu.begin(), state.mu.end(), 0.0);
 }
 

@@ -55,6 +55,7 @@ struct LoopWorkspace {
   std::vector<BendNumbers> bends;  ///< They hold for this substep.
   std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
   std::vector<double> resists;     ///< Bends resist a node's displacement by so much; it has one per node.
+  std::vector<TwistSubstep> twists;
   LawWorkspace laws;
   LoopMotion saved;
 };

@@ -11,22 +11,41 @@ namespace {
 
 using Index = std::uint32_t;
 
-/// Returns the pairs of nodes that rods and bends couple.
-std::vector<std::pair<Index, Index>> edges_of(const std::vector<LoopRod>& rods,
-                                              const std::vector<LoopBend>& bends, Index nodes) {
+/// Rods, bends and twists of an island with so many nodes.
+struct Parts {
+  const std::vector<LoopRod>& rods;
+  const std::vector<LoopBend>& bends;
+  const std::vector<LoopTwist>& twists;
+  Index nodes;
+};
+
+/// Returns the pairs of nodes that rods, bends and twists couple.
+std::vector<std::pair<Index, Index>> edges_of(const Parts& of) {
+  const auto& [rods, bends, twists, nodes] = of;
   std::vector<std::pair<Index, Index>> out;
   for (const LoopRod rod : rods)
     if (rod.b < nodes) out.emplace_back(rod.a, rod.b);
+  const auto add = [&](Index a, Index b) {
+    if (a < nodes && b < nodes) out.emplace_back(a, b);
+  };
   for (const LoopBend& bend : bends)
     for (const auto [i, j] : LoopBend::pairs)
-      if (i != j && bend.vertices[i] < nodes && bend.vertices[j] < nodes)
-        out.emplace_back(bend.vertices[i], bend.vertices[j]);
+      if (i != j) add(bend.vertices[i], bend.vertices[j]);
+  for (const LoopTwist& twist : twists)
+    for (Index k = 0; k < twist.joints(); ++k) {
+      const auto [a, b, c] = twist.joint(k);
+      add(a, b);
+      add(b, c);
+      add(a, c);
+    }
   return out;
 }
 
 /// Puts nodes in the order given and every rod right after the second of its ends. A rod's pivot is then what
-/// both of its ends can yield, which is never zero but for rods that others make redundant.
-std::vector<Index> with_rods(const std::vector<Index>& nodes, const std::vector<LoopRod>& rods) {
+/// both of its ends can yield, which is never zero but for rods that others make redundant. Torques come
+/// last, since they meet all of a chain.
+std::vector<Index> with_rods(const std::vector<Index>& nodes, const Parts& of) {
+  const std::vector<LoopRod>& rods = of.rods;
   const auto n = static_cast<Index>(nodes.size());
   std::vector<Index> number(n);
   for (Index i = 0; i < n; ++i) number[nodes[i]] = i;
@@ -38,6 +57,7 @@ std::vector<Index> with_rods(const std::vector<Index>& nodes, const std::vector<
     order.push_back(nodes[i]);
     for (const Index k : after[i]) order.push_back(n + k);
   }
+  for (std::size_t k = 0; k < of.twists.size(); ++k) order.push_back(n + static_cast<Index>(rods.size() + k));
   return order;
 }
 
@@ -56,11 +76,34 @@ void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& patter
   }
 }
 
-SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends, Index nodes,
-                       bool couples) {
+/// Adds what a twist couples, as add_bend() does. `torque` is its variable.
+void add_twist(const LoopTwist& twist, Index nodes, Index torque, Index at, SparsePattern& pattern,
+               std::vector<SparseEntry>& entries) {
+  for (Index k = 0; k < twist.joints(); ++k) {
+    const std::array<Index, 3> joint = twist.joint(k);
+    for (const Index a : joint)
+      for (const Index b : joint)
+        for (Index c = 0; c < 9; ++c, ++at)
+          if (a < nodes && b < nodes) entries.push_back({a, c / 3, b, c % 3, at});
+    for (const bool is_row : {false, true})
+      for (const Index a : joint)
+        for (Index c = 0; c < 3; ++c, ++at)
+          if (a < nodes)
+            entries.push_back(is_row ? SparseEntry{torque, 0, a, c, at} : SparseEntry{a, c, torque, 0, at});
+    for (Index i = 0; i < 3; ++i) {
+      const Index a = joint[i], b = joint[(i + 1) % 3];
+      if (a < nodes) pattern.meet.emplace_back(a, torque);
+      if (a < nodes && b < nodes) pattern.meet.emplace_back(a, b);
+    }
+  }
+  entries.push_back({torque, 0, torque, 0, at});
+}
+
+SparseAnalysis analyse(const Parts& of, bool couples) {
+  const auto& [rods, bends, twists, nodes] = of;
   SparsePattern pattern;
   pattern.size.assign(nodes, 3);
-  pattern.size.resize(nodes + rods.size(), 1);
+  pattern.size.resize(nodes + rods.size() + twists.size(), 1);
   std::vector<SparseEntry> entries;
   for (Index i = 0; i < nodes; ++i)
     for (Index c = 0; c < 3; ++c) entries.push_back({i, c, i, c, i});
@@ -87,11 +130,16 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopB
     add_bend(bend, nodes, at, pattern, entries);
     at += LoopBend::values;
   }
-  const std::vector<std::pair<Index, Index>> edges = edges_of(rods, bends, nodes);
-  pattern.order = with_rods(order_by_degree(nodes, edges), rods);
+  auto torque = nodes + static_cast<Index>(rods.size());
+  for (const LoopTwist& twist : twists) {
+    add_twist(twist, nodes, torque++, at, pattern, entries);
+    at += twist.values();
+  }
+  const std::vector<std::pair<Index, Index>> edges = edges_of(of);
+  pattern.order = with_rods(order_by_degree(nodes, edges), of);
   if (nodes > least_dissected) {
     SparsePattern other = pattern;
-    other.order = with_rods(order_by_dissection(nodes, edges), rods);
+    other.order = with_rods(order_by_dissection(nodes, edges), of);
     if (SparseAnalysis::estimate(other) < SparseAnalysis::estimate(pattern)) pattern = std::move(other);
   }
   return SparseAnalysis(pattern, entries);
@@ -100,11 +148,13 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopB
 }  // namespace
 
 LoopSystem::LoopSystem(const std::vector<LoopRod>& of, std::uint32_t count, bool coupled,
-                       const std::vector<LoopBend>& bent)
+                       const std::vector<LoopBend>& bent, const std::vector<LoopTwist>& twisted)
     : nodes(count),
       rods(static_cast<std::uint32_t>(of.size())),
       bends(static_cast<std::uint32_t>(bent.size())),
       couples(coupled),
-      analysis(analyse(of, bent, count, coupled)) {}
+      analysis(analyse({of, bent, twisted, count}, coupled)) {
+  for (const LoopTwist& twist : twisted) twist_values += twist.values();
+}
 
 }  // namespace plumb::detail

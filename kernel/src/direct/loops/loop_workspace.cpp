@@ -38,6 +38,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   trial.assign(delta.size(), 0);
   for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
   bend_starts.assign(bends.size(), {});
+  twists.resize(state.twists.size());
   resists.assign(n, 0);
 }
 
@@ -50,7 +51,8 @@ void LoopWorkspace::take_locks(const LoopState& state) {
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   if (first && (first->system->couples || !couples)) return *first;
   if (!second) {
-    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, topology->bends);
+    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, topology->bends,
+                                           topology->twists);
     second = std::make_unique<Factor>(*coupled, isa);
   }
   return *second;

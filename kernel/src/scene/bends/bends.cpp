@@ -2,45 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "scene/bends/curvature.hpp"
+#include "scene/bends/rod_table.hpp"
 #include "scene/refuse.hpp"
 
 namespace plumb::detail {
 namespace {
-
-/// Finds rods by their ends.
-class RodTable {
- public:
-  explicit RodTable(const Scene& scene) {
-    rods_.reserve(scene.rods.size());
-    for (std::size_t i = 0; i < scene.rods.size(); ++i)
-      rods_.emplace_back(key(scene.rods[i].a, scene.rods[i].b), i);
-    std::sort(rods_.begin(), rods_.end());
-  }
-
-  std::optional<std::size_t> find(std::uint32_t a, std::uint32_t b) const {
-    const auto at = std::lower_bound(rods_.begin(), rods_.end(), std::pair{key(a, b), std::size_t{0}});
-    if (at == rods_.end() || at->first != key(a, b)) return std::nullopt;
-    return at->second;
-  }
-
- private:
-  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
-    const auto [low, high] = std::minmax(a, b);
-    return std::uint64_t{low} << 32 | high;
-  }
-
-  std::vector<std::pair<std::uint64_t, std::size_t>> rods_;
-};
-
-std::array<std::uint32_t, 3> particles_of(const Bend& bend) {
-  return {bend.a, bend.b, bend.c};
-}
 
 void validate_numbers(const Bend& bend, std::size_t i) {
   if (!(bend.stiffness >= 0 && std::isfinite(bend.stiffness)))
@@ -49,8 +19,8 @@ void validate_numbers(const Bend& bend, std::size_t i) {
     refuse("bend ", i, ": damping must be finite and not negative, got ", bend.damping, " N m s");
   if (bend.stiffness == 0 && bend.damping == 0)
     refuse("bend ", i, ": has neither stiffness nor damping, so that it holds nothing");
-  if (!(bend.angle >= 0 && bend.angle < std::numbers::pi))
-    refuse("bend ", i, ": angle must be at least 0 and below pi, got ", bend.angle, " rad");
+  if (!(bend.angle >= 0 && bend.angle <= largest_rest_angle))
+    refuse("bend ", i, ": angle must be from 0 to ", largest_rest_angle, " rad, got ", bend.angle, " rad");
 }
 
 void validate_particles(const Scene& scene, std::size_t i) {
@@ -69,14 +39,8 @@ void validate_particles(const Scene& scene, std::size_t i) {
 
 void validate_rods(const Scene& scene, const RodTable& rods, std::size_t i) {
   const Bend& bend = scene.bends[i];
-  for (const auto& [from, to] : {std::pair{bend.a, bend.b}, std::pair{bend.b, bend.c}}) {
-    if (rods.find(from, to)) continue;
-    const Particle &first = scene.particles[from], &second = scene.particles[to];
-    if (!first.fixed || !second.fixed)
-      refuse("bend ", i, ": no rod joins particles ", from, " and ", to, "; only fixed particles need none");
-    if (first.position == second.position)
-      refuse("bend ", i, ": fixed particles ", from, " and ", to, " are at the same place");
-  }
+  require_rod(scene, rods, {"bend ", i}, bend.a, bend.b);
+  require_rod(scene, rods, {"bend ", i}, bend.b, bend.c);
 }
 
 void refuse_duplicate_bends(const std::vector<Bend>& bends) {
@@ -95,13 +59,6 @@ void refuse_duplicate_bends(const std::vector<Bend>& bends) {
       [&](const Entry& first, const Entry& second) { return particles(first) == particles(second); });
   if (twice != sorted.end())
     refuse("bend ", std::get<3>(twice[1]), ": bends the same particles as bend ", std::get<3>(*twice));
-}
-
-/// Returns a movable particle of a bend.
-std::uint32_t movable_of(const Scene& scene, const Bend& bend) {
-  for (const std::uint32_t particle : {bend.b, bend.a})
-    if (!scene.particles[particle].fixed) return particle;
-  return bend.c;
 }
 
 }  // namespace
@@ -140,40 +97,6 @@ double bending_energy(const Scene& scene, std::span<const Vec3> positions) {
     sum += bending_energy(bend.stiffness, curvature_of_angle(bend.angle), dot(w, w));
   }
   return sum;
-}
-
-layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& graph) {
-  if (scene.bends.empty()) return layouts::find_islands(graph);
-  std::vector<layouts::Edge> edges(graph.edges.begin(), graph.edges.end());
-  const auto rods = static_cast<std::uint32_t>(edges.size());
-  for (const Bend& bend : scene.bends) {
-    const std::uint32_t hub = movable_of(scene, bend);
-    for (const std::uint32_t particle : particles_of(bend))
-      if (particle != hub) edges.push_back({hub, particle});
-  }
-  layouts::Islands islands = layouts::find_islands({graph.vertices, edges, graph.movable});
-  // Only rods stay. An island's edges ascend, so that its own come first.
-  std::vector<std::uint32_t> begin{0}, list;
-  for (std::uint32_t i = 0; i < islands.count(); ++i) {
-    for (const std::uint32_t edge : islands.edges(i))
-      if (edge < rods) list.push_back(edge);
-    begin.push_back(static_cast<std::uint32_t>(list.size()));
-  }
-  islands.edge_begin = std::move(begin);
-  islands.edge_list = std::move(list);
-  return islands;
-}
-
-std::vector<std::vector<std::uint32_t>> bends_by_island(const Scene& scene, const layouts::Islands& islands) {
-  if (scene.bends.empty()) return {};
-  std::vector<std::uint32_t> island_of(scene.particles.size(), 0);
-  for (std::uint32_t i = 0; i < islands.count(); ++i)
-    for (const std::uint32_t particle : islands.vertices(i))
-      if (!scene.particles[particle].fixed) island_of[particle] = i;
-  std::vector<std::vector<std::uint32_t>> out(islands.count());
-  for (std::uint32_t i = 0; i < scene.bends.size(); ++i)
-    out[island_of[movable_of(scene, scene.bends[i])]].push_back(i);
-  return out;
 }
 
 }  // namespace plumb::detail

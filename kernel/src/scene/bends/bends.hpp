@@ -5,10 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "plumb/layouts/islands.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
+
+/// Returns the particles of a bend, in their order.
+inline std::array<std::uint32_t, 3> particles_of(const Bend& bend) {
+  return {bend.a, bend.b, bend.c};
+}
 
 /// Refuses bends as validate() says, in a scene whose particles and rods pass it.
 void validate_bends(const Scene& scene);
@@ -19,12 +23,5 @@ std::vector<std::array<double, 2>> bend_lengths(const Scene& scene);
 
 /// Returns the energy of all bends at `positions` (m), in J.
 double bending_energy(const Scene& scene, std::span<const Vec3> positions);
-
-/// Finds the islands of a scene with the graph `graph` of particles and rods. A bend joins its particles into
-/// one island, also through a fixed one. Without bends they are those of layouts::find_islands().
-layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& graph);
-
-/// Returns the bends of every island, or nothing if the scene has none.
-std::vector<std::vector<std::uint32_t>> bends_by_island(const Scene& scene, const layouts::Islands& islands);
 
 }  // namespace plumb::detail

@@ -12,6 +12,9 @@ namespace plumb::detail {
 inline constexpr double folded = 4 - 1.0 / 16;
 inline constexpr double folded_slope = 4096;  ///< It is g' there: 1/(1 - q/4)^2.
 
+/// Beyond 165.6 degrees the law is a tangent, so steep that Newton's method finds no rest on it. In rad.
+inline constexpr double largest_rest_angle = 2.89;
+
 /// Returns g(q), the square of the discrete curvature.
 inline double squared_curvature(double q) {
   return q < folded ? q / (1 - q / 4) : folded * 64 + folded_slope * (q - folded);

@@ -6,6 +6,8 @@
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "scene/bends/bends.hpp"
+#include "scene/bends/bent_islands.hpp"
+#include "scene/bends/rod_table.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
 #include "step/compile/choose_method.hpp"
@@ -29,8 +31,8 @@ struct Share {
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
 
-/// An island with bends is solved directly, with gradient mid if none is set: trees and gradient old do not
-/// know bends yet.
+/// An island with bends or twists is solved directly, with gradient mid if none is set: trees and gradient
+/// old do not know them yet.
 Choice choose_bent(const Settings& settings) {
   if (settings.method != Method::automatic)
     return {settings.method, {gradient_of(settings), settings.time_order, false}};
@@ -77,7 +79,8 @@ class Compiler {
         graph_(scene_graph_.view()),
         is_jointed_(scene.particles.size(), 0),
         islands_(find_bent_islands(scene, graph_)),
-        bends_(bends_by_island(scene, islands_)) {}
+        bends_(bends_by_island(scene, islands_)),
+        twists_(twists_by_island(scene, islands_)) {}
 
   Compiled make() {
     require_laws_moved();
@@ -115,31 +118,36 @@ class Compiler {
              ": its island has rods that give, and joints or shapes, between which nothing mediates yet");
   }
 
-  /// Refuses bends in an island with joints or shapes.
+  /// Refuses bends and twists in an island with joints or shapes.
   void require_straight(std::span<const std::uint32_t> particles) {
-    if (scene_.bends.empty()) return;
-    if (bend_at_.empty()) {
-      bend_at_.assign(scene_.particles.size(), none);
-      for (std::uint32_t i = 0; i < scene_.bends.size(); ++i)
-        for (const std::uint32_t particle : {scene_.bends[i].a, scene_.bends[i].b, scene_.bends[i].c})
-          if (bend_at_[particle] == none) bend_at_[particle] = i;
-    }
+    if (scene_.bends.empty() && scene_.twists.empty()) return;
+    if (bent_at_.empty()) find_bent_particles();
     for (const std::uint32_t particle : particles)
-      if (!scene_.particles[particle].fixed && bend_at_[particle] != none)
-        refuse("bend ", bend_at_[particle],
-               ": its island has joints or shapes, which nothing moves together with bends yet");
+      if (!scene_.particles[particle].fixed && bent_at_[particle].name)
+        refuse(bent_at_[particle].name, bent_at_[particle].number,
+               ": its island has joints or shapes, which nothing moves together with it yet");
+  }
+  void find_bent_particles() {
+    bent_at_.assign(scene_.particles.size(), Named{nullptr, 0});
+    const auto mark = [&](const char* name, std::size_t i, std::span<const std::uint32_t> particles) {
+      for (const std::uint32_t particle : particles)
+        if (!bent_at_[particle].name) bent_at_[particle] = {name, i};
+    };
+    for (std::size_t i = 0; i < scene_.bends.size(); ++i) mark("bend ", i, particles_of(scene_.bends[i]));
+    for (std::size_t i = 0; i < scene_.twists.size(); ++i) mark("twist ", i, scene_.twists[i].particles);
   }
 
-  /// Refuses bends where the method or the gradient does not know them.
+  /// Refuses bends and twists where the method or the gradient does not know them.
   void require_bends_moved() const {
-    if (scene_.bends.empty()) return;
+    if (scene_.bends.empty() && scene_.twists.empty()) return;
+    const bool is_bend = !scene_.bends.empty();
+    const char* const first = is_bend ? "bend 0: " : "twist 0: ";
+    const char* const what = is_bend ? " bends" : " twists";
     if (!method_row(settings_.method).moves_bends)
-      refuse("bend 0: method ", to_string(settings_.method), " moves no bends; direct and auto do");
+      refuse(first, "method ", to_string(settings_.method), " moves no", what, "; direct and auto do");
     if (settings_.gradient == Gradient::old)
-      refuse(
-          "bend 0: gradient old moves no bends: a straight bend has no direction at the old position; mid "
-          "and "
-          "new do");
+      refuse(first, "gradient old moves no", what,
+             ": a straight chain has no direction at the old position; mid and new do");
   }
 
   /// Refuses a setting that cannot move an island with joints.
@@ -193,7 +201,7 @@ class Compiler {
     const std::vector<Share> shares = shares_of(islands_);
     if (settings_.method == Method::automatic) require_settings_read(shares);
     for (const Share& share : shares) {
-      const IslandSets sets{graph_, islands_, share.sets, bends_};
+      const IslandSets sets{graph_, islands_, share.sets, bends_, twists_};
       if (share.choice.method != Method::direct) {
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
@@ -251,12 +259,15 @@ class Compiler {
     return shares;
   }
 
-  bool is_bent(std::uint32_t island) const { return !bends_.empty() && !bends_[island].empty(); }
+  bool is_bent(std::uint32_t island) const {
+    return (!bends_.empty() && !bends_[island].empty()) || (!twists_.empty() && !twists_[island].empty());
+  }
 
   void add(MadeSolver made) {
     slots_.push_back(std::move(made.places));
     const auto number = static_cast<std::uint32_t>(out_.solvers.size());
     for (const auto& [rod, slot] : made.rods) rods_.push_back({rod, {number, slot}});
+    for (const auto& [twist, slot] : made.twists) twist_places_.push_back({twist, {number, slot}});
     out_.solvers.push_back(std::move(made.solver));
   }
 
@@ -266,6 +277,7 @@ class Compiler {
       for (const auto& [particle, slot] : slots_[s]) entries.push_back({particle, {s, slot}});
     out_.places = Places(static_cast<std::uint32_t>(scene_.particles.size()), entries);
     out_.rods = Places(static_cast<std::uint32_t>(scene_.rods.size()), rods_);
+    out_.twists = Places(static_cast<std::uint32_t>(scene_.twists.size()), twist_places_);
   }
 
   void fill_info() {
@@ -290,14 +302,15 @@ class Compiler {
 
   std::vector<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
   const layouts::Islands islands_;
-  const std::vector<std::vector<std::uint32_t>> bends_;  ///< by island; there are none if the scene has none
-  std::vector<std::uint32_t> bend_at_;  ///< by particle: its first bend, once it was asked for
+  const std::vector<std::vector<std::uint32_t>> bends_;   ///< by island; there are none if the scene has none
+  const std::vector<std::vector<std::uint32_t>> twists_;  ///< as bends_
+  std::vector<Named> bent_at_;  ///< by particle: its first bend or twist, once it was asked for
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;
   StartReport start_;
   std::vector<std::vector<MadeSolver::Place>> slots_;  ///< by solver
-  std::vector<Places::Entry> rods_;
+  std::vector<Places::Entry> rods_, twist_places_;
 };
 
 }  // namespace

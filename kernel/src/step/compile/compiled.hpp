@@ -15,6 +15,7 @@ struct Compiled {
   std::vector<std::unique_ptr<Solver>> solvers;
   Places places;
   Places rods;                       ///< where rods are that can be asked how they pull
+  Places twists;                     ///< where twists are
   ContactSolver* contact = nullptr;  ///< one of the solvers, if anything may touch or has joints
   WorldInfo info;
 };

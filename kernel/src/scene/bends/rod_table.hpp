@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// Finds a scene's rods by their ends.
+class RodTable {
+ public:
+  explicit RodTable(const Scene& scene) {
+    rods_.reserve(scene.rods.size());
+    for (std::size_t i = 0; i < scene.rods.size(); ++i)
+      rods_.emplace_back(key(scene.rods[i].a, scene.rods[i].b), i);
+    std::sort(rods_.begin(), rods_.end());
+  }
+
+  std::optional<std::size_t> find(std::uint32_t a, std::uint32_t b) const {
+    const auto at = std::lower_bound(rods_.begin(), rods_.end(), std::pair{key(a, b), std::size_t{0}});
+    if (at == rods_.end() || at->first != key(a, b)) return std::nullopt;
+    return at->second;
+  }
+
+ private:
+  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
+    const auto [low, high] = std::minmax(a, b);
+    return std::uint64_t{low} << 32 | high;
+  }
+
+  std::vector<std::pair<std::uint64_t, std::size_t>> rods_;
+};
+
+/// Refuses a bend or a twist, by its name and number, where no rod joins two of its particles that follow
+/// each other. Fixed particles in different places need none.
+struct Named {
+  const char* name;
+  std::size_t number;
+};
+void require_rod(const Scene& scene, const RodTable& rods, Named what, std::uint32_t from, std::uint32_t to);
+
+}  // namespace plumb::detail

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "plumb/scene.hpp"
+#include "scene/bends/rod_table.hpp"
+
+namespace plumb::detail {
+
+/// Refuses twists as validate() says, in a scene whose particles and rods pass it.
+void validate_twists(const Scene& scene);
+
+/// Returns the length of a twisted chain of a valid scene, in m. What clamps its ends does not count.
+double twist_length(const Scene& scene, const RodTable& rods, const Twist& twist);
+
+}  // namespace plumb::detail
