@@ -37,6 +37,13 @@ struct LawFactors {
   std::array<double, simd::law_factors::count> numbers() const {
     return {share, kick, kick_back, kick_before, rate, substep, substep_before};
   }
+  /// Writes them for one of `lanes`.
+  template <class T>
+  void put(T* to, std::size_t lanes) const {
+    const auto of = numbers();
+    for (std::size_t c = 0; c < of.size(); ++c) to[c * lanes] = static_cast<T>(of[c]);
+  }
+  bool operator==(const LawFactors&) const = default;
 };
 
 /// Laws are made for masses in units of `unit` (kg). `give` is the sum of the inverse masses of a rod's ends,
