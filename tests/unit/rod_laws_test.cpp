@@ -30,14 +30,14 @@ namespace {
 constexpr double h = 0.01;
 
 TEST(LawFactors, ShareAKickBetweenSubsteps) {
-  const LawFactors first = LawFactors::of(Gradient::old, h * h / 2, 0, h);
+  const LawFactors first = LawFactors::of(Gradient::old, h * h / 2, 0, h, 0);
   EXPECT_EQ(first.kick_back, 0) << "nothing comes before";
   EXPECT_EQ(first.kick_before, 0);
-  const LawFactors next = LawFactors::of(Gradient::old, h * h, h, h);
+  const LawFactors next = LawFactors::of(Gradient::old, h * h, h, h, 0);
   EXPECT_NEAR(next.kick_back, h * h / 2, 1e-18);
   EXPECT_NEAR(next.kick_before * (0.5 * h), next.kick_back, 1e-18) << "a half kick weighs as much";
-  EXPECT_EQ(LawFactors::of(Gradient::mid, 1, h, h).share, 0.5);
-  EXPECT_EQ(LawFactors::of(Gradient::new_, 1, h, h).share, 1);
+  EXPECT_EQ(LawFactors::of(Gradient::mid, 1, h, h, 0).share, 0.5);
+  EXPECT_EQ(LawFactors::of(Gradient::new_, 1, h, h, 0).share, 1);
 }
 
 TEST(LawNumbers, AreRelativeToTheUnitOfMass) {
@@ -85,7 +85,7 @@ TEST(LoopLaws, RowsAreNewtons) {
   const LoopLaws laws = one_rod({.stiffness = 500, .damping = 1});
   for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
     LawWorkspace work;
-    work.factors = LawFactors::of(gradient, h * h / 2, 0, h);
+    work.factors = LawFactors::of(gradient, h * h / 2, 0, h, 0);
     work.is_mid = gradient == Gradient::mid;
     work.starts.resize(1);
     const double theta = theta_of(gradient), start = 1.1;
@@ -112,7 +112,7 @@ TEST(LoopLaws, RowsAreNewtons) {
 TEST(LoopLaws, BreakAboveTheirStrength) {
   LoopLaws laws = one_rod({.stiffness = 500, .strength = 10});
   LawWorkspace work;
-  work.factors = LawFactors::of(Gradient::new_, 1, 0, h);
+  work.factors = LawFactors::of(Gradient::new_, 1, 0, h, 0);
   work.starts.resize(1);
   start_law(laws, 0, 1, 0, work);
   std::vector<double> length2{1};
