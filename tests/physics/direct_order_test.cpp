@@ -98,6 +98,18 @@ TEST(DirectOrder, OfCompositionsWithLoopsIsFourAndSix) {
   expect_falls(ring, Gradient::old, 4, 48, 80, 6, 1);
 }
 
+// Rods that give pull by half of a kick where a substep ends, which drag must not spoil.
+TEST(DirectOrder, OfCompositionsWithElasticRodsInDragIsFourAndSix) {
+  for (Known k : {Known{"chain", scenes::make_chain(5, 0.1, 3), {}, 8},
+                  Known{"ring", scenes::make_ring({.links = 8}), {}, 8}}) {
+    k.scene.drag = 0.7;
+    for (Rod& rod : k.scene.rods) rod.law.stiffness = 500;
+    k.truth = truth::solve(k.scene, {.save_at = {0.5}}).frames.front();
+    expect_falls(k, Gradient::old, k.substeps, 14.4, 17.6, 4, 2);
+    expect_falls(k, Gradient::old, k.substeps / 2, 48, 80, 6, 1);
+  }
+}
+
 // Nothing is lost by going backwards: symmetric compositions of RATTLE keep energy in the long run.
 TEST(DirectOrder, CompositionsKeepEnergyFarBetter) {
   const Scene scene = scenes::make_chain(5, 0.1, 1);

@@ -6,6 +6,8 @@
 // clang-format off
 #include "simd/tree/one_lane.hpp"
 #include "simd/tree/tree_lanes.hpp"
+#include "simd/tree/law_lanes.hpp"
+#include "simd/inline.hpp"
 #include "simd/tree/motion_lanes.hpp"
 #include "simd/tree/line_lanes.hpp"
 #include "simd/tree/segment_lanes.hpp"

@@ -4,10 +4,9 @@
 #include <type_traits>
 #include <xsimd/xsimd.hpp>
 
+#include "simd/inline.hpp"
 #include "simd/relax/records.hpp"
 #include "simd/relax/relax_kernels.hpp"
-
-#define PLUMB_INLINE inline __attribute__((always_inline))
 
 namespace plumb::simd {
 namespace {

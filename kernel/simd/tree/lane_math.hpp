@@ -1,7 +1,7 @@
 // The loops of trees work with these vectors and matrices, whose numbers are those of one lane or of all.
 // tree_lanes.hpp includes this file.
 
-#define PLUMB_INLINE inline __attribute__((always_inline))
+#include "simd/inline.hpp"
 
 namespace plumb::simd {
 namespace {

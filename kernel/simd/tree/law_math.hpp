@@ -6,7 +6,16 @@
 // A rod's multiplier mu pulls its end along d + theta e, at a length between l0 at the start of the substep
 // and l1 at its end. With c = l - L the law says
 //
-//   mu l + psi(c1) = 0,   l = (1 - theta) l0 + theta l1,   psi = slope c1 + before.
+//   mu l + psi(c1) = 0,   l = (1 - theta) l0 + theta l1,   psi = s c1 + before.
+//
+// The equation is kept divided by 1 + s, so that it is one for rods that are broken (s = 0), give or are
+// rigid (s infinite). With U = s/(1 + s), Q = 1/(1 + s) and W = U c0 + Q before it says
+//
+//   Q mu l + U (l1 - l0) + W = 0.
+//
+// Newton's method is on mu + psi/l = 0, which is linear in mu. Its row is multiplied by Q l l1 (l0 +
+// l1)/2L^2. Then it needs one root and no division, since (l1 - l0) (l1 + l0) is what the square of the
+// length has grown by. U, Q and W have the factor 1/2L^2 below.
 //
 // Trees take these functions in lanes, and islands with loops take them one rod after the other.
 //
@@ -19,12 +28,11 @@
 // directions change. They take more of c1 than of c0, which damps what no substep resolves, and give their
 // whole kick at the start. In the limit they are those of SHAKE.
 
+#include "simd/inline.hpp"
 #include "simd/tree/tree_kernels.hpp"
 
 namespace plumb::simd {
 namespace {
-
-#define PLUMB_LAW_INLINE inline __attribute__((always_inline))
 
 /// These numbers of a rod never change, see tree_fields::law.
 template <class V>
@@ -36,65 +44,72 @@ template <class V>
 struct LawFactors {
   V share, kick, kick_back, kick_before, rate, substep, substep_before;
 };
+/// These numbers of a rod hold as long as its substeps are alike, see tree_fields::law_step.
+template <class V>
+struct LawStep {
+  V slope;   ///< U/2L^2, in 1/m^2.
+  V give;    ///< Q/2L^2, in 1/m^2.
+  V weight;  ///< What W takes of c0, divided by 2L^2, in 1/m^2.
+  V length;  ///< L, in m.
+  V kept;    ///< What is left of a kick for the end of a substep, over what it was, in 1/s.
+};
 /// These numbers of a rod hold for one substep, see tree_fields::law_start.
 template <class V>
 struct LawStart {
   V length;  ///< l0, in m.
+  V before;  ///< W/2L^2, in 1/m.
   V excess;  ///< c0, in m.
-  V slope;   ///< psi grows by it with c1.
-  V before;  ///< psi if c1 is 0, in m times the unit of mu.
 };
-
-/// Returns `value` of a rod that pushes, too, and the positive part of it of a cable.
-template <class V>
-PLUMB_LAW_INLINE V taut_part(const LawNumbers<V>& law, const V& value) {
-  return select_nonzero(law.one_sided, larger(value, V(0)), value);
-}
 
 /// Returns how much of a rod's own swing a substep of gradient old resolves: all of it up to h omega = 1, and
 /// then less. `substep` is 0 for other gradients, which ask nobody.
 template <class V>
-PLUMB_LAW_INLINE V resolved(const LawNumbers<V>& law, const V& substep) {
+PLUMB_INLINE V resolved(const LawNumbers<V>& law, const V& substep) {
   const V one(1);
   return one / (one + larger(substep * substep * law.frequency2 - one, V(0)));
 }
 
-/// Returns the weight (s^2) of a rod's pull in this substep. What the substep before left of its kick to the
-/// end of it is in half_kick, and the rest is here.
+/// Makes a rod of the squared length `length2` (m²) ready for substeps with these factors.
 template <class V>
-PLUMB_LAW_INLINE V own_kick(const LawNumbers<V>& law, const LawFactors<V>& factors) {
-  return factors.kick - factors.kick_back * resolved(law, factors.substep_before);
+PLUMB_INLINE LawStep<V> law_step(const LawNumbers<V>& law, const LawFactors<V>& factors, const V& length2) {
+  const V zero(0), one(1), half(0.5f), length = root(length2);
+  const V scale = half / select_nonzero(length2, length2, one);  // where there is no rod it has none
+  // What the substep before left of its kick to the end of it is in half_kick, and the rest is here.
+  const V kick = factors.kick - factors.kick_back * resolved(law, factors.substep_before);
+  const V now = resolved(law, factors.substep);
+  const V pull = kick * law.stiffness, damps = kick * factors.rate * law.damping;
+  const V share = factors.share + half * (one - now), slope = pull * share + damps;
+  const V give = scale / (one + slope);
+  const V kept = half * factors.substep * now / select_nonzero(kick, kick, one);
+  const V of_start = give * (slope + (pull * (one - share) - damps));
+  return {select_nonzero(law.rigid, scale, give * slope), select_nonzero(law.rigid, zero, give),
+          select_nonzero(law.rigid, scale, of_start), length, select_nonzero(law.rigid, zero, kept)};
 }
 
 /// Begins a substep of a rod of the squared length `length2`, which is `violation` = C off its own (both m²).
 template <class V>
-PLUMB_LAW_INLINE LawStart<V> start_law(const LawNumbers<V>& law, const LawFactors<V>& factors,
-                                       const V& half_kick, const V& length2, const V& violation) {
-  const V twice = violation + violation, length = root(length2), one(1), half(0.5f);
+PLUMB_INLINE LawStart<V> start_law(const LawStep<V>& step, const V& length2, const V& violation) {
+  const V length = root(length2);
   // C = (l^2 - L^2)/2 = (l - L)(l + L)/2
-  const V excess = twice / (length + root(larger(length2 - twice, V(0))));
-  const V kick = own_kick(law, factors), pull = kick * law.stiffness;
-  const V damps = kick * factors.rate * law.damping;
-  const V share = factors.share + half * (one - resolved(law, factors.substep));
-  return {length, excess, pull * share + damps,
-          (pull * (one - share) - damps) * taut_part(law, excess) + factors.kick_before * half_kick};
+  const V excess = (violation + violation) / (length + step.length);
+  return {length, step.weight * excess, excess};
 }
-
-/// Returns l1 of a rod whose squared length has grown by `growth` (m²).
+/// A cable takes of c0 the positive part into account.
 template <class V>
-PLUMB_LAW_INLINE V end_length(const LawStart<V>& start, const V& growth) {
-  return root(larger(start.length * start.length + growth, V(0)));
+PLUMB_INLINE LawStart<V> start_cable(const LawNumbers<V>& law, const LawStep<V>& step,
+                                     const LawStart<V>& start) {
+  const V taut = larger(start.excess, V(0)), past = step.weight - step.slope;
+  const V cable = step.slope * start.excess + past * taut;
+  return {start.length, select_nonzero(law.one_sided, cable, start.before), start.excess};
 }
 
 /// Returns the half of a kick that a rod with the multiplier mu leaves for the end of a substep of gradient
-/// old, as far as the substep resolves its swing. `half_kick` is that of the substep before. Other gradients
-/// leave none (factors.substep = 0).
+/// old, as far as the substep resolves its swing. `half_kick` is that of the substep before, and
+/// `kick_before` is that of the factors.
 template <class V>
-PLUMB_LAW_INLINE V end_law(const LawNumbers<V>& law, const LawFactors<V>& factors, const LawStart<V>& start,
-                           const V& half_kick, const V& mu) {
-  const V own = (V(0) - mu * start.length) - factors.kick_before * half_kick, kick = own_kick(law, factors);
-  const V kept = V(0.5f) * factors.substep * resolved(law, factors.substep);
-  return kept * own / select_nonzero(kick, kick, V(1));
+PLUMB_INLINE V end_law(const LawStep<V>& step, const V& length, const V& kick_before, const V& half_kick,
+                       const V& mu) {
+  return step.kept * ((V(0) - mu * length) - kick_before * half_kick);
 }
 
 /// This is where a rod is at an iterate of Newton's method: l1^2 - l0^2 and C at l1 (both m²), and its
@@ -103,28 +118,23 @@ template <class V>
 struct LawIterate {
   V growth, violation, mu;
 };
-/// These say of all rods of a substep whether some are cables, and whether its gradient is mid.
-struct LawKind {
-  bool has_cables, is_mid;
-};
-
 /// A row of Newton's matrix is  use b . (change of e) + soft (change of mu) = -c.
 template <class V>
 struct LawRow {
   V use, soft, c;
 };
 
-/// Returns psi and its derivative for a cable.
+/// Returns psi and its derivative for a cable, both times Q/2L^2.
 template <class V>
 struct Pull {
   V psi, slope;
 };
 template <class V>
-PLUMB_LAW_INLINE Pull<V> cable_pull(const LawStart<V>& start, const V& excess, bool is_mid) {
+PLUMB_INLINE Pull<V> cable_pull(const V& step_slope, const LawStart<V>& start, const V& excess, bool is_mid) {
   const V zero(0), one(1);
   const V taut = larger(excess, zero), taut_before = larger(start.excess, zero);
-  const V pull = larger(start.slope * taut + start.before, zero);
-  const V slope = select_positive(pull, select_positive(excess, start.slope, zero), zero);
+  const V pull = larger(step_slope * taut + (start.before - step_slope * start.excess), zero);
+  const V slope = select_positive(pull, select_positive(excess, step_slope, zero), zero);
   if (!is_mid) return {pull, slope};
   const V change = excess - start.excess;
   const V over = one / select_nonzero(change, change, one);
@@ -136,60 +146,89 @@ PLUMB_LAW_INLINE Pull<V> cable_pull(const LawStart<V>& start, const V& excess, b
   return {pull * share, slope * share + pull * share_slope};
 }
 
-/// Returns the row of an elastic rod, or of a broken one, whose psi is 0. `end` is l1, `excess` is c1.
+/// Returns l1 of a rod whose squared length has grown by `growth` (m²).
 template <class V>
-PLUMB_LAW_INLINE LawRow<V> elastic_row(const LawStart<V>& start, const Pull<V>& pull, const V& end,
-                                       const V& mu, const V& theta) {
-  const V zero(0), one(1);
-  const V length = start.length + theta * (end - start.length);
-  const V phi = pull.psi / length;
-  const V rest = mu + phi, slope = pull.slope - theta * phi;
-  const V soft = end * length / select_positive(slope, slope, one);
-  return {select_positive(slope, one, zero), select_positive(slope, soft, one),
-          select_positive(slope, soft * rest, rest)};
+PLUMB_INLINE V end_length(const LawStart<V>& start, const V& growth) {
+  return root(larger(start.length * start.length + growth, V(0)));
 }
 
-/// Returns the row of a rod in a substep, for every lane as its law asks.
+/// This is a rod in the middle of a Newton step: its length l1, l0 + l1 and l (m).
 template <class V>
-PLUMB_LAW_INLINE LawRow<V> law_row(const LawNumbers<V>& law, const LawStart<V>& start,
-                                   const LawIterate<V>& iterate, const V& theta, LawKind kind) {
+struct LawSpan {
+  V end, sum, along;
+};
+template <bool is_old, class V>
+PLUMB_INLINE LawSpan<V> law_span(const LawStart<V>& start, const V& growth, const V& theta) {
+  const V end = end_length(start, growth);
+  return {end, start.length + end, is_old ? start.length : start.length + theta * (end - start.length)};
+}
+
+/// Returns the row of a rod whose psi times l0 + l1 is `psi`, and grows with l1 by `slope`, both times
+/// Q/2L^2.
+template <bool is_old, class V>
+PLUMB_INLINE LawRow<V> row_of(const LawSpan<V>& span, const Pull<V>& pull, const V& give, const V& mu,
+                              const V& theta) {
+  const V over = span.end * span.along, scale = span.sum * span.along, gives = scale * give;
+  const V use = is_old ? scale * pull.slope : larger(scale * pull.slope - theta * pull.psi, V(0));
+  return {use, over * gives, over * (pull.psi + mu * gives)};
+}
+
+/// Returns the row of a rod that is no cable. `theta` is 0 for all if the gradient `is_old`.
+template <bool is_old, class V>
+PLUMB_INLINE LawRow<V> law_row(const V& slope, const V& give, const LawStart<V>& start, const V& growth,
+                               const V& mu, const V& theta) {
+  const LawSpan<V> span = law_span<is_old>(start, growth, theta);
+  return row_of<is_old>(span, {slope * growth + span.sum * start.before, slope}, give, mu, theta);
+}
+
+/// Returns the row of a rod among which some are cables, for every lane as its law asks. It has the bits of
+/// law_row() where a rod is none.
+template <bool is_old, class V>
+PLUMB_INLINE LawRow<V> cable_row(const LawNumbers<V>& law, const LawStep<V>& step, const LawStart<V>& start,
+                                 const LawIterate<V>& iterate, const V& theta, bool is_mid) {
   const auto [growth, violation, mu] = iterate;
   const V zero(0), one(1);
-  const V end = end_length(start, growth), excess = start.excess + growth / (start.length + end);
-  Pull<V> pull{start.slope * excess + start.before, start.slope};
-  LawRow<V> stiff{one, zero, violation};
-  if (kind.has_cables) {
-    const Pull<V> cable = cable_pull(start, excess, kind.is_mid);
-    pull.psi = select_nonzero(law.one_sided, cable.psi, pull.psi);
-    pull.slope = select_nonzero(law.one_sided, cable.slope, pull.slope);
-    // A rigid cable is taut where it would be too long or pulls.
-    const V taut = select_nonzero(law.one_sided, violation - mu * (start.length * start.length), one);
-    stiff = {select_positive(taut, one, zero), select_positive(taut, zero, one),
-             select_positive(taut, violation, mu)};
-  }
-  const LawRow<V> soft = elastic_row(start, pull, end, mu, theta);
-  return {select_nonzero(law.rigid, stiff.use, soft.use), select_nonzero(law.rigid, stiff.soft, soft.soft),
-          select_nonzero(law.rigid, stiff.c, soft.c)};
+  const LawSpan<V> span = law_span<is_old>(start, growth, theta);
+  const Pull<V> cable = cable_pull(step.slope, start, start.excess + growth / span.sum, is_mid);
+  const Pull<V> pull{
+      select_nonzero(law.one_sided, span.sum * cable.psi, step.slope * growth + span.sum * start.before),
+      select_nonzero(law.one_sided, cable.slope, step.slope)};
+  const LawRow<V> row = row_of<is_old>(span, pull, step.give, mu, theta);
+  // A slack cable has the row of its multiplier. A rigid one is taut where it would be too long or pulls.
+  const V gives = span.end * span.along * (span.sum * span.along) * step.give;
+  const V taut = select_nonzero(law.rigid, violation - mu * (start.length * start.length), row.use);
+  const LawRow<V> of_taut{select_nonzero(law.rigid, one, row.use), select_nonzero(law.rigid, zero, row.soft),
+                          select_nonzero(law.rigid, violation, row.c)};
+  const V rest = select_nonzero(law.rigid, mu, row.c / select_nonzero(gives, gives, one));
+  return {select_nonzero(law.one_sided, select_positive(taut, of_taut.use, zero), row.use),
+          select_nonzero(law.one_sided, select_positive(taut, of_taut.soft, one), row.soft),
+          select_nonzero(law.one_sided, select_positive(taut, of_taut.c, rest), row.c)};
 }
 
 /// Rods whose swing is resolved resist no velocity. In a projection of velocities they pull with a multiplier
 /// that is known, and slack cables do not pull. The less is resolved, the more a rod resists as rigid ones
-/// do. A rigid cable is taut if it pulled last. The slope of a rigid rod is its length times the rate of
-/// that, where its length changes.
+/// do. A rigid cable is taut if it pulled last. `rate` (m/s) is that of a rigid rod's length.
 template <class V>
 struct KnownPull {
   V mu;
   LawRow<V> row;
 };
+/// This is what a rod brings to a projection: its squared length (m²), the rate at which half of that grows
+/// (m²/s), its last multiplier, and what it has kept of its kick.
 template <class V>
-PLUMB_LAW_INLINE KnownPull<V> known_pull(const LawNumbers<V>& law, const LawFactors<V>& factors,
-                                         const LawStart<V>& start, const V& c, const V& last_mu) {
-  const V zero(0), one(1);
+struct LawMotion {
+  V length2, c, rate, last_mu, half_kick;
+};
+template <class V>
+PLUMB_INLINE KnownPull<V> known_pull(const LawNumbers<V>& law, const LawFactors<V>& factors,
+                                     const LawMotion<V>& motion) {
+  const V zero(0), one(1), length = root(motion.length2);
   const V stiff = select_nonzero(law.rigid, one, one - resolved(law, factors.substep));
-  const V holds = select_nonzero(law.one_sided, select_positive(zero - last_mu, stiff, zero), stiff);
-  const V give = select_nonzero(law.rigid, one, start.length * start.length);
-  return {select_nonzero(law.rigid, zero, zero - start.before / start.length),
-          {holds, (one - holds) * give, holds * (c - start.slope)}};
+  const V holds = select_nonzero(law.one_sided, select_positive(zero - motion.last_mu, stiff, zero), stiff);
+  const V give = select_nonzero(law.rigid, one, motion.length2);
+  const V off = motion.c - select_nonzero(law.rigid, length * motion.rate, zero);
+  return {select_nonzero(law.rigid, zero, zero - factors.kick_before * motion.half_kick / length),
+          {holds, (one - holds) * give, holds * off}};
 }
 
 }  // namespace

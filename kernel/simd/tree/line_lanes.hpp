@@ -19,14 +19,11 @@ struct LineRow {
   V below, diagonal, above, right;
 };
 
-/// A rod has its vector d (m), the violation of its length (m²) and its multiplier. If it gives, its number
-/// among `laws` is `index`. One that is not there is rigid.
-template <class V, class T>
+/// A rod has its vector d (m), the violation of its length (m²) and its multiplier.
+template <class V>
 struct LineRod {
   Vec<V> d;
   V violation, mu;
-  LawArrays<T> laws{};
-  std::size_t index = 0;
 };
 /// A node has its load, its displacement (m) and its inverse mass w.
 template <class V>
@@ -35,30 +32,33 @@ struct LineNode {
   V w;
 };
 
-/// This is a rod with the nodes at its ends, and the rods on either side.
-template <class V, class T>
+/// This is a rod with the nodes at its ends, and the rods on either side. If it gives, it has this number
+/// among ties or among rods to parents. One that is not there, whose d is 0, has any number.
+template <class V>
 struct LineSpan {
-  const LineRod<V, T>& last;
+  const LineRod<V>& last;
   const LineNode<V>& from;
-  const LineRod<V, T>& rod;
+  const LineRod<V>& rod;
   const LineNode<V>& to;
-  const LineRod<V, T>& next;
+  const LineRod<V>& next;
+  bool is_tie;
+  std::size_t index;
 };
 
 template <bool laws, class V, class T, class At>
-PLUMB_INLINE LineRow<V> line_row(const TreeView<T>& tree, const At& at, const LineSpan<V, T>& span) {
-  const auto& [last, from, rod, to, next] = span;
+PLUMB_INLINE LineRow<V> line_row(const TreeView<T>& tree, const At& at, const LineSpan<V>& span) {
+  const auto& [last, from, rod, to, next, is_tie, index] = span;
   const Vec<V> e = to.delta - from.delta;
   Vec<V> b = rod.d + e;
   V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e)), soft(0);
-  if constexpr (laws)
-    if (rod.laws.law != nullptr) {
-      const LawRow<V> row =
-          law_row_of<V>(tree, at, rod.laws, rod.index, {growth_of(rod.d, e), violation, rod.mu}, V(0));
-      b = row.use * b;
-      violation = row.c;
-      soft = row.soft;
-    }
+  if constexpr (laws) {
+    const LawArrays<T> arrays = is_tie ? tie_laws(tree) : rod_laws(tree);
+    const LawRow<V> row =
+        law_row_of<true, V>(tree, at, arrays, index, {growth_of(rod.d, e), violation, rod.mu}, V(0));
+    b = row.use * b;
+    violation = row.c;
+    soft = row.soft;
+  }
   LineRow<V> row{V(0) - from.w * dot(b, last.d), (from.w + to.w) * dot(b, rod.d),
                  V(0) - to.w * dot(b, next.d),
                  // A rod that is not there is never violated.
@@ -68,21 +68,21 @@ PLUMB_INLINE LineRow<V> line_row(const TreeView<T>& tree, const At& at, const Li
 }
 
 template <class V, class T, class At>
-PLUMB_INLINE LineRod<V, T> line_rod(const TreeView<T>& tree, const At& at, std::size_t i) {
+PLUMB_INLINE LineRod<V> line_rod(const TreeView<T>& tree, const At& at, std::size_t i) {
   return {at.get3(tree.rod, tree_fields::rod * i), at.get(tree.rod, tree_fields::rod * i + 3),
-          at.get(tree.mu, i), rod_laws(tree), i};
+          at.get(tree.mu, i)};
 }
 /// Returns the tie at either end of a line, seen along it, or an absent rod.
 template <class V, class T, class At>
-PLUMB_INLINE LineRod<V, T> line_tie(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
-                                    T direction) {
+PLUMB_INLINE LineRod<V> line_tie(const TreeView<T>& tree, const At& at, std::size_t k, bool present,
+                                 T direction) {
   if (!present) return {{V(0), V(0), V(0)}, V(0), V(0)};
   return {V(direction) * at.get3(tree.tie_rod, tree_fields::rod * k),
-          at.get(tree.tie_rod, tree_fields::rod * k + 3), at.get(tree.tie_mu, k), tie_laws(tree), k};
+          at.get(tree.tie_rod, tree_fields::rod * k + 3), at.get(tree.tie_mu, k)};
 }
 template <class V, class T, class At>
 PLUMB_INLINE LineNode<V> line_node(const TreeView<T>& tree, const At& at, std::size_t i,
-                                   const LineRod<V, T>& before, const LineRod<V, T>& after) {
+                                   const LineRod<V>& before, const LineRod<V>& after) {
   const Vec<V> load = at.get3(tree.load, 3 * i);
   const V w = at.get(tree.node, tree_fields::node * i + 3);
   return {load, w * ((load + before.mu * before.d) - after.mu * after.d), w};
@@ -99,9 +99,15 @@ PLUMB_INLINE LineNode<V> line_fixed(const TreeView<T>& tree, const At& at, std::
 template <class T>
 struct LineEnds {
   explicit LineEnds(const TreeView<T>& tree)
-      : first(tree.tie_begin[1] > 0),
+      : nodes(tree.nodes),
+        first(tree.tie_begin[1] > 0),
         last(tree.nodes > 1 && tree.tie_begin[tree.nodes] > tree.tie_begin[tree.nodes - 1]),
         last_tie(tree.tie_begin[tree.nodes] - 1) {}
+  /// Says whether rod k of the line is a tie, and returns its number among ties or among rods to parents.
+  bool is_tie(std::size_t k) const { return (k == 0 && first) || (k == nodes && last); }
+  std::size_t number_of(std::size_t k) const { return k == nodes ? (last ? last_tie : 0) : k; }
+
+  std::size_t nodes;
   bool first, last;
   std::size_t last_tie;
 };
@@ -124,16 +130,17 @@ PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   const Vec<V> none{zero, zero, zero};
 
   // Elimination runs over rods 0 to n and leaves nu_k = right_k - above_k nu_{k+1}.
-  LineRod<V, T> last{none, zero, zero}, rod = line_tie<V>(tree, at, 0, ends.first, T(1));
+  LineRod<V> last{none, zero, zero}, rod = line_tie<V>(tree, at, 0, ends.first, T(1));
   LineNode<V> from = line_fixed<V>(tree, at, 0, ends.first);
   V above = zero, right = zero, residual = zero;
   for (std::size_t k = 0; k <= n; ++k) {
-    const LineRod<V, T> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
-                               : k + 1 == n ? line_tie<V>(tree, at, ends.last_tie, ends.last, T(-1))
-                                            : LineRod<V, T>{none, zero, zero};
+    const LineRod<V> next = k + 1 < n    ? line_rod<V>(tree, at, k + 1)
+                            : k + 1 == n ? line_tie<V>(tree, at, ends.last_tie, ends.last, T(-1))
+                                         : LineRod<V>{none, zero, zero};
     const LineNode<V> to =
         k < n ? line_node<V>(tree, at, k, rod, next) : line_fixed<V>(tree, at, ends.last_tie, ends.last);
-    const LineRow<V> row = line_row<laws, V, T>(tree, at, {last, from, rod, to, next});
+    const LineRow<V> row =
+        line_row<laws, V, T>(tree, at, {last, from, rod, to, next, ends.is_tie(k), ends.number_of(k)});
     const V over = reciprocal_or_zero(row.diagonal - row.below * above, zero);
     residual = residual + row.right * row.right;
     above = row.above * over;

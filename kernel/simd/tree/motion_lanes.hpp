@@ -37,28 +37,40 @@ PLUMB_INLINE void guess_multiplier(const At& at, const V& scale, const V& scale_
 
 /// Makes the start of the law of rod i of `arrays` from its tree_fields::rod numbers in `rods`.
 template <class V, class T, class At>
-PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* rods,
+PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* rods, const double* length2,
                               const LawArrays<T>& arrays, std::size_t i) {
+  if (tree.makes_law_steps) {
+    const LawStep<V> made = law_step(law_numbers<V>(at, arrays.law, i), law_factors_of<V>(tree, at),
+                                     narrow<V>(load_wide<V>(length2)));
+    const std::size_t f = i * tree_fields::law_step;
+    at.put(arrays.step, f, made.slope);
+    at.put(arrays.step, f + 1, made.give);
+    at.put(arrays.step, f + 2, made.weight);
+    at.put(arrays.step, f + 3, made.length);
+    at.put(arrays.step, f + 4, made.kept);
+  }
+  const LawStep<V> step = law_step<V>(at, arrays.step, i);
   const Vec<V> d = at.get3(rods, i * tree_fields::rod);
-  const LawStart<V> start =
-      start_law(law_numbers<V>(at, arrays.law, i), law_factors_of<V>(tree, at), at.get(arrays.half_kick, i),
-                dot(d, d), at.get(rods, i * tree_fields::rod + 3));
+  LawStart<V> start = start_law(step, dot(d, d), at.get(rods, i * tree_fields::rod + 3));
+  if (tree.has_cables) start = start_cable(law_numbers<V>(at, arrays.law, i), step, start);
+  if (tree.keeps_half_kicks)
+    start.before = start.before + step.give * (at.get(tree.law_factors, law_factors::kick_before) *
+                                               at.get(arrays.half_kick, i));
   const std::size_t f = i * tree_fields::law_start;
   at.put(arrays.start, f, start.length);
-  at.put(arrays.start, f + 1, start.excess);
-  at.put(arrays.start, f + 2, start.slope);
-  at.put(arrays.start, f + 3, start.before);
+  at.put(arrays.start, f + 1, start.before);
+  if (tree.has_cables) at.put(arrays.start, f + 2, start.excess);
 }
 /// Keeps what is left of the kicks of all rods for the next substep.
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void keep_half_kicks(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const V active = at.get(tree.active, 0);
-  const LawFactors<V> factors = law_factors_of<V>(tree, at);
+  const V kick_before = at.get(tree.law_factors, law_factors::kick_before);
   const auto keep = [&](const LawArrays<T>& arrays, const T* mu, std::size_t i) {
     const V last = at.get(arrays.half_kick, i);
-    const V kept = end_law(law_numbers<V>(at, arrays.law, i), factors, law_start<V>(at, arrays.start, i),
-                           last, at.get(mu, i));
+    const V kept = end_law(law_step<V>(at, arrays.step, i), at.get(arrays.start, i * tree_fields::law_start),
+                           kick_before, last, at.get(mu, i));
     at.put(arrays.half_kick, i, select_nonzero(active, kept, last));
   };
   for (std::size_t i = 1; i < tree.nodes; ++i) keep(rod_laws(tree), tree.mu, i);
@@ -88,12 +100,13 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
       if constexpr (coupled) load = load + at.get(tree.tie, tie * k) * at.get3(tree.tie_u, 3 * k);
       prepare_rod<V>(at, place(tree.tie_x, 3 * k), place(tree.x, 3 * i), place(tree.tie_length2, k),
                      tree.tie_rod, k);
-      if (tree.has_laws) prepare_law<V>(tree, at, tree.tie_rod, tie_laws(tree), k);
+      if (tree.has_laws)
+        prepare_law<V>(tree, at, tree.tie_rod, place(tree.tie_length2, k), tie_laws(tree), k);
     }
     if (i > 0) {
       const std::size_t p = tree.parent[i];
       prepare_rod<V>(at, place(tree.x, 3 * p), place(tree.x, 3 * i), place(tree.length2, i), tree.rod, i);
-      if (tree.has_laws) prepare_law<V>(tree, at, tree.rod, rod_laws(tree), i);
+      if (tree.has_laws) prepare_law<V>(tree, at, tree.rod, place(tree.length2, i), rod_laws(tree), i);
       if constexpr (coupled) {
         const V coupling = at.get(tree.node, node * i + 1);
         load = load + coupling * (ratio * at.get3(tree.u, 3 * p));
@@ -148,7 +161,7 @@ PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const V active = at.get(tree.active, 0), ratio = at.get(tree.ratio, 0), over = at.get(tree.inverse_kick, 0);
   const V u_delta = at.get(tree.u_delta, 0), u_before = at.get(tree.u_before, 0);
-  if (tree.has_laws) keep_half_kicks<V, lanes>(tree, lane);
+  if (tree.has_laws && tree.keeps_half_kicks) keep_half_kicks<V, lanes>(tree, lane);
   V push(0), jolt(0);
   for (std::size_t i = 0; i < 3 * std::size_t{tree.nodes}; ++i) {
     const V delta = at.get(tree.delta, i), u = at.get(tree.u, i), before = ratio * u;

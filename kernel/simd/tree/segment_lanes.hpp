@@ -87,7 +87,7 @@ constexpr std::size_t segment_fields = 3;
 
 template <class V, class T, class At>
 PLUMB_INLINE void put_segment_ends(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends) {
-  const LineRod<V, T> first = line_tie<V>(tree, at, 0, true, T(1));
+  const LineRod<V> first = line_tie<V>(tree, at, 0, true, T(1));
   const std::size_t s = tree.nodes - 1;
   ends.first_d.put(at.lane, first.d);
   ends.first_mu.put(at.lane, first.mu);
@@ -95,7 +95,7 @@ PLUMB_INLINE void put_segment_ends(const TreeView<T>& tree, const At& at, Segmen
   ends.last_w.put(at.lane, at.get(tree.node, tree_fields::node * s + 3));
 }
 template <class V, class T, class At>
-PLUMB_INLINE LineRod<V, T> first_rod_after(const At& at, const SegmentEnds<T>& ends) {
+PLUMB_INLINE LineRod<V> first_rod_after(const At& at, const SegmentEnds<T>& ends) {
   return {ends.first_d.template from_after<V>(at.lane), V(0), ends.first_mu.template from_after<V>(at.lane)};
 }
 template <class V, class T, class At>
@@ -110,16 +110,16 @@ PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, Segme
                                     Separators<T>& rows) {
   const std::size_t s = tree.nodes, lane = at.lane;
   const V zero(0);
-  LineRod<V, T> last{ends.last_d.template from_before<V>(lane), zero, zero},
+  LineRod<V> last{ends.last_d.template from_before<V>(lane), zero, zero},
       rod = line_tie<V>(tree, at, 0, true, T(1));
   LineNode<V> from{{zero, zero, zero},
                    ends.last_delta.template from_before<V>(lane),
                    ends.last_w.template from_before<V>(lane)};
   V above = zero, right = zero, fill = V(0) - V(1), residual = zero;
   for (std::size_t k = 0; k < s; ++k) {
-    const LineRod<V, T> next = k + 1 < s ? line_rod<V>(tree, at, k + 1) : first_rod_after<V>(at, ends);
+    const LineRod<V> next = k + 1 < s ? line_rod<V>(tree, at, k + 1) : first_rod_after<V>(at, ends);
     const LineNode<V> to = line_node<V>(tree, at, k, rod, next);
-    const LineRow<V> row = line_row<laws, V, T>(tree, at, {last, from, rod, to, next});
+    const LineRow<V> row = line_row<laws, V, T>(tree, at, {last, from, rod, to, next, k == 0, k});
     residual = residual + row.right * row.right;
     if (k + 1 == s) {
       store(row.below, rows.lower + lane);

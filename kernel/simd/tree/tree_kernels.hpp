@@ -24,7 +24,8 @@ inline constexpr std::uint32_t tie_elimination =
 /// Stiffness and damping divided by the unit of mass; 1 if rigid; 1 if one-sided; square of the rod's own
 /// frequency (1/s^2); strength divided by the unit of mass, or 0 if it never breaks. A broken rod has zeros.
 inline constexpr std::uint32_t law = 6;
-inline constexpr std::uint32_t law_start = 4;  ///< l0; c0 = l0 - L; slope; what is left of psi where c1 is 0
+inline constexpr std::uint32_t law_step = 5;   ///< See LawStep in simd/tree/law_math.hpp.
+inline constexpr std::uint32_t law_start = 3;  ///< See LawStart there.
 inline constexpr std::uint32_t below = 13;     ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
 
@@ -69,8 +70,15 @@ struct TreeView {
   bool is_mid = false;         ///< Whether the substep is of gradient mid.
   const T* law = nullptr;      ///< tree_fields::law numbers of the rod to the parent, per node.
   const T* tie_law = nullptr;  ///< The same of the rod to the anchor, per tie.
-  T* law_start = nullptr;      ///< tree_fields::law_start numbers per node; prepare() makes them.
-  T* tie_law_start = nullptr;  ///< The same per tie.
+  /// Whether prepare() makes `law_step` anew, as where `law`, `law_factors` or lengths have changed.
+  bool makes_law_steps = false;
+  T* law_step = nullptr;                ///< tree_fields::law_step numbers per node.
+  T* tie_law_step = nullptr;            ///< The same per tie.
+  T* law_start = nullptr;               ///< tree_fields::law_start numbers per node; prepare() makes them.
+  T* tie_law_start = nullptr;           ///< The same per tie.
+  const double* length_rate = nullptr;  ///< Rate of the length of the rod to the parent, in m/s, per node.
+  const double* tie_length_rate = nullptr;  ///< The same per tie.
+  bool keeps_half_kicks = false;            ///< Whether the gradient is old, which has half kicks.
   /// Half of the last kick of the rod to the parent, in m/s times the unit of mu, of gradient old, per node.
   T* half_kick = nullptr;
   T* tie_half_kick = nullptr;      ///< The same per tie.

@@ -20,7 +20,7 @@
 // soft.
 
 #include "simd/tree/lane_math.hpp"
-#include "simd/tree/law_math.hpp"
+#include "simd/tree/law_lanes.hpp"
 
 namespace plumb::simd {
 namespace {
@@ -61,59 +61,6 @@ PLUMB_INLINE NodeBlock<V> empty_block() {
   return {{none, none, none}, none, zero};
 }
 
-/// The rods to parents, or those to anchors, have these arrays of what gives.
-template <class T>
-struct LawArrays {
-  const T* law;
-  T *start, *half_kick;
-};
-template <class T>
-PLUMB_INLINE LawArrays<T> rod_laws(const TreeView<T>& tree) {
-  return {tree.law, tree.law_start, tree.half_kick};
-}
-template <class T>
-PLUMB_INLINE LawArrays<T> tie_laws(const TreeView<T>& tree) {
-  return {tree.tie_law, tree.tie_law_start, tree.tie_half_kick};
-}
-template <class V, class T, class At>
-PLUMB_INLINE LawNumbers<V> law_numbers(const At& at, const T* laws, std::size_t i) {
-  const std::size_t f = i * tree_fields::law;
-  return {at.get(laws, f), at.get(laws, f + 1), at.get(laws, f + 2), at.get(laws, f + 3),
-          at.get(laws, f + 4)};
-}
-template <class V, class T, class At>
-PLUMB_INLINE LawStart<V> law_start(const At& at, const T* starts, std::size_t i) {
-  const std::size_t f = i * tree_fields::law_start;
-  return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2), at.get(starts, f + 3)};
-}
-template <class V, class T, class At>
-PLUMB_INLINE LawFactors<V> law_factors_of(const TreeView<T>& tree, const At& at) {
-  const T* const from = tree.law_factors;
-  return {at.get(from, law_factors::share),         at.get(from, law_factors::kick),
-          at.get(from, law_factors::kick_back),     at.get(from, law_factors::kick_before),
-          at.get(from, law_factors::rate),          at.get(from, law_factors::substep),
-          at.get(from, law_factors::substep_before)};
-}
-/// Returns by how much the square of the length of a rod along d grows if its ends come apart by e.
-template <class V>
-PLUMB_INLINE V growth_of(const Vec<V>& d, const Vec<V>& e) {
-  const V along = dot(d, e);
-  return (along + along) + dot(e, e);
-}
-/// Returns the row of rod i of `arrays`.
-template <class V, class T, class At>
-PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
-                                  std::size_t i, const LawIterate<V>& iterate, const V& theta) {
-  return law_row(law_numbers<V>(at, arrays.law, i), law_start<V>(at, arrays.start, i), iterate, theta,
-                 LawKind{tree.has_cables, tree.is_mid});
-}
-template <class V, class T, class At>
-PLUMB_INLINE KnownPull<V> known_pull_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
-                                        std::size_t i, const V& c, const V& last_mu) {
-  return known_pull(law_numbers<V>(at, arrays.law, i), law_factors_of<V>(tree, at),
-                    law_start<V>(at, arrays.start, i), c, last_mu);
-}
-
 /// A node whose ties and everything below it are eliminated has delta_i = q + H f for a force f from above.
 template <class V>
 struct Free {
@@ -137,18 +84,17 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
     } else {
       block.r =
           block.r + at.get(tree.tie, k * tie) * (at.get3(tree.tie_u, 3 * k) - at.get3(tree.tie_delta, 3 * k));
-      if constexpr (laws)
-        block.r = block.r + known_pull_of<V>(tree, at, tie_laws(tree), k, V(0), at.get(tree.tie_mu, k)).mu *
-                                at.get3(tree.tie_rod, k * rod);
+      if constexpr (laws) {
+        const Vec<V> d = at.get3(tree.tie_rod, k * rod);
+        block.r = block.r + known_pull_of<V>(tree, at, tie_laws(tree), k, d, V(0)).mu * d;
+      }
     }
   }
   block.rows.v0.x = block.rows.v0.x + block.diagonal;
   block.rows.v1.y = block.rows.v1.y + block.diagonal;
   block.rows.v2.z = block.rows.v2.z + block.diagonal;
-  Free<V> node;
-  node.h = inverse(block.rows);
+  Free<V> node{inverse(block.rows), block.r, V(0)};
   node.q = multiply(node.h, block.r);
-  node.residual = V(0);
   const V size = trace(node.h);
   for (std::size_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) {
     const Vec<V> d = at.get3(tree.tie_rod, k * rod), e = delta - at.get3(tree.tie_delta, 3 * k);
@@ -161,10 +107,10 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
     }
     V soft(0);
     if constexpr (laws) {
-      const V mu = at.get(tree.tie_mu, k);
       const LawRow<V> row = linear
-                                ? known_pull_of<V>(tree, at, tie_laws(tree), k, c, mu).row
-                                : law_row_of<V>(tree, at, tie_laws(tree), k, {growth_of(d, e), c, mu}, theta);
+                                ? known_pull_of<V>(tree, at, tie_laws(tree), k, d, c).row
+                                : law_row_of<false, V>(tree, at, tie_laws(tree), k,
+                                                       {growth_of(d, e), c, at.get(tree.tie_mu, k)}, theta);
       b = row.use * b;
       soft = row.soft;
       c = row.c;
@@ -207,7 +153,7 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   if constexpr (linear) {
     block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 3 * i);
     if constexpr (laws) {
-      const KnownPull<V> known = known_pull_of<V>(tree, at, rod_laws(tree), i, own.c, at.get(tree.mu, i));
+      const KnownPull<V> known = known_pull_of<V>(tree, at, rod_laws(tree), i, d, own.c);
       own.mu = known.mu;
       own.b = known.row.use * d;
       own.soft = known.row.soft;
@@ -221,7 +167,7 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
     own.mu = at.get(tree.mu, i);
     if constexpr (laws) {
       const LawRow<V> row =
-          law_row_of<V>(tree, at, rod_laws(tree), i, {growth_of(d, e), own.c, own.mu}, theta);
+          law_row_of<false, V>(tree, at, rod_laws(tree), i, {growth_of(d, e), own.c, own.mu}, theta);
       own.b = row.use * own.b;
       own.soft = row.soft;
       own.c = row.c;

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdint>
 
+#include "math/elementary.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "simd/tree/tree_kernels.hpp"
+#include "time/verlet.hpp"
 
 namespace plumb::detail {
 
@@ -16,15 +18,16 @@ struct LawFactors {
   double share = 0, kick = 0, kick_back = 0, kick_before = 0, rate = 0, substep = 0, substep_before = 0;
 
   /// Returns those of a substep of `h` (s) after one of `last` (s), or 0 after a velocity. Forces act on its
-  /// displacement by `kick` (s^2).
-  static LawFactors of(Gradient gradient, double kick, double last, double h) {
+  /// displacement by `kick` (s^2), and the air by `drag` (1/s). Of a kick with drag, the half that the
+  /// substep before has left and the half of this one decay one after the other, as composed substeps need.
+  static LawFactors of(Gradient gradient, double kick, double last, double h, double drag) {
     if (gradient != Gradient::old)
       return {.share = gradient == Gradient::mid ? 0.5 : 1, .kick = kick, .rate = 1 / h};
-    const double between = (h + last) / 2;
+    const double left = h * mean_decay(drag * last / 2) * detail::exp(-drag * h / 2);
     return {.share = 0.5,
             .kick = kick,
-            .kick_back = kick * (last / 2) / between,
-            .kick_before = last != 0 ? kick / between : 0,
+            .kick_back = last != 0 ? kick - h * (h / 2) * mean_decay(drag * h / 2) : 0,
+            .kick_before = last != 0 ? left : 0,
             .rate = 1 / h,
             .substep = h,
             .substep_before = last};
@@ -37,6 +40,13 @@ struct LawFactors {
   std::array<double, simd::law_factors::count> numbers() const {
     return {share, kick, kick_back, kick_before, rate, substep, substep_before};
   }
+  /// Writes them for one of `lanes`.
+  template <class T>
+  void put(T* to, std::size_t lanes) const {
+    const auto of = numbers();
+    for (std::size_t c = 0; c < of.size(); ++c) to[c * lanes] = static_cast<T>(of[c]);
+  }
+  bool operator==(const LawFactors&) const = default;
 };
 
 /// Laws are made for masses in units of `unit` (kg). `give` is the sum of the inverse masses of a rod's ends,

@@ -20,9 +20,13 @@ simd::LawFactors<double> factors_of(const LawWorkspace& work) {
   const auto [share, kick, kick_back, kick_before, rate, substep, substep_before] = work.factors.numbers();
   return {share, kick, kick_back, kick_before, rate, substep, substep_before};
 }
-simd::LawStart<double> start_of(const LawWorkspace& work, std::uint32_t k) {
-  const auto [length, excess, slope, before] = work.starts[k];
-  return {length, excess, slope, before};
+simd::LawStep<double> step_of(const std::array<double, simd::tree_fields::law_step>& numbers) {
+  const auto [slope, give, weight, length, kept] = numbers;
+  return {slope, give, weight, length, kept};
+}
+simd::LawStart<double> start_of(const std::array<double, simd::tree_fields::law_start>& numbers) {
+  const auto [length, before, excess] = numbers;
+  return {length, before, excess};
 }
 
 }  // namespace
@@ -35,23 +39,29 @@ void LoopLaws::make(std::span<const double> length2) {
 }
 
 void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double violation, LawWorkspace& work) {
-  const auto start =
-      simd::start_law(numbers_of(laws, k), factors_of(work), laws.half_kick[k], length2, violation);
-  work.starts[k] = {start.length, start.excess, start.slope, start.before};
+  const auto law = numbers_of(laws, k);
+  const auto step = simd::law_step(law, factors_of(work), length2 - 2 * violation);
+  auto start = simd::start_cable(law, step, simd::start_law(step, length2, violation));
+  start.before += step.give * (work.factors.kick_before * laws.half_kick[k]);
+  work.starts[k] = {{step.slope, step.give, step.weight, step.length, step.kept},
+                    {start.length, start.before, start.excess}};
 }
 
 RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, const RodIterate& iterate,
                double theta) {
-  const auto row = simd::law_row(numbers_of(laws, k), start_of(work, k),
-                                 simd::LawIterate<double>{iterate.growth, iterate.violation, iterate.mu},
-                                 theta, simd::LawKind{true, work.is_mid});
+  if (laws.is_rigid(k) && !laws.is_one_sided(k)) return {1, 0, iterate.violation};
+  const auto& [step, start] = work.starts[k];
+  const auto row = simd::cable_row<false>(
+      numbers_of(laws, k), step_of(step), start_of(start),
+      simd::LawIterate<double>{iterate.growth, iterate.violation, iterate.mu}, theta, work.is_mid);
   return {row.use, row.soft, row.c};
 }
 
-VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double c,
-                         double last_mu) {
+VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double length2,
+                         double c, double last_mu) {
   const auto [mu, row] =
-      simd::known_pull(numbers_of(laws, k), factors_of(work), start_of(work, k), c, last_mu);
+      simd::known_pull(numbers_of(laws, k), factors_of(work),
+                       simd::LawMotion<double>{length2, c, laws.rate[k], last_mu, laws.half_kick[k]});
   return {mu, {row.use, row.soft, row.c}};
 }
 
@@ -68,8 +78,8 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
   std::uint32_t broken = 0;
   for (std::uint32_t k = 0; k < length2.size(); ++k) {
     if (!work.starts.empty())  // islands solved by their lines have none
-      laws.half_kick[k] =
-          simd::end_law(numbers_of(laws, k), factors_of(work), start_of(work, k), laws.half_kick[k], mu[k]);
+      laws.half_kick[k] = simd::end_law(step_of(work.starts[k].step), work.starts[k].start[0],
+                                        work.factors.kick_before, laws.half_kick[k], mu[k]);
     if (laws.rate[k] != 0) {
       laws.length[k] += end.h * laws.rate[k];
       length2[k] = laws.length[k] * laws.length[k];
@@ -85,20 +95,14 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
   return broken;
 }
 
-double pulled_length(const std::array<double, simd::tree_fields::law_start>& start, double mu, double theta) {
-  const auto [length, excess, slope, before] = start;
-  const double give = slope + theta * mu;
-  // It solves the rod's equation, mu l + slope c1 + before = 0, for l1.
-  return give > 0 ? length - theta * ((mu * length + slope * excess) + before) / give : length;
-}
-
 LawPull law_pull(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double growth) {
-  const auto start = start_of(work, k);
-  if (start.slope == 0) return {0, 0};  // it is broken
-  const double end = simd::end_length(start, growth);
-  double off = start.excess + growth / (start.length + end) + start.before / start.slope;
-  if (laws.rods[k][3] != 0) off = std::max(off, 0.0);
-  return {-start.slope * off / end, 0.5 * start.slope * off * off};
+  const auto step = step_of(work.starts[k].step);
+  const auto start = start_of(work.starts[k].start);
+  if (step.slope == 0) return {0, 0};  // it is broken
+  const double end = simd::end_length(start, growth), slope = step.slope / step.give;
+  double off = growth / (start.length + end) + start.before / step.slope;
+  if (laws.is_one_sided(k)) off = std::max(off, 0.0);
+  return {-slope * off / end, 0.5 * slope * off * off};
 }
 
 }  // namespace plumb::detail

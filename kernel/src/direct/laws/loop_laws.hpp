@@ -30,11 +30,16 @@ struct LoopLaws {
   bool is_broken(std::uint32_t k) const { return rods[k] == Numbers{}; }
 };
 
+/// Holds what a substep makes of a law, see simd/tree/law_math.hpp.
+struct LawNow {
+  std::array<double, simd::tree_fields::law_step> step;
+  std::array<double, simd::tree_fields::law_start> start;
+};
 /// Holds what a substep makes of the laws, while it is solved.
 struct LawWorkspace {
   LawFactors factors;
   bool is_mid = false;
-  std::vector<std::array<double, simd::tree_fields::law_start>> starts;  ///< They are per rod.
+  std::vector<LawNow> starts;  ///< They are per rod.
 };
 
 /// A row of Newton's matrix is  use gradient . (change of e) + soft (change of mu) = -c.
@@ -52,14 +57,14 @@ struct RodIterate {
 RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, const RodIterate& iterate,
                double theta);
 /// Returns the multiplier with which rod `k` is known to pull in a projection of velocities, and the row of
-/// what is added to it. Its ends come apart at c (m²/s) times its length, and its last multiplier is
-/// `last_mu`.
+/// what is added to it. Half of its squared length `length2` (m²) grows at c (m²/s), and its last multiplier
+/// is `last_mu`.
 struct VelocityRow {
   double mu = 0;
   RodRow row{};
 };
-VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double c,
-                         double last_mu);
+VelocityRow velocity_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double length2,
+                         double c, double last_mu);
 
 /// Sets the lengths of rods whose length changes, as set_substep_lengths() of trees does.
 void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> length2);
@@ -72,8 +77,15 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
                        std::span<const double> mu, std::span<double> length2);
 
 /// Returns the length (m) along which an elastic rod pulls with the multiplier `mu` in a substep of gradient
-/// theta. `start` has tree_fields::law_start numbers.
-double pulled_length(const std::array<double, simd::tree_fields::law_start>& start, double mu, double theta);
+/// theta, for the first two numbers of simd::LawStep and of simd::LawStart. It solves the rod's equation.
+inline double pulled_length(double slope, double give, double length, double before, double mu,
+                            double theta) {
+  const double over = slope + theta * mu * give;
+  return length - theta * (over > 0 ? (give * mu * length + before) / over : 0);
+}
+inline double pulled_length(const LawNow& now, double mu, double theta) {
+  return pulled_length(now.step[0], now.step[1], now.start[0], now.start[1], mu, theta);
+}
 
 /// Rod `k` of gradient new pulls with the multiplier -psi/l at the end of a substep, and psi is the
 /// derivative of an energy by the length. Returns both.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "direct/laws/law_factors.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
@@ -29,11 +30,15 @@ struct TreeLaws {
       ties = layouts::AlignedBuffer<Number>(tie_numbers);
     }
   };
-  Of<T> law;           ///< They have tree_fields::law numbers per rod.
-  Of<T> half_kick;     ///< They have one number per rod, and so have the next ones.
-  Of<double> length;   ///< At the end of the last substep, in m.
-  Of<double> rate;     ///< Lengths change by so much, in m/s.
-  Of<double> impulse;  ///< Pulls times substeps, of this step, in N s.
+  Of<T> law;                                 ///< They have tree_fields::law numbers per rod.
+  Of<T> half_kick;                           ///< They have one number per rod, and so have the next ones.
+  Of<double> length;                         ///< At the end of the last substep, in m.
+  Of<double> rate;                           ///< Lengths change by so much, in m/s.
+  Of<double> impulse;                        ///< Pulls times substeps, of this step, in N s.
+  Of<T> step;                                ///< They have tree_fields::law_step numbers per rod.
+  std::vector<LawFactors> factors;           ///< Steps are made of them, per lane.
+  layouts::AlignedBuffer<T> factor_numbers;  ///< They are the same, see simd::law_factors.
+  bool steps_are_old = true;                 ///< Steps are to be made anew.
 
   /// Makes room for `nodes` rods to parents and `ties` to anchors, lanes included. All are rigid.
   void make(std::size_t nodes, std::size_t ties, std::uint32_t lanes) {
@@ -44,6 +49,9 @@ struct TreeLaws {
     length.make(nodes, ties);
     rate.make(nodes, ties);
     impulse.make(nodes, ties);
+    step.make(simd::tree_fields::law_step * nodes, simd::tree_fields::law_step * ties);
+    factors.assign(lanes, {});
+    factor_numbers = layouts::AlignedBuffer<T>(std::size_t{simd::law_factors::count} * lanes);
     for (auto* const buffer : {&law.rods, &law.ties})
       for (std::size_t i = 0; i * simd::tree_fields::law * lanes < buffer->size(); ++i)
         std::fill_n(buffer->data() + (simd::tree_fields::law * i + 2) * lanes, lanes, T(1));
@@ -59,7 +67,17 @@ struct TreeLaws {
     breaks = breaks || numbers[5] > 0;
   }
 
+  /// Sets the factors of the next substep or projection of a lane.
+  void set_factors(std::uint32_t lane, const LawFactors& of) {
+    if (of == factors[lane]) return;
+    factors[lane] = of;
+    steps_are_old = true;
+    of.put(factor_numbers.data() + lane, factors.size());
+  }
+
+  /// Numbers of laws are copied, too, of which steps are made.
   void copy_flags(const TreeLaws& from) {
+    steps_are_old = true;
     any = from.any;
     gives = from.gives;
     cables = from.cables;

@@ -1,5 +1,6 @@
 #include "direct/laws/tree_rods.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -25,6 +26,7 @@ void for_parts(F&& f) {
 template <class T>
 void set_substep_lengths(TreeState<T>& state, double h) {
   TreeLaws<T>& laws = state.laws;
+  laws.steps_are_old = true;
   for_parts([&](auto part, bool ties) {
     auto& length2 = ties ? state.tie_length2 : state.length2;
     for (std::size_t i = 0; i < length2.size(); ++i) {
@@ -37,58 +39,107 @@ void set_substep_lengths(TreeState<T>& state, double h) {
   });
 }
 
+namespace {
+
+/// They are numbers of all lanes.
+using OfLanes = std::array<double, simd::logical_width<float>>;
+
+/// Breaks the rods of one entry, with these tree_fields::law `numbers`, that pulled more than they hold.
+/// Returns how many have broken.
 template <class T>
-void put_length_rates(const TreeState<T>& state, TreeWorkspace<T>& work) {
+std::uint32_t break_rods(TreeLaws<T>& laws, T* numbers, const OfLanes& pull) {
+  const std::size_t lanes = laws.factors.size();
+  std::uint32_t broken = 0;
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const double strength = static_cast<double>(numbers[5 * lanes + lane]);
+    if (!(strength > 0 && pull[lane] > strength)) continue;
+    for (std::size_t c = 0; c < law; ++c) numbers[c * lanes + lane] = 0;
+    laws.steps_are_old = true;
+    ++broken;
+  }
+  return broken;
+}
+
+/// A substep of rods to parents or to anchors has these multipliers, tree_fields::law_start numbers, length h
+/// (s) and gradient.
+template <class T>
+struct EndedSubstep {
+  const T *mu, *starts;
+  double h, theta;
+};
+
+/// Puts the lengths (m) along which the rods of an entry, which may give, have pulled. `first` is the number
+/// of its first lane. That of a rigid rod does its work along the mean of its lengths.
+template <class T, class Part>
+void put_pulled_lengths(const TreeLaws<T>& laws, Part part, std::size_t first, const EndedSubstep<T>& ended,
+                        OfLanes& to) {
+  const std::size_t lanes = laws.factors.size();
+  const T* const rigid = part(laws.law).data() + law * first + 2 * lanes;
+  const T* const start = ended.starts + simd::tree_fields::law_start * first;
+  const T* const step = part(laws.step).data() + simd::tree_fields::law_step * first;
+  const double* const length = part(laws.length).data() + first;
+  const double* const rate = part(laws.rate).data() + first;
+  const double half = ended.h / 2;
+  for (std::size_t lane = 0; lane < lanes; ++lane) to[lane] = static_cast<double>(start[lane]);
+  for (std::size_t lane = 0; ended.theta != 0 && lane < lanes; ++lane)
+    to[lane] = pulled_length(static_cast<double>(step[lane]), static_cast<double>(step[lanes + lane]),
+                             to[lane], static_cast<double>(start[lanes + lane]),
+                             static_cast<double>(ended.mu[first + lane]), ended.theta);
+  for (std::size_t lane = 0; lane < lanes; ++lane)
+    to[lane] = rigid[lane] != 0 ? length[lane] - half * rate[lane] : to[lane];
+}
+
+/// Moves lengths of rods by a substep, in lanes that do not stand still.
+template <class T>
+void move_lengths(TreeState<T>& state, double h, const TreeWorkspace<T>& work) {
   for_parts([&](auto part, bool ties) {
-    const auto& lengths = part(state.laws.length);
-    auto& starts = ties ? work.tie_law_start : work.law_start;
-    for (std::size_t i = 0; i < lengths.size(); ++i) {
-      const std::size_t slope = (simd::tree_fields::law_start * (i / state.lanes) + 2) * state.lanes;
-      starts[slope + i % state.lanes] = static_cast<T>(lengths[i] * part(state.laws.rate)[i]);
+    auto& length2 = ties ? state.tie_length2 : state.length2;
+    auto& lengths = part(state.laws.length);
+    for (std::size_t i = 0; i < length2.size(); ++i) {
+      const double rate = part(state.laws.rate)[i];
+      if (rate == 0 || work.active[i % state.lanes] == 0) continue;
+      lengths[i] += h * rate;
+      length2[i] = lengths[i] * lengths[i];
     }
   });
 }
+
+}  // namespace
 
 template <class T>
 std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWorkspace<T>& work) {
   TreeLaws<T>& laws = state.laws;
   const std::size_t lanes = state.lanes;
+  if (laws.moves) move_lengths(state, h, work);
+  if (!laws.pulls && !laws.breaks) return 0;
+  OfLanes over_kick, weight;  // lanes that stand still have zeros
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    over_kick[lane] = work.active[lane] == 0 ? 0 : -1 / static_cast<double>(work.kick[lane]);
+    weight[lane] = h * state.mass_unit[lane];
+  }
   std::uint32_t broken = 0;
   for_parts([&](auto part, bool ties) {
-    auto& length2 = ties ? state.tie_length2 : state.length2;
     const auto& mu = ties ? state.tie_mu : state.mu;
     const auto& starts = ties ? work.tie_law_start : work.law_start;
-    for (std::size_t i = ties ? 0 : lanes; i < length2.size(); ++i) {
-      const std::size_t lane = i % lanes, entry = i / lanes;
-      if (work.active[lane] == 0) continue;
-      if (const double rate = part(laws.rate)[i]; rate != 0) {
-        const double length = part(laws.length)[i] += h * rate;
-        length2[i] = length * length;
+    for (std::size_t first = ties ? 0 : lanes; first < mu.size(); first += lanes) {
+      OfLanes pull;
+      if (laws.gives)
+        put_pulled_lengths<T>(laws, part, first, {mu.data(), starts.data(), h, theta}, pull);
+      else
+        std::copy_n(part(laws.length).data() + first, lanes, pull.data());
+      double* const impulse = part(laws.impulse).data() + first;
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        pull[lane] *= over_kick[lane] * static_cast<double>(mu[first + lane]);
+        impulse[lane] += weight[lane] * pull[lane];
       }
-      if (!laws.pulls && !laws.breaks) continue;
-      T* const numbers = part(laws.law).data() + law * entry * lanes + lane;
-      // The pull of a rigid rod does its work along the mean of its lengths.
-      double length = std::sqrt(length2[i]) - h / 2 * part(laws.rate)[i];
-      if (numbers[2 * lanes] == 0) {
-        std::array<double, simd::tree_fields::law_start> start;
-        for (std::size_t c = 0; c < start.size(); ++c)
-          start[c] = static_cast<double>(starts[(start.size() * entry + c) * lanes + lane]);
-        length = pulled_length(start, static_cast<double>(mu[i]), theta);
-      }
-      const double pull = -static_cast<double>(mu[i]) * length / static_cast<double>(work.kick[lane]);
-      part(laws.impulse)[i] += h * pull * state.mass_unit[lane];
-      const double strength = static_cast<double>(numbers[5 * lanes]);
-      if (!(strength > 0 && pull > strength)) continue;
-      for (std::size_t c = 0; c < law; ++c) numbers[c * lanes] = 0;
-      ++broken;
+      if (laws.breaks) broken += break_rods(laws, part(laws.law).data() + law * first, pull);
     }
   });
   return broken;
 }
 
-#define PLUMB_INSTANTIATE(T)                                              \
-  template void set_substep_lengths(TreeState<T>&, double);               \
-  template void put_length_rates(const TreeState<T>&, TreeWorkspace<T>&); \
+#define PLUMB_INSTANTIATE(T)                                \
+  template void set_substep_lengths(TreeState<T>&, double); \
   template std::uint32_t end_rods(TreeState<T>&, double, double, const TreeWorkspace<T>&);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

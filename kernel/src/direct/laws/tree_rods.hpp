@@ -12,10 +12,6 @@ namespace plumb::detail {
 template <class T>
 void set_substep_lengths(TreeState<T>& state, double h);
 
-/// Lets a projection of velocities, which prepare() has begun, give rigid rods the rates of their lengths.
-template <class T>
-void put_length_rates(const TreeState<T>& state, TreeWorkspace<T>& work);
-
 /// Ends a substep of `h` (s), with all of work.active: adds up lengths and pulls, and breaks rods that pulled
 /// more than they hold. `theta` is that of the substep's gradient. Returns how many have broken.
 template <class T>

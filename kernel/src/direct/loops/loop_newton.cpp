@@ -79,11 +79,10 @@ RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double
 VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWorkspace& work) {
   const auto [a, b] = state.topology->rods[k];
   if (state.locks.has(a) && is_held(state, b)) return {0, {0, 1, 0}};
-  const double c = dot(at(work.d, k), at(work.delta, a) - at(work.delta, b));
+  const Vec3 d = at(work.d, k);
+  const double c = dot(d, at(work.delta, a) - at(work.delta, b));
   if (!state.laws.any()) return {0, {1, 0, c}};
-  VelocityRow out = velocity_row(state.laws, work.laws, k, c, state.mu[k]);
-  if (state.laws.is_rigid(k)) out.row.c -= out.row.use * state.laws.length[k] * state.laws.rate[k];
-  return out;
+  return velocity_row(state.laws, work.laws, k, dot(d, d), c, state.mu[k]);
 }
 
 void measure_rods(const LoopState& state, LoopWorkspace& work) {

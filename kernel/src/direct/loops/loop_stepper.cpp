@@ -99,7 +99,7 @@ LoopStepper::LoopStepper(Gradient gradient, double drag, std::uint32_t time_orde
 void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const {
   const LoopTopology& shape = *state.topology;
   const auto [ratio, kick] = coefficients(state, h, gradient);
-  work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h);
+  work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h, drag_);
   work.laws.is_mid = gradient == Gradient::mid;
   if (state.laws.moves) set_substep_lengths(state.laws, h, state.length2);
   start_twists(state, h, work);

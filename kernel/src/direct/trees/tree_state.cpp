@@ -288,7 +288,6 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
                        &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
-  law_factors = AlignedBuffer<T>(std::size_t{law_factors::count} * lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
 }
@@ -354,17 +353,24 @@ void TreeWorkspace<T>::add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t
   if (law_start.size() == 0) {  // only trees with laws need it
     law_start = AlignedBuffer<T>(tree_fields::law_start * rods);
     tie_law_start = AlignedBuffer<T>(tree_fields::law_start * ties);
+    projection_factors = AlignedBuffer<T>(law_factors::count * kick.size());
   }
   to.has_laws = true;
   to.has_cables = laws.cables;
   to.is_mid = is_mid;
   to.law = laws.law.rods.data();
   to.tie_law = laws.law.ties.data();
+  to.makes_law_steps = laws.steps_are_old;
+  to.law_step = laws.step.rods.data();
+  to.tie_law_step = laws.step.ties.data();
   to.law_start = law_start.data();
   to.tie_law_start = tie_law_start.data();
   to.half_kick = laws.half_kick.rods.data();
   to.tie_half_kick = laws.half_kick.ties.data();
-  to.law_factors = law_factors.data();
+  to.length_rate = laws.rate.rods.data();
+  to.tie_length_rate = laws.rate.ties.data();
+  to.law_factors = laws.factor_numbers.data();
+  to.keeps_half_kicks = keeps_half_kicks;
 }
 
 template struct TreeState<float>;

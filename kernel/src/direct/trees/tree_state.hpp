@@ -141,16 +141,12 @@ struct TreeWorkspace {
 
   simd::TreeView<T> view(TreeState<T>& state);
   void add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t ties, simd::TreeView<T>& to);
-  void put_law_factors(std::uint32_t lane, const LawFactors& factors) {
-    const auto numbers = factors.numbers();
-    for (std::size_t c = 0; c < numbers.size(); ++c)
-      law_factors[c * kick.size() + lane] = static_cast<T>(numbers[c]);
-  }
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
-      u_before, inverse_kick, push, jolt, law_factors, law_start, tie_law_start;
-  bool is_mid = false;  ///< The substep is of gradient mid.
+      u_before, inverse_kick, push, jolt, projection_factors, law_start, tie_law_start;
+  bool is_mid = false;            ///< The substep is of gradient mid.
+  bool keeps_half_kicks = false;  ///< The gradient is old, though a substep may be of another.
   bool guesses = true;  ///< Displacements are guessed from accelerations; lines find theirs from multipliers.
   bool keeps_acceleration = true;    ///< Guesses and estimates of error need them.
   std::vector<std::uint8_t> failed;  ///< The last solve failed in these lanes.

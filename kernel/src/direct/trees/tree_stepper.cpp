@@ -74,14 +74,17 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
     work.mu_scale[lane] = static_cast<T>(scale);
     work.mu_scale_before[lane] = static_cast<T>(scale_before);
     work.active[lane] = state.idle[lane] ? T(0) : T(1);
-    if (state.laws.gives) work.put_law_factors(lane, LawFactors::of(gradient, kick, state.u_step[lane], h));
+    if (state.laws.gives)
+      state.laws.set_factors(lane, LawFactors::of(gradient, kick, state.u_step[lane], h, drag_));
   }
   work.is_mid = gradient == Gradient::mid;
+  work.keeps_half_kicks = gradient_ == Gradient::old;
   if (state.ties_move) set_tie_displacements(state, h, work);
   if (state.laws.moves) set_substep_lengths(state, h);
   work.guesses = !is_line(state, gradient);
   work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
+  state.laws.steps_are_old = false;
 }
 
 template <class T>

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "direct/laws/tree_rods.hpp"
 #include "direct/trees/newton_limits.hpp"
 #include "direct/trees/tree_stepper.hpp"
 #include "math/elementary.hpp"
@@ -13,14 +12,17 @@ template <class T>
 void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity,
                              TreeWorkspace<T>& work) const {
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
-  for (std::uint32_t lane = 0; state.laws.gives && lane < state.lanes; ++lane)
-    work.put_law_factors(lane, LawFactors::of_projection(double{work.kick[lane]}, state.u_step[lane]));
   simd::TreeView<T> view = work.view(state);
+  for (std::uint32_t lane = 0; state.laws.gives && lane < state.lanes; ++lane)
+    LawFactors::of_projection(double{work.kick[lane]}, state.u_step[lane])
+        .put(work.projection_factors.data() + lane, state.lanes);
+  view.law_factors = work.projection_factors.data();
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
   for (std::size_t i = 0; i < tie_velocity.size(); ++i)
     put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
+  view.has_laws = false;  // projections do not need what substeps of laws do
   kernels(state).prepare(view);
-  if (state.laws.moves) put_length_rates(state, work);
+  view.has_laws = state.laws.gives;
   std::copy_n(work.velocity.data(), state.u.size(), work.delta.data());
   kernels(state).project(view);
   std::fill_n(state.tie_delta.data(), state.tie_delta.size(), T(0));

@@ -1,0 +1,80 @@
+#pragma once
+
+// These functions read the laws of rods that give from the arrays of a tree. tree_lanes.hpp includes this
+// file after lane_math.hpp.
+
+#include "simd/tree/law_math.hpp"
+
+namespace plumb::simd {
+namespace {
+
+/// The rods to parents, or those to anchors, have these arrays of what gives.
+template <class T>
+struct LawArrays {
+  const T* law;
+  T *step, *start, *half_kick;
+  const T* mu;
+  const double* rate;
+};
+template <class T>
+PLUMB_INLINE LawArrays<T> rod_laws(const TreeView<T>& tree) {
+  return {tree.law, tree.law_step, tree.law_start, tree.half_kick, tree.mu, tree.length_rate};
+}
+template <class T>
+PLUMB_INLINE LawArrays<T> tie_laws(const TreeView<T>& tree) {
+  return {tree.tie_law,       tree.tie_law_step, tree.tie_law_start,
+          tree.tie_half_kick, tree.tie_mu,       tree.tie_length_rate};
+}
+template <class V, class T, class At>
+PLUMB_INLINE LawNumbers<V> law_numbers(const At& at, const T* laws, std::size_t i) {
+  const std::size_t f = i * tree_fields::law;
+  return {at.get(laws, f), at.get(laws, f + 1), at.get(laws, f + 2), at.get(laws, f + 3),
+          at.get(laws, f + 4)};
+}
+template <class V, class T, class At>
+PLUMB_INLINE LawStart<V> law_start(const At& at, const T* starts, std::size_t i) {
+  const std::size_t f = i * tree_fields::law_start;
+  return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2)};
+}
+template <class V, class T, class At>
+PLUMB_INLINE LawStep<V> law_step(const At& at, const T* steps, std::size_t i) {
+  const std::size_t f = i * tree_fields::law_step;
+  return {at.get(steps, f), at.get(steps, f + 1), at.get(steps, f + 2), at.get(steps, f + 3),
+          at.get(steps, f + 4)};
+}
+template <class V, class T, class At>
+PLUMB_INLINE LawFactors<V> law_factors_of(const TreeView<T>& tree, const At& at) {
+  const T* const from = tree.law_factors;
+  return {at.get(from, law_factors::share),         at.get(from, law_factors::kick),
+          at.get(from, law_factors::kick_back),     at.get(from, law_factors::kick_before),
+          at.get(from, law_factors::rate),          at.get(from, law_factors::substep),
+          at.get(from, law_factors::substep_before)};
+}
+/// Returns by how much the square of the length of a rod along d grows if its ends come apart by e.
+template <class V>
+PLUMB_INLINE V growth_of(const Vec<V>& d, const Vec<V>& e) {
+  const V along = dot(d, e);
+  return (along + along) + dot(e, e);
+}
+/// Returns the row of rod i of `arrays`. `theta` is 0 if the gradient `is_old`.
+template <bool is_old, class V, class T, class At>
+PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
+                                  std::size_t i, const LawIterate<V>& iterate, const V& theta) {
+  const LawStart<V> start = law_start<V>(at, arrays.start, i);
+  if (tree.has_cables)
+    return cable_row<is_old>(law_numbers<V>(at, arrays.law, i), law_step<V>(at, arrays.step, i), start,
+                             iterate, theta, tree.is_mid);
+  const std::size_t f = i * tree_fields::law_step;
+  return law_row<is_old>(at.get(arrays.step, f), at.get(arrays.step, f + 1), start, iterate.growth,
+                         iterate.mu, theta);
+}
+template <class V, class T, class At>
+PLUMB_INLINE KnownPull<V> known_pull_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
+                                        std::size_t i, const Vec<V>& d, const V& c) {
+  const V rate = narrow<V>(load_wide<V>(arrays.rate + i * At::stride + at.lane));
+  return known_pull(law_numbers<V>(at, arrays.law, i), law_factors_of<V>(tree, at),
+                    LawMotion<V>{dot(d, d), c, rate, at.get(arrays.mu, i), at.get(arrays.half_kick, i)});
+}
+
+}  // namespace
+}  // namespace plumb::simd
