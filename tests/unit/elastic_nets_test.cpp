@@ -11,6 +11,7 @@
 
 #include "direct/elastic_nets/net_matrix.hpp"
 #include "direct/elastic_nets/net_newton.hpp"
+#include "direct/laws/change_share.hpp"
 #include "direct/loops/loop_state.hpp"
 #include "direct/loops/loop_stepper.hpp"
 #include "scenes/basics/seeded.hpp"
@@ -155,6 +156,19 @@ TEST(NetMatrix, IsExactAlongRowsAndColumns) {
   matrix.set(numbers.mass, numbers.parts);
   std::vector<Vec3> x(shape.nodes);
   EXPECT_EQ(matrix.solve(numbers.right, 1e-8, 1, x), NetMatrix::Outcome::solved);
+}
+
+// Changes that do not fall are halved from the fifth on, and whole ones come back as soon as they fall.
+TEST(ChangeShare, IsHalvedWhereChangesDoNotFall) {
+  ChangeShare share;
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(share.next(1), 1);
+  EXPECT_EQ(share.next(1), 0.5);
+  EXPECT_EQ(share.next(0.8), 0.25);
+  EXPECT_EQ(share.next(0.5), 0.5);
+  EXPECT_EQ(share.next(0.5), 1);
+  EXPECT_EQ(share.next(0.5), 1);
+  for (int i = 0; i < 9; ++i) share.next(1);
+  EXPECT_EQ(share.next(1), 1.0 / 16);
 }
 
 // A substep is what the factorised matrix with multipliers makes of it, whatever the gradient and the law.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/laws/change_share.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_vectors.hpp"
 
@@ -13,12 +14,9 @@ constexpr int most_iterations = 30;
 /// One solution leaves this share of what is left, since the next one's directions are better.
 constexpr double coarse = 1e-3, projected = 1e-12;
 constexpr int most_gradients = 400;
-/// Where changes fall more slowly than this, cables go to and fro between slack and taut. Then half a change
-/// is made, and half of that if need be. No less than the least share is made.
-constexpr double lost_rate = 0.7, least_scale = 1.0 / 4;
 /// The last change, RMS over nodes relative to a rod, leaves this by its rate. Where a change this small does
 /// not fall any more, it is rounding.
-constexpr double converged_rest = 1e-14, rounding = 1e-9;
+constexpr double converged_rest = 1e-14, rounding = 1e-9, lost_rate = 0.7;
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
@@ -71,7 +69,8 @@ NetWorkspace::NetWorkspace(const NetPattern& pattern)
 bool iterate_net(LoopState& state, double theta, LoopWorkspace& work, Tally& counters) {
   NetWorkspace& net = *work.net;
   measure_rods(state, work);
-  double last = 0, scale = 1;
+  double last = 0;
+  ChangeShare share;
   for (int i = 0; i < most_iterations; ++i) {
     assemble(state, theta, work, net);
     if (solve(state, net) != NetMatrix::Outcome::solved) return false;
@@ -81,9 +80,9 @@ bool iterate_net(LoopState& state, double theta, LoopWorkspace& work, Tally& cou
     const double change = std::sqrt(sum / (state.topology->nodes * state.scale2));
     if (!(change <= hopeless_change)) return false;
     const double rate = last > 0 ? change / last : 1;
-    scale = rate > lost_rate && i > 0 ? std::max(scale / 2, least_scale) : std::min(2 * scale, 1.0);
-    apply(state, scale, net, work);
-    if ((scale == 1 && change * rate <= converged_rest) || (change <= rounding && rate > lost_rate))
+    const double made = share.next(rate);
+    apply(state, made, net, work);
+    if ((made == 1 && change * rate <= converged_rest) || (change <= rounding && rate > lost_rate))
       return true;
     last = change;
   }

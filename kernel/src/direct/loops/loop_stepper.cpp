@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "direct/displacements/elastic_rods.hpp"
+#include "direct/laws/change_share.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_vectors.hpp"
 #include "math/elementary.hpp"
@@ -15,9 +16,7 @@
 namespace plumb::detail {
 namespace {
 
-constexpr int most_iterations = 36;
-constexpr int most_factors = 12;
-constexpr int most_halvings = 10;
+constexpr int most_iterations = 36, most_factors = 12, most_halvings = 10;
 constexpr int most_attempts = 256;  ///< They are of one substep, all halves together.
 /// A substep that had to be halved has been tried in vain. So that the next need not be, it is cut into
 /// pieces as short as the shortest half, and longer by this every time.
@@ -52,7 +51,6 @@ constexpr double lost_rate = 0.5;
 /// % slack, 4 pieces took less time than 8.
 constexpr std::uint32_t most_line_pieces = 4;
 constexpr double line_pause = 64;
-
 /// After so many substeps in a row for which lines were no help they are given up.
 constexpr int most_stalls = 3;
 
@@ -160,6 +158,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
   bool stale = !carried, converged = false;
   double last = 0;
   int iterations = 0;
+  ChangeShare share;
   measure_rods(state, work);
   for (int factors = 0; iterations < most_iterations;) {
     const bool fresh = stale;
@@ -172,9 +171,10 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
     const double change = find_newton_change(state, theta, 0, work, factor);
     ++iterations;
     if (!(change <= hopeless_change)) break;
-    apply_change(state, 1, work, factor);
     const double rate = last > 0 ? change / last : 1;
-    converged = change <= converged_change && (fresh || change * rate <= converged_rest);
+    const double made = state.laws.any() ? share.next(fresh ? rate : 0) : 1;
+    apply_change(state, made, work, factor);
+    converged = made == 1 && change <= converged_change && (fresh || change * rate <= converged_rest);
     if (converged) break;
     if (carried && factors == 0 && last > 0 && rate > lost_rate) break;
     stale = fresh ? change > slow_rate : last > 0 && rate > slow_rate;

@@ -68,6 +68,9 @@ struct LoopWorkspace {
 /// long for that it is halved, and with gradients mid and new it is soon factorised instead (see
 /// DisplacementFactor). Where lines are no help the island is factorised, after a few such substeps always.
 ///
+/// Wide islands of elastic rods take conjugate gradients in displacements (see iterate_net()), and shorter
+/// substeps where those do not converge.
+///
 /// Of others Newton's linear systems are factorised as they are, unsymmetric, displacements and multipliers
 /// together (see LoopSystem). A factorisation serves for more than one iteration, and for later substeps, as
 /// long as they converge fast. Nets of 32, 64 and 128 particles squared cost 3.4 + 0.25, 34 + 2.3 and 370 +
