@@ -193,6 +193,16 @@ TEST_F(Allocations, AreNoneInStepsAfterChanges) {
   EXPECT_EQ(allocations_in([&] { world.step(1.0 / 60); }), 0u);
 }
 
+TEST_F(Allocations, AreNoneInStepsOfWires) {
+  for (const Gradient gradient : {Gradient::mid, Gradient::new_}) {
+    World world(scenes::load_scene("wire"),
+                {.method = Method::direct, .gradient = gradient, .substeps = 2, .threads = 1});
+    world.step(1.0 / 60);
+    world.set_twist(0, 4);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 10); }), 0u) << to_string(gradient);
+  }
+}
+
 // Thin ones are factorised anew in most substeps; the flat net falls back and compromises too. The wide net
 // is solved by its lines.
 TEST_F(Allocations, AreNoneInStepsOfLoops) {

@@ -126,6 +126,38 @@ TEST(Twisting, ARingBucklesAtMichellsTwist) {
   }
 }
 
+// A straight rod that is clamped at both ends, without thrust, buckles under the torque M of tan(x) = x with
+// x = M L/(2 EI), 4.4934 (Greenhill 1883). Its rods are elastic, because rigid ones between anchors are held.
+TEST(Twisting, AClampedRodBucklesUnderGreenhillsTorque) {
+  for (const double share : {0.97, 1.03}) {
+    Scene scene = wire(40, share * 2 * 4.4934);  // EI = GJ and L = 1
+    scene.gravity = {};
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+      scene.particles[i].position = {0.025 * (i - 1.0), 0, 0};
+    for (Rod& rod : scene.rods) {
+      rod.length = 0.025;
+      rod.law.stiffness = 1e4;
+    }
+    for (std::uint32_t i = 2; i < 41; ++i)
+      scene.particles[i].velocity = {0, 1e-6 * std::sin(pi * 0.025 * (i - 1.0)), 0};
+    World world(scene, direct(Gradient::mid));
+    const auto largest_after = [&](int steps) {
+      double largest = 0;
+      for (int i = 0; i < steps; ++i) {
+        world.step(2e-3);
+        for (std::uint32_t k = 2; k < 41; ++k)
+          largest = std::max(largest, std::hypot(world.position(k).y, world.position(k).z));
+      }
+      return largest;
+    };
+    const double early = largest_after(100), late = largest_after(900);
+    if (share < 1)
+      EXPECT_LE(late, 2 * early);
+    else
+      EXPECT_GE(late, 100 * early);
+  }
+}
+
 // A ring that is free has no torque from outside. Its twist is that of its shape: what carrying a cross
 // section round turns it by, which gradient mid follows with order two.
 TEST(Twisting, GradientMidKeepsWhatAFreeRingHas) {
