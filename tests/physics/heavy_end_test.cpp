@@ -95,5 +95,23 @@ TEST_F(HeavyEnd, WeightsSwitchAtRunTime) {
   EXPECT_NE(mixed, halves);
 }
 
+// A weight of a million links pulls its chain straight, so that its middle swings half as far as its end. At
+// gradient old a substep then takes hundreds of pieces, and what is halved instead loses its order.
+TEST(HeavyWeight, SwingsOnAStraightChainInCompositions) {
+  Scene scene = scenes::make_chain(160, 0.1, 1e6);
+  const double length = 16, swing = 1e-5;
+  for (std::size_t i = 0; i < scene.particles.size(); ++i) {
+    const double along = 0.1 * static_cast<double>(i);
+    scene.particles[i].position = {swing * along / length, -along, 0};
+  }
+  Settings settings{.method = Method::direct, .gradient = Gradient::old, .time_order = 4, .threads = 1};
+  World world(scene, settings);
+  const StepReport report = test::run(world, 1.0 / 60, 60);
+  EXPECT_EQ(report.unsolved, 0u);
+  EXPECT_LT(report.halvings, 1000u);
+  // The chain's own weight bends it by 1e-4 of the swing.
+  EXPECT_NEAR(world.position(80).x / world.position(160).x, 0.5, 5e-4);
+}
+
 }  // namespace
 }  // namespace plumb

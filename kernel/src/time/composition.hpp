@@ -28,9 +28,9 @@ inline double largest_share(std::uint32_t order) {
   return largest;
 }
 
-/// Returns into how many pieces a substep is cut that is `times_too_long` times its limit, at most 64.
-inline std::uint32_t pieces_of(double times_too_long) {
-  return static_cast<std::uint32_t>(std::clamp(std::ceil(times_too_long), 1.0, 64.0));
+/// Returns into how many pieces a substep is cut that is `times_too_long` times its limit, at most `most`.
+inline std::uint32_t pieces_of(double times_too_long, double most = 64) {
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(times_too_long), 1.0, most));
 }
 
 }  // namespace plumb::detail

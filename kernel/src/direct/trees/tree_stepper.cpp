@@ -229,7 +229,7 @@ auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, 
 template <class T>
 std::uint32_t TreeStepper<T>::cuts(const TreeState<T>& state, double h) const {
   if (gradient_ != Gradient::old) return 1;
-  return pieces_of(largest_share_ * h * std::sqrt(state.frequency2) / aimed_frequency);
+  return pieces_of(largest_share_ * h * std::sqrt(state.frequency2) / aimed_frequency, most_pieces);
 }
 
 template <class T>
@@ -256,7 +256,7 @@ template <class T>
 double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>& crew,
                                Tally& counters) const {
   double error = 0;
-  const std::uint32_t count = cuts(state, h);
+  const std::uint32_t count = std::min(cuts(state, h), counters.is_spent() ? most_spent_pieces : most_pieces);
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_) error += advance_piece(state, share * h / count, crew, counters);
   return error;
@@ -294,7 +294,7 @@ template <class T>
 double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
                                const TreeCrew<T>& crew, Tally& counters) const {
   double error = 0;
-  const std::uint32_t count = cuts(state, h);
+  const std::uint32_t count = std::min(cuts(state, h), counters.is_spent() ? most_spent_pieces : most_pieces);
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_)
       error += advance_piece(segments, state, share * h / count, crew, counters);
