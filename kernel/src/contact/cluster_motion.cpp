@@ -8,9 +8,8 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-// Finds velocities from Island::impulse and the pushes on its sides, along the constraints where the island
-// is now.
-void ClusterStepper::find_velocities(Island& island) {
+// Lays down what velocities follow from: Island::impulse and the pushes on its sides.
+void ClusterStepper::fill_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
@@ -32,6 +31,18 @@ void ClusterStepper::find_velocities(Island& island) {
     add(island.sides[s].a, by * island.sides[s].along_a);
     add(island.sides[s].b, by * island.sides[s].along_b);
   }
+}
+
+// Finds velocities along the constraints where the island is now.
+void ClusterStepper::find_velocities(Island& island) {
+  if (!island.ground.is_empty()) {
+    find_velocities_on_ground(island);
+    return;
+  }
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = island.right();
+  fill_velocities(island);
   linkage.plan().solve(state.factors, island.unknowns);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
 }
@@ -44,7 +55,10 @@ void ClusterStepper::finish(double h, bool touched) {
     const Linkage& linkage = *state.linkage;
     std::swap(state.x, island.there);  // there: where it was
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
-    state.factor();
+    if (island.ground.is_empty())
+      state.factor();
+    else
+      island.ground.begin_velocities();
     if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, h, island.force);
     island.impulse.resize(linkage.movable());
     linkage.momenta(island.v, island.impulse);
@@ -201,6 +215,13 @@ void ClusterStepper::keep_contacts(double h) {
       return sum;
     };
     island.state->kept.push_back({row.key, (1 / (h * h)) * pushed(&Row::p), (2 / h) * pushed(&Row::q)});
+  }
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    LinkageState& state = *islands_[i].state;
+    state.on_ground = !islands_[i].ground.is_empty();
+    islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3 position, Vec3 end) {
+      state.kept.push_back({contact.key, (1 / (h * h)) * position, (2 / h) * end});
+    });
   }
 }
 

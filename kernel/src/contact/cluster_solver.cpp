@@ -270,9 +270,12 @@ bool ClusterStepper::solve_positions(Tally& report) {
     if (!island.sides.empty()) see(island, island.d);
   }
   push_held();
-  double last = INFINITY;
+  double last = INFINITY, first = 0;
   int sweeps = 0;
-  for (int correction = 0; correction < most_corrections; ++correction) {
+  const bool any_ground = std::any_of(islands_.begin(), islands_.begin() + count_,
+                                      [](const Island& island) { return !island.ground.is_empty(); });
+  for (int correction = 0; correction < (any_ground ? most_ground_corrections : most_corrections);
+       ++correction) {
     // A correction may have changed contacts too little to matter. Sweeping then would only disturb
     // constraints again.
     double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
@@ -286,20 +289,32 @@ bool ClusterStepper::solve_positions(Tally& report) {
       sweeps += taken;
     }
     double worst = 0;
+    bool lacking = false;
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (!island.awake) continue;
       LinkageState& state = *island.state;
       const Linkage& linkage = *state.linkage;
       if (sweeps_on && !island.sides.empty()) apply(island, island.d);
+      if (sweeps_on && !island.sides.empty()) island.ground.follow_change(island.d);
       for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
-      if (linkage.constraints() == 0) continue;
+      if (linkage.constraints() == 0 && island.ground.is_empty()) continue;
       const std::span<double> right = island.right();
       std::fill(right.begin(), right.end(), 0.0);
       const double violation = linkage.violations(island.there, right);
       worst = std::max(worst, violation);
-      if (violation <= exact) continue;
+      if (!island.ground.is_empty()) {
+        island.ground.look(linkage, island.d, correction < bounds_follow_for);
+        lacking = lacking || island.ground.lack() > ground_enough;
+      }
+      if (violation <= exact && (island.ground.is_empty() || island.ground.lack() <= ground_enough)) continue;
       if (!std::isfinite(violation)) return false;
+      if (!island.ground.is_empty()) {
+        ++report.newton;
+        if (!correct(island)) return false;
+        if (!island.sides.empty()) see(island, island.d);
+        continue;
+      }
       ++report.newton;
       linkage.plan().solve(state.factors, island.unknowns);
       for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
@@ -308,12 +323,14 @@ bool ClusterStepper::solve_positions(Tally& report) {
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    if (worst <= exact &&
+    if (worst <= exact && !lacking &&
         (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
-    if (worst > 0.5 || (correction > 3 && worst > exact && worst > 0.9 * last)) return false;
+    if (correction == 0) first = worst;
+    if (any_ground && correction >= 2 && worst > 1e-6 && worst > 4 * first) return false;
+    if (worst > 0.5 || (!any_ground && correction > 3 && worst > exact && worst > 0.9 * last)) return false;
     last = worst;
   }
   return false;

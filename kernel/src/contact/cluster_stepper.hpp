@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/ground/ground_contacts.hpp"
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/surroundings.hpp"
@@ -88,10 +89,13 @@ class ClusterStepper {
     bool awake = false;
     Bounds bounds{};
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
-    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
+    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
     std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
+    GroundContacts ground;      ///< those with fixed things, if there are many
+    bool is_predicted = false;  ///< d is where it flies, or else a guess
+    std::size_t next_kept = 0;  ///< where the next contact is likely to be found again
     // Padded to whole lanes, or by lanes:
     std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown
     std::vector<Lanes> coupling;  ///< G, a row for every side
@@ -129,6 +133,12 @@ class ClusterStepper {
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(const Surroundings& surroundings, std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
+  void predict(Island& island);
+  bool start_on_ground(Island& island);
+  bool correct(Island& island);
+  void find_velocities_on_ground(Island& island);
+  void fill_velocities(Island& island);
+  std::size_t count_pushes() const;
   void freeze(Island& island, Tally& report);
   bool find_positions(const Surroundings& surroundings, double h, Tally& report);
   bool is_contact_missed() const;
@@ -139,6 +149,10 @@ class ClusterStepper {
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
+  /// Adds a contact with something fixed. It counts as one of many until they have been counted.
+  void add_ground_contact(const Place& a, const Place& b, const Touch& touch, double closing,
+                          std::uint64_t key, double h);
+  void spread_ground(std::uint32_t i);
   /// Adds the rows of a contact whose gap changes by `closing` (m) in the substep.
   void add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing, std::uint64_t key,
                         double h);

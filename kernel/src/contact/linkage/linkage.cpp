@@ -191,6 +191,15 @@ void Linkage::plan(const Scene& part, Isa isa) {
       for (std::uint32_t axis = 0; axis < 3; ++axis)
         if (pin.sum.terms[i].particle < movable_)
           pairs.emplace_back(3 * pin.sum.terms[i].particle + axis, pin.rows[axis]);
+  // Ground holds a shape at any place between its ends.
+  for (const Shape& shape : shapes_) {
+    Combination both = shape.a;
+    for (std::uint32_t i = 0; i < shape.b.count; ++i) both.add(shape.b.terms[i].particle, 0);
+    for (std::uint32_t i = 0; i < both.count; ++i)
+      for (std::uint32_t j = 0; j < i; ++j)
+        if (std::max(both.terms[i].particle, both.terms[j].particle) < movable_)
+          pairs.emplace_back(3 * both.terms[i].particle, 3 * both.terms[j].particle);
+  }
   plan_ = KktPlan(movable_, constraints_, pairs, isa);
   for (std::uint32_t i = 0; i < movable_; ++i) slots_.push_back(plan_.position(3 * i));
 

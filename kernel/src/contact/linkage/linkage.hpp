@@ -8,6 +8,7 @@
 #include "linear/sparse_kkt.hpp"
 #include "math/elementary.hpp"
 #include "plumb/scene.hpp"
+#include "reference/multipliers/small_matrices.hpp"
 
 namespace plumb::detail {
 
@@ -91,6 +92,15 @@ class Linkage {
     return {at[0], at[1], at[2]};
   }
 
+  /// Adds a vector to the particles of a place, each by its weight.
+  void add(const Combination& at, Vec3 vector, std::span<double> solved) const;
+  /// Returns the part of a place's motion that is that of fixed particles.
+  Vec3 of_fixed(const Combination& at, std::span<const Vec3> motion) const;
+  /// Returns the mass of a place's heaviest movable particle, kg.
+  double heaviest(const Combination& at) const;
+
+  /// Adds what holds a place to M: the products of its particles' weights, each times `by`.
+  void stiffen(const Combination& at, const Sym3& by, std::span<simd::Block> matrix) const;
   /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
   /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.

@@ -63,6 +63,47 @@ void Linkage::put(std::span<const Vec3> vectors, std::span<double> solved) const
   }
 }
 
+void Linkage::add(const Combination& at, Vec3 vector, std::span<double> solved) const {
+  for (std::uint32_t i = 0; i < at.count; ++i) {
+    const auto [particle, weight] = at.terms[i];
+    if (particle >= movable_) continue;
+    double* const to = &solved[slots_[particle]];
+    to[0] += weight * vector.x;
+    to[1] += weight * vector.y;
+    to[2] += weight * vector.z;
+  }
+}
+
+Vec3 Linkage::of_fixed(const Combination& at, std::span<const Vec3> motion) const {
+  Vec3 out{};
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    if (at.terms[i].particle >= movable_) out += at.terms[i].weight * motion[at.terms[i].particle];
+  return out;
+}
+
+double Linkage::heaviest(const Combination& at) const {
+  double out = 0;
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    if (at.terms[i].particle < movable_) out = std::max(out, masses_[at.terms[i].particle]);
+  return out;
+}
+
+void Linkage::stiffen(const Combination& at, const Sym3& by, std::span<simd::Block> matrix) const {
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    for (std::uint32_t j = 0; j <= i; ++j) {
+      const auto [a, weight_a] = at.terms[i];
+      const auto [b, weight_b] = at.terms[j];
+      if (a >= movable_ || b >= movable_) continue;
+      // Three unknowns of one particle are neighbours in their block.
+      const std::uint32_t place = plan_.place(3 * a, 3 * b);
+      double* const to = matrix[place / 16].of + place % 16;
+      const double weight = weight_a * weight_b;
+      const double rows[3][3] = {{by.xx, by.xy, by.xz}, {by.xy, by.yy, by.yz}, {by.xz, by.yz, by.zz}};
+      for (std::uint32_t k = 0; k < 3; ++k)
+        for (std::uint32_t l = 0; l < 3; ++l) to[4 * k + l] += weight * rows[k][l];
+    }
+}
+
 double Linkage::violations(std::span<const Vec3> x, std::span<double> right) const {
   double worst = 0;
   const auto set = [&](std::uint32_t row, double value) {

@@ -34,6 +34,7 @@ struct LinkageMotion {
   std::vector<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
+  bool on_ground = false;          ///< its matrix held contacts with ground in the last substep
   double slow_time = 0;            ///< time for which it has been slow, s
   std::optional<double> energy{};  ///< energy that free flight keeps, J
 };
