@@ -21,7 +21,7 @@ void ClusterStepper::find_responses() {
     if (!islands_[i].sides.empty()) couple(islands_[i]);
   for (std::size_t r = rows_.size(); r-- > 0;) {
     Row& row = rows_[r];
-    double own = row.softness, heaviest = 0;
+    double own = 0, heaviest = 0;
     row.across[0] = row.across[1] = 0;
     for (std::uint32_t i = 0; i < row.ends; ++i) {
       Island& island = islands_[row.island[i]];
@@ -161,6 +161,8 @@ void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
     const std::uint32_t slot = linkage.slot(k);
     motion[k] += {total(slot), total(slot + 1), total(slot + 2)};
   }
+  for (std::size_t k = 0; k < island.elastics.size(); ++k)
+    island.elastics[k].p -= total(linkage.plan().position(linkage.elastics()[k].row));
 }
 
 namespace {
@@ -230,9 +232,6 @@ double ClusterStepper::sweep_positions() {
       case Kind::limit:
         p = std::max(0.0, row.p - row.over * (u + row.gap));
         break;
-      case Kind::drive:
-        p = row.p - row.over * (u + row.softness * row.p + row.gap);
-        break;
       case Kind::brake:
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
         break;
@@ -270,7 +269,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
     if (!island.sides.empty()) see(island, island.d);
   }
   push_held();
-  double last = INFINITY;
+  double last = INFINITY, last_to_do = INFINITY;
   int sweeps = 0;
   for (int correction = 0; correction < most_corrections; ++correction) {
     // A correction may have changed contacts too little to matter. Sweeping then would only disturb
@@ -285,7 +284,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
       for (; taken < most && left > till; ++taken) left = sweep_positions<Sweep::pushes>();
       sweeps += taken;
     }
-    double worst = 0;
+    double worst = 0, left_to_do = 0;
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (!island.awake) continue;
@@ -293,28 +292,35 @@ bool ClusterStepper::solve_positions(Tally& report) {
       const Linkage& linkage = *state.linkage;
       if (sweeps_on && !island.sides.empty()) apply(island, island.d);
       for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
-      if (linkage.constraints() == 0) continue;
+      if (linkage.constraints() == 0 && state.laws.empty()) continue;
       const std::span<double> right = island.right();
       std::fill(right.begin(), right.end(), 0.0);
-      const double violation = linkage.violations(island.there, right);
+      const double violation = std::max(linkage.violations(island.there, right), elastic_misfit(island));
+      // Nothing but this holds the energy of islands with elastics.
+      const double wanted = state.laws.empty() ? exact : exact_if_elastic;
       worst = std::max(worst, violation);
-      if (violation <= exact) continue;
+      left_to_do = std::max(left_to_do, violation / wanted);
+      if (violation <= wanted) continue;
       if (!std::isfinite(violation)) return false;
       ++report.newton;
       linkage.plan().solve(state.factors, island.unknowns);
+      pull_elastics(island);
       for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
         island.d[k] += linkage.taken(right, k);
         island.there[k] = state.x[k] + island.d[k];
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    if (worst <= exact &&
+    const bool is_finished =
+        left_to_do <= 1 || left_to_do > 0.5 * last_to_do || correction + 1 == most_corrections;
+    if (worst <= exact && is_finished &&
         (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
     if (worst > 0.5 || (correction > 3 && worst > exact && worst > 0.9 * last)) return false;
     last = worst;
+    last_to_do = left_to_do;
   }
   return false;
 }
