@@ -80,24 +80,27 @@ void ClusterStepper::end_elastics(Island& island, double h) {
   if (state.laws.empty()) return;
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
     const Elastic& elastic = linkage.elastics()[i];
-    const ElasticStep& step = island.elastics[i];
-    if (step.acts)
-      linkage.push_along(elastic, linkage.slope(elastic, state.x), step.end_kick(h), island.impulse);
+    ElasticStep& step = island.elastics[i];
+    if (!step.acts) continue;
+    linkage.push_along(elastic, linkage.slope(elastic, state.x), step.end_kick(h), island.impulse);
+    // What is damped goes on as it goes. What is stiff has come to rest.
+    step.end_rate = step.damped / h * (linkage.number(elastic, state.x, step.start) - step.start);
   }
   state.factor_with_elastics(
       [&](std::size_t i) { return island.elastics[i].soft_at_end(linkage.elastics()[i].give); });
 }
 
-/// Writes what anchors that move ask of the velocities that elastics hold.
+/// Writes the rates to which elastics hold velocities, beside anchors that move.
 void ClusterStepper::hold_elastics(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  if (!linkage.is_grounded()) return;
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
     const Elastic& elastic = linkage.elastics()[i];
-    if (island.elastics[i].soft_at_end(elastic.give) < 0) continue;
+    const ElasticStep& step = island.elastics[i];
+    if (step.soft_at_end(elastic.give) < 0) continue;
     island.right()[linkage.plan().position(elastic.row)] =
-        -Linkage::rate(elastic, linkage.slope(elastic, state.x), state.v, linkage.fixed_ones());
+        step.end_rate -
+        Linkage::rate(elastic, linkage.slope(elastic, state.x), state.v, linkage.fixed_ones());
   }
 }
 

@@ -26,15 +26,27 @@ double swing(const ElasticLaw& law, double give, double h) {
   return h * h * give * law.stiffness + h * give * law.damping;
 }
 
+namespace {
+
+/// Returns the share that a substep resolves of what swings, or is damped, by the square root of `square`.
+double resolved_share(double square) {
+  return 1 / (1 + std::max(square - 1, 0.0));
+}
+
+}  // namespace
+
 void ElasticStep::begin(const ElasticLaw& law, double give, double h) {
   const bool is_rigid = std::isinf(law.stiffness);
-  resolved = is_rigid ? 0 : 1 / (1 + std::max(swing(law, give, h) - 1, 0.0));
-  kick = h * h * (1 - 0.5 * resolved);
+  resolved = is_rigid ? 0 : resolved_share(swing(law, give, h));
+  kick = 0.5 * h * h;
   soft = before = 0;
   if (is_rigid) return;
-  const double share = 1 - 0.5 * resolved, damps = law.damping / h;
+  // What is damped strongly does not swing, and needs no damping more.
+  const double damps = law.damping / h;
+  const double share = 1 - 0.5 * resolved_share(h * h * give * law.stiffness / (1 + h * give * law.damping));
   const double excess = start - law.rest, taut = law.one_sided ? std::max(excess, 0.0) : excess;
   const double slope = law.stiffness * share + damps;
+  damped = damps / slope;
   soft = 1 / (kick * slope);
   before = (law.stiffness * (1 - share) - damps) / slope * taut;
 }

@@ -49,22 +49,24 @@ double swing(const ElasticLaw& law, double give, double h);
 /// Says how an elastic takes part in one substep of h (s). With c its number at the start (0) and the end (1)
 /// of it, less its rest, its row is
 ///   c1 + soft p + before = 0,   p = kick s.
-/// It pulls with -s (N or N m), of whose impulse `kick`/h acts where the substep starts and the rest where it
+/// It pulls with -s (N or N m), of whose impulse one half acts where the substep starts and the other where it
 /// ends.
 struct ElasticStep {
   bool acts = false;    ///< It is not slack.
   double start = 0;     ///< m or rad, its number at the start
   double resolved = 1;  ///< share of its own swing that the substep resolves
+  double damped = 0;    ///< share of damping in how stiff it is
   double soft = 0, before = 0, kick = 0, p = 0;
+  double end_rate = 0;  ///< m/s or rad/s, to which velocities at the end are held
 
-  /// Begins a substep at the number `start`. The potential of a resolved elastic is k/2 ((c0 + c1)/2)², with
-  /// half of its kick at either end, which is variational (Marsden, West 2001) and damps nothing. The less of
-  /// a swing is resolved, the more it takes of c1 alone, and kicks at the start, as rigid rods do.
+  /// Begins a substep at the number `start`. The potential of a resolved elastic is k/2 ((c0 + c1)/2)², which
+  /// is variational (Marsden, West 2001) and damps nothing. The less of a swing is resolved, the more it takes
+  /// of c1 alone, and the more velocities at the end are held as rigid rods hold them.
   void begin(const ElasticLaw& law, double give, double h);
   /// Returns what velocities at the end still find: soft of a row that holds them, or less than 0 for none.
   double soft_at_end(double give) const;
   /// Returns the impulse (N s or N m s) that is left for the end.
-  double end_kick(double h) const { return 0.5 * resolved * p * h / kick; }
+  double end_kick(double h) const { return p / h; }
 };
 
 }  // namespace plumb::detail
