@@ -26,7 +26,7 @@ struct Andrews {
                                       .455279819163070380,   .222668390165885885,
                                       .487364979543842550,   -.222668390165885885,
                                       1.23054744454982119};
-  static constexpr double end[7] = {15.81077119629904, -15.75637105984298, 0.04082224013073101,
+  static constexpr double end[7] = {15.81077119629904,   -15.75637105984298, 0.04082224013073101,
                                     -0.5347301163226948, 0.5244099658805304, 0.5347301163226948,
                                     1.048080741042263};
 
@@ -59,11 +59,8 @@ struct Andrews {
     for (const Vec3 place : {at.crank, at.middle, at.lower, at.upper, at.spring})
       scene.particles.push_back(movable(place, 0));
     const auto bar = [&](std::uint32_t from, std::uint32_t to, int body, double length, double center) {
-      scene.rods.push_back({.a = from,
-                            .b = to,
-                            .mass = masses[body],
-                            .center = center / length,
-                            .inertia = inertias[body]});
+      scene.rods.push_back(
+          {.a = from, .b = to, .mass = masses[body], .center = center / length, .inertia = inertias[body]});
     };
     bar(origin, crank, 0, rr, ra);
     bar(crank, middle, 1, d, da);
@@ -100,15 +97,15 @@ struct Andrews {
     const auto along = [](double angle, double by) {
       return Vec3{by * std::cos(angle), by * std::sin(angle), 0};
     };
-    const Vec3 centers[7] = {along(beta, ra),
-                             at.crank - along(beta + theta, da),
-                             b + Vec3{sa * std::sin(gamma) + sb * std::cos(gamma),
-                                      sb * std::sin(gamma) - sa * std::cos(gamma), 0},
-                             at.lower + Vec3{(e - ea) * std::sin(phi + delta), (ea - e) * std::cos(phi + delta), 0},
-                             a + along(delta, ta) + Vec3{-tb * std::sin(delta), tb * std::cos(delta), 0},
-                             at.upper + along(omega + epsilon, zf - fa),
-                             a + Vec3{ua * std::sin(epsilon) - ub * std::cos(epsilon),
-                                      -ua * std::cos(epsilon) - ub * std::sin(epsilon), 0}};
+    const Vec3 centers[7] = {
+        along(beta, ra),
+        at.crank - along(beta + theta, da),
+        b + Vec3{sa * std::sin(gamma) + sb * std::cos(gamma), sb * std::sin(gamma) - sa * std::cos(gamma), 0},
+        at.lower + Vec3{(e - ea) * std::sin(phi + delta), (ea - e) * std::cos(phi + delta), 0},
+        a + along(delta, ta) + Vec3{-tb * std::sin(delta), tb * std::cos(delta), 0},
+        at.upper + along(omega + epsilon, zf - fa),
+        a + Vec3{ua * std::sin(epsilon) - ub * std::cos(epsilon),
+                 -ua * std::cos(epsilon) - ub * std::sin(epsilon), 0}};
     Scene scene;
     scene.gravity = {};
     const std::uint32_t ground = add_fixed_body(scene);
@@ -135,11 +132,10 @@ struct Andrews {
                              .length = rest,
                              .stiffness = stiffness});
     const Point origin_there = point_on_body(scene, ground, {});
-    scene.torsions.push_back(
-        {.axis = {origin_there, point_on_body(scene, ground, {0, 0, 1})},
-         .u = {origin_there, point_on_body(scene, ground, {1, 0, 0})},
-         .v = {point_on_body(scene, k[0], {}), point_on_body(scene, k[0], at.crank)},
-         .torque = torque});
+    scene.torsions.push_back({.axis = {origin_there, point_on_body(scene, ground, {0, 0, 1})},
+                              .u = {origin_there, point_on_body(scene, ground, {1, 0, 0})},
+                              .v = {point_on_body(scene, k[0], {}), point_on_body(scene, k[0], at.crank)},
+                              .torque = torque});
     return scene;
   }
 };
@@ -159,8 +155,8 @@ struct Governor {
     const auto turning = [&](Vec3 at, double mass) {
       out.particles.push_back(movable(at, mass, cross({0, spin, 0}, at)));
     };
-    turning({0.1, 0, 0}, 0);   // front
-    turning({0, 0, 0.1}, 0);   // right hand
+    turning({0.1, 0, 0}, 0);  // front
+    turning({0, 0, 0.1}, 0);  // right hand
     turning({0, -down, 0}, collar_mass);
     turning({side, -down, 0}, ball);
     turning({-side, -down, 0}, ball);

@@ -35,8 +35,6 @@ inline constexpr double exact = 1e-8;
 inline constexpr double exact_if_elastic = 1e-12;
 /// Cables are let go or taken up at most so often in a substep. Few substeps need more than two.
 inline constexpr int most_switches = 8;
-/// Velocities of redundant constraints are corrected so often. One takes eight digits off what is left.
-inline constexpr int velocity_corrections = 1;
 /// A substep makes at most so many corrections of its constraints.
 inline constexpr int most_corrections = 16;
 /// The last sweep may always change a position by this much (m, times the length scale). It matters where

@@ -35,12 +35,7 @@ void ClusterStepper::find_velocities(Island& island) {
   }
   linkage.plan().solve(state.factors, island.unknowns);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
-  for (int i = 0; linkage.is_redundant() && i < velocity_corrections; ++i) {
-    std::fill(right.begin(), right.end(), 0.0);
-    linkage.rates(state.x, island.v, linkage.all(), right);
-    linkage.plan().solve(state.factors, island.unknowns);
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] += linkage.taken(right, k);
-  }
+  if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns);
 }
 
 void ClusterStepper::finish(double h, bool touched) {

@@ -82,6 +82,7 @@ void Flight::take_forbidden(LinkageState& state) {
   linkage.put(momentum_, right);
   linkage.plan().solve(state.factors, unknowns_);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
+  if (linkage.is_redundant()) state.correct_velocities(state.v, unknowns_);
 }
 
 /// Brings positions onto the constraints by the factors of the last stage, and velocities by those there.

@@ -34,8 +34,8 @@ struct LinkageMotion {
   std::vector<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
-  double slow_time = 0;            ///< time for which it has been slow, s
-  std::optional<double> energy{};  ///< energy that free flight keeps, J
+  double slow_time = 0;                 ///< time for which it has been slow, s
+  std::optional<double> energy{};       ///< energy that free flight keeps, J
   std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
 };
 
@@ -51,7 +51,7 @@ struct LinkageState : LinkageMotion {
   std::vector<ElasticLaw> laws;          ///< of elastics
   std::vector<Linkage::AngleRule> angle_rules;
   std::vector<simd::Block> factors;  ///< of the matrix at x
-  std::uint32_t number;                  ///< the island's number
+  std::uint32_t number;              ///< the island's number
   bool factored = false;
 
   LinkageMotion& motion() { return *this; }
@@ -72,6 +72,8 @@ struct LinkageState : LinkageMotion {
     factored = false;
     return linkage->plan().factor(factors);
   }
+  /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`.
+  void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns) const;
   /// Finds the elastics' numbers at x.
   void follow_elastics();
   /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
