@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "contact/elastics/elastic.hpp"
 #include "contact/linkage/combination.hpp"
-#include "contact/linkage/elastic.hpp"
 #include "plumb/joints.hpp"
 #include "scene/springs/springs.hpp"
 #include "scene/springs/turn.hpp"

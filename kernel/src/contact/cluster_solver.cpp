@@ -296,7 +296,6 @@ bool ClusterStepper::solve_positions(Tally& report) {
       const std::span<double> right = island.right();
       std::fill(right.begin(), right.end(), 0.0);
       const double violation = std::max(linkage.violations(island.there, right), elastic_misfit(island));
-      // Nothing but this holds the energy of islands with elastics.
       const double wanted = state.laws.empty() ? exact : exact_if_elastic;
       worst = std::max(worst, violation);
       left_to_do = std::max(left_to_do, violation / wanted);
@@ -311,8 +310,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
       }
       if (!island.sides.empty()) see(island, island.d);
     }
-    const bool is_finished =
-        left_to_do <= 1 || left_to_do > 0.5 * last_to_do || correction + 1 == most_corrections;
+    const bool is_finished = left_to_do <= 1 || left_to_do > 0.5 * last_to_do;
     if (worst <= exact && is_finished &&
         (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/linkage/elastic.hpp"
+#include "contact/elastics/elastic.hpp"
 #include "linear/sparse_kkt.hpp"
 #include "math/elementary.hpp"
 #include "plumb/scene.hpp"

@@ -1,4 +1,4 @@
-#include "contact/linkage/elastic.hpp"
+#include "contact/elastics/elastic.hpp"
 
 #include <algorithm>
 #include <cmath>
