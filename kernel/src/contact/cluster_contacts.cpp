@@ -153,7 +153,8 @@ void ClusterStepper::add_ground_contact(const Place& a, const Place& b, const To
 /// Turns contacts with ground into rows if they are few.
 void ClusterStepper::spread_ground(std::uint32_t i) {
   Island& island = islands_[i];
-  if (island.ground.size() > few_on_ground) return;
+  const bool may_stand = island.state->laws.empty() && !island.state->linkage->is_redundant();
+  if (may_stand && island.ground.size() > few_on_ground) return;
   island.ground.for_all([&](const GroundContact& contact) {
     const auto [t1, t2] = across(contact.normal);
     const Vec3 axes[3] = {contact.normal, t1, t2};
@@ -183,9 +184,11 @@ void ClusterStepper::spread_ground(std::uint32_t i) {
 void ClusterStepper::add_angles(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const LinkageState& state = *island.state;
-  std::uint64_t number = 0;
-  for (const Linkage::Angle& angle : state.linkage->angles()) {
-    const std::uint64_t key = contact_key(4, number++, 0, 0);
+  for (std::size_t k = 0; k < state.angle_rules.size(); ++k) {
+    const Linkage::AngleRule& rule = state.angle_rules[k];
+    if (rule.lower == 0 && rule.upper == std::numbers::pi && rule.friction == 0) continue;
+    const Linkage::Angle& angle = state.linkage->angles()[k];
+    const std::uint64_t key = contact_key(4, k, 0, 0);
     const auto [value, along_u, along_v] = Linkage::slope(angle, state.x);
     const Side side{add_sum(island, angle.u), add_sum(island, angle.v), along_u, along_v};
     const double by = dot(along_u, island.of(side.a, island.d)) + dot(along_v, island.of(side.b, island.d));
@@ -203,21 +206,15 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
       return row;
     };
     const double near = 0.05 + std::abs(by);
-    if (angle.lower > 0 && value + by - angle.lower < near)
-      add(Kind::limit, 1).gap = recovered(value - angle.lower, 0, h);
-    if (angle.upper < std::numbers::pi && angle.upper - value - by < near)
-      add(Kind::limit, -1).gap = recovered(angle.upper - value, 0, h);
-    if (angle.friction > 0) {
+    if (rule.lower > 0 && value + by - rule.lower < near)
+      add(Kind::limit, 1).gap = recovered(value - rule.lower, 0, h);
+    if (rule.upper < std::numbers::pi && rule.upper - value - by < near)
+      add(Kind::limit, -1).gap = recovered(rule.upper - value, 0, h);
+    if (rule.friction > 0) {
       // Friction acts with half of its impulse in either half of the substep.
       Row& row = add(Kind::brake, 1);
-      row.bound = 0.5 * h * h * angle.friction;
-      row.bounce = 0.5 * h * angle.friction;
-    }
-    if (angle.stiffness > 0) {
-      const double stiff = h * h * angle.stiffness + h * angle.damping;
-      Row& row = add(Kind::drive, 1);
-      row.softness = 1 / stiff;
-      row.gap = h * h * angle.stiffness / stiff * (value - angle.target);
+      row.bound = 0.5 * h * h * rule.friction;
+      row.bounce = 0.5 * h * rule.friction;
     }
   }
 }

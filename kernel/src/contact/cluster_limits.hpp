@@ -31,6 +31,10 @@ inline constexpr double let_be = 1e-6;
 /// Constraints count as solved once they are violated by no more than this share of their lengths. Larger
 /// values take fewer corrections and leave rods longer or shorter.
 inline constexpr double exact = 1e-8;
+/// Islands with elastics go on to this, as far as rounding lets them. Larger values let their energy drift.
+inline constexpr double exact_if_elastic = 1e-12;
+/// Cables are let go or taken up at most so often in a substep. Few substeps need more than two.
+inline constexpr int most_switches = 8;
 /// A substep makes at most so many corrections of its constraints.
 inline constexpr int most_corrections = 16;
 /// The last sweep may always change a position by this much (m, times the length scale). It matters where
@@ -59,6 +63,8 @@ inline constexpr std::size_t few_on_ground = 16;
 inline constexpr double ground_enough = 1e-7;
 /// Bounds on friction follow the normal pushes through so many corrections, and stay then.
 inline constexpr int bounds_follow_for = 10;
+/// While they do, constraints may be violated by this share of their lengths.
+inline constexpr double most_disturbed = 1e-6;
 /// Contacts in the matrix take at most so many corrections.
 inline constexpr int most_ground_corrections = 20;
 

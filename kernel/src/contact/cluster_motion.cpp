@@ -13,7 +13,8 @@ void ClusterStepper::fill_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
-  linkage.anchor_rates(state.x, state.v, right);
+  linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
+  hold_elastics(island);
   linkage.put(island.impulse, right);
   const auto add = [&](Sum sum, Vec3 by) {
     for (std::uint32_t k = sum.first; k < sum.end; ++k) {
@@ -45,6 +46,7 @@ void ClusterStepper::find_velocities(Island& island) {
   fill_velocities(island);
   linkage.plan().solve(state.factors, island.unknowns);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
+  if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns);
 }
 
 void ClusterStepper::finish(double h, bool touched) {
@@ -55,14 +57,17 @@ void ClusterStepper::finish(double h, bool touched) {
     const Linkage& linkage = *state.linkage;
     std::swap(state.x, island.there);  // there: where it was
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
-    if (island.ground.is_empty())
-      state.factor();
-    else
+    if (!island.ground.is_empty())
       island.ground.begin_velocities();
-    if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, h, island.force);
+    else if (state.laws.empty())
+      state.factor();
+    if (linkage.has_air() || !state.laws.empty())
+      linkage.forces(state.x, island.v, state.force, island.force);
+    state.add_motors(island.force);
     island.impulse.resize(linkage.movable());
     linkage.momenta(island.v, island.impulse);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
+    end_elastics(island, h);
     std::fill(island.push.begin(), island.push.end(), Lanes{});
     if (island.sides.empty() || !touched) find_velocities(island);
   }
@@ -76,7 +81,7 @@ void ClusterStepper::bounce(double h) {
   bool pushes = false;  // sliding rows follow their normal
   for (Row& row : rows_) {
     if (row.kind != Kind::sliding) pushes = row.p != 0;
-    const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
+    const bool lasts = row.kind != Kind::brake && row.bounce == 0;
     if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
     // Speeds follow from find_velocities().
     for (std::uint32_t i = 0; i < row.ends; ++i) row.end[i].push[row.end[i].side] += row.q;
@@ -170,7 +175,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     weight += state.linkage->mass() * norm(state.linkage->gravity()) * state.linkage->size();
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air();
-    driven = driven || state.linkage->has_drives();
+    driven = driven || !state.laws.empty();
     for (std::size_t k = state.linkage->movable(); k < state.v.size(); ++k)
       driven = driven || state.v[k] != Vec3{};
   }
@@ -198,7 +203,8 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   } else {
     return true;
   }
-  if (excess > 0) ++report.guarded_energy;
+  // In flight it is given back as often as it is taken.
+  if (excess > 0 && !free) ++report.guarded_energy;
   return true;
 }
 

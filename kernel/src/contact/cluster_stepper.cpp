@@ -116,8 +116,10 @@ bool ClusterStepper::fly(const Surroundings& surroundings, std::uint32_t time_or
   if (!state.linkage->angles().empty()) {
     start(island, h);
     find_contacts(surroundings, h);
+    state.factored = state.factored && state.laws.empty();
     if (!rows_.empty()) return false;
   }
+  if (!state.can_follow_elastics(h)) return false;
   const double before = energy();
   if (!flight_.step(state, time_order, h, report)) return false;
   island.v = state.v;
@@ -185,7 +187,10 @@ void ClusterStepper::start(Island& island, double h) {
     if (again && i < movable) island.d[i] += (h * h) * state.acceleration[i];
     island.there[i] = state.x[i] + island.d[i];
   }
-  linkage.forces(state.x, island.v, state.force, h, island.force);
+  island.elastics.resize(state.laws.size());
+  if (!state.laws.empty()) begin_elastics(island, h);
+  linkage.forces(state.x, island.v, state.force, island.force);
+  state.add_motors(island.force);
   linkage.momenta(island.v, island.momentum);
   for (std::uint32_t i = 0; i < movable; ++i)
     island.momentum[i] = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
@@ -196,11 +201,13 @@ void ClusterStepper::start(Island& island, double h) {
 void ClusterStepper::predict(Island& island) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  if (!state.factored) state.factor();
+  if (state.laws.empty() && !state.factored) state.factor();
   const std::span<double> right = island.right();
   linkage.targets(state.x, island.d, island.there, right);
   linkage.put(island.momentum, right);
+  aim_elastics(island);
   linkage.plan().solve(state.factors, island.unknowns);
+  pull_elastics(island);
   for (std::uint32_t i = 0; i < linkage.movable(); ++i) island.d[i] = linkage.taken(right, i);
   island.is_predicted = true;
 }
@@ -211,11 +218,15 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   for (std::uint32_t i = 0; i < count_; ++i)
     still_ = std::max(still_, (tight_ ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
                                   norm(islands_[i].state->linkage->gravity()));
-  if (!find_positions(surroundings, h, report)) return false;
-  if (is_contact_missed()) {
-    all_near_ = true;
+  keeps_slack_ = false;
+  switches_ = 0;
+  do {
     if (!find_positions(surroundings, h, report)) return false;
-  }
+    if (!all_near_ && is_contact_missed()) {
+      all_near_ = keeps_slack_ = true;
+      if (!find_positions(surroundings, h, report)) return false;
+    }
+  } while (switch_elastics());
   const double before = energy();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
@@ -244,6 +255,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
+    state.follow_elastics();
   }
   keep_contacts(h);
   for (std::uint32_t i = 0; i < count_; ++i)

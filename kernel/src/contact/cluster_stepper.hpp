@@ -32,6 +32,9 @@ struct ClusterRules {
 /// with friction in Coulomb's cone. Then velocities d/h + h/2 M⁻¹f are projected onto the constraints at the
 /// end. Where there was contact, they bounce or come to rest.
 ///
+/// Elastics have rows of their own, see ElasticStep. Their matrix differs for positions and velocities, so
+/// that islands with them take two factorisations.
+///
 /// Contacts act through what the linkage makes of a push, G = Jc P Jcᵀ, which takes one solve a row. Their
 /// pushes are found by projected Gauss-Seidel on G (Moreau 1988; Jean 1999).
 ///
@@ -57,7 +60,7 @@ class ClusterStepper {
     Sum a, b;
     Vec3 along_a{}, along_b{};
   };
-  enum class Kind : std::uint8_t { normal, sliding, limit, drive, brake };
+  enum class Kind : std::uint8_t { normal, sliding, limit, brake };
   static constexpr std::uint32_t none = 0xffffffff;
 
   /// Where a row finds what its side of an island sees, and what its pushes do there.
@@ -73,11 +76,10 @@ class ClusterStepper {
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};
-    double gap = 0;             ///< m or rad, what may be lost; drives: how far away
-    double softness = 0;        ///< of drives
+    double gap = 0;             ///< m or rad, what may be lost
     double bound = 0;           ///< of brakes; of normals the coefficient of friction
     double bounce = 0;          ///< m/s, what it leaves with; of brakes the bound of q
-    double own = 0;             ///< its response to itself + softness
+    double own = 0;             ///< its response to itself
     double over = 0;            ///< 1 / own, or 0
     double p = 0, q = 0;        ///< what pushes positions, and velocities
     double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
@@ -91,6 +93,7 @@ class ClusterStepper {
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
     std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
+    std::vector<ElasticStep> elastics;
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
     GroundContacts ground;      ///< those with fixed things, if there are many
@@ -135,11 +138,26 @@ class ClusterStepper {
   void start(Island& island, double h);
   void predict(Island& island);
   bool start_on_ground(Island& island);
-  bool correct(Island& island);
+  /// Says how far corrections of all islands are.
+  struct Progress {
+    double violation = 0;  ///< the largest
+    double to_do = 0;      ///< the largest over what is wanted
+    bool lacks = false;    ///< some ground does not push as it should
+  };
+  double sweep(int correction, int& sweeps);
+  bool correct(Island& island, int correction, Progress& progress, Tally& report);
+  bool correct_on_ground(Island& island);
   void find_velocities_on_ground(Island& island);
   void fill_velocities(Island& island);
   std::size_t count_pushes() const;
   void freeze(Island& island, Tally& report);
+  void begin_elastics(Island& island, double h) const;
+  static void aim_elastics(Island& island);
+  static double elastic_misfit(Island& island);
+  static void pull_elastics(Island& island);
+  void end_elastics(Island& island, double h);
+  static void hold_elastics(Island& island);
+  bool switch_elastics();
   bool find_positions(const Surroundings& surroundings, double h, Tally& report);
   bool is_contact_missed() const;
   void find_contacts(const Surroundings& surroundings, double h);
@@ -200,6 +218,8 @@ class ClusterStepper {
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;
   bool woken_ = false, all_near_ = false;
+  bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try
+  int switches_ = 0;          ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s

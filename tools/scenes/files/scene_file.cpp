@@ -70,7 +70,7 @@ void read_bends(const Object& top, Scene& scene) {
 Scene scene_of(const json& root) {
   const Object top(root, "",
                    {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "bodies", "pins",
-                    "alignments", "angles", "capsules", "planes", "boxes"});
+                    "alignments", "angles", "springs", "torsions", "capsules", "planes", "boxes"});
   require_version(top, "plumb", 1);
   Scene scene;
   scene.gravity = vector_or(top, "gravity", scene.gravity);

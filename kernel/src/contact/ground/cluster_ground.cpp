@@ -36,7 +36,7 @@ bool ClusterStepper::start_on_ground(Island& island) {
 
 /// Takes a Newton step towards what its constraints and the ground ask for. Island::right() holds minus the
 /// violations of constraints. Returns false if the matrix has no factors.
-bool ClusterStepper::correct(Island& island) {
+bool ClusterStepper::correct_on_ground(Island& island) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
