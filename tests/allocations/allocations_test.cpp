@@ -15,6 +15,7 @@
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
 #include "support/executors.hpp"
+#include "support/mechanisms.hpp"
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
@@ -318,6 +319,22 @@ TEST_F(Allocations, AreNoneInStepsOfFiguresOnceWarm) {
       world.set_force(0, {1, 2, 3});
       EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 90, 100); }), 0u) << spec << ", a force";
     }
+}
+
+// A governor has springs, dampers, alignments and a body. Its spring is changed before every step.
+TEST_F(Allocations, AreNoneInStepsOfSprings) {
+  const Scene scene = test::Governor::scene(false);
+  World world(scene, {.method = Method::direct, .substeps = 4, .threads = 1});
+  world.step(1.0 / 60);
+  EXPECT_EQ(allocations_in([&] {
+              for (int i = 0; i < 20; ++i) {
+                Spring spring = scene.springs[0];
+                spring.force = i;
+                world.set_spring(0, spring);
+                world.step(1.0 / 60);
+              }
+            }),
+            0u);
 }
 
 TEST_F(Allocations, AreNoneInReading) {

@@ -141,6 +141,22 @@ void add_limbs(Bytes& bytes, Scene& scene) {
                             .friction = number(bytes, 0, 1),
                             .stiffness = number(bytes, 0, 100),
                             .damping = number(bytes, 0, 10)});
+  if (rarely(bytes, 4))
+    scene.springs.push_back({.a = point(bytes, scene),
+                             .b = point(bytes, scene),
+                             .length = rarely(bytes, 3) ? 0 : number(bytes, 0, 2),
+                             .stiffness = rarely(bytes, 3) ? 1e6 : number(bytes, 0, 100),
+                             .damping = number(bytes, 0, 10),
+                             .force = number(bytes, -5, 5),
+                             .one_sided = bytes.ConsumeBool()});
+  if (rarely(bytes, 6))
+    scene.torsions.push_back({.axis = {point(bytes, scene), point(bytes, scene)},
+                              .u = {point(bytes, scene), point(bytes, scene)},
+                              .v = {point(bytes, scene), point(bytes, scene)},
+                              .angle = number(bytes, -20, 20),
+                              .stiffness = number(bytes, 0, 100),
+                              .damping = number(bytes, 0, 10),
+                              .torque = number(bytes, -5, 5)});
 }
 
 Settings settings(Bytes& bytes) {

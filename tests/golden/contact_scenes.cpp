@@ -93,6 +93,29 @@ Scene make_mechanism() {
   return scene;
 }
 
+Scene make_springs() {
+  Scene scene = make_mechanism();
+  const auto on = [&](std::uint32_t body, Vec3 by) {
+    return point_on_body(scene, body, scene.bodies[body].center + by);
+  };
+  const auto way = [&](std::uint32_t body, Vec3 along) { return Direction{on(body, {}), on(body, along)}; };
+  scene.springs = {
+      {.a = on(1, {}), .b = on(3, {0.1, 0, 0}), .length = 0.5, .stiffness = 200, .damping = 1, .force = 3},
+      {.a = on(2, {}), .b = on(5, {}), .stiffness = 30, .damping = 0.5},
+      {.a = on(0, {1, 0, 0}), .b = on(5, {0, 0.1, 0}), .length = 1.5, .stiffness = 1e6, .one_sided = true}};
+  scene.torsions = {{.axis = way(1, {0, 0, 1}),
+                     .u = way(1, {1, 0, 0}),
+                     .v = way(2, {0, 1, 0}),
+                     .angle = 7,
+                     .stiffness = 4,
+                     .damping = 0.2,
+                     .torque = -1}};
+  const auto load = static_cast<std::uint32_t>(scene.particles.size());
+  scene.particles.push_back(test::movable({2, -1, 0.5}, 1));
+  scene.rods.push_back({.a = scene.bodies[5].particles[0], .b = load, .law = {.stiffness = 300}});
+  return scene;
+}
+
 Scene make_pool() {
   Scene scene;
   scene.planes.push_back({.surface = rough});

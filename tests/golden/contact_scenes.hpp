@@ -9,6 +9,7 @@ namespace plumb::golden {
 Scene make_tower();
 Scene make_slide();
 Scene make_mechanism();
+Scene make_springs();
 Scene make_pool();
 Scene make_rope();
 

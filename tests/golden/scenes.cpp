@@ -66,7 +66,8 @@ const std::map<std::string, Maker>& makers() {
   static const std::map<std::string, Maker> all = {
       {"forest", make_forest}, {"mixed", make_mixed},         {"random_tree", make_random_tree},
       {"ladder", make_ladder}, {"tower", make_tower},         {"slide", make_slide},
-      {"pool", make_pool},     {"mechanism", make_mechanism}, {"rope", make_rope},
+      {"pool", make_pool},     {"mechanism", make_mechanism}, {"springs", make_springs},
+      {"rope", make_rope},
   };
   return all;
 }

@@ -20,6 +20,7 @@ namespace plumb::golden {
 ///   mechanism       five bodies by a ball joint, a revolute, a universal and a prismatic joint, with angles
 ///   that are
 ///                   limited, driven and rubbing
+///   springs         the mechanism with springs, one of them slack at first, a torsion and an elastic rod
 ///   pool            a ball that rolls into sleeping balls and a sleeping rod
 ///   rope            a chain with capsules that falls over a box onto the ground
 ///

@@ -97,6 +97,22 @@ Scene bodies_and_joints() {
                    .target = 0.5,
                    .stiffness = 7,
                    .damping = 0.2}};
+  scene.springs = {{.a = point_at(0), .b = point_at(5)},
+                   {.a = point_at(1),
+                    .b = point_on_rod(scene, 8, 0.2),
+                    .length = 0.1 / 3,
+                    .stiffness = 1e3 / 7,
+                    .damping = 0.3,
+                    .force = -1.0 / 3,
+                    .one_sided = true}};
+  scene.torsions = {{.axis = u, .u = v, .v = {point_at(4), point_at(2)}},
+                    {.axis = v,
+                     .u = u,
+                     .v = {point_at(4), point_at(2)},
+                     .angle = 50.0 / 7,
+                     .stiffness = 0.1,
+                     .damping = 0.7,
+                     .torque = -0.2 / 3}};
   scene.capsules = {{.a = point_at(1), .b = point_at(1), .radius = 0.1},
                     {.a = point_at(1),
                      .b = point_on_rod(scene, 0, 0.5),
@@ -161,6 +177,24 @@ void expect_same(const AngleControl& a, const AngleControl& b) {
   EXPECT_EQ(a.stiffness, b.stiffness);
   EXPECT_EQ(a.damping, b.damping);
 }
+void expect_same(const Spring& a, const Spring& b) {
+  expect_same(a.a, b.a);
+  expect_same(a.b, b.b);
+  EXPECT_EQ(a.length, b.length);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.damping, b.damping);
+  EXPECT_EQ(a.force, b.force);
+  EXPECT_EQ(a.one_sided, b.one_sided);
+}
+void expect_same(const Torsion& a, const Torsion& b) {
+  expect_same(a.axis, b.axis);
+  expect_same(a.u, b.u);
+  expect_same(a.v, b.v);
+  EXPECT_EQ(a.angle, b.angle);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.damping, b.damping);
+  EXPECT_EQ(a.torque, b.torque);
+}
 void expect_same(const Capsule& a, const Capsule& b) {
   expect_same(a.a, b.a);
   expect_same(a.b, b.b);
@@ -200,6 +234,8 @@ TEST(SceneFile, RoundTripKeepsEveryBitOfBodiesAndJoints) {
   expect_same(back.pins, scene.pins);
   expect_same(back.alignments, scene.alignments);
   expect_same(back.angles, scene.angles);
+  expect_same(back.springs, scene.springs);
+  expect_same(back.torsions, scene.torsions);
   expect_same(back.capsules, scene.capsules);
   expect_same(back.planes, scene.planes);
   expect_same(back.boxes, scene.boxes);
@@ -255,6 +291,10 @@ TEST(SceneFile, WhatIsWrongWithBodiesAndJointsIsNamedWithItsPath) {
   EXPECT_EQ(message_of_list(R"("angles": [{"u": {"from": 0, "to": 1}, "w": 1}])"),
             "f.json: angles[0].w is not a known key; known are u, v, lower, upper, friction, target, "
             "stiffness, damping");
+  EXPECT_EQ(message_of_list(R"("springs": [{"a": 0, "b": 1, "stiffness": -1}])"),
+            "f.json: spring 0: stiffness must be finite and not negative, got -1 N/m");
+  EXPECT_EQ(message_of_list(R"("torsions": [{"axis": {"from": 0, "to": 1}}])"),
+            "f.json: torsions[0].u is missing");
   EXPECT_EQ(message_of_list(R"("capsules": [{"a": 1}])"), "f.json: capsules[0].radius is missing");
   EXPECT_EQ(message_of_list(R"("planes": [{"offset": 1}])"), "f.json: planes[0].normal is missing");
   EXPECT_EQ(message_of_list(
@@ -274,7 +314,7 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
             "rods, bends, twists, bodies, pins, "
-            "alignments, angles, capsules, planes, boxes");
+            "alignments, angles, springs, torsions, capsules, planes, boxes");
 }
 
 TEST(SceneFile, MissingAndMistypedValuesAreNamedWithTheirPath) {

@@ -16,6 +16,7 @@
 /// - executor.hpp: whose threads do it.
 /// - error.hpp: what is refused.
 /// - joints.hpp: bodies of a scene and the joints between them.
+/// - key_frames.hpp: poses by time, for drives to seek.
 /// - inertia.hpp: what sets of points and solids weigh.
 /// - version.hpp: which plumb this is.
 ///
@@ -30,6 +31,7 @@
 #include "plumb/executor.hpp"
 #include "plumb/inertia.hpp"
 #include "plumb/joints.hpp"
+#include "plumb/key_frames.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/problem.hpp"
 #include "plumb/scene.hpp"

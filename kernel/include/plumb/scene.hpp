@@ -173,6 +173,9 @@ struct AngleControl {
 
 /// Pulls two places together with stiffness (l - length) + damping dl/dt + force, in N, at their distance l.
 /// Between two particles an elastic Rod does the same.
+///
+/// A spring of length 0 pulls as three, along the axes of space, so that its ends may pass through each
+/// other. It damps all that its ends move against each other.
 struct Spring {
   Point a{};               ///< One end.
   Point b{};               ///< The other end.
@@ -180,7 +183,7 @@ struct Spring {
   double stiffness = 0;    ///< Stiffness, in N/m.
   double damping = 0;      ///< Damping, in N s/m.
   double force = 0;        ///< Pull that is added, in N, as of a motor.
-  bool one_sided = false;  ///< Whether it is slack below its length.
+  bool one_sided = false;  ///< Whether it is slack below its length, its force included, and never pushes.
 };
 
 /// Turns two sides against each other about an axis, with the torque stiffness (angle - phi) - damping
@@ -258,7 +261,7 @@ struct Scene {
 };
 
 /// Returns whether a scene has more than particles and rods: bends, twists, shapes, ground, bodies, joints,
-/// air on rods or sleepers.
+/// springs, air on rods or sleepers.
 PLUMB_API bool has_more_than_rods(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, bend,
@@ -287,6 +290,8 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - weights of a point that do not add up to 1;
 /// - a ball joint or an alignment of nothing that moves;
 /// - an angle without directions, or with limits outside [0, pi];
+/// - a spring or torsion of nothing that moves, a torsion without directions, or with one along its axis;
+/// - negative stiffness or damping of these, or a force, torque, length or angle that is not finite;
 /// - negative radius, size or friction, and restitution outside [0, 1];
 /// - a normal or a quaternion that is not of length one, to within 1e-9.
 PLUMB_API void validate(const Scene& scene);

@@ -68,7 +68,8 @@ struct StepReport {
 
   // The next members describe scenes with shapes that touch.
   std::uint64_t contacts = 0;        ///< Most points at which something pushed in one cluster's substep.
-  std::uint64_t guarded_energy = 0;  ///< Substeps that would have gained energy and were held back.
+  /// Substeps that would have gained energy by contact, air or drag and were held back.
+  std::uint64_t guarded_energy = 0;
   std::uint32_t awake_islands = 0;   ///< Islands awake at the end of the step.
   std::uint32_t fell_asleep = 0;     ///< Islands that fell asleep in this step.
 
@@ -173,6 +174,18 @@ class PLUMB_API World {
   /// Moves an anchor to `target` (m) during the next step, along a straight line, a substep at a time. Throws
   /// InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
+
+  /// Changes a spring, a torsion or an angle from the next step on, all but its places, and wakes its island.
+  /// They are numbered as in the scene. Throws InputError on an unknown one, on what validate() refuses, and on
+  /// a spring whose length becomes or was 0.
+  void set_spring(std::uint32_t number, const Spring& spring);
+  /// See set_spring().
+  void set_torsion(std::uint32_t number, const Torsion& torsion);
+  /// See set_spring(). Throws InputError, too, on a drive or damper of an angle that the scene gave neither.
+  void set_angle(std::uint32_t number, const AngleControl& angle);
+  /// Returns phi of a torsion in rad, whole turns since the start included. Throws InputError on an unknown
+  /// one.
+  double torsion_angle(std::uint32_t number) const;
 
   /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. Throws
   /// InputError on an unknown rod, a length that is not positive and finite, and a rod that is relaxed or

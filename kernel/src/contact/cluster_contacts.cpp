@@ -35,12 +35,23 @@ std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t i
 }
 
 /// Returns the forces that held the contact `key` in the last substep. Nothing held it if the result has
-/// another key.
-KeptContact kept_at(const LinkageState& state, std::uint64_t key) {
-  KeptContact out{};
-  for (const KeptContact& kept : state.kept)
-    if (kept.key == key) out = kept;
-  return out;
+/// another key. Contacts are found in about the same order again, so the search goes on from `next`.
+KeptContact kept_at(const LinkageState& state, std::uint64_t key, std::size_t& next) {
+  for (std::size_t tried = 0; tried < state.kept.size(); ++tried, ++next) {
+    if (next >= state.kept.size()) next = 0;
+    if (state.kept[next].key == key) return state.kept[next++];
+  }
+  return {};
+}
+
+/// Returns the speed (m/s) with which a contact leaves the surface. `closing` (m) is how its gap changes in
+/// the substep, and `arriving` (m/s) its rate now. The speed of arrival includes what is gained on the way;
+/// restitution acts on it.
+double bounce_of(double restitution, double least, double gap, double closing, double arriving, double h) {
+  const double gain = 2 * (closing - h * arriving) / (h * h);
+  const double square = arriving * arriving - 2 * gain * std::max(gap, 0.0);
+  const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
+  return hit > least ? restitution * hit : 0;
 }
 
 /// Returns the distance (m) within which a contact is watched whose ends move by `moves` (m) in a substep.
@@ -83,35 +94,30 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
       }
       return;
     }
-  add_contact_rows(a, b, touch, closing, key, h);
+  if (two)
+    add_contact_rows(a, b, touch, closing, key, h);
+  else
+    add_ground_contact(a, b, touch, closing, key, h);
 }
 
 /// Adds three rows: one along the normal and two along the directions of sliding.
 void ClusterStepper::add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing,
                                       std::uint64_t key, double h) {
-  Island* const one = &islands_[a.island];
-  Island* const two = b.island == none ? nullptr : &islands_[b.island];
-  const Vec3 speed = a.at.of(one->v) - (two ? b.at.of(two->v) : Vec3{});
-  // The speed of arrival at the surface (m/s) includes what the island gains on the way there; restitution
-  // acts on it.
-  const double arriving = dot(touch.normal, speed), gain = 2 * (closing - h * arriving) / (h * h);
-  const double square = arriving * arriving - 2 * gain * std::max(touch.gap, 0.0);
-  const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
+  Island &one = islands_[a.island], &two = islands_[b.island];
+  const double arriving = dot(touch.normal, a.at.of(one.v) - b.at.of(two.v));
   const double restitution = std::max(a.surface.restitution, b.surface.restitution);
   const auto [t1, t2] = across(touch.normal);
-  const KeptContact held = kept_at(*one->state, key);
+  const KeptContact held = kept_at(*one.state, key, one.next_kept);
   const Vec3 axes[3] = {touch.normal, t1, t2};
-  const Sum sum = add_sum(*one, a.at), sum_other = two ? add_sum(*two, b.at) : Sum{};
+  const Sum sum = add_sum(one, a.at), sum_other = add_sum(two, b.at);
   for (int axis = 0; axis < 3; ++axis) {
     Row& row = rows_.emplace_back();
     row.kind = axis == 0 ? Kind::normal : Kind::sliding;
     row.island[0] = a.island;
-    row.side[0] = add_side(*one, {sum, {}, axes[axis], {}});
-    row.ends = two ? 2 : 1;
-    if (two) {
-      row.island[1] = b.island;
-      row.side[1] = add_side(*two, {sum_other, {}, -1.0 * axes[axis], {}});
-    }
+    row.side[0] = add_side(one, {sum, {}, axes[axis], {}});
+    row.ends = 2;
+    row.island[1] = b.island;
+    row.side[1] = add_side(two, {sum_other, {}, -1.0 * axes[axis], {}});
     row.key = key;
     row.held = held.key == key;
     row.p = h * h * dot(held.force, axes[axis]);
@@ -119,19 +125,70 @@ void ClusterStepper::add_contact_rows(const Place& a, const Place& b, const Touc
     if (axis == 0) {
       row.gap = recovered(touch.gap, settings_.slop, h);
       row.bound = std::sqrt(a.surface.friction * b.surface.friction);
-      row.bounce = hit > settings_.bounce_speed ? restitution * hit : 0;
+      row.bounce = bounce_of(restitution, settings_.bounce_speed, touch.gap, closing, arriving, h);
       row.p = std::max(row.p, 0.0);
       row.q = std::max(row.q, 0.0);
     }
   }
 }
 
+void ClusterStepper::add_ground_contact(const Place& a, const Place& b, const Touch& touch, double closing,
+                                        std::uint64_t key, double h) {
+  Island& island = islands_[a.island];
+  const KeptContact held = kept_at(*island.state, key, island.next_kept);
+  const double restitution = std::max(a.surface.restitution, b.surface.restitution);
+  const double arriving = dot(touch.normal, a.at.of(island.v));
+  island.ground.add(*island.state->linkage, {.at = a.at,
+                                             .normal = touch.normal,
+                                             .gap = recovered(touch.gap, settings_.slop, h),
+                                             .friction = std::sqrt(a.surface.friction * b.surface.friction),
+                                             .bounce = bounce_of(restitution, settings_.bounce_speed,
+                                                                 touch.gap, closing, arriving, h),
+                                             .key = key,
+                                             .is_held = held.key == key,
+                                             .held = (h * h) * held.force,
+                                             .held_end = (0.5 * h) * held.end_force});
+}
+
+/// Turns contacts with ground into rows if they are few.
+void ClusterStepper::spread_ground(std::uint32_t i) {
+  Island& island = islands_[i];
+  const bool may_stand = island.state->laws.empty() && !island.state->linkage->is_redundant();
+  if (may_stand && island.ground.size() > few_on_ground) return;
+  island.ground.for_all([&](const GroundContact& contact) {
+    const auto [t1, t2] = across(contact.normal);
+    const Vec3 axes[3] = {contact.normal, t1, t2};
+    const Sum sum = add_sum(island, contact.at);
+    for (int axis = 0; axis < 3; ++axis) {
+      Row& row = rows_.emplace_back();
+      row.kind = axis == 0 ? Kind::normal : Kind::sliding;
+      row.island[0] = i;
+      row.side[0] = add_side(island, {sum, {}, axes[axis], {}});
+      row.ends = 1;
+      row.key = contact.key;
+      row.held = contact.is_held;
+      row.p = dot(contact.held, axes[axis]);
+      row.q = dot(contact.held_end, axes[axis]);
+      if (axis == 0) {
+        row.gap = contact.gap;
+        row.bound = contact.friction;
+        row.bounce = contact.bounce;
+        row.p = std::max(row.p, 0.0);
+        row.q = std::max(row.q, 0.0);
+      }
+    }
+  });
+  island.ground.clear();
+}
+
 void ClusterStepper::add_angles(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const LinkageState& state = *island.state;
-  std::uint64_t number = 0;
-  for (const Linkage::Angle& angle : state.linkage->angles()) {
-    const std::uint64_t key = contact_key(4, number++, 0, 0);
+  for (std::size_t k = 0; k < state.angle_rules.size(); ++k) {
+    const Linkage::AngleRule& rule = state.angle_rules[k];
+    if (rule.lower == 0 && rule.upper == std::numbers::pi && rule.friction == 0) continue;
+    const Linkage::Angle& angle = state.linkage->angles()[k];
+    const std::uint64_t key = contact_key(4, k, 0, 0);
     const auto [value, along_u, along_v] = Linkage::slope(angle, state.x);
     const Side side{add_sum(island, angle.u), add_sum(island, angle.v), along_u, along_v};
     const double by = dot(along_u, island.of(side.a, island.d)) + dot(along_v, island.of(side.b, island.d));
@@ -142,28 +199,22 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
       row.ends = 1;
       row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
       row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
-      const KeptContact held = kept_at(state, row.key);
+      const KeptContact held = kept_at(state, row.key, island.next_kept);
       row.held = held.key == row.key;
       row.p = h * h * held.force.x;
       row.q = 0.5 * h * held.end_force.x;
       return row;
     };
     const double near = 0.05 + std::abs(by);
-    if (angle.lower > 0 && value + by - angle.lower < near)
-      add(Kind::limit, 1).gap = recovered(value - angle.lower, 0, h);
-    if (angle.upper < std::numbers::pi && angle.upper - value - by < near)
-      add(Kind::limit, -1).gap = recovered(angle.upper - value, 0, h);
-    if (angle.friction > 0) {
+    if (rule.lower > 0 && value + by - rule.lower < near)
+      add(Kind::limit, 1).gap = recovered(value - rule.lower, 0, h);
+    if (rule.upper < std::numbers::pi && rule.upper - value - by < near)
+      add(Kind::limit, -1).gap = recovered(rule.upper - value, 0, h);
+    if (rule.friction > 0) {
       // Friction acts with half of its impulse in either half of the substep.
       Row& row = add(Kind::brake, 1);
-      row.bound = 0.5 * h * h * angle.friction;
-      row.bounce = 0.5 * h * angle.friction;
-    }
-    if (angle.stiffness > 0) {
-      const double stiff = h * h * angle.stiffness + h * angle.damping;
-      Row& row = add(Kind::drive, 1);
-      row.softness = 1 / stiff;
-      row.gap = h * h * angle.stiffness / stiff * (value - angle.target);
+      row.bound = 0.5 * h * h * rule.friction;
+      row.bounce = 0.5 * h * rule.friction;
     }
   }
 }
@@ -194,6 +245,8 @@ void ClusterStepper::find_contacts(const Surroundings& surroundings, double h) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     islands_[i].terms.clear();
     islands_[i].sides.clear();
+    islands_[i].ground.clear();
+    islands_[i].next_kept = 0;
   }
   find_bounds();
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -201,6 +254,7 @@ void ClusterStepper::find_contacts(const Surroundings& surroundings, double h) {
     if (island.awake) {
       touch_planes(i, surroundings.planes, h);
       touch_boxes(i, surroundings.boxes, h);
+      spread_ground(i);
       add_angles(i, h);
     }
     for (std::uint32_t j = i + 1; j < count_; ++j) {

@@ -31,6 +31,10 @@ inline constexpr double let_be = 1e-6;
 /// Constraints count as solved once they are violated by no more than this share of their lengths. Larger
 /// values take fewer corrections and leave rods longer or shorter.
 inline constexpr double exact = 1e-8;
+/// Islands with elastics go on to this, as far as rounding lets them. Larger values let their energy drift.
+inline constexpr double exact_if_elastic = 1e-12;
+/// Cables are let go or taken up at most so often in a substep. Few substeps need more than two.
+inline constexpr int most_switches = 8;
 /// A substep makes at most so many corrections of its constraints.
 inline constexpr int most_corrections = 16;
 /// The last sweep may always change a position by this much (m, times the length scale). It matters where
@@ -51,6 +55,19 @@ inline constexpr int most_rounds = 4;
 /// A place counts as held if a push moves it by less than this share of what it would move a free linkage by.
 /// Held places are not pushed, because their response is rounding.
 inline constexpr double held_response = 1e-8;
+/// An island that touches ground in more places than these holds them in its own matrix. With fewer,
+/// responses of each place cost less.
+inline constexpr std::size_t few_on_ground = 16;
+/// Contacts in the matrix are solved once their pushes lack no more than this share of the largest. A larger
+/// share takes fewer corrections and leaves other velocities.
+inline constexpr double ground_enough = 1e-7;
+/// Bounds on friction follow the normal pushes through so many corrections, and stay then.
+inline constexpr int bounds_follow_for = 10;
+/// While they do, constraints may be violated by this share of their lengths.
+inline constexpr double most_disturbed = 1e-6;
+/// Contacts in the matrix take at most so many corrections.
+inline constexpr int most_ground_corrections = 20;
+
 /// A contact that seems not to come about in a substep is still watched if its gap is small. The limit is the
 /// sum of a distance (m, times the length scale) and a multiple of what its ends move.
 inline constexpr double sight = 0.1, sight_of_moves = 2;

@@ -8,13 +8,13 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-// Finds velocities from Island::impulse and the pushes on its sides, along the constraints where the island
-// is now.
-void ClusterStepper::find_velocities(Island& island) {
+// Lays down what velocities follow from: Island::impulse and the pushes on its sides.
+void ClusterStepper::fill_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
-  linkage.anchor_rates(state.x, state.v, right);
+  linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
+  hold_elastics(island);
   linkage.put(island.impulse, right);
   const auto add = [&](Sum sum, Vec3 by) {
     for (std::uint32_t k = sum.first; k < sum.end; ++k) {
@@ -32,8 +32,21 @@ void ClusterStepper::find_velocities(Island& island) {
     add(island.sides[s].a, by * island.sides[s].along_a);
     add(island.sides[s].b, by * island.sides[s].along_b);
   }
+}
+
+// Finds velocities along the constraints where the island is now.
+void ClusterStepper::find_velocities(Island& island) {
+  if (!island.ground.is_empty()) {
+    find_velocities_on_ground(island);
+    return;
+  }
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = island.right();
+  fill_velocities(island);
   linkage.plan().solve(state.factors, island.unknowns);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
+  if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns);
 }
 
 void ClusterStepper::finish(double h, bool touched) {
@@ -44,11 +57,17 @@ void ClusterStepper::finish(double h, bool touched) {
     const Linkage& linkage = *state.linkage;
     std::swap(state.x, island.there);  // there: where it was
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
-    state.factor();
-    if (linkage.has_air()) linkage.forces(state.x, island.v, state.force, h, island.force);
+    if (!island.ground.is_empty())
+      island.ground.begin_velocities();
+    else if (state.laws.empty())
+      state.factor();
+    if (linkage.has_air() || !state.laws.empty())
+      linkage.forces(state.x, island.v, state.force, island.force);
+    state.add_motors(island.force);
     island.impulse.resize(linkage.movable());
     linkage.momenta(island.v, island.impulse);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
+    end_elastics(island, h);
     std::fill(island.push.begin(), island.push.end(), Lanes{});
     if (island.sides.empty() || !touched) find_velocities(island);
   }
@@ -62,7 +81,7 @@ void ClusterStepper::bounce(double h) {
   bool pushes = false;  // sliding rows follow their normal
   for (Row& row : rows_) {
     if (row.kind != Kind::sliding) pushes = row.p != 0;
-    const bool lasts = row.kind != Kind::drive && row.kind != Kind::brake && row.bounce == 0;
+    const bool lasts = row.kind != Kind::brake && row.bounce == 0;
     if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
     // Speeds follow from find_velocities().
     for (std::uint32_t i = 0; i < row.ends; ++i) row.end[i].push[row.end[i].side] += row.q;
@@ -156,7 +175,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     weight += state.linkage->mass() * norm(state.linkage->gravity()) * state.linkage->size();
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air();
-    driven = driven || state.linkage->has_drives();
+    driven = driven || !state.laws.empty();
     for (std::size_t k = state.linkage->movable(); k < state.v.size(); ++k)
       driven = driven || state.v[k] != Vec3{};
   }
@@ -184,7 +203,8 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   } else {
     return true;
   }
-  if (excess > 0) ++report.guarded_energy;
+  // In flight it is given back as often as it is taken.
+  if (excess > 0 && !free) ++report.guarded_energy;
   return true;
 }
 
@@ -201,6 +221,13 @@ void ClusterStepper::keep_contacts(double h) {
       return sum;
     };
     island.state->kept.push_back({row.key, (1 / (h * h)) * pushed(&Row::p), (2 / h) * pushed(&Row::q)});
+  }
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    LinkageState& state = *islands_[i].state;
+    state.on_ground = !islands_[i].ground.is_empty();
+    islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3 position, Vec3 end) {
+      state.kept.push_back({contact.key, (1 / (h * h)) * position, (2 / h) * end});
+    });
   }
 }
 

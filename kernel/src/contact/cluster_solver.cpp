@@ -21,7 +21,7 @@ void ClusterStepper::find_responses() {
     if (!islands_[i].sides.empty()) couple(islands_[i]);
   for (std::size_t r = rows_.size(); r-- > 0;) {
     Row& row = rows_[r];
-    double own = row.softness, heaviest = 0;
+    double own = 0, heaviest = 0;
     row.across[0] = row.across[1] = 0;
     for (std::uint32_t i = 0; i < row.ends; ++i) {
       Island& island = islands_[row.island[i]];
@@ -161,6 +161,8 @@ void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
     const std::uint32_t slot = linkage.slot(k);
     motion[k] += {total(slot), total(slot + 1), total(slot + 2)};
   }
+  for (std::size_t k = 0; k < island.elastics.size(); ++k)
+    island.elastics[k].p -= total(linkage.plan().position(linkage.elastics()[k].row));
 }
 
 namespace {
@@ -230,9 +232,6 @@ double ClusterStepper::sweep_positions() {
       case Kind::limit:
         p = std::max(0.0, row.p - row.over * (u + row.gap));
         break;
-      case Kind::drive:
-        p = row.p - row.over * (u + row.softness * row.p + row.gap);
-        break;
       case Kind::brake:
         p = std::clamp(row.p - row.over * u, -row.bound, row.bound);
         break;
@@ -264,57 +263,93 @@ double ClusterStepper::sweep_velocities() {
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::looks>();
 template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::pushes>();
 
+/// Sweeps positions until what is left is small or waits for corrections. Returns the largest change that is
+/// left, in m or rad, and adds to `sweeps`.
+double ClusterStepper::sweep(int correction, int& sweeps) {
+  // A correction may have changed contacts too little to matter. Sweeping then would only disturb
+  // constraints again.
+  double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
+  if (left <= still_) return left;
+  const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
+  left = sweep_positions<Sweep::pushes>();
+  const double till = std::max(still_, rough * left);
+  int taken = 1;
+  for (; taken < most && left > till; ++taken) left = sweep_positions<Sweep::pushes>();
+  sweeps += taken;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake || island.sides.empty()) continue;
+    apply(island, island.d);
+    island.ground.follow_change(island.d);
+  }
+  return left;
+}
+
+/// Moves an island by one of Newton's steps. Returns false if it cannot.
+bool ClusterStepper::correct(Island& island, int correction, Progress& progress, Tally& report) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const bool on_ground = !island.ground.is_empty();
+  for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
+  if (linkage.constraints() == 0 && state.laws.empty() && !on_ground) return true;
+  const std::span<double> right = island.right();
+  std::fill(right.begin(), right.end(), 0.0);
+  const double violation = std::max(linkage.violations(island.there, right), elastic_misfit(island));
+  const double wanted = state.laws.empty() ? exact : exact_if_elastic;
+  progress.violation = std::max(progress.violation, violation);
+  progress.to_do = std::max(progress.to_do, violation / wanted);
+  bool lacks = false;
+  if (on_ground) {
+    island.ground.look(linkage, island.d, correction < bounds_follow_for);
+    lacks = island.ground.lack() > ground_enough;
+  }
+  progress.lacks = progress.lacks || lacks;
+  if (violation <= wanted && !lacks) return true;
+  if (!std::isfinite(violation)) return false;
+  ++report.newton;
+  if (on_ground) {
+    if (!correct_on_ground(island)) return false;
+  } else {
+    linkage.plan().solve(state.factors, island.unknowns);
+    pull_elastics(island);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+      island.d[k] += linkage.taken(right, k);
+      island.there[k] = state.x[k] + island.d[k];
+    }
+  }
+  if (!island.sides.empty()) see(island, island.d);
+  return true;
+}
+
 bool ClusterStepper::solve_positions(Tally& report) {
+  bool any_ground = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.sides.empty()) see(island, island.d);
+    any_ground = any_ground || !island.ground.is_empty();
   }
   push_held();
-  double last = INFINITY;
+  double last = INFINITY, last_to_do = INFINITY, first = 0;
   int sweeps = 0;
-  for (int correction = 0; correction < most_corrections; ++correction) {
-    // A correction may have changed contacts too little to matter. Sweeping then would only disturb
-    // constraints again.
-    double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
-    const bool sweeps_on = left > still_;
-    if (sweeps_on) {
-      const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
-      left = sweep_positions<Sweep::pushes>();
-      const double till = std::max(still_, rough * left);
-      int taken = 1;
-      for (; taken < most && left > till; ++taken) left = sweep_positions<Sweep::pushes>();
-      sweeps += taken;
-    }
-    double worst = 0;
-    for (std::uint32_t i = 0; i < count_; ++i) {
-      Island& island = islands_[i];
-      if (!island.awake) continue;
-      LinkageState& state = *island.state;
-      const Linkage& linkage = *state.linkage;
-      if (sweeps_on && !island.sides.empty()) apply(island, island.d);
-      for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
-      if (linkage.constraints() == 0) continue;
-      const std::span<double> right = island.right();
-      std::fill(right.begin(), right.end(), 0.0);
-      const double violation = linkage.violations(island.there, right);
-      worst = std::max(worst, violation);
-      if (violation <= exact) continue;
-      if (!std::isfinite(violation)) return false;
-      ++report.newton;
-      linkage.plan().solve(state.factors, island.unknowns);
-      for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-        island.d[k] += linkage.taken(right, k);
-        island.there[k] = state.x[k] + island.d[k];
-      }
-      if (!island.sides.empty()) see(island, island.d);
-    }
-    if (worst <= exact &&
-        (left <= 10 * still_ || (correction + 1 >= most_corrections / 2 && left <= settings_.tolerance))) {
+  const int most = any_ground ? most_ground_corrections : most_corrections;
+  for (int correction = 0; correction < most; ++correction) {
+    const double left = sweep(correction, sweeps);
+    Progress now;
+    for (std::uint32_t i = 0; i < count_; ++i)
+      if (islands_[i].awake && !correct(islands_[i], correction, now, report)) return false;
+    const bool is_finished = now.to_do <= 1 || now.to_do > 0.5 * last_to_do;
+    if (now.violation <= exact && is_finished && !now.lacks &&
+        (left <= 10 * still_ || (correction + 1 >= most / 2 && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }
-    if (worst > 0.5 || (correction > 3 && worst > exact && worst > 0.9 * last)) return false;
-    last = worst;
+    if (correction == 0) first = now.violation;
+    // Contacts that come and go disturb constraints for a while.
+    const bool gets_worse = any_ground ? correction > 1 && now.violation > std::max(most_disturbed, 4 * first)
+                                       : correction > 3 && now.violation > std::max(exact, 0.9 * last);
+    if (now.violation > 0.5 || gets_worse) return false;
+    last = now.violation;
+    last_to_do = now.to_do;
   }
   return false;
 }

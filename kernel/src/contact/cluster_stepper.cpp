@@ -66,12 +66,13 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
+  double likely = dt;  // a substep of this length is likely to be solved
   while (left > 1e-12 * dt) {
     const double least = report.is_spent() ? dt / substeps : dt / most_cuts;
     const double in_flight = rules.is_watched ? most_turn_if_watched : most_turn_in_flight;
     const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
     const double longest = std::max(std::min(dt / substeps, cut), least);
-    double h = left / std::ceil(left / longest - 1e-9);
+    double h = left / std::ceil(left / std::min(longest, likely) - 1e-9);
     if (may_fly) {
       // A step of twice the length is cut alike, so that comparing tells no error: is_blind reads halvings.
       report.halvings += rules.is_watched && cut < dt / substeps;
@@ -95,6 +96,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     }
     ++report.direct_substeps;
     left -= h;
+    if (islands_[0].state->on_ground) likely = 2 * h;
   }
 }
 
@@ -114,8 +116,10 @@ bool ClusterStepper::fly(const Surroundings& surroundings, std::uint32_t time_or
   if (!state.linkage->angles().empty()) {
     start(island, h);
     find_contacts(surroundings, h);
+    state.factored = state.factored && state.laws.empty();
     if (!rows_.empty()) return false;
   }
+  if (!state.can_follow_elastics(h)) return false;
   const double before = energy();
   if (!flight_.step(state, time_order, h, report)) return false;
   island.v = state.v;
@@ -163,7 +167,7 @@ void ClusterStepper::start(Island& island, double h) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::uint32_t movable = linkage.movable();
-  if (!state.factored) state.factor();
+  island.is_predicted = false;
   island.d.resize(state.x.size());
   island.there.resize(state.x.size());
   island.v.resize(state.x.size());
@@ -171,7 +175,6 @@ void ClusterStepper::start(Island& island, double h) {
   island.force.resize(movable);
   // The last island's numbers may not be finite, nor zero where no unknown is.
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
-  const std::span<double> right = island.right();
   const double kept = linkage.kept(0.5 * h);
   // The island starts about where the pulls of the last substep would take it again. Constraints are then
   // bent only by what differs from that.
@@ -184,18 +187,29 @@ void ClusterStepper::start(Island& island, double h) {
     if (again && i < movable) island.d[i] += (h * h) * state.acceleration[i];
     island.there[i] = state.x[i] + island.d[i];
   }
-  linkage.forces(state.x, island.v, state.force, h, island.force);
+  island.elastics.resize(state.laws.size());
+  if (!state.laws.empty()) begin_elastics(island, h);
+  linkage.forces(state.x, island.v, state.force, island.force);
+  state.add_motors(island.force);
   linkage.momenta(island.v, island.momentum);
+  for (std::uint32_t i = 0; i < movable; ++i)
+    island.momentum[i] = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
+  if (!state.on_ground) predict(island);
+}
+
+/// Finds where the island goes if nothing touches it.
+void ClusterStepper::predict(Island& island) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  if (state.laws.empty() && !state.factored) state.factor();
+  const std::span<double> right = island.right();
   linkage.targets(state.x, island.d, island.there, right);
-  for (std::uint32_t i = 0; i < movable; ++i) {
-    const Vec3 push = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
-    const std::uint32_t slot = linkage.slot(i);
-    right[slot] = push.x;
-    right[slot + 1] = push.y;
-    right[slot + 2] = push.z;
-  }
+  linkage.put(island.momentum, right);
+  aim_elastics(island);
   linkage.plan().solve(state.factors, island.unknowns);
-  for (std::uint32_t i = 0; i < movable; ++i) island.d[i] = linkage.taken(right, i);
+  pull_elastics(island);
+  for (std::uint32_t i = 0; i < linkage.movable(); ++i) island.d[i] = linkage.taken(right, i);
+  island.is_predicted = true;
 }
 
 bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& report) {
@@ -204,13 +218,18 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   for (std::uint32_t i = 0; i < count_; ++i)
     still_ = std::max(still_, (tight_ ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
                                   norm(islands_[i].state->linkage->gravity()));
-  if (!find_positions(surroundings, h, report)) return false;
-  if (is_contact_missed()) {
-    all_near_ = true;
+  keeps_slack_ = false;
+  switches_ = 0;
+  do {
     if (!find_positions(surroundings, h, report)) return false;
-  }
+    if (!all_near_ && is_contact_missed()) {
+      all_near_ = keeps_slack_ = true;
+      if (!find_positions(surroundings, h, report)) return false;
+    }
+  } while (switch_elastics());
   const double before = energy();
-  const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; });
+  const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
+                       count_pushes() > 0;
   finish(h, touched);
   if (touched) bounce(h);
   for (std::uint32_t i = 0; i < count_; ++i)
@@ -236,13 +255,16 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
+    state.follow_elastics();
   }
   keep_contacts(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   report.contacts = std::max<std::uint64_t>(
-      report.contacts, std::count_if(rows_.begin(), rows_.end(),
-                                     [](const Row& row) { return row.kind == Kind::normal && row.p > 0; }));
+      report.contacts, count_pushes() + static_cast<std::uint64_t>(
+                                            std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
+                                              return row.kind == Kind::normal && row.p > 0;
+                                            })));
   return true;
 }
 
@@ -252,6 +274,13 @@ bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, 
   do {
     woken_ = false;
     find_contacts(surroundings, h);
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      Island& island = islands_[i];
+      if (island.awake && !island.is_predicted && island.ground.is_empty()) {
+        predict(island);  // its contacts are to be found again, where it flies
+        woken_ = true;
+      }
+    }
     for (std::uint32_t i = 0; woken_ && i < count_; ++i)
       if (!islands_[i].state->asleep && !islands_[i].awake && !islands_[i].state->frozen) {
         islands_[i].awake = true;
@@ -259,6 +288,8 @@ bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, 
         start(islands_[i], h);
       }
   } while (woken_);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (!islands_[i].ground.is_empty() && !start_on_ground(islands_[i])) return false;
   if (!rows_.empty()) find_responses();
   return solve_positions(report);
 }

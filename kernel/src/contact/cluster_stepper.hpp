@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/ground/ground_contacts.hpp"
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/surroundings.hpp"
@@ -31,6 +32,9 @@ struct ClusterRules {
 /// with friction in Coulomb's cone. Then velocities d/h + h/2 M⁻¹f are projected onto the constraints at the
 /// end. Where there was contact, they bounce or come to rest.
 ///
+/// Elastics have rows of their own, see ElasticStep. Their matrix differs for positions and velocities, so
+/// that islands with them take two factorisations.
+///
 /// Contacts act through what the linkage makes of a push, G = Jc P Jcᵀ, which takes one solve a row. Their
 /// pushes are found by projected Gauss-Seidel on G (Moreau 1988; Jean 1999).
 ///
@@ -56,7 +60,7 @@ class ClusterStepper {
     Sum a, b;
     Vec3 along_a{}, along_b{};
   };
-  enum class Kind : std::uint8_t { normal, sliding, limit, drive, brake };
+  enum class Kind : std::uint8_t { normal, sliding, limit, brake };
   static constexpr std::uint32_t none = 0xffffffff;
 
   /// Where a row finds what its side of an island sees, and what its pushes do there.
@@ -72,11 +76,10 @@ class ClusterStepper {
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};
-    double gap = 0;             ///< m or rad, what may be lost; drives: how far away
-    double softness = 0;        ///< of drives
+    double gap = 0;             ///< m or rad, what may be lost
     double bound = 0;           ///< of brakes; of normals the coefficient of friction
     double bounce = 0;          ///< m/s, what it leaves with; of brakes the bound of q
-    double own = 0;             ///< its response to itself + softness
+    double own = 0;             ///< its response to itself
     double over = 0;            ///< 1 / own, or 0
     double p = 0, q = 0;        ///< what pushes positions, and velocities
     double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
@@ -88,10 +91,14 @@ class ClusterStepper {
     bool awake = false;
     Bounds bounds{};
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
-    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid;
+    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
     std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
+    std::vector<ElasticStep> elastics;
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
+    GroundContacts ground;      ///< those with fixed things, if there are many
+    bool is_predicted = false;  ///< d is where it flies, or else a guess
+    std::size_t next_kept = 0;  ///< where the next contact is likely to be found again
     // Padded to whole lanes, or by lanes:
     std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown
     std::vector<Lanes> coupling;  ///< G, a row for every side
@@ -129,7 +136,28 @@ class ClusterStepper {
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(const Surroundings& surroundings, std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
+  void predict(Island& island);
+  bool start_on_ground(Island& island);
+  /// Says how far corrections of all islands are.
+  struct Progress {
+    double violation = 0;  ///< the largest
+    double to_do = 0;      ///< the largest over what is wanted
+    bool lacks = false;    ///< some ground does not push as it should
+  };
+  double sweep(int correction, int& sweeps);
+  bool correct(Island& island, int correction, Progress& progress, Tally& report);
+  bool correct_on_ground(Island& island);
+  void find_velocities_on_ground(Island& island);
+  void fill_velocities(Island& island);
+  std::size_t count_pushes() const;
   void freeze(Island& island, Tally& report);
+  void begin_elastics(Island& island, double h) const;
+  static void aim_elastics(Island& island);
+  static double elastic_misfit(Island& island);
+  static void pull_elastics(Island& island);
+  void end_elastics(Island& island, double h);
+  static void hold_elastics(Island& island);
+  bool switch_elastics();
   bool find_positions(const Surroundings& surroundings, double h, Tally& report);
   bool is_contact_missed() const;
   void find_contacts(const Surroundings& surroundings, double h);
@@ -139,6 +167,10 @@ class ClusterStepper {
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
+  /// Adds a contact with something fixed. It counts as one of many until they have been counted.
+  void add_ground_contact(const Place& a, const Place& b, const Touch& touch, double closing,
+                          std::uint64_t key, double h);
+  void spread_ground(std::uint32_t i);
   /// Adds the rows of a contact whose gap changes by `closing` (m) in the substep.
   void add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing, std::uint64_t key,
                         double h);
@@ -186,6 +218,8 @@ class ClusterStepper {
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;
   bool woken_ = false, all_near_ = false;
+  bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try
+  int switches_ = 0;          ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s

@@ -6,6 +6,7 @@
 
 #include "contact/linkage/linkage_bounds.hpp"
 #include "contact/linkage/scene_parts.hpp"
+#include "scene/refuse.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -35,6 +36,24 @@ void lump_masses(Scene& part) {
 
 }  // namespace
 
+namespace {
+
+[[noreturn]] void refuse_number(const char* what, std::uint32_t number) {
+  refuse(what, ' ', number, ": unknown, the scene does not have so many");
+}
+
+}  // namespace
+
+void refuse_unknown(std::uint32_t number, const Spring&) {
+  refuse_number("spring", number);
+}
+void refuse_unknown(std::uint32_t number, const Torsion&) {
+  refuse_number("torsion", number);
+}
+void refuse_unknown(std::uint32_t number, const AngleControl&) {
+  refuse_number("angle", number);
+}
+
 // --- Layout
 
 ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings)
@@ -46,6 +65,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       surroundings_(scene),
       steppers_(settings.threads, ClusterStepper(isa_, settings_)) {
   std::map<std::vector<double>, const Linkage*> kinds;
+  std::vector<std::uint32_t> number_of(parts.count());
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     Scene part = parts.part(p);
     const bool plain = is_plain(part);
@@ -58,10 +78,17 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*kind, number, part).particles = parts.particles(p);
+    number_of[p] = number;
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
     island_of_.resize(island_of_.size() + part.particles.size(), number);
   }
+  const auto own = [&](std::span<const SceneParts::Share> shares, std::vector<Owner>& owners) {
+    for (const auto& [part, number] : shares) owners.push_back({number_of[part], number});
+  };
+  own(parts.springs(), springs_);
+  own(parts.torsions(), torsions_);
+  own(parts.angles(), angles_);
   visitors_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
   clusters_.start(states_, settings_.margin);
@@ -219,6 +246,46 @@ void ContactSolver::set_force(Slot slot, Vec3 newton) {
   state.force[local(slot)] = newton;
   state.energy.reset();
   clusters_.wake(state.number);
+}
+
+void ContactSolver::wake_with_laws(LinkageState& state) {
+  state.energy.reset();
+  clusters_.wake(state.number);
+}
+
+void ContactSolver::set_law(std::uint32_t number, const Spring& spring) {
+  if (number >= springs_.size()) refuse_unknown(number, spring);
+  LinkageState& state = states_[springs_[number].island];
+  const auto [first, count] = state.linkage->elastics_of_spring(springs_[number].number);
+  if ((spring.length == 0) != (count > 1))
+    refuse("spring ", number, ": its length cannot become 0, nor anything else if it was 0");
+  set_laws(spring, std::span(state.laws).subspan(first, count));
+  wake_with_laws(state);
+}
+
+void ContactSolver::set_law(std::uint32_t number, const Torsion& torsion) {
+  if (number >= torsions_.size()) refuse_unknown(number, torsion);
+  LinkageState& state = states_[torsions_[number].island];
+  const auto [first, count] = state.linkage->elastics_of_torsion(torsions_[number].number);
+  set_laws(torsion, std::span(state.laws).subspan(first, count));
+  wake_with_laws(state);
+}
+
+void ContactSolver::set_law(std::uint32_t number, const AngleControl& angle) {
+  if (number >= angles_.size()) refuse_unknown(number, angle);
+  LinkageState& state = states_[angles_[number].island];
+  const auto [first, count] = state.linkage->elastics_of_angle(angles_[number].number);
+  if (count == 0 && (angle.stiffness != 0 || angle.damping != 0))
+    refuse("angle ", number, ": had neither stiffness nor damping in the scene, and cannot get them later");
+  set_laws(angle, std::span(state.laws).subspan(first, count));
+  state.angle_rules[angles_[number].number] = {angle.lower, angle.upper, angle.friction};
+  wake_with_laws(state);
+}
+
+double ContactSolver::torsion_angle(std::uint32_t number) const {
+  if (number >= torsions_.size()) refuse_unknown(number, Torsion{});
+  const LinkageState& state = states_[torsions_[number].island];
+  return state.elastic_numbers[state.linkage->elastics_of_torsion(torsions_[number].number).first];
 }
 
 void ContactSolver::move_anchor(Slot slot, const AnchorMove& move) {

@@ -14,6 +14,11 @@
 
 namespace plumb::detail {
 
+/// Refuse a spring, torsion or angle that a world does not have.
+[[noreturn]] void refuse_unknown(std::uint32_t number, const Spring&);
+[[noreturn]] void refuse_unknown(std::uint32_t number, const Torsion&);
+[[noreturn]] void refuse_unknown(std::uint32_t number, const AngleControl&);
+
 /// Moves islands with bodies, joints or air, and every island with shapes while it may touch something.
 ///
 /// Islands that may touch each other within a step are a cluster, and a cluster is a piece. Clusters are
@@ -54,6 +59,11 @@ class ContactSolver final : public Solver {
       clusters_.fall_asleep(state.number);
     }
   }
+  /// See World::set_spring(), set_torsion() and set_angle().
+  void set_law(std::uint32_t number, const Spring& spring);
+  void set_law(std::uint32_t number, const Torsion& torsion);
+  void set_law(std::uint32_t number, const AngleControl& angle);
+  double torsion_angle(std::uint32_t number) const;
   /// Takes from the initial velocities what constraints forbid. Returns the largest change in m/s.
   double project_initial_velocities();
   /// Returns the slots of the scene's particles.
@@ -106,6 +116,11 @@ class ContactSolver final : public Solver {
     double best_substep = 0;
   };
 
+  /// Says where a spring, torsion or angle of the scene is: an island, and its number there.
+  struct Owner {
+    std::uint32_t island, number;
+  };
+  void wake_with_laws(LinkageState& state);
   LinkageState& state_of(Slot slot) { return states_[island_of_[slot]]; }
   const LinkageState& state_of(Slot slot) const { return states_[island_of_[slot]]; }
   std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
@@ -125,8 +140,9 @@ class ContactSolver final : public Solver {
   std::vector<Visitor> visitors_;       ///< by island's number
   std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
   std::vector<History> histories_;
-  std::vector<Slot> first_slot_;          ///< by island's number
-  std::vector<std::uint32_t> island_of_;  ///< the island of each slot
+  std::vector<Slot> first_slot_;                    ///< by island's number
+  std::vector<std::uint32_t> island_of_;            ///< the island of each slot
+  std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
   std::vector<Return> returned_;

@@ -11,6 +11,7 @@
 #include "scene/bends/twists.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
+#include "scene/springs/springs.hpp"
 #include "scene/validate_bodies.hpp"
 
 namespace plumb {
@@ -125,13 +126,15 @@ void validate(const Scene& scene) {
   detail::validate_bodies(scene);
   validate_lumped_masses(scene);
   detail::validate_joints(scene);
+  detail::validate_springs(scene);
   detail::validate_shapes(scene);
 }
 
 bool has_more_than_rods(const Scene& scene) {
   const bool plain = scene.bends.empty() && scene.twists.empty() && scene.bodies.empty() &&
                      scene.pins.empty() && scene.alignments.empty() && scene.angles.empty() &&
-                     scene.capsules.empty() && scene.planes.empty() && scene.boxes.empty();
+                     scene.springs.empty() && scene.torsions.empty() && scene.capsules.empty() &&
+                     scene.planes.empty() && scene.boxes.empty();
   const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
                                   [](const Particle& particle) { return particle.asleep; });
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "scene/barycentric.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
+#include "scene/springs/springs.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -45,30 +45,6 @@ void require_rods(const Scene& scene, std::size_t i, const std::vector<std::uint
     }
 }
 
-void validate_point(const Scene& scene, const Point& point, const std::string& name) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double weight = point.weights[k];
-    if (weight == 0) continue;
-    if (!std::isfinite(weight)) refuse(name, ": weight is not finite: ", weight);
-    if (point.particles[k] >= scene.particles.size()) {
-      refuse(name, ": particle ", point.particles[k], " does not exist (the scene has ",
-             scene.particles.size(), " particles)");
-    }
-    sum += weight;
-  }
-  if (!(std::abs(sum - 1) <= rounding)) refuse(name, ": weights must add up to 1, not ", sum);
-}
-
-bool moves(const Scene& scene, const Point& point) {
-  for (std::size_t k = 0; k < 4; ++k)
-    if (point.weights[k] != 0 && !scene.particles[point.particles[k]].fixed) return true;
-  return false;
-}
-bool moves(const Scene& scene, const Direction& d) {
-  return moves(scene, d.from) || moves(scene, d.to);
-}
-
 void validate_pin(const Scene& scene, std::size_t i) {
   const Pin& pin = scene.pins[i];
   const std::string name = "pin " + std::to_string(i);
@@ -77,13 +53,6 @@ void validate_pin(const Scene& scene, std::size_t i) {
   if (pin.a.particles == pin.b.particles && pin.a.weights == pin.b.weights)
     refuse(name, ": both points are the same");
   if (!moves(scene, pin.a) && !moves(scene, pin.b)) refuse(name, ": all its particles are fixed");
-}
-
-/// Checks a direction and returns its length, in m.
-double validate_direction(const Scene& scene, const Direction& direction, const std::string& name) {
-  validate_point(scene, direction.from, name + ".from");
-  validate_point(scene, direction.to, name + ".to");
-  return norm(position_of(scene, direction.to) - position_of(scene, direction.from));
 }
 
 void validate_alignment(const Scene& scene, std::size_t i) {
@@ -100,19 +69,7 @@ void validate_angle(const Scene& scene, std::size_t i) {
   const std::string name = "angle " + std::to_string(i);
   if (validate_direction(scene, angle.u, name + ", u") == 0) refuse(name, ", u: is of length zero");
   if (validate_direction(scene, angle.v, name + ", v") == 0) refuse(name, ", v: is of length zero");
-  if (!(angle.lower >= 0 && angle.upper <= std::numbers::pi && angle.lower < angle.upper)) {
-    refuse(name, ": limits must be within 0 and pi, the lower below the upper, got ", angle.lower, " and ",
-           angle.upper, " rad");
-  }
-  if (!(angle.target >= 0 && angle.target <= std::numbers::pi))
-    refuse(name, ": target must be within 0 and pi, got ", angle.target, " rad");
-  const auto require = [&](const char* what, double value, const char* unit) {
-    if (!is_amount(value))
-      refuse(name, ": ", what, " must be finite and not negative, got ", value, ' ', unit);
-  };
-  require("friction", angle.friction, "N m");
-  require("stiffness", angle.stiffness, "N m/rad");
-  require("damping", angle.damping, "N m s/rad");
+  require_sound(angle, i);
 }
 
 void validate_surface(const Surface& surface, const std::string& name) {
@@ -154,6 +111,36 @@ void validate_box(const Box& box, std::size_t i) {
 }
 
 }  // namespace
+
+void validate_point(const Scene& scene, const Point& point, const std::string& name) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double weight = point.weights[k];
+    if (weight == 0) continue;
+    if (!std::isfinite(weight)) refuse(name, ": weight is not finite: ", weight);
+    if (point.particles[k] >= scene.particles.size()) {
+      refuse(name, ": particle ", point.particles[k], " does not exist (the scene has ",
+             scene.particles.size(), " particles)");
+    }
+    sum += weight;
+  }
+  if (!(std::abs(sum - 1) <= rounding)) refuse(name, ": weights must add up to 1, not ", sum);
+}
+
+bool moves(const Scene& scene, const Point& point) {
+  for (std::size_t k = 0; k < 4; ++k)
+    if (point.weights[k] != 0 && !scene.particles[point.particles[k]].fixed) return true;
+  return false;
+}
+bool moves(const Scene& scene, const Direction& d) {
+  return moves(scene, d.from) || moves(scene, d.to);
+}
+
+double validate_direction(const Scene& scene, const Direction& direction, const std::string& name) {
+  validate_point(scene, direction.from, name + ".from");
+  validate_point(scene, direction.to, name + ".to");
+  return norm(position_of(scene, direction.to) - position_of(scene, direction.from));
+}
 
 std::array<Vec3, 4> positions_of(const Scene& scene, const std::array<std::uint32_t, 4>& particles) {
   std::array<Vec3, 4> positions;

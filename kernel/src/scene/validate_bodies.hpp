@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 
+#include <string>
+
 #include "plumb/scene.hpp"
 
 /// This file holds what validate() asks of bodies, joints, shapes and ground. Every function throws
@@ -23,5 +25,13 @@ void require_solid(std::size_t i, const MassProperties& properties);
 void validate_bodies(const Scene& scene);
 void validate_joints(const Scene& scene);
 void validate_shapes(const Scene& scene);
+
+/// These refuse a place or a direction that is not there. `name` is for messages.
+void validate_point(const Scene& scene, const Point& point, const std::string& name);
+/// Returns its length, in m.
+double validate_direction(const Scene& scene, const Direction& direction, const std::string& name);
+/// Returns whether some particle of it is movable.
+bool moves(const Scene& scene, const Point& point);
+bool moves(const Scene& scene, const Direction& direction);
 
 }  // namespace plumb::detail

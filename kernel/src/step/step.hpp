@@ -32,6 +32,18 @@ class Step {
   /// Throws InputError if no solver can change the length of this rod.
   void set_length(std::uint32_t rod, double target);
 
+  /// Changes a spring, a torsion or an angle. Throws InputError on an unknown one, and on a change that needs
+  /// another matrix.
+  template <class Item>
+  void set_law(std::uint32_t number, const Item& item) {
+    if (!compiled_.contact) refuse_unknown(number, item);
+    compiled_.contact->set_law(number, item);
+  }
+  double torsion_angle(std::uint32_t number) const {
+    if (!compiled_.contact) refuse_unknown(number, Torsion{});
+    return compiled_.contact->torsion_angle(number);
+  }
+
   /// Returns NaN where no solver knows the pull (N) of a rod in the last step.
   double pull(std::uint32_t rod) const;
   bool is_broken(std::uint32_t rod) const;

@@ -6,6 +6,7 @@
 #include "plumb/executor.hpp"
 #include "relax/plan.hpp"
 #include "scene/refuse.hpp"
+#include "scene/springs/springs.hpp"
 #include "step/step.hpp"
 
 namespace plumb {
@@ -127,6 +128,21 @@ void World::set_twist(std::uint32_t twist, double angle) {
 double World::twist(std::uint32_t twist) const {
   impl_->require_twist(twist);
   return impl_->step->twist(twist);
+}
+void World::set_spring(std::uint32_t number, const Spring& spring) {
+  detail::require_sound(spring, number);
+  impl_->step->set_law(number, spring);
+}
+void World::set_torsion(std::uint32_t number, const Torsion& torsion) {
+  detail::require_sound(torsion, number);
+  impl_->step->set_law(number, torsion);
+}
+void World::set_angle(std::uint32_t number, const AngleControl& angle) {
+  detail::require_sound(angle, number);
+  impl_->step->set_law(number, angle);
+}
+double World::torsion_angle(std::uint32_t number) const {
+  return impl_->step->torsion_angle(number);
 }
 
 double World::tension(std::uint32_t rod) const {

@@ -82,9 +82,10 @@ void read_twists(const Object& top, Scene& scene) {
 }
 
 Scene scene_of(const json& root) {
-  const Object top(root, "",
-                   {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "twists",
-                    "bodies", "pins", "alignments", "angles", "capsules", "planes", "boxes"});
+  const Object top(
+      root, "",
+      {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "twists", "bodies", "pins",
+       "alignments", "angles", "springs", "torsions", "capsules", "planes", "boxes"});
   require_version(top, "plumb", 1);
   Scene scene;
   scene.gravity = vector_or(top, "gravity", scene.gravity);

@@ -91,6 +91,28 @@ AngleControl angle(const json& value, const std::string& path) {
           .damping = number_or(item, "damping", usual.damping)};
 }
 
+Spring spring(const json& value, const std::string& path) {
+  const Object item(value, path, {"a", "b", "length", "stiffness", "damping", "force", "one_sided"});
+  return {.a = point(item, "a"),
+          .b = point(item, "b"),
+          .length = number_or(item, "length", 0),
+          .stiffness = number_or(item, "stiffness", 0),
+          .damping = number_or(item, "damping", 0),
+          .force = number_or(item, "force", 0),
+          .one_sided = truth_or(item, "one_sided", false)};
+}
+
+Torsion torsion(const json& value, const std::string& path) {
+  const Object item(value, path, {"axis", "u", "v", "angle", "stiffness", "damping", "torque"});
+  return {.axis = direction(item, "axis"),
+          .u = direction(item, "u"),
+          .v = direction(item, "v"),
+          .angle = number_or(item, "angle", 0),
+          .stiffness = number_or(item, "stiffness", 0),
+          .damping = number_or(item, "damping", 0),
+          .torque = number_or(item, "torque", 0)};
+}
+
 Capsule capsule(const json& value, const std::string& path) {
   const Object item(value, path, {"a", "b", "radius", "friction", "restitution"});
   return {.a = point(item, "a"),
@@ -175,6 +197,27 @@ Json to_json(const AngleControl& a) {
   return object;
 }
 
+/// Numbers that are 0 are left out.
+Json with_numbers(Json object, std::initializer_list<std::pair<const char*, double>> numbers) {
+  for (const auto& [key, number] : numbers)
+    if (number != 0) object[key] = number;
+  return object;
+}
+
+Json to_json(const Spring& s) {
+  Json object = with_numbers(
+      {{"a", to_json(s.a)}, {"b", to_json(s.b)}},
+      {{"length", s.length}, {"stiffness", s.stiffness}, {"damping", s.damping}, {"force", s.force}});
+  if (s.one_sided) object["one_sided"] = true;
+  return object;
+}
+
+Json to_json(const Torsion& t) {
+  return with_numbers(
+      {{"axis", to_json(t.axis)}, {"u", to_json(t.u)}, {"v", to_json(t.v)}},
+      {{"angle", t.angle}, {"stiffness", t.stiffness}, {"damping", t.damping}, {"torque", t.torque}});
+}
+
 Json with_surface(Json object, const Surface& s) {
   const Surface usual;
   if (s.friction != usual.friction) object["friction"] = s.friction;
@@ -213,6 +256,8 @@ void read_limbs(const Object& top, Scene& scene) {
   read_list(top, "pins", scene.pins, pin);
   read_list(top, "alignments", scene.alignments, alignment);
   read_list(top, "angles", scene.angles, angle);
+  read_list(top, "springs", scene.springs, spring);
+  read_list(top, "torsions", scene.torsions, torsion);
   read_list(top, "capsules", scene.capsules, capsule);
   read_list(top, "planes", scene.planes, plane);
   read_list(top, "boxes", scene.boxes, box);
@@ -223,6 +268,8 @@ void append_limbs(std::string& out, const Scene& scene) {
   append_some(out, "pins", scene.pins);
   append_some(out, "alignments", scene.alignments);
   append_some(out, "angles", scene.angles);
+  append_some(out, "springs", scene.springs);
+  append_some(out, "torsions", scene.torsions);
   append_some(out, "capsules", scene.capsules);
   append_some(out, "planes", scene.planes);
   append_some(out, "boxes", scene.boxes);

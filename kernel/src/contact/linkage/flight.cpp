@@ -60,11 +60,12 @@ void Flight::brake(const Linkage& linkage, const Stage& stage) {
 }
 
 /// Finds the accelerations of a stage by the factors there.
-void Flight::accelerate(const LinkageState& state, Stage& stage, double h) {
+void Flight::accelerate(const LinkageState& state, Stage& stage) {
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = numbers(unknowns_);
   linkage.bends(stage.v, right);
-  linkage.forces(stage.x, stage.v, state.force, h, force_);
+  linkage.forces(stage.x, stage.v, state.force, force_);
+  state.add_elastic_pulls(force_);
   if (linkage.drag() != 0 || linkage.joint_drag() != 0) brake(linkage, stage);
   linkage.put(force_, right);
   linkage.plan().solve(state.factors, unknowns_);
@@ -77,10 +78,11 @@ void Flight::take_forbidden(LinkageState& state) {
   const std::span<double> right = numbers(unknowns_);
   momentum_.resize(linkage.movable());
   linkage.momenta(state.v, momentum_);
-  linkage.anchor_rates(state.x, state.v, right);
+  linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
   linkage.put(momentum_, right);
   linkage.plan().solve(state.factors, unknowns_);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
+  if (linkage.is_redundant()) state.correct_velocities(state.v, unknowns_);
 }
 
 /// Brings positions onto the constraints by the factors of the last stage, and velocities by those there.
@@ -134,7 +136,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
     stage.v = state.v;
     stage.a.assign(count, Vec3{});
     ++report.newton;
-    if (good) accelerate(state, stage, h);
+    if (good) accelerate(state, stage);
   }
   if (good) {
     come(method.end, method.stages);
@@ -145,6 +147,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
   if (good) {
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)
       state.acceleration[k] = (1 / (h * h)) * (state.x[k] - before_x_[k] - h * before_v_[k]);
+    state.follow_elastics();
     return true;
   }
   state.x = before_x_;

@@ -11,7 +11,7 @@ namespace plumb::detail {
 
 /// Moves an island alone in the air by Runge-Kutta steps of order 4 or 6: accelerations that keep the second
 /// derivatives of constraints, one factorisation each, and at the end positions and velocities that keep the
-/// constraints themselves. Nothing pushes but gravity, forces, air and drag.
+/// constraints themselves. Nothing pushes but gravity, forces, air, drag and elastics that a step can follow.
 class Flight {
  public:
   /// Takes one step of `h` (s); the order is 4 or 6. Returns false if constraints are not kept; then nothing
@@ -26,7 +26,7 @@ class Flight {
   };
 
   void brake(const Linkage& linkage, const Stage& stage);
-  void accelerate(const LinkageState& state, Stage& stage, double h);
+  void accelerate(const LinkageState& state, Stage& stage);
   void take_forbidden(LinkageState& state);
   bool land(LinkageState& state, Tally& report);
 

@@ -1,29 +1,22 @@
 #include "contact/linkage/linkage.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 
 namespace plumb::detail {
 namespace {
 
-/// The matrix gets this share of a constraint's own pivot on its diagonal, which keeps redundant constraints
-/// solvable. Constraints stay exact all the same, since violations are corrected again.
+/// The matrix gets this share of a constraint's own pivot on its diagonal. Constraints stay exact all the
+/// same, since violations are corrected again.
 constexpr double tiny = 1e-11;
-
-Combination combination(const Point& point) {
-  Combination out;
-  for (std::size_t i = 0; i < 4; ++i)
-    if (point.weights[i] != 0) out.add(point.particles[i], point.weights[i]);
-  return out;
-}
-
-Combination difference(const Point& to, const Point& from) {
-  Combination out = combination(to);
-  for (std::size_t i = 0; i < 4; ++i)
-    if (from.weights[i] != 0) out.add(from.particles[i], -from.weights[i]);
-  return out;
-}
+/// Redundant constraints get this share instead, and velocities are corrected again, too. What forbids a
+/// motion twice has a pivot of this size alone, whose rounding is lost in smaller ones.
+constexpr double tiny_if_redundant = 1e-8;
+/// A pivot that is smaller by this factor than its constraint's own is that of a redundant one. Masses that
+/// differ by 1e6 make 1e6 of it.
+constexpr double redundant = 1e8;
 
 std::vector<Vec3> positions_of(const Scene& scene) {
   std::vector<Vec3> out;
@@ -42,6 +35,20 @@ void Combination::add(std::uint32_t particle, double weight) {
   terms[count++] = {particle, weight};
 }
 
+Combination combination(const Point& point) {
+  Combination out;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (point.weights[i] != 0) out.add(point.particles[i], point.weights[i]);
+  return out;
+}
+
+Combination difference(const Point& to, const Point& from) {
+  Combination out = combination(to);
+  for (std::size_t i = 0; i < 4; ++i)
+    if (from.weights[i] != 0) out.add(from.particles[i], -from.weights[i]);
+  return out;
+}
+
 Linkage::Linkage(const Scene& part, Isa isa)
     : particles_(static_cast<std::uint32_t>(part.particles.size())),
       movable_(static_cast<std::uint32_t>(std::count_if(part.particles.begin(), part.particles.end(),
@@ -56,11 +63,14 @@ Linkage::Linkage(const Scene& part, Isa isa)
   add_joints(part, x, row);
   constraints_ = row - 3 * movable_;
   add_angles(part, x);
+  add_elastics(part);
   add_shapes(part, x);
-  has_air_ = !airs_.empty() || !dampers_.empty() || drag_ != 0 || joint_drag_ != 0;
+  has_air_ = !airs_.empty() || drag_ != 0 || joint_drag_ != 0;
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
-  plan(part, isa);
+  plan(isa);
+  hold_constraints(x);
+  find_gives(x);
 }
 
 void Linkage::add_rods(const Scene& part, std::uint32_t& row) {
@@ -68,7 +78,11 @@ void Linkage::add_rods(const Scene& part, std::uint32_t& row) {
     const Rod& rod = part.rods[i];
     const double length = rod_length(part, i);
     size_ = std::max(size_, length);
-    rods_.push_back({rod.a, rod.b, 1 / (length * length), row++, {}});
+    const double over2 = 1 / (length * length);
+    if (rod.law.is_rigid())
+      rods_.push_back({rod.a, rod.b, over2, row++, {}});
+    else
+      giving_rods_.push_back({rod.a, rod.b, over2, none, {}});
     if (rod.linear_drag != 0 || rod.orthogonal_drag != 0)
       airs_.push_back({rod.a, rod.b, rod_mass(part, i, MassModel::consistent), rod.linear_drag,
                        rod.orthogonal_drag, 1 / length});
@@ -97,20 +111,8 @@ void Linkage::add_joints(const Scene& part, std::span<const Vec3> x, std::uint32
 void Linkage::add_angles(const Scene& part, std::span<const Vec3> x) {
   for (const AngleControl& angle : part.angles) {
     const Combination u = difference(angle.u.to, angle.u.from), v = difference(angle.v.to, angle.v.from);
-    const Angle own{u,
-                    v,
-                    1 / norm(u.of(x)),
-                    1 / norm(v.of(x)),
-                    angle.lower,
-                    angle.upper,
-                    angle.friction,
-                    angle.target,
-                    angle.stiffness,
-                    angle.damping};
-    const bool limited = angle.lower > 0 || angle.upper < std::numbers::pi;
-    if (limited || angle.friction > 0 || angle.stiffness > 0) angles_.push_back(own);
-    if (angle.damping > 0 && angle.stiffness == 0) dampers_.push_back(own);
-    has_drives_ = has_drives_ || angle.stiffness != 0;
+    angles_.push_back({u, v, 1 / norm(u.of(x)), 1 / norm(v.of(x))});
+    angle_rules_.push_back({angle.lower, angle.upper, angle.friction});
   }
 }
 
@@ -164,7 +166,16 @@ void Linkage::weigh(const Scene& part) {
   for (const double weight : weights_) mass_ += weight;
 }
 
-void Linkage::plan(const Scene& part, Isa isa) {
+/// Ground holds a shape at any place between its ends.
+void Linkage::couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const {
+  for (const Shape& shape : shapes_) {
+    const std::vector<std::uint32_t> movable = movable_of(std::array{shape.a, shape.b});
+    for (std::size_t i = 0; i < movable.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) pairs.emplace_back(3 * movable[i], 3 * movable[j]);
+  }
+}
+
+void Linkage::plan(Isa isa) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   const auto couple = [&](std::uint32_t particle, std::uint32_t row) {
     if (particle >= movable_) return;
@@ -177,21 +188,18 @@ void Linkage::plan(const Scene& part, Isa isa) {
     couple(rod.b, rod.row);
   }
   for (DotRow& each : dots_) {
-    for (const Combination* sum : {&each.u, &each.v})
-      for (std::uint32_t i = 0; i < sum->count; ++i) {
-        const std::uint32_t particle = sum->terms[i].particle;
-        if (particle < movable_ &&
-            std::find(each.touched.begin(), each.touched.end(), particle) == each.touched.end())
-          each.touched.push_back(particle);
-      }
+    each.touched = movable_of(std::array{each.u, each.v});
     for (const std::uint32_t particle : each.touched) couple(particle, each.row);
   }
+  for (const Elastic& each : elastics_)
+    for (const std::uint32_t particle : each.touched) couple(particle, each.row);
   for (const PinRow& pin : pins_)
     for (std::uint32_t i = 0; i < pin.sum.count; ++i)
       for (std::uint32_t axis = 0; axis < 3; ++axis)
         if (pin.sum.terms[i].particle < movable_)
           pairs.emplace_back(3 * pin.sum.terms[i].particle + axis, pin.rows[axis]);
-  plan_ = KktPlan(movable_, constraints_, pairs, isa);
+  couple_shapes(pairs);
+  plan_ = KktPlan(movable_, constraints_ + static_cast<std::uint32_t>(elastics_.size()), pairs, isa);
   for (std::uint32_t i = 0; i < movable_; ++i) slots_.push_back(plan_.position(3 * i));
 
   template_ = plan_.empty_matrix();
@@ -202,24 +210,43 @@ void Linkage::plan(const Scene& part, Isa isa) {
   for (const Coupling& c : couplings_)
     for (std::uint32_t axis = 0; axis < 3; ++axis)
       fixed[plan_.place(3 * c.a + axis, 3 * c.b + axis)] = c.mass;
+  for (const Elastic& each : elastics_) fixed[plan_.place(each.row, each.row)] = -1;
   place_constraints();
+}
 
+void Linkage::hold_constraints(std::span<const Vec3> x) {
   // What J M⁻¹ Jᵀ has on its diagonal, but for masses between particles.
+  std::vector<double> pivots(constraints_, 1 / mass_);
   std::vector<simd::Block> matrix(plan_.blocks());
-  const std::vector<Vec3> x = positions_of(part);
   assemble(x, matrix);
   const std::span<const double> values = numbers(matrix);
-  const auto hold = [&](std::uint32_t row, std::span<const std::uint32_t> places,
-                        std::span<const std::uint32_t> particles) {
+  const auto add = [&](std::uint32_t row, std::span<const std::uint32_t> places,
+                       std::span<const std::uint32_t> particles) {
     double sum = 0;
     for (std::size_t i = 0; i < places.size(); ++i)
       if (places[i] != none) sum += values[places[i]] * values[places[i]] / masses_[particles[i / 3]];
-    fixed[plan_.place(row, row)] = -tiny * std::max(sum, 1e-6 / (mass_ * size_ * size_));
+    pivots[row - 3 * movable_] = std::max(sum, 1e-6 / (mass_ * size_ * size_));
   };
-  for (const RodRow& rod : rods_) hold(rod.row, rod.places, std::array{rod.a, rod.b});
-  for (const DotRow& each : dots_) hold(each.row, each.places, each.touched);
-  for (const PinRow& pin : pins_)
-    for (const std::uint32_t row : pin.rows) fixed[plan_.place(row, row)] = -tiny / mass_;
+  for (const RodRow& rod : rods_) add(rod.row, rod.places, std::array{rod.a, rod.b});
+  for (const DotRow& each : dots_) add(each.row, each.places, each.touched);
+
+  const std::span<double> fixed = numbers(template_);
+  for (const double share : {tiny, tiny_if_redundant}) {
+    for (std::uint32_t c = 0; c < constraints_; ++c) {
+      const std::uint32_t row = 3 * movable_ + c;
+      fixed[plan_.place(row, row)] = -share * pivots[c];
+    }
+    if (share != tiny) break;
+    assemble(x, matrix);
+    plan_.factor(matrix);
+    for (std::uint32_t c = 0; c < constraints_; ++c) {
+      // The factors keep inverse pivots in the last column of a block.
+      const std::uint32_t at = plan_.position(3 * movable_ + c);
+      const double inverse = matrix[at / 4].of[12 + at % 4];
+      is_redundant_ = is_redundant_ || !(std::abs(inverse) * pivots[c] < redundant);
+    }
+    if (!is_redundant_) break;
+  }
 }
 
 void Linkage::place_constraints() {
@@ -230,6 +257,10 @@ void Linkage::place_constraints() {
         rod.places[3 * end + axis] = particle < movable_ ? plan_.place(3 * particle + axis, rod.row) : none;
       }
   for (DotRow& each : dots_)
+    for (const std::uint32_t particle : each.touched)
+      for (std::uint32_t axis = 0; axis < 3; ++axis)
+        each.places.push_back(plan_.place(3 * particle + axis, each.row));
+  for (Elastic& each : elastics_)
     for (const std::uint32_t particle : each.touched)
       for (std::uint32_t axis = 0; axis < 3; ++axis)
         each.places.push_back(plan_.place(3 * particle + axis, each.row));

@@ -5,28 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "contact/elastics/elastic.hpp"
 #include "linear/sparse_kkt.hpp"
 #include "math/elementary.hpp"
 #include "plumb/scene.hpp"
+#include "reference/multipliers/small_matrices.hpp"
 
 namespace plumb::detail {
-
-/// This is a weighted sum of particles, which have their island's numbers.
-struct Combination {
-  struct Term {
-    std::uint32_t particle = 0;
-    double weight = 0;
-  };
-  std::array<Term, 8> terms{};
-  std::uint32_t count = 0;
-
-  void add(std::uint32_t particle, double weight);
-  Vec3 of(std::span<const Vec3> values) const {
-    Vec3 sum{};
-    for (std::uint32_t i = 0; i < count; ++i) sum += terms[i].weight * values[terms[i].particle];
-    return sum;
-  }
-};
 
 /// What all islands of one make have in common: bodies and rods that are held together, their masses, shapes
 /// and joints, and the plan of the factors of
@@ -50,7 +35,10 @@ class Linkage {
   struct Angle {
     Combination u, v;
     double over_u, over_v;  ///< 1/m, the directions' lengths
-    double lower, upper, friction, target, stiffness, damping;
+  };
+  /// What else acts on an angle changes while a world runs.
+  struct AngleRule {
+    double lower, upper, friction;
   };
   /// Says how an angle changes with the particles of its two directions: rate = along_u·u' + along_v·v'.
   struct AngleSlope {
@@ -64,15 +52,47 @@ class Linkage {
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }
-  std::uint32_t rods() const { return static_cast<std::uint32_t>(rods_.size()); }
+  std::uint32_t rods() const { return static_cast<std::uint32_t>(rods_.size() + giving_rods_.size()); }
   std::uint32_t constraints() const { return constraints_; }
+  /// Numbers of particles from `first` up to `end`: all, the movable and the fixed ones.
+  struct Range {
+    std::uint32_t first, end;
+  };
+  Range all() const { return {0, particles_}; }
+  Range movable_ones() const { return {0, movable_}; }
+  Range fixed_ones() const { return {movable_, particles_}; }
   const KktPlan& plan() const { return plan_; }
   std::span<const Shape> shapes() const { return shapes_; }
   std::span<const Ball> balls() const { return balls_; }
   std::span<const Angle> angles() const { return angles_; }
+  /// Returns what acts on them as the scene says.
+  std::span<const AngleRule> angle_rules() const { return angle_rules_; }
+  /// Elastics are of rods that give, angles with drives or dampers, springs and torsions, in this order.
+  std::span<const Elastic> elastics() const { return elastics_; }
+  /// Returns how they pull as the scene says.
+  std::span<const ElasticLaw> elastic_laws() const { return elastic_laws_; }
+  /// Says which elastics a spring, a torsion or an angle is, by its number in the part. An angle may be none.
+  struct ElasticRange {
+    std::uint32_t first = 0, count = 0;
+  };
+  ElasticRange elastics_of_angle(std::uint32_t i) const { return of_angles_[i]; }
+  ElasticRange elastics_of_spring(std::uint32_t i) const { return of_springs_[i]; }
+  ElasticRange elastics_of_torsion(std::uint32_t i) const { return of_torsions_[i]; }
+  /// Returns the number of an elastic, in m or rad. Of all turns it is the one nearest to `near`.
+  double number(const Elastic& elastic, std::span<const Vec3> x, double near) const;
+  /// Returns how that changes with the elastic's sums; nothing where it has no derivative.
+  ElasticSlope slope(const Elastic& elastic, std::span<const Vec3> x) const;
+  /// Pushes movable particles by `by` (N) along an elastic's gradient.
+  void push_along(const Elastic& elastic, const ElasticSlope& slope, double by, std::span<Vec3> out) const;
+  /// Returns how fast those particles at `v` (m/s) change an elastic's number.
+  static double rate(const Elastic& elastic, const ElasticSlope& slope, std::span<const Vec3> v, Range of);
+  /// Writes an elastic's gradient and its `soft` (1/kg) into a matrix, where it is decoupled else.
+  void couple(const Elastic& elastic, const ElasticSlope& slope, double soft,
+              std::span<simd::Block> matrix) const;
   bool is_grounded() const { return movable_ < particles_; }
-  bool has_drives() const { return has_drives_; }
-  /// Returns whether anything but contact takes energy: air, drag, joint drag or dampers.
+  /// Returns whether constraints forbid some motion more than once.
+  bool is_redundant() const { return is_redundant_; }
+  /// Returns whether anything but contact takes energy: air, drag or joint drag.
   bool has_air() const { return has_air_; }
   double size() const { return size_; }  ///< largest rod or shape in m, to which errors are relative
   double mass() const { return mass_; }  ///< mass of the movable particles, kg
@@ -91,6 +111,15 @@ class Linkage {
     return {at[0], at[1], at[2]};
   }
 
+  /// Adds a vector to the particles of a place, each by its weight.
+  void add(const Combination& at, Vec3 vector, std::span<double> solved) const;
+  /// Returns the part of a place's motion that is that of fixed particles.
+  Vec3 of_fixed(const Combination& at, std::span<const Vec3> motion) const;
+  /// Returns the mass of a place's heaviest movable particle, kg.
+  double heaviest(const Combination& at) const;
+
+  /// Adds what holds a place to M: the products of its particles' weights, each times `by`.
+  void stiffen(const Combination& at, const Sym3& by, std::span<simd::Block> matrix) const;
   /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
   /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.
@@ -99,17 +128,16 @@ class Linkage {
   /// order.
   void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
                std::span<double> right) const;
-  /// Writes -J v of the fixed particles into the places of `right`: what constraints must do about anchors
-  /// that move.
-  void anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const;
+  /// Writes -J v of some particles into the places of `right`. That of the fixed ones is what constraints
+  /// must do about anchors that move. Elastics get 0.
+  void rates(std::span<const Vec3> x, std::span<const Vec3> v, Range of, std::span<double> right) const;
   /// How constraints bend away from a motion that goes straight on: minus their second derivatives, into
   /// their places of `right`.
   void bends(std::span<const Vec3> v, std::span<double> right) const;
   /// out = M v, of movable particles.
   void momenta(std::span<const Vec3> v, std::span<Vec3> out) const;
-  /// Computes gravity, constant forces, air and dampers at `x` and `v`, in N. Dampers are no stronger than a
-  /// substep of h (s) bears.
-  void forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant, double h,
+  /// Computes gravity, constant forces and air at `x` and `v`, in N.
+  void forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant,
               std::span<Vec3> out) const;
   double kinetic(std::span<const Vec3> v) const;  ///< J, of movable particles
   double potential(std::span<const Vec3> x, std::span<const Vec3> constant) const;
@@ -153,6 +181,12 @@ class Linkage {
   };
   static constexpr std::uint32_t none = 0xffffffff;
 
+  /// Lists the movable particles of some sums, each once.
+  std::vector<std::uint32_t> movable_of(std::span<const Combination> sums) const;
+  /// Adds a gradient along one of the sums to the places of the particles in `touched`.
+  static void add_gradient(const Combination& sum, Vec3 along, std::span<const std::uint32_t> touched,
+                           std::span<const std::uint32_t> places, std::span<double> values);
+
   struct Whole;
   Whole whole(std::span<const Vec3> x, std::span<const Vec3> v) const;
 
@@ -162,13 +196,20 @@ class Linkage {
   void add_angles(const Scene& part, std::span<const Vec3> x);
   void add_shapes(const Scene& part, std::span<const Vec3> x);
   void weigh(const Scene& part);
-  void plan(const Scene& part, Isa isa);
+  /// Elastics take their rows after all constraints.
+  void add_elastics(const Scene& part);
+  void add_elastic(Elastic elastic, const ElasticLaw& law);
+  void couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+  void plan(Isa isa);
   void place_constraints();
+  void hold_constraints(std::span<const Vec3> x);
+  /// Finds how far a pull of one moves each elastic at `x`.
+  void find_gives(std::span<const Vec3> x);
 
   std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;
   KktPlan plan_;
   std::vector<std::uint32_t> slots_;
-  std::vector<simd::Block> template_;  ///< M and the tiny diagonal; J is zero
+  std::vector<simd::Block> template_;  ///< M and the tiny diagonal; J is zero, and elastics have -1
   std::vector<RodRow> rods_;
   std::vector<DotRow> dots_;
   std::vector<PinRow> pins_;
@@ -178,11 +219,15 @@ class Linkage {
   std::vector<Air> airs_;
   std::vector<Shape> shapes_;
   std::vector<Ball> balls_;
-  std::vector<Angle> angles_;   ///< with limits, friction or a drive
-  std::vector<Angle> dampers_;  ///< angles with damping alone
+  std::vector<Angle> angles_;
+  std::vector<AngleRule> angle_rules_;
+  std::vector<Elastic> elastics_;
+  std::vector<ElasticLaw> elastic_laws_;
+  std::vector<ElasticRange> of_angles_, of_springs_, of_torsions_;
+  std::vector<RodRow> giving_rods_;
   Vec3 gravity_{};
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
-  bool has_drives_ = false, has_air_ = false;
+  bool has_air_ = false, is_redundant_ = false;
 };
 
 }  // namespace plumb::detail

@@ -36,22 +36,23 @@ void Linkage::assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix
   }
   for (const DotRow& each : dots_) {
     const Vec3 u = each.over * each.u.of(x), v = each.over * each.v.of(x);
-    const auto add = [&](const Combination& sum, Vec3 direction) {
-      for (std::uint32_t i = 0; i < sum.count; ++i) {
-        const auto at = std::find(each.touched.begin(), each.touched.end(), sum.terms[i].particle);
-        if (at != each.touched.end())
-          add_to(values, &each.places[3 * static_cast<std::size_t>(at - each.touched.begin())],
-                 sum.terms[i].weight * direction);
-      }
-    };
-    add(each.u, v);
-    add(each.v, u);
+    add_gradient(each.u, v, each.touched, each.places, values);
+    add_gradient(each.v, u, each.touched, each.places, values);
   }
   for (const PinRow& pin : pins_)
     for (std::uint32_t i = 0; i < pin.sum.count; ++i) {
       const double w = pin.sum.terms[i].weight;
       if (pin.places[3 * i] != none) write(values, &pin.places[3 * i], {w, w, w});
     }
+}
+
+void Linkage::add_gradient(const Combination& sum, Vec3 along, std::span<const std::uint32_t> touched,
+                           std::span<const std::uint32_t> places, std::span<double> values) {
+  for (std::uint32_t i = 0; i < sum.count; ++i) {
+    const auto at = std::find(touched.begin(), touched.end(), sum.terms[i].particle);
+    if (at == touched.end()) continue;
+    add_to(values, &places[3 * static_cast<std::size_t>(at - touched.begin())], sum.terms[i].weight * along);
+  }
 }
 
 void Linkage::put(std::span<const Vec3> vectors, std::span<double> solved) const {
@@ -61,6 +62,47 @@ void Linkage::put(std::span<const Vec3> vectors, std::span<double> solved) const
     at[1] = vectors[i].y;
     at[2] = vectors[i].z;
   }
+}
+
+void Linkage::add(const Combination& at, Vec3 vector, std::span<double> solved) const {
+  for (std::uint32_t i = 0; i < at.count; ++i) {
+    const auto [particle, weight] = at.terms[i];
+    if (particle >= movable_) continue;
+    double* const to = &solved[slots_[particle]];
+    to[0] += weight * vector.x;
+    to[1] += weight * vector.y;
+    to[2] += weight * vector.z;
+  }
+}
+
+Vec3 Linkage::of_fixed(const Combination& at, std::span<const Vec3> motion) const {
+  Vec3 out{};
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    if (at.terms[i].particle >= movable_) out += at.terms[i].weight * motion[at.terms[i].particle];
+  return out;
+}
+
+double Linkage::heaviest(const Combination& at) const {
+  double out = 0;
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    if (at.terms[i].particle < movable_) out = std::max(out, masses_[at.terms[i].particle]);
+  return out;
+}
+
+void Linkage::stiffen(const Combination& at, const Sym3& by, std::span<simd::Block> matrix) const {
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    for (std::uint32_t j = 0; j <= i; ++j) {
+      const auto [a, weight_a] = at.terms[i];
+      const auto [b, weight_b] = at.terms[j];
+      if (a >= movable_ || b >= movable_) continue;
+      // Three unknowns of one particle are neighbours in their block.
+      const std::uint32_t place = plan_.place(3 * a, 3 * b);
+      double* const to = matrix[place / 16].of + place % 16;
+      const double weight = weight_a * weight_b;
+      const double rows[3][3] = {{by.xx, by.xy, by.xz}, {by.xy, by.yy, by.yz}, {by.xz, by.yz, by.zz}};
+      for (std::uint32_t k = 0; k < 3; ++k)
+        for (std::uint32_t l = 0; l < 3; ++l) to[4 * k + l] += weight * rows[k][l];
+    }
 }
 
 double Linkage::violations(std::span<const Vec3> x, std::span<double> right) const {
@@ -106,12 +148,16 @@ void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::spa
   }
 }
 
-void Linkage::anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std::span<double> right) const {
-  if (!is_grounded()) {  // nothing is given
+void Linkage::rates(std::span<const Vec3> x, std::span<const Vec3> v, Range of,
+                    std::span<double> right) const {
+  for (const Elastic& each : elastics_) right[plan_.position(each.row)] = 0;
+  if (of.first == of.end) {  // nothing is given
     for (std::uint32_t c = 0; c < constraints_; ++c) right[plan_.position(3 * movable_ + c)] = 0;
     return;
   }
-  const auto given = [&](std::uint32_t particle) { return particle < movable_ ? Vec3{} : v[particle]; };
+  const auto given = [&](std::uint32_t particle) {
+    return particle >= of.first && particle < of.end ? v[particle] : Vec3{};
+  };
   const auto sum_given = [&](const Combination& sum) {
     Vec3 out{};
     for (std::uint32_t i = 0; i < sum.count; ++i) out += sum.terms[i].weight * given(sum.terms[i].particle);
@@ -131,6 +177,7 @@ void Linkage::anchor_rates(std::span<const Vec3> x, std::span<const Vec3> v, std
 }
 
 void Linkage::bends(std::span<const Vec3> v, std::span<double> right) const {
+  for (const Elastic& each : elastics_) right[plan_.position(each.row)] = 0;
   for (const RodRow& rod : rods_) {
     const Vec3 d = v[rod.b] - v[rod.a];
     right[plan_.position(rod.row)] = -rod.over2 * dot(d, d);
@@ -158,7 +205,7 @@ Linkage::AngleSlope Linkage::slope(const Angle& angle, std::span<const Vec3> x) 
 }
 
 void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> constant,
-                     double h, std::span<Vec3> out) const {
+                     std::span<Vec3> out) const {
   for (std::uint32_t i = 0; i < movable_; ++i) out[i] = weights_[i] * gravity_ + constant[i];
   for (const Air& air : airs_) {
     const Vec3 axis = air.over * (x[air.b] - x[air.a]);
@@ -170,23 +217,6 @@ void Linkage::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span
     };
     pull(air.mass.aa, air.mass.ab, air.a, air.b);
     pull(air.mass.bb, air.mass.ab, air.b, air.a);
-  }
-  for (const Angle& damper : dampers_) {
-    const AngleSlope slope = Linkage::slope(damper, x);
-    const auto for_terms = [&](auto&& f) {
-      for (std::uint32_t i = 0; i < damper.u.count; ++i) f(damper.u.terms[i], slope.along_u);
-      for (std::uint32_t i = 0; i < damper.v.count; ++i) f(damper.v.terms[i], slope.along_v);
-    };
-    double rate = 0, loose = 0;  // rad/s; 1/(kg m²), of particles that nothing holds
-    for_terms([&](const Combination::Term& term, Vec3 along) {
-      rate += term.weight * dot(along, v[term.particle]);
-      if (term.particle < movable_)
-        loose += term.weight * term.weight * dot(along, along) / masses_[term.particle];
-    });
-    const double torque = std::min(damper.damping, 0.5 / (h * loose)) * rate;
-    for_terms([&](const Combination::Term& term, Vec3 along) {
-      if (term.particle < movable_) out[term.particle] -= torque * term.weight * along;
-    });
   }
 }
 
@@ -205,10 +235,11 @@ double Linkage::potential(std::span<const Vec3> x, std::span<const Vec3> constan
 
 double Linkage::turning(std::span<const Vec3> v) const {
   double square = 0;
-  for (const RodRow& rod : rods_) {
-    const Vec3 d = v[rod.b] - v[rod.a];
-    square = std::max(square, rod.over2 * dot(d, d));
-  }
+  for (const std::vector<RodRow>* rods : {&rods_, &giving_rods_})
+    for (const RodRow& rod : *rods) {
+      const Vec3 d = v[rod.b] - v[rod.a];
+      square = std::max(square, rod.over2 * dot(d, d));
+    }
   return std::sqrt(square);
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "contact/linkage/linkage.hpp"
@@ -34,39 +34,60 @@ struct LinkageMotion {
   std::vector<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
-  double slow_time = 0;            ///< time for which it has been slow, s
-  std::optional<double> energy{};  ///< energy that free flight keeps, J
+  bool on_ground = false;               ///< its matrix held contacts with ground in the last substep
+  double slow_time = 0;                 ///< time for which it has been slow, s
+  std::optional<double> energy{};       ///< energy that free flight keeps, J
+  std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
 };
 
 /// Holds one island of a linkage's kind, wherever it is.
 struct LinkageState : LinkageMotion {
   /// Starts where the part of a scene does that the kind is made of, or one like it. It sleeps if all movable
   /// particles do.
-  LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part)
-      : linkage(&kind), force(kind.movable()), number(island) {
-    acceleration.resize(kind.movable());
-    asleep = std::all_of(part.particles.begin(), part.particles.end(),
-                         [](const Particle& each) { return each.fixed || each.asleep; });
-    for (const Particle& particle : part.particles) {
-      x.push_back(particle.position);
-      v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
-    }
-  }
+  LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part);
 
   const Linkage* linkage;
   std::vector<std::uint32_t> particles;  ///< the scene's numbers
   std::vector<Vec3> force;               ///< N, constant, on movable particles
-  std::vector<simd::Block> factors;      ///< of the matrix at x
-  std::uint32_t number;                  ///< the island's number
+  std::vector<ElasticLaw> laws;          ///< of elastics
+  std::vector<Linkage::AngleRule> angle_rules;
+  std::vector<simd::Block> factors;  ///< of the matrix at x
+  std::uint32_t number;              ///< the island's number
   bool factored = false;
 
   LinkageMotion& motion() { return *this; }
 
-  /// Factorises the matrix at x. Returns false if it has no factors.
+  /// Factorises the matrix at x, without elastics. Returns false if it has no factors.
   bool factor() {
+    assemble();
+    return factored = linkage->plan().factor(factors);
+  }
+  /// Factorises it with elastics: soft(i) is 1/kg or 1/(kg m²), or less than 0 for one that takes no part.
+  template <class Soft>
+  bool factor_with_elastics(Soft&& soft) {
+    assemble();
+    const std::span<const Elastic> elastics = linkage->elastics();
+    for (std::size_t i = 0; i < elastics.size(); ++i)
+      if (const double own = soft(i); own >= 0)
+        linkage->couple(elastics[i], linkage->slope(elastics[i], x), own, factors);
+    factored = false;
+    return linkage->plan().factor(factors);
+  }
+  /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`.
+  void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns) const;
+  /// Finds the elastics' numbers at x.
+  void follow_elastics();
+  /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
+  void add_motors(std::span<Vec3> forces) const;
+  /// Adds all that elastics pull with, at x and v.
+  void add_elastic_pulls(std::span<Vec3> forces) const;
+  /// Returns whether a step of h (s) that is not implicit can follow all elastics.
+  bool can_follow_elastics(double h) const;
+
+ private:
+  void assemble() {
     factors.resize(linkage->plan().blocks());
     linkage->assemble(x, factors);
-    return factored = linkage->plan().factor(factors);
   }
 };
 

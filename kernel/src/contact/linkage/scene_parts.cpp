@@ -20,6 +20,9 @@ struct Bonds {
     for (const Pin& pin : scene.pins) bond(pin.a, pin.b);
     for (const Alignment& each : scene.alignments) bond(each.u.from, each.u.to, each.v.from, each.v.to);
     for (const AngleControl& each : scene.angles) bond(each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const Spring& each : scene.springs) bond(each.a, each.b);
+    for (const Torsion& each : scene.torsions)
+      bond(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to);
     for (const Capsule& capsule : scene.capsules) bond(capsule.a, capsule.b);
   }
 
@@ -62,7 +65,7 @@ class Likeness {
     for (std::size_t i = 0; i < part.rods.size(); ++i) {
       const Rod& rod = part.rods[i];
       add(rod.a, rod.b, rod_length(part, i), rod.mass, rod.center, rod.inertia.value_or(-1), rod.linear_drag,
-          rod.orthogonal_drag);
+          rod.orthogonal_drag, rod.law.stiffness, rod.law.damping, rod.law.one_sided);
     }
     add(part.bodies.size());
     for (std::size_t i = 0; i < part.bodies.size(); ++i) {
@@ -81,6 +84,13 @@ class Likeness {
     for (const AngleControl& each : part.angles)
       add(each.u.from, each.u.to, each.v.from, each.v.to, norm(span(part, each.u)), norm(span(part, each.v)),
           each.lower, each.upper, each.friction, each.target, each.stiffness, each.damping);
+    add(part.springs.size());
+    for (const Spring& each : part.springs)
+      add(each.a, each.b, each.length, each.stiffness, each.damping, each.force, each.one_sided);
+    add(part.torsions.size());
+    for (const Torsion& each : part.torsions)
+      add(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to, each.angle,
+          each.stiffness, each.damping, each.torque);
     add(part.capsules.size());
     for (const Capsule& each : part.capsules)
       add(each.a, each.b, each.radius, each.surface.friction, each.surface.restitution);
@@ -115,13 +125,16 @@ class Likeness {
 
 bool is_plain(const Scene& part) {
   const bool has_joints = !part.bodies.empty() || !part.pins.empty() || !part.alignments.empty() ||
-                          !part.angles.empty() || part.joint_drag != 0;
+                          !part.angles.empty() || !part.springs.empty() || !part.torsions.empty() ||
+                          part.joint_drag != 0;
   const bool has_air = std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) {
     return rod.linear_drag != 0 || rod.orthogonal_drag != 0;
   });
   const bool has_sleepers = std::any_of(part.particles.begin(), part.particles.end(),
                                         [](const Particle& each) { return each.asleep && !each.fixed; });
-  if (has_joints || has_air || has_sleepers) return false;
+  const bool gives =
+      std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) { return !rod.law.is_rigid(); });
+  if (has_joints || has_air || has_sleepers || (gives && !part.capsules.empty())) return false;
   const auto is_inside = [](const Point& point) {
     return std::all_of(point.weights.begin(), point.weights.end(),
                        [](double weight) { return weight >= 0 && weight <= 1; });
@@ -161,6 +174,13 @@ SceneParts::SceneParts(const Scene& scene) : scene_(scene) {
   hand_out();
 }
 
+template <class Item>
+void SceneParts::hand(const Item& item, std::uint32_t island, std::vector<Item>& to,
+                      std::vector<Share>& shares) {
+  shares.push_back({island, static_cast<std::uint32_t>(to.size())});
+  to.push_back(item);
+}
+
 void SceneParts::hand_out() {
   local_.assign(scene_.particles.size(), 0);
   for (std::uint32_t i = 0; i < count(); ++i)
@@ -180,6 +200,16 @@ void SceneParts::hand_out() {
     for (std::uint32_t& particle : body.particles) particle = local(island, particle);
     parts_[island].bodies.push_back(body);
   }
+  hand_out_joints();
+  for (Capsule each : scene_.capsules) {
+    const std::uint32_t island = island_of(each.a, each.b);
+    each.a = local(island, each.a);
+    each.b = local(island, each.b);
+    parts_[island].capsules.push_back(each);
+  }
+}
+
+void SceneParts::hand_out_joints() {
   for (const Pin& each : scene_.pins) {
     const std::uint32_t island = island_of(each.a, each.b);
     parts_[island].pins.push_back({local(island, each.a), local(island, each.b)});
@@ -192,13 +222,21 @@ void SceneParts::hand_out() {
     const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);
     each.u = local(island, each.u);
     each.v = local(island, each.v);
-    parts_[island].angles.push_back(each);
+    hand(each, island, parts_[island].angles, angles_);
   }
-  for (Capsule each : scene_.capsules) {
+  for (Spring each : scene_.springs) {
     const std::uint32_t island = island_of(each.a, each.b);
     each.a = local(island, each.a);
     each.b = local(island, each.b);
-    parts_[island].capsules.push_back(each);
+    hand(each, island, parts_[island].springs, springs_);
+  }
+  for (Torsion each : scene_.torsions) {
+    const std::uint32_t island =
+        island_of(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to);
+    each.axis = local(island, each.axis);
+    each.u = local(island, each.u);
+    each.v = local(island, each.v);
+    hand(each, island, parts_[island].torsions, torsions_);
   }
 }
 

@@ -19,8 +19,20 @@ class SceneParts {
   /// Returns the numbers of an island's particles in the whole scene.
   const std::vector<std::uint32_t>& particles(std::uint32_t i) const { return particles_[i]; }
 
+  /// Names what a part has of the whole scene: the part's number, and its own number there.
+  struct Share {
+    std::uint32_t part, number;
+  };
+  /// Lists where the scene's angles, springs and torsions are.
+  const std::vector<Share>& angles() const { return angles_; }
+  const std::vector<Share>& springs() const { return springs_; }
+  const std::vector<Share>& torsions() const { return torsions_; }
+
  private:
   void hand_out();
+  void hand_out_joints();
+  template <class Item>
+  static void hand(const Item& item, std::uint32_t island, std::vector<Item>& to, std::vector<Share>& shares);
   std::uint32_t movable_of(const Point& point) const;
   template <class... Points>
   std::uint32_t island_of(const Points&... points) const;
@@ -34,6 +46,7 @@ class SceneParts {
   std::vector<std::uint32_t> island_of_, local_;  ///< by particle
   std::vector<Scene> parts_;
   std::vector<std::vector<std::uint32_t>> particles_;
+  std::vector<Share> angles_, springs_, torsions_;
 };
 
 /// Returns whether an island has nothing but particles, rods that hold it together, and shapes on its

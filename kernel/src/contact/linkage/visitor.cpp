@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace plumb::detail {
 namespace {
@@ -66,9 +65,12 @@ double project_velocities(LinkageState& state, ProjectionWork& work) {
   linkage.momenta(state.v, work.momentum);
   linkage.put(work.momentum, right);
   linkage.plan().solve(state.factors, work.unknowns);
+  work.before = state.v;
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
+  if (linkage.is_redundant()) state.correct_velocities(state.v, work.unknowns);
   double largest = 0;
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-    const Vec3 given = std::exchange(state.v[k], linkage.taken(right, k));
+    const Vec3 given = work.before[k];
     const double change = norm(state.v[k] - given);
     // Where nothing but rounding changed, velocities stay as they were given, bit for bit.
     if (change <= 1e-12 * norm(given)) state.v[k] = given;

@@ -62,7 +62,8 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
 /// Returns whether anything may touch, or an island may have more than particles and rods.
 bool needs_contact_stage(const Scene& scene) {
   const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
-                          !scene.angles.empty() || !scene.capsules.empty() || scene.joint_drag != 0;
+                          !scene.angles.empty() || !scene.springs.empty() || !scene.torsions.empty() ||
+                          !scene.capsules.empty() || scene.joint_drag != 0;
   return has_joints ||
          std::any_of(scene.particles.begin(), scene.particles.end(),
                      [](const Particle& particle) { return particle.asleep; }) ||
@@ -84,6 +85,7 @@ class Compiler {
 
   Compiled make() {
     require_laws_moved();
+    require_springs_moved();
     if (needs_contact_stage(scene_)) make_contact();
     add_islands();
     if (contact_) add_contact();
@@ -99,7 +101,7 @@ class Compiler {
     contact_ = std::make_unique<ContactSolver>(scene_, parts, settings_);
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
       if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
-      require_rigid(parts.part(p), parts.particles(p).front());
+      require_unbreakable(parts.part(p), parts.particles(p).front());
       require_straight(parts.particles(p));
       if (is_plain(parts.part(p))) continue;
       require_joints_moved(parts.particles(p).front());
@@ -111,11 +113,22 @@ class Compiler {
     out_.info.direct_gradient = Gradient::old;
   }
 
-  /// Refuses rods that give in an island with joints or shapes.
-  static void require_rigid(const Scene& part, std::uint32_t particle) {
-    if (std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) { return !rod.law.is_rigid(); }))
+  /// Refuses rods that may break in an island with joints, springs or shapes.
+  static void require_unbreakable(const Scene& part, std::uint32_t particle) {
+    if (std::any_of(part.rods.begin(), part.rods.end(),
+                    [](const Rod& rod) { return std::isfinite(rod.law.strength); }))
       refuse("particle ", particle,
-             ": its island has rods that give, and joints or shapes, between which nothing mediates yet");
+             ": its island has rods that may break, and joints, springs or shapes, which nothing moves "
+             "together yet");
+  }
+
+  /// Refuses springs and torsions where the method does not know them.
+  void require_springs_moved() const {
+    if (method_row(settings_.method).moves_joints) return;
+    const char* const what = !scene_.springs.empty() ? "spring" : !scene_.torsions.empty() ? "torsion" : "";
+    if (*what != 0)
+      refuse(what, " 0: method ", to_string(settings_.method), " moves no ", what,
+             "s; direct and auto do");
   }
 
   /// Refuses bends and twists in an island with joints or shapes.
@@ -153,7 +166,8 @@ class Compiler {
   /// Refuses a setting that cannot move an island with joints.
   void require_joints_moved(std::uint32_t particle) const {
     const char* const why =
-        ": its island has bodies, joints, air on rods, drag of joints or sleepers, which ";
+        ": its island has bodies, joints, springs, air on rods, drag of joints, sleepers, or shapes and rods "
+        "that give, which ";
     const auto of = [&] { return "particle " + std::to_string(particle) + why; };
     if (!method_row(settings_.method).moves_joints)
       refuse(of(), "method ", to_string(settings_.method), " cannot move; direct and auto can");

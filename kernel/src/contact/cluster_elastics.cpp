@@ -1,0 +1,130 @@
+// This file moves the elastics of a cluster's islands within a substep.
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/cluster_limits.hpp"
+#include "contact/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+/// Begins a substep from Island::there, and factorises the matrix of its positions.
+void ClusterStepper::begin_elastics(Island& island, double h) const {
+  LinkageState& state = *island.state;
+  const std::span<const Elastic> elastics = state.linkage->elastics();
+  for (std::size_t i = 0; i < elastics.size(); ++i) {
+    const ElasticLaw& law = state.laws[i];
+    ElasticStep& step = island.elastics[i];
+    const bool was_taut = step.acts;
+    step = {.acts = law.stiffness != 0 || law.damping != 0, .start = state.elastic_numbers[i]};
+    if (law.one_sided) {
+      const double there = state.linkage->number(elastics[i], island.there, step.start);
+      step.acts = step.acts && (keeps_slack_ ? was_taut : std::max(there, step.start) > law.rest);
+    }
+    if (step.acts) step.begin(law, elastics[i].give, h);
+  }
+  state.factor_with_elastics([&](std::size_t i) {
+    const ElasticStep& step = island.elastics[i];
+    return step.acts ? step.soft : -1;
+  });
+}
+
+/// Writes what rows of elastics ask of a solution near Island::d, as Linkage::targets() does for constraints.
+void ClusterStepper::aim_elastics(Island& island) {
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    const ElasticStep& step = island.elastics[i];
+    const Elastic& elastic = linkage.elastics()[i];
+    if (!step.acts) continue;
+    const double along =
+        Linkage::rate(elastic, linkage.slope(elastic, state.x), island.d, linkage.movable_ones());
+    const double off = linkage.number(elastic, island.there, step.start) - state.laws[i].rest;
+    island.right()[linkage.plan().position(elastic.row)] = along - off - step.before;
+  }
+}
+
+/// Writes by how much rows of elastics are missed at Island::there, times -1. Returns the largest share of
+/// lengths, or angle, by which that moves something.
+double ClusterStepper::elastic_misfit(Island& island) {
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  double worst = 0;
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    const ElasticStep& step = island.elastics[i];
+    const Elastic& elastic = linkage.elastics()[i];
+    if (!step.acts) continue;
+    const double off = linkage.number(elastic, island.there, step.start) - state.laws[i].rest;
+    const double miss = off + step.soft * step.p + step.before;
+    island.right()[linkage.plan().position(elastic.row)] = -miss;
+    const bool is_length = elastic.kind == Elastic::Kind::distance || elastic.kind == Elastic::Kind::along;
+    const double moves = elastic.give / (elastic.give + step.soft);
+    worst = std::max(worst, std::abs(miss) * moves / (is_length ? linkage.size() : 1));
+  }
+  return std::isfinite(worst) ? worst : INFINITY;
+}
+
+/// Adds to pulls what the last solution says of them.
+void ClusterStepper::pull_elastics(Island& island) {
+  const Linkage& linkage = *island.state->linkage;
+  for (std::size_t i = 0; i < island.state->laws.size(); ++i)
+    if (island.elastics[i].acts)
+      island.elastics[i].p -= island.right()[linkage.plan().position(linkage.elastics()[i].row)];
+}
+
+/// Kicks Island::impulse by what pulls leave for the end, and factorises the matrix of velocities.
+void ClusterStepper::end_elastics(Island& island, double h) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  if (state.laws.empty()) return;
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    const Elastic& elastic = linkage.elastics()[i];
+    ElasticStep& step = island.elastics[i];
+    if (!step.acts) continue;
+    linkage.push_along(elastic, linkage.slope(elastic, state.x), step.end_kick(h), island.impulse);
+    // What is damped goes on as it goes. What is stiff has come to rest.
+    step.end_rate = step.damped / h * (linkage.number(elastic, state.x, step.start) - step.start);
+  }
+  state.factor_with_elastics(
+      [&](std::size_t i) { return island.elastics[i].soft_at_end(linkage.elastics()[i].give); });
+}
+
+/// Writes the rates to which elastics hold velocities, beside anchors that move.
+void ClusterStepper::hold_elastics(Island& island) {
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    const Elastic& elastic = linkage.elastics()[i];
+    const ElasticStep& step = island.elastics[i];
+    if (step.soft_at_end(elastic.give) < 0) continue;
+    island.right()[linkage.plan().position(elastic.row)] =
+        step.end_rate -
+        Linkage::rate(elastic, linkage.slope(elastic, state.x), state.v, linkage.fixed_ones());
+  }
+}
+
+/// Lets go of cables that would push, and takes up those that are too long. Returns whether there are any,
+/// so that the substep is to be solved again.
+bool ClusterStepper::switch_elastics() {
+  bool is_changed = false;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    for (std::size_t k = 0; k < state.laws.size(); ++k) {
+      ElasticStep& step = island.elastics[k];
+      const ElasticLaw& law = state.laws[k];
+      if (!law.one_sided || (law.stiffness == 0 && law.damping == 0)) continue;
+      const double end = state.linkage->number(state.linkage->elastics()[k], island.there, step.start);
+      // Cables that change their mind stay slack in the end.
+      const bool pulls = step.acts ? step.p <= 0 : end > law.rest && 2 * switches_ < most_switches;
+      is_changed = is_changed || pulls != step.acts;
+      step.acts = pulls;
+    }
+  }
+  keeps_slack_ = true;
+  return is_changed && ++switches_ < most_switches;
+}
+
+}  // namespace plumb::detail

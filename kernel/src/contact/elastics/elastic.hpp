@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/linkage/combination.hpp"
+
+namespace plumb::detail {
+
+/// Says how an elastic pulls. It changes while a world runs.
+struct ElasticLaw {
+  double rest = 0;         ///< m or rad
+  double stiffness = 0;    ///< N/m or N m/rad; infinity is rigid
+  double damping = 0;      ///< N s/m or N m s/rad
+  double force = 0;        ///< N or N m, a pull that is added
+  bool one_sided = false;  ///< It is slack below its rest.
+};
+
+/// Write how springs, torsions and angles pull into the laws of their elastics. A spring of length 0 has
+/// four: the first pulls with its force alone, and the others along the axes of space.
+void set_laws(const Spring& spring, std::span<ElasticLaw> laws);
+void set_laws(const Torsion& torsion, std::span<ElasticLaw> laws);
+void set_laws(const AngleControl& angle, std::span<ElasticLaw> laws);
+
+/// An elastic is what a spring, a torsion, a drive of an angle or a rod that gives is in a linkage: a number
+/// that follows from where particles are, and a row of the matrix by which it pulls.
+struct Elastic {
+  enum class Kind : std::uint8_t { distance, along, angle, turn };
+  Kind kind = Kind::distance;
+  /// The distance is that along the first sum, whose part along `axis` is of Kind::along. An angle is from
+  /// the first to the second, and a turn is about the third.
+  std::array<Combination, 3> sums{};
+  Vec3 axis{};
+  std::uint32_t angle = 0;  ///< its number among the linkage's angles
+  std::uint32_t row = 0;
+  double give = 0;  ///< 1/kg or 1/(kg m²), how a pull of one moves it where the linkage starts
+  std::vector<std::uint32_t> touched{};  ///< movable particles
+  std::vector<std::uint32_t> places{};   ///< of its gradient among the values, three by particle
+};
+
+/// Holds the derivatives of an elastic's number by its sums: 1, or 1/m for angles.
+using ElasticSlope = std::array<Vec3, 3>;
+
+/// Returns the square of how far an elastic swings in a substep of h (s), plus what it damps, in rad.
+double swing(const ElasticLaw& law, double give, double h);
+
+/// Says how an elastic takes part in one substep of h (s). With c its number at the start (0) and the end (1)
+/// of it, less its rest, its row is
+///   c1 + soft p + before = 0,   p = kick s.
+/// It pulls with -s (N or N m), of whose impulse one half acts where the substep starts and the other where
+/// it ends.
+struct ElasticStep {
+  bool acts = false;    ///< It is not slack.
+  double start = 0;     ///< m or rad, its number at the start
+  double resolved = 1;  ///< share of its own swing that the substep resolves
+  double damped = 0;    ///< share of damping in how stiff it is
+  double soft = 0, before = 0, kick = 0, p = 0;
+  double end_rate = 0;  ///< m/s or rad/s, to which velocities at the end are held
+
+  /// Begins a substep at the number `start`. The potential of a resolved elastic is k/2 ((c0 + c1)/2)², which
+  /// is variational (Marsden, West 2001) and damps nothing. The less of a swing is resolved, the more it
+  /// takes of c1 alone, and the more velocities at the end are held as rigid rods hold them.
+  void begin(const ElasticLaw& law, double give, double h);
+  /// Returns what velocities at the end still find: soft of a row that holds them, or less than 0 for none.
+  double soft_at_end(double give) const;
+  /// Returns the impulse (N s or N m s) that is left for the end.
+  double end_kick(double h) const { return p / h; }
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,81 @@
+// What islands do that touch ground in many places.
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/cluster_limits.hpp"
+#include "contact/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+std::size_t ClusterStepper::count_pushes() const {
+  std::size_t sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) sum += islands_[i].ground.count_pushes();
+  return sum;
+}
+
+/// Finds where the island goes with the ground's slopes at the guess, or where it would fly. Returns false if
+/// its matrix has no factors.
+bool ClusterStepper::start_on_ground(Island& island) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = island.right();
+  for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
+  island.ground.begin_positions();
+  island.ground.look(linkage, island.d, true);
+  if (!island.ground.factor(state)) return false;
+  linkage.targets(state.x, island.d, island.there, right);
+  linkage.put(island.momentum, right);
+  island.ground.add_pushes(linkage, right);
+  linkage.plan().solve(state.factors, island.unknowns);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.d[k] = linkage.taken(right, k);
+  island.ground.follow_solution(island.d);
+  return true;
+}
+
+/// Takes a Newton step towards what its constraints and the ground ask for. Island::right() holds minus the
+/// violations of constraints. Returns false if the matrix has no factors.
+bool ClusterStepper::correct_on_ground(Island& island) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = island.right();
+  if (island.ground.is_stale() && !island.ground.factor(state)) return false;
+  island.ground.add_lack(linkage, right);
+  linkage.plan().solve(state.factors, island.unknowns);
+  island.step.assign(state.x.size(), Vec3{});
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.step[k] = linkage.taken(right, k);
+  const double share = island.ground.share_of(island.step, 2 * linkage.kinetic(island.step));
+  island.ground.take(share);
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
+    island.d[k] += share * island.step[k];
+    island.there[k] = state.x[k] + island.d[k];
+  }
+  return true;
+}
+
+/// Finds velocities of an island that ground holds, from a guess of them.
+void ClusterStepper::find_velocities_on_ground(Island& island) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  const std::span<double> right = island.right();
+  for (int step = 0; step < most_ground_corrections; ++step) {
+    island.ground.look(linkage, island.v, step < bounds_follow_for);
+    if (step > 0 && island.ground.lack() <= ground_enough) return;
+    if ((step == 0 || island.ground.is_stale()) && !island.ground.factor(state)) return;
+    std::fill(right.begin(), right.end(), 0.0);
+    fill_velocities(island);
+    island.ground.add_pushes(linkage, right);
+    linkage.plan().solve(state.factors, island.unknowns);
+    island.step.assign(state.x.size(), Vec3{});
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+      island.step[k] = linkage.taken(right, k) - island.v[k];
+    const double share =
+        step == 0 ? 1 : island.ground.share_of(island.step, 2 * linkage.kinetic(island.step));
+    if (step == 0) island.ground.share_of(island.step, 0);
+    island.ground.take(share);
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] += share * island.step[k];
+  }
+}
+
+}  // namespace plumb::detail

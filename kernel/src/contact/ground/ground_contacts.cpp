@@ -1,0 +1,226 @@
+#include "contact/ground/ground_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumb::detail {
+namespace {
+
+/// The stiffness of a contact is so many times the mass of its heaviest particle. A larger one needs fewer
+/// steps where much rests on little, and rounds more.
+constexpr double stiffness_over_mass = 1e4;
+/// Its grip is so many times that mass.
+constexpr double grip_over_mass = 1e3;
+/// Where contacts are new, they grip by that mass alone at first, and more firmly by this factor once pushes
+/// lack less than this share.
+constexpr double firmer = 30, enough_to_grip = 0.1;
+/// Slopes that differ by less than this share do not need a new factorisation.
+constexpr double stale = 0.05;
+/// A push that moves its place by less than this share of the island's largest rod is rounding.
+constexpr double unnoticed = 1e-13;
+/// A correction is taken whole if it leaves pushes to lack no more than this share of what they did.
+constexpr double better = 0.7;
+/// A search along a correction ends after so many cuts.
+constexpr int most_cuts = 12;
+
+double size_of(const Sym3& m) {
+  return std::max(
+      {std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)});
+}
+
+}  // namespace
+
+GroundContacts::Row::Wanted GroundContacts::Row::wanted(Vec3 at) const {
+  const Vec3 n = contact.normal;
+  const double held_along = dot(held, n), along = dot(at, n);
+  return {held_along - stiffness * (along + gap), held - held_along * n - grip * (at - along * n)};
+}
+
+auto GroundContacts::Row::state_at(Vec3 at) const -> State {
+  const auto [normal, across] = wanted(at);
+  if (is_open || !(normal > 0)) return State::open;
+  return dot(across, across) <= bound * bound ? State::sticks : State::slides;
+}
+
+Vec3 GroundContacts::Row::law_at(Vec3 at, State as) const {
+  const auto [normal, across] = wanted(at);
+  if (as == State::open) return {};
+  return normal * contact.normal + (as == State::sticks ? 1 : bound / norm(across)) * across;
+}
+
+Sym3 GroundContacts::Row::slope_at(Vec3 at, State as) const {
+  if (as == State::open) return {};
+  const Sym3 along = outer(1, contact.normal);
+  if (as == State::sticks) return stiffness * along + grip * (Sym3::diagonal(1) - along);
+  const Vec3 across = wanted(at).across;
+  const double size = norm(across);
+  return stiffness * along +
+         (grip * bound / size) * (Sym3::diagonal(1) - along - outer(1 / (size * size), across));
+}
+
+/// Returns whether the slope in the matrix leads astray. The two parts of a slope are far apart in size, and
+/// what holds against sliding matters next to masses.
+bool GroundContacts::Row::is_stale() const {
+  const Vec3 n = contact.normal;
+  const double along = dot(n, slope * n), along_next = dot(n, next * n);
+  if ((along > 0) != (along_next > 0) || along_next > 2 * along) return true;
+  const Sym3 across = slope - outer(along, n), across_next = next - outer(along_next, n);
+  const double least = std::min(size_of(across), size_of(across_next));
+  return size_of(across_next - across) > stale * (mass + least);
+}
+
+void GroundContacts::add(const Linkage& linkage, const GroundContact& contact) {
+  Row& row = rows_.emplace_back();
+  row.contact = contact;
+  row.mass = linkage.heaviest(contact.at);
+}
+
+void GroundContacts::begin(Row& row, double gap, Vec3 held, bool is_open) {
+  row.gap = gap;
+  row.held = row.push = row.law = held;
+  row.is_open = is_open;
+  row.bound = 0;
+  row.moved = {};
+}
+
+void GroundContacts::grip() {
+  for (Row& row : rows_) {
+    row.stiffness = ease_ * stiffness_over_mass * row.mass;
+    row.grip = ease_ * grip_over_mass * row.mass;
+  }
+}
+
+void GroundContacts::begin_positions() {
+  const bool all_held =
+      std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.contact.is_held; });
+  ease_ = all_held ? 1 : 1 / grip_over_mass;
+  lack_ = 1;
+  grip();
+  for (Row& row : rows_) {
+    row.position = {};
+    begin(row, row.contact.gap, row.contact.held, false);
+  }
+}
+
+void GroundContacts::begin_velocities() {
+  const bool all_held =
+      std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.contact.is_held; });
+  ease_ = all_held ? 1 : 1 / grip_over_mass;
+  lack_ = 1;
+  grip();
+  for (Row& row : rows_) {
+    row.position = row.push;
+    begin(row, -row.contact.bounce, row.contact.held_end, row.position == Vec3{});
+  }
+}
+
+void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, bool bounds_follow) {
+  double most = 0, most_lack = 0, stiffest = 0;
+  is_stale_ = false;
+  const bool firms = lack_ < enough_to_grip && ease_ < 1;
+  for (Row& row : rows_) {
+    row.moved = row.contact.at.of(motion);
+    row.given = linkage.of_fixed(row.contact.at, motion);
+    if (bounds_follow) {
+      row.bound = row.contact.friction * std::max(0.0, dot(row.push, row.contact.normal));
+    }
+    row.state = row.state_at(row.moved);
+  }
+  // What sticks, slides and is open with a looser grip is expected to do so with a firmer one.
+  if (firms) {
+    ease_ = std::min(1.0, firmer * ease_);
+    grip();
+  }
+  for (Row& row : rows_) {
+    row.law = row.law_at(row.moved, row.state);
+    row.next = row.slope_at(row.moved, row.state);
+    stiffest = std::max(stiffest, row.stiffness);
+    most = std::max(most, norm(row.law));
+    most_lack = std::max(most_lack, norm(row.law - row.push));
+    is_stale_ = is_stale_ || row.is_stale();
+  }
+  const double least = unnoticed * linkage.size() * stiffest;
+  lack_ = most_lack <= least ? 0 : most_lack / std::max(most, most_lack);
+  if (ease_ < 1) lack_ = std::max(lack_, 1e-3);
+}
+
+bool GroundContacts::factor(LinkageState& state) {
+  state.factors.resize(state.linkage->plan().blocks());
+  state.linkage->assemble(state.x, state.factors);
+  for (Row& row : rows_) {
+    row.slope = row.next;
+    if (row.slope.xx + row.slope.yy + row.slope.zz > 0)
+      state.linkage->stiffen(row.contact.at, row.slope, state.factors);
+  }
+  state.factored = false;  // it is, but not as it is without contact
+  return state.linkage->plan().factor(state.factors);
+}
+
+template <class Push>
+void GroundContacts::add(const Linkage& linkage, std::span<double> right, Push&& push) const {
+  for (const Row& row : rows_) {
+    const Vec3 by = push(row);
+    if (by != Vec3{}) linkage.add(row.contact.at, by, right);
+  }
+}
+
+void GroundContacts::add_pushes(const Linkage& linkage, std::span<double> right) const {
+  add(linkage, right, [](const Row& row) { return row.law + row.slope * (row.moved - row.given); });
+}
+
+void GroundContacts::add_lack(const Linkage& linkage, std::span<double> right) const {
+  add(linkage, right, [](const Row& row) { return row.law - row.push; });
+}
+
+void GroundContacts::follow(std::span<const Vec3> motion, bool from_law) {
+  for (Row& row : rows_) {
+    const Vec3 moved = row.contact.at.of(motion);
+    row.push = (from_law ? row.law : row.push) - row.slope * (moved - row.moved);
+    row.moved = moved;
+  }
+}
+
+double GroundContacts::share_of(std::span<const Vec3> correction, double inertia) {
+  for (Row& row : rows_) row.correction = row.contact.at.of(correction);
+  double now = 0, then = 0;
+  for (const Row& row : rows_) {
+    const Vec3 whole = row.law - row.slope * row.correction;
+    now = std::max(now, norm(row.law - row.push));
+    then = std::max(then, norm(row.law_at(row.moved + row.correction) - whole));
+  }
+  if (then <= better * now) return 1;
+  // The derivative of what is minimised, along the correction.
+  const auto slope = [&](double share) {
+    double sum = share * inertia;
+    for (const Row& row : rows_)
+      sum += dot(row.correction, row.push - row.law_at(row.moved + share * row.correction));
+    return sum;
+  };
+  const double at_start = slope(0);
+  if (!(at_start < 0)) return 1;
+  double low = 0, high = 1, at_low = at_start, at_high = slope(1);
+  if (!(at_high > 0.5 * std::abs(at_start))) return 1;
+  for (int cut = 0; cut < most_cuts; ++cut) {
+    const double middle =
+        cut % 2 == 0 ? low - at_low * (high - low) / (at_high - at_low) : 0.5 * (low + high);
+    const double there = slope(middle);
+    if (std::abs(there) <= 0.2 * std::abs(at_start)) return middle;
+    (there < 0 ? low : high) = middle;
+    (there < 0 ? at_low : at_high) = there;
+  }
+  return high;
+}
+
+void GroundContacts::take(double share) {
+  for (Row& row : rows_) {
+    row.push += share * (row.law - row.push - row.slope * row.correction);
+    row.moved += share * row.correction;
+  }
+}
+
+std::size_t GroundContacts::count_pushes() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.push != Vec3{}; }));
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/linkage/linkage_state.hpp"
+
+namespace plumb::detail {
+
+/// This is where one island touches something fixed.
+struct GroundContact {
+  Combination at{};
+  Vec3 normal{};        ///< unit vector out of the ground
+  double gap = 0;       ///< m, what may be lost in the substep
+  double friction = 0;  ///< Coulomb's coefficient
+  double bounce = 0;    ///< m/s, what it leaves with
+  std::uint64_t key = 0;
+  bool is_held = false;  ///< it pushed in the last substep, by what follows
+  Vec3 held{};           ///< kg m, on positions
+  Vec3 held_end{};       ///< kg m/s, on velocities
+};
+
+/// Holds the contacts of one island with fixed ground, which stand in the island's own matrix.
+///
+/// A contact pushes by Pi(held - stiffness (gap + u)), with u how its place moves and Pi the projection onto
+/// Coulomb's cone: the augmented Lagrangian of Alart and Curnier (1991). Its slope is a block of 3 x 3
+/// numbers that stands where the masses of its particles do. For given bounds on friction the block is
+/// positive semidefinite. So the matrix keeps its shape, and each of many contacts costs as little as each of
+/// a few.
+///
+/// Newton's method on these pushes is semismooth. For given bounds it minimises a convex function, and
+/// share_of() searches along each of its steps.
+class GroundContacts {
+ public:
+  void clear() { rows_.clear(); }
+  bool is_empty() const { return rows_.empty(); }
+  std::size_t size() const { return rows_.size(); }
+  void add(const Linkage& linkage, const GroundContact& contact);
+
+  /// Begins to solve for positions.
+  void begin_positions();
+  /// Begins to solve for velocities at the end. Only what pushed on positions may push.
+  void begin_velocities();
+  /// Finds pushes and slopes at a motion (m, or m/s). Bounds on friction follow the last solution if
+  /// `bounds_follow`.
+  void look(const Linkage& linkage, std::span<const Vec3> motion, bool bounds_follow);
+  /// Returns the largest push that the last solution lacks (kg m or kg m/s), as a share of the largest push.
+  double lack() const { return lack_; }
+  /// Returns whether slopes differ so much from those in the matrix that it is worth a new factorisation.
+  bool is_stale() const { return is_stale_; }
+  /// Factorises the island's matrix where it is, with the slopes of the last look().
+  bool factor(LinkageState& state);
+
+  /// Adds to the right hand side what a whole solution starts from.
+  void add_pushes(const Linkage& linkage, std::span<double> right) const;
+  /// Adds what the last solution lacks, from which a correction starts.
+  void add_lack(const Linkage& linkage, std::span<double> right) const;
+  /// Takes in a whole solution.
+  void follow_solution(std::span<const Vec3> motion) { follow(motion, true); }
+  /// Takes in how other pushes changed the solution, through the same matrix.
+  void follow_change(std::span<const Vec3> motion) { follow(motion, false); }
+  /// Returns the share of a correction to take, from 0 to 1. `inertia` is the correction's product with the
+  /// mass matrix and itself.
+  double share_of(std::span<const Vec3> correction, double inertia);
+  /// Takes in this share of the correction of share_of().
+  void take(double share);
+
+  std::size_t count_pushes() const;
+  /// Calls visit(contact) for all.
+  template <class Visit>
+  void for_all(Visit&& visit) const {
+    for (const Row& row : rows_) visit(row.contact);
+  }
+  /// Calls keep(contact, push on positions, push on velocities) for all that push.
+  template <class Keep>
+  void for_kept(Keep&& keep) const {
+    for (const Row& row : rows_)
+      if (row.position != Vec3{}) keep(row.contact, row.position, row.push);
+  }
+
+ private:
+  struct Row {
+    enum class State : std::uint8_t { open, sticks, slides };
+    GroundContact contact;
+    double mass = 0;       ///< of its heaviest particle, kg
+    double stiffness = 0;  ///< along the normal, kg
+    double grip = 0;       ///< across it, kg
+    double gap = 0;        ///< m or m/s
+    double bound = 0;      ///< of what holds against sliding, kg m or kg m/s
+    bool is_open = false;  ///< it does not push
+    Vec3 held{};           ///< what it starts from
+    Vec3 push{};           ///< in balance with the last solution
+    Vec3 law{};            ///< what it is to be, at `moved`
+    Vec3 position{};       ///< the push on positions, once they are found
+    Vec3 moved{}, correction{};
+    State state = State::open;
+    Vec3 given{};  ///< the part of `moved` that is that of fixed particles
+    Sym3 slope{};  ///< in the matrix
+    Sym3 next{};   ///< at `moved`
+
+    /// Splits what the contact would push by if it neither slid nor let go.
+    struct Wanted {
+      double normal = 0;
+      Vec3 across{};
+    };
+    Wanted wanted(Vec3 at) const;
+    State state_at(Vec3 at) const;
+    Vec3 law_at(Vec3 at, State as) const;
+    Vec3 law_at(Vec3 at) const { return law_at(at, state_at(at)); }
+    Sym3 slope_at(Vec3 at, State as) const;
+    bool is_stale() const;
+  };
+  void grip();
+  void begin(Row& row, double gap, Vec3 held, bool is_open);
+  void follow(std::span<const Vec3> motion, bool from_law);
+  /// Calls push(row) for every row and adds what it returns to the particles of the row's place.
+  template <class Push>
+  void add(const Linkage& linkage, std::span<double> right, Push&& push) const;
+
+  std::vector<Row> rows_;
+  double lack_ = 0;
+  double ease_ = 1;  ///< share of the grip
+  bool is_stale_ = false;
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,77 @@
+#include "contact/linkage/linkage_state.hpp"
+
+#include <algorithm>
+
+namespace plumb::detail {
+namespace {
+
+/// A step that is not implicit follows an elastic whose swing, squared, is below this in radians.
+constexpr double most_swing = 0.25;
+/// Velocities of redundant constraints are corrected so often. One takes eight digits off what is left, or
+/// two where masses differ by 1e6.
+constexpr int velocity_corrections = 2;
+
+}  // namespace
+
+LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scene& part)
+    : linkage(&kind),
+      force(kind.movable()),
+      laws(kind.elastic_laws().begin(), kind.elastic_laws().end()),
+      angle_rules(kind.angle_rules().begin(), kind.angle_rules().end()),
+      number(island) {
+  acceleration.resize(kind.movable());
+  asleep = std::all_of(part.particles.begin(), part.particles.end(),
+                       [](const Particle& each) { return each.fixed || each.asleep; });
+  for (const Particle& particle : part.particles) {
+    x.push_back(particle.position);
+    v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
+  }
+  elastic_numbers.assign(laws.size(), 0);
+  follow_elastics();
+}
+
+void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns) const {
+  const std::span<double> right = numbers(unknowns);
+  for (int i = 0; i < velocity_corrections; ++i) {
+    std::fill(right.begin(), right.end(), 0.0);
+    linkage->rates(x, velocities, linkage->all(), right);
+    linkage->plan().solve(factors, unknowns);
+    for (std::uint32_t k = 0; k < linkage->movable(); ++k) velocities[k] += linkage->taken(right, k);
+  }
+}
+
+void LinkageState::follow_elastics() {
+  for (std::size_t i = 0; i < laws.size(); ++i)
+    elastic_numbers[i] = linkage->number(linkage->elastics()[i], x, elastic_numbers[i]);
+}
+
+void LinkageState::add_motors(std::span<Vec3> forces) const {
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const ElasticLaw& law = laws[i];
+    const Elastic& elastic = linkage->elastics()[i];
+    if (law.force == 0) continue;
+    if (law.one_sided && linkage->number(elastic, x, elastic_numbers[i]) <= law.rest) continue;
+    linkage->push_along(elastic, linkage->slope(elastic, x), -law.force, forces);
+  }
+}
+
+void LinkageState::add_elastic_pulls(std::span<Vec3> forces) const {
+  add_motors(forces);
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const ElasticLaw& law = laws[i];
+    const Elastic& elastic = linkage->elastics()[i];
+    if (law.stiffness == 0 && law.damping == 0) continue;
+    const ElasticSlope slope = linkage->slope(elastic, x);
+    const double off = linkage->number(elastic, x, elastic_numbers[i]) - law.rest;
+    const double pull = law.stiffness * off + law.damping * Linkage::rate(elastic, slope, v, linkage->all());
+    linkage->push_along(elastic, slope, -pull, forces);
+  }
+}
+
+bool LinkageState::can_follow_elastics(double h) const {
+  for (std::size_t i = 0; i < laws.size(); ++i)
+    if (laws[i].one_sided || !(swing(laws[i], linkage->elastics()[i].give, h) <= most_swing)) return false;
+  return true;
+}
+
+}  // namespace plumb::detail
