@@ -68,10 +68,8 @@ Model make_model(const Scene& scene, MassModel mass) {
   validate(scene);
   if (has_more_than_rods(scene))
     throw InputError(
-        "a truth is of particles and rods alone: this scene has bends, bodies, joints, shapes, ground, drag "
-        "of "
-        "joints or "
-        "of rods, or sleepers");
+        "a truth is of particles and rods alone: this scene has bends, tackles, bodies, joints, shapes, "
+        "ground, drag of joints or of rods, or sleepers");
   Model model;
   Real fastest = 0;
   for (const Particle& particle : scene.particles) {

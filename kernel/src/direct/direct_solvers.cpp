@@ -17,9 +17,20 @@ using layouts::lane_width;
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
 
-/// Returns the bends of an island by its vertices.
-std::vector<LoopBend> local_bends(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
-  std::vector<LoopBend> out;
+/// Lists what islands have beside rods, by their vertices.
+struct Elements {
+  std::vector<LoopBend> bends;
+  std::vector<LoopTackle> tackles;
+
+  bool any() const { return !bends.empty() || !tackles.empty(); }
+  friend bool operator==(const Elements&, const Elements&) = default;
+  friend auto operator<=>(const Elements&, const Elements&) = default;
+};
+
+/// Returns the bends and tackles of an island by its vertices.
+Elements local_elements(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
+  Elements out;
+  if (sets.bends_of(island).empty() && sets.tackles_of(island).empty()) return out;
   const auto vertices = sets.islands.vertices(island);
   const auto fixed = std::find_if(vertices.begin(), vertices.end(),
                                   [&](std::uint32_t i) { return scene.particles[i].fixed; });
@@ -31,7 +42,15 @@ std::vector<LoopBend> local_bends(const Scene& scene, const IslandSets& sets, st
   };
   for (const std::uint32_t i : sets.bends_of(island)) {
     const Bend& bend = scene.bends[i];
-    out.push_back({{place(bend.a), place(bend.b), place(bend.c)}});
+    out.bends.push_back({{place(bend.a), place(bend.b), place(bend.c)}});
+  }
+  std::uint32_t segments = 0;
+  for (const std::uint32_t i : sets.tackles_of(island)) {
+    LoopTackle& tackle = out.tackles.emplace_back();
+    tackle.first = segments;
+    for (const std::uint32_t particle : scene.tackles[i].particles)
+      tackle.vertices.push_back(place(particle));
+    segments += tackle.segments();
   }
   return out;
 }
@@ -54,14 +73,15 @@ class Maker {
   std::vector<MadeSolver> make() {
     for (const std::vector<std::uint32_t>& alike : sets_.sets) {
       std::vector<std::uint32_t> equal;
-      std::map<std::vector<LoopBend>, std::vector<std::uint32_t>> bent;
+      std::map<Elements, std::vector<std::uint32_t>> others;
       for (const std::uint32_t island : alike)
-        if (sets_.bends_of(island).empty())
-          equal.push_back(island);
+        if (const Elements elements = local_elements(scene_, sets_, island); elements.any())
+          others[elements].push_back(island);
         else
-          bent[local_bends(scene_, sets_, island)].push_back(island);
-      for (const auto& [bends, islands] : bent)
-        add_loops(islands, layouts::local_graph(sets_.graph, sets_.islands, islands.front()).view(), bends);
+          equal.push_back(island);
+      for (const auto& [elements, islands] : others)
+        add_loops(islands, layouts::local_graph(sets_.graph, sets_.islands, islands.front()).view(),
+                  elements);
       if (equal.empty()) continue;
       const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
@@ -80,6 +100,10 @@ class Maker {
   Isa isa() const { return settings_.isa.value_or(best_isa()); }
 
   bool is_off_length(std::uint32_t island) const {
+    const auto tackles = sets_.tackles_of(island);
+    if (std::any_of(tackles.begin(), tackles.end(),
+                    [&](std::uint32_t i) { return is_off(scene_.tackles[i]); }))
+      return true;
     const auto rods = sets_.islands.edges(island);
     return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
       const Rod& rod = scene_.rods[i];
@@ -88,6 +112,16 @@ class Maker {
       if (rod.law.is_elastic() || (rod.law.one_sided && now < length)) return false;
       return std::abs(now - length) > least_gap * length;
     });
+  }
+
+  bool is_off(const Tackle& tackle) const {
+    double now = 0;
+    for (std::size_t k = 1; k < tackle.particles.size(); ++k)
+      now += norm(scene_.particles[tackle.particles[k]].position -
+                  scene_.particles[tackle.particles[k - 1]].position);
+    if (tackle.length == 0 || tackle.law.is_elastic() || (tackle.law.one_sided && now < tackle.length))
+      return false;
+    return std::abs(now - tackle.length) > least_gap * tackle.length;
   }
 
   template <class T>
@@ -121,11 +155,11 @@ class Maker {
       const auto rods = members_of(lane).edges;
       for (std::uint32_t i = 0; i < tree.nodes(); ++i) {
         made.places.push_back({vertices[tree.vertex[i]], solver->node_slot(i, lane)});
-        if (i > 0) made.rods.push_back({rods[tree.edge[i]], solver->rod_slot(i, lane)});
+        if (i > 0) made.cords.push_back({rods[tree.edge[i]], solver->rod_slot(i, lane)});
       }
       for (std::uint32_t k = 0; k < tree.ties.size(); ++k) {
         made.places.push_back({vertices[tree.ties[k].vertex], solver->tie_slot(k, lane)});
-        made.rods.push_back({rods[tree.ties[k].edge], solver->tie_slot(k, lane)});
+        made.cords.push_back({rods[tree.ties[k].edge], solver->tie_slot(k, lane)});
       }
     }
     start(*solver, equal, made);
@@ -135,7 +169,7 @@ class Maker {
   }
 
   void add_loops(const std::vector<std::uint32_t>& equal, const layouts::Graph& local,
-                 const std::vector<LoopBend>& bends) {
+                 const Elements& elements) {
     if (!loop_rules_) {
       loop_rules_ = std::make_shared<LoopRules>(rules_.gradient, rules_.time_order, scene_.drag,
                                                 settings_.accuracy, isa());
@@ -145,13 +179,15 @@ class Maker {
       return carries_mass(scene_, sets_.islands.edges(island), model());
     });
     const auto topology = std::make_shared<LoopTopology>(local);
-    topology->bends = bends;
-    const bool gives = !bends.empty() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
-      return has_laws(scene_, sets_.islands.edges(island));
-    });
+    topology->bends = elements.bends;
+    topology->tackles = elements.tackles;
+    const bool gives = elements.any() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+                         return has_laws(scene_, sets_.islands.edges(island));
+                       });
     if (couples || gives || is_thin(local)) {
       topology->system = std::make_unique<LoopSystem>(topology->rods, topology->nodes,
-                                                      LoopStepper::couples(rules_.gradient, model()), bends);
+                                                      LoopStepper::couples(rules_.gradient, model()),
+                                                      elements.bends, elements.tackles);
     } else {
       std::vector<Vec3> positions;
       for (const std::uint32_t vertex : sets_.islands.vertices(equal.front()))
@@ -166,9 +202,13 @@ class Maker {
         vertices.push_back(sets_.islands.vertices(island)[i]);
       }
       const auto rods = sets_.islands.edges(island);
-      for (std::uint32_t k = 0; k < rods.size(); ++k) made.rods.push_back({rods[k], k});
+      Slot cord = 0;
+      for (const std::uint32_t rod : rods) made.cords.push_back({rod, cord++});
+      for (const std::uint32_t tackle : sets_.tackles_of(island))
+        made.cords.push_back({static_cast<std::uint32_t>(scene_.rods.size()) + tackle, cord++});
       LoopState state(topology, scene_, model(), vertices, sets_.islands.edges(island));
       load_bends(state, bends_, sets_.bends_of(island));
+      load_tackles(state, scene_, sets_.tackles_of(island));
       auto solver = std::make_unique<LoopSolver>(loop_rules_, std::move(state));
       start(*solver, std::span(&island, 1), made);
       if (settings_.tensions) solver->count_pulls();

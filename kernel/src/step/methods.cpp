@@ -55,7 +55,8 @@ std::vector<MethodRow>& table() {
        .reads = relax_reads | direct_reads,
        .moves_joints = true,
        .moves_laws = true,
-       .moves_bends = true},
+       .moves_bends = true,
+       .moves_tackles = true},
       {.method = Method::relax,
        .name = to_string(Method::relax),
        .moves = "particles and rods, one rod after the other (thesis 3.2)",
@@ -70,6 +71,7 @@ std::vector<MethodRow>& table() {
        .moves_joints = true,
        .moves_laws = true,
        .moves_bends = true,
+       .moves_tackles = true,
        .validate = validate_direct},
   };
   return rows;

@@ -59,6 +59,7 @@ struct MethodRow {
   bool moves_joints = false;  ///< bodies, joints, air, shapes that touch
   bool moves_laws = false;    ///< rods that are not rigid
   bool moves_bends = false;
+  bool moves_tackles = false;
   /// Refuses settings that make no sense together. It may be null.
   void (*validate)(const Settings& settings) = nullptr;
   /// Makes the solvers of a scene's islands of particles and rods. It is null for automatic, which chooses

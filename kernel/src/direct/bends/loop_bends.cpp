@@ -51,6 +51,7 @@ BendNumbers present_numbers(const LoopState& state, const LoopBendNumbers& bend)
 BendTable::BendTable(const Scene& of) : scene(of), lengths(bend_lengths(of)) {}
 
 void load_bends(LoopState& state, const BendTable& table, std::span<const std::uint32_t> bends) {
+  if (!bends.empty()) state.hold.resize(state.fixed_velocity.size());
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> rods;
   for (std::uint32_t k = 0; k < state.topology->rods.size(); ++k) {
     const auto [a, b] = state.topology->rods[k];
@@ -115,6 +116,18 @@ double work_of_bends(const LoopState& state, double theta, const LoopWorkspace& 
     sum -= dot(pull_of(state, k, theta, false, work).pull,
                weighted(work.bends[k], state.topology->bends[k], work.delta));
   return sum;
+}
+
+void hold_bends(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work) {
+  if (!state.laws.pulls) return;
+  const std::uint32_t nodes = state.topology->nodes;
+  const double share = end.h / end.kick * end.mass_unit;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const Vec3 pull = share * pull_of(state, k, end.theta, false, work).pull;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const std::uint32_t vertex = state.topology->bends[k].vertices[i]; vertex >= nodes)
+        state.hold[vertex - nodes] += work.bends[k].weights[i] * pull;
+  }
 }
 
 double energy_of_bends(const LoopState& state, const LoopWorkspace& work) {

@@ -11,6 +11,7 @@
 #include "direct/locks/locks.hpp"
 #include "direct/loops/loop_rod.hpp"
 #include "direct/nets/rod_lines.hpp"
+#include "direct/tackles/loop_tackles.hpp"
 #include "linear/sparse_ldu.hpp"
 #include "plumb/layouts/graph.hpp"
 #include "plumb/scene.hpp"
@@ -25,17 +26,18 @@ namespace plumb::detail {
 /// Its values begin with the diagonal of every node. Then every rod has the coupling of its ends, what -A^T
 /// has at b (3) and at a (3), what B has at a (3) and at b (3), and soft. Bends add 3 x 3 numbers to M for
 /// each pair of their particles. They are never rigid, so that a multiplier would only make the system
-/// larger.
+/// larger. Tackles have a row and a multiplier each, after those of rods, and add to Lambda (LoopTackle).
 struct LoopSystem {
   LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples,
-             const std::vector<LoopBend>& bends = {});
+             const std::vector<LoopBend>& bends = {}, const std::vector<LoopTackle>& tackles = {});
 
   static constexpr std::uint32_t per_rod = 14;
   std::size_t at(std::uint32_t rod) const { return nodes + std::size_t{per_rod} * rod; }
   std::size_t at_bends() const { return at(rods); }  ///< Bends begin there.
-  std::size_t values() const { return at_bends() + std::size_t{LoopBend::values} * bends; }
+  std::size_t at_tackles() const { return at_bends() + std::size_t{LoopBend::values} * bends; }
+  std::size_t values() const { return at_tackles() + tackle_values; }
 
-  std::uint32_t nodes, rods, bends;
+  std::uint32_t nodes, rods, bends, tackle_values = 0;
   bool couples;  ///< It says whether ends of a rod meet other than through it.
   SparseAnalysis analysis;
 };
@@ -53,6 +55,7 @@ struct LoopTopology {
   std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
   std::vector<LoopRod> rods;
   std::vector<LoopBend> bends;
+  std::vector<LoopTackle> tackles;
   /// One of both is there. Lines are for islands whose factorisations would be dear. Who needs a system all
   /// the same makes it.
   std::unique_ptr<const LoopSystem> system;
@@ -65,7 +68,7 @@ struct LoopTopology {
 /// u_step (s). Masses are in units of the mean one, multipliers in those units.
 struct LoopMotion {
   std::vector<double> x;                  ///< Positions have 3 numbers per vertex, in m.
-  std::vector<double> u, mu;              ///< u has 3 numbers per node, and mu one per rod.
+  std::vector<double> u, mu;              ///< u has 3 numbers per node, and mu one per rod and tackle.
   std::vector<Vec3> fixed_last_velocity;  ///< There is one per fixed vertex, in m/s.
   /// Where errors are estimated, these are accelerations of the last two substeps, rods included: 3 per node,
   /// in m/s^2.
@@ -76,6 +79,10 @@ struct LoopMotion {
   /// Substeps longer than this (s) are cut before they are tried.
   double longest = std::numeric_limits<double>::infinity();
   LoopLaws laws;
+  std::vector<LoopTackleMotion> tackles;
+  /// What is not a rod was held by fixed vertices with these impulses (N s) in this step. There is one each
+  /// if there are bends or tackles.
+  std::vector<Vec3> hold;
   double u_step = 0;   ///< It is in s.
   double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
 };
@@ -99,6 +106,7 @@ struct LoopState : LoopMotion {
       length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
   std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
   std::vector<LoopBendNumbers> bends;
+  std::vector<TackleLaw> tackle_laws;
   Locks locks;
   bool anchors_move = false;
   double mass_unit = 1;  ///< It is in kg.

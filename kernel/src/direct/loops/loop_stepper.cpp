@@ -103,6 +103,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h);
   work.laws.is_mid = gradient == Gradient::mid;
   if (state.laws.moves) set_substep_lengths(state.laws, h, state.length2);
+  set_tackle_lengths(state, h, work.tackles);
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
@@ -143,10 +144,10 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     const auto [a, b] = shape.rods[k];
     for (std::uint32_t c = 0; c < 3; ++c)
       done += 2 * state.coupling[k] * work.delta[3 * a + c] * work.delta[3 * b + c];
-    if (state.laws.any() && !state.laws.is_rigid(k))  // elastic rods do what is in their energy
+    if (state.laws.any() && state.laws.does_work(k))
       done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
   }
-  done -= work_of_bends(state, theta_of(Gradient::mid), work);
+  done -= work_of_bends(state, 0.5, work) + work_of_tackles(state, 0.5, work);
   return std::abs(done) <= energy_tolerance * scale;
 }
 
@@ -251,9 +252,10 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
     const double delta = work.delta[i];
     state.u[i] = gradient == Gradient::mid ? decay * (2 / h * delta - 1 / h * (ratio * state.u[i])) : delta;
   }
-  if (state.laws.any())
-    counters.broken_rods += end_rods(state.laws, work.laws, {h, theta_of(gradient), kick, state.mass_unit},
-                                     state.mu, state.length2);
+  const SubstepEnd end{h, theta_of(gradient), kick, state.mass_unit};
+  end_tackles(state, end, work);
+  hold_bends(state, end, work);
+  if (state.laws.any()) counters.broken_rods += end_rods(state.laws, work.laws, end, state.mu, state.length2);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
   move_locked(state, gradient == Gradient::mid ? 1 : h, state.u);

@@ -11,9 +11,10 @@ namespace {
 
 using Index = std::uint32_t;
 
-/// Returns the pairs of nodes that rods and bends couple.
+/// Returns the pairs of nodes that rods, bends and tackles couple.
 std::vector<std::pair<Index, Index>> edges_of(const std::vector<LoopRod>& rods,
-                                              const std::vector<LoopBend>& bends, Index nodes) {
+                                              const std::vector<LoopBend>& bends,
+                                              const std::vector<LoopTackle>& tackles, Index nodes) {
   std::vector<std::pair<Index, Index>> out;
   for (const LoopRod rod : rods)
     if (rod.b < nodes) out.emplace_back(rod.a, rod.b);
@@ -21,18 +22,29 @@ std::vector<std::pair<Index, Index>> edges_of(const std::vector<LoopRod>& rods,
     for (const auto [i, j] : LoopBend::pairs)
       if (i != j && bend.vertices[i] < nodes && bend.vertices[j] < nodes)
         out.emplace_back(bend.vertices[i], bend.vertices[j]);
+  for (const LoopTackle& tackle : tackles)
+    for (Index s = 0; s < tackle.segments(); ++s)
+      if (const Index a = tackle.vertices[s], b = tackle.vertices[s + 1]; a < nodes && b < nodes)
+        out.emplace_back(a, b);
   return out;
 }
 
-/// Puts nodes in the order given and every rod right after the second of its ends. A rod's pivot is then what
-/// both of its ends can yield, which is never zero but for rods that others make redundant.
-std::vector<Index> with_rods(const std::vector<Index>& nodes, const std::vector<LoopRod>& rods) {
+/// Puts nodes in the order given, and every rod or tackle right after the last of its nodes. Its pivot is
+/// then what all of them can yield, which is never zero but for those that others make redundant.
+std::vector<Index> with_rods(const std::vector<Index>& nodes, const std::vector<LoopRod>& rods,
+                             const std::vector<LoopTackle>& tackles) {
   const auto n = static_cast<Index>(nodes.size());
   std::vector<Index> number(n);
   for (Index i = 0; i < n; ++i) number[nodes[i]] = i;
   std::vector<std::vector<Index>> after(n);
   for (Index k = 0; k < rods.size(); ++k)
     after[rods[k].b < n ? std::max(number[rods[k].a], number[rods[k].b]) : number[rods[k].a]].push_back(k);
+  for (Index t = 0; t < tackles.size(); ++t) {
+    Index last = 0;
+    for (const Index vertex : tackles[t].vertices)
+      if (vertex < n) last = std::max(last, number[vertex]);
+    after[last].push_back(static_cast<Index>(rods.size()) + t);
+  }
   std::vector<Index> order;
   for (Index i = 0; i < n; ++i) {
     order.push_back(nodes[i]);
@@ -56,11 +68,40 @@ void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& patter
   }
 }
 
-SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends, Index nodes,
-                       bool couples) {
+/// Adds what a tackle, the variable `row`, couples. Of its values `at` is the first.
+void add_tackle(const LoopTackle& tackle, Index nodes, Index row, Index at, SparsePattern& pattern,
+                std::vector<SparseEntry>& entries) {
+  const auto add_tile = [&](Index a, Index b, Index value) {
+    for (Index r = 0; r < 3; ++r)
+      for (Index c = 0; c < 3; ++c) entries.push_back({a, r, b, c, value + 3 * r + c});
+  };
+  for (Index o = 0; o < tackle.vertices.size(); ++o) {
+    const Index a = tackle.vertices[o], value = at + LoopTackle::per_vertex * o;
+    if (a >= nodes) continue;
+    pattern.meet.emplace_back(a, row);
+    for (Index c = 0; c < 3; ++c) {
+      entries.push_back({a, c, row, 0, value + c});
+      entries.push_back({row, 0, a, c, value + 3 + c});
+    }
+  }
+  for (Index s = 0; s < tackle.segments(); ++s) {
+    const Index a = tackle.vertices[s], b = tackle.vertices[s + 1];
+    const Index value = at + tackle.at_segments() + LoopTackle::per_segment * s;
+    if (a < nodes) add_tile(a, a, value);
+    if (b < nodes) add_tile(b, b, value);
+    if (a >= nodes || b >= nodes) continue;
+    add_tile(a, b, value + 9);
+    add_tile(b, a, value + 9);
+    pattern.meet.emplace_back(a, b);
+  }
+  entries.push_back({row, 0, row, 0, at + tackle.at_soft()});
+}
+
+SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopBend>& bends,
+                       const std::vector<LoopTackle>& tackles, Index nodes, bool couples) {
   SparsePattern pattern;
   pattern.size.assign(nodes, 3);
-  pattern.size.resize(nodes + rods.size(), 1);
+  pattern.size.resize(nodes + rods.size() + tackles.size(), 1);
   std::vector<SparseEntry> entries;
   for (Index i = 0; i < nodes; ++i)
     for (Index c = 0; c < 3; ++c) entries.push_back({i, c, i, c, i});
@@ -87,11 +128,15 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopB
     add_bend(bend, nodes, at, pattern, entries);
     at += LoopBend::values;
   }
-  const std::vector<std::pair<Index, Index>> edges = edges_of(rods, bends, nodes);
-  pattern.order = with_rods(order_by_degree(nodes, edges), rods);
+  for (Index t = 0; t < tackles.size(); ++t) {
+    add_tackle(tackles[t], nodes, nodes + static_cast<Index>(rods.size()) + t, at, pattern, entries);
+    at += tackles[t].values();
+  }
+  const std::vector<std::pair<Index, Index>> edges = edges_of(rods, bends, tackles, nodes);
+  pattern.order = with_rods(order_by_degree(nodes, edges), rods, tackles);
   if (nodes > least_dissected) {
     SparsePattern other = pattern;
-    other.order = with_rods(order_by_dissection(nodes, edges), rods);
+    other.order = with_rods(order_by_dissection(nodes, edges), rods, tackles);
     if (SparseAnalysis::estimate(other) < SparseAnalysis::estimate(pattern)) pattern = std::move(other);
   }
   return SparseAnalysis(pattern, entries);
@@ -100,11 +145,13 @@ SparseAnalysis analyse(const std::vector<LoopRod>& rods, const std::vector<LoopB
 }  // namespace
 
 LoopSystem::LoopSystem(const std::vector<LoopRod>& of, std::uint32_t count, bool coupled,
-                       const std::vector<LoopBend>& bent)
+                       const std::vector<LoopBend>& bent, const std::vector<LoopTackle>& tackled)
     : nodes(count),
       rods(static_cast<std::uint32_t>(of.size())),
       bends(static_cast<std::uint32_t>(bent.size())),
       couples(coupled),
-      analysis(analyse(of, bent, count, coupled)) {}
+      analysis(analyse(of, bent, tackled, count, coupled)) {
+  for (const LoopTackle& tackle : tackled) tackle_values += tackle.values();
+}
 
 }  // namespace plumb::detail

@@ -9,6 +9,7 @@
 
 #include "scene/bends/curvature.hpp"
 #include "scene/refuse.hpp"
+#include "scene/tackles/tackles.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -143,7 +144,7 @@ double bending_energy(const Scene& scene, std::span<const Vec3> positions) {
 }
 
 layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& graph) {
-  if (scene.bends.empty()) return layouts::find_islands(graph);
+  if (scene.bends.empty() && scene.tackles.empty()) return layouts::find_islands(graph);
   std::vector<layouts::Edge> edges(graph.edges.begin(), graph.edges.end());
   const auto rods = static_cast<std::uint32_t>(edges.size());
   for (const Bend& bend : scene.bends) {
@@ -151,6 +152,7 @@ layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& gra
     for (const std::uint32_t particle : particles_of(bend))
       if (particle != hub) edges.push_back({hub, particle});
   }
+  join_tackles(scene, edges);
   layouts::Islands islands = layouts::find_islands({graph.vertices, edges, graph.movable});
   // Only rods stay. An island's edges ascend, so that its own come first.
   std::vector<std::uint32_t> begin{0}, list;
@@ -164,16 +166,22 @@ layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& gra
   return islands;
 }
 
-std::vector<std::vector<std::uint32_t>> bends_by_island(const Scene& scene, const layouts::Islands& islands) {
-  if (scene.bends.empty()) return {};
+std::vector<std::vector<std::uint32_t>> by_island(const Scene& scene, const layouts::Islands& islands,
+                                                  std::span<const std::uint32_t> movable) {
+  if (movable.empty()) return {};
   std::vector<std::uint32_t> island_of(scene.particles.size(), 0);
   for (std::uint32_t i = 0; i < islands.count(); ++i)
     for (const std::uint32_t particle : islands.vertices(i))
       if (!scene.particles[particle].fixed) island_of[particle] = i;
   std::vector<std::vector<std::uint32_t>> out(islands.count());
-  for (std::uint32_t i = 0; i < scene.bends.size(); ++i)
-    out[island_of[movable_of(scene, scene.bends[i])]].push_back(i);
+  for (std::uint32_t i = 0; i < movable.size(); ++i) out[island_of[movable[i]]].push_back(i);
   return out;
+}
+
+std::vector<std::vector<std::uint32_t>> bends_by_island(const Scene& scene, const layouts::Islands& islands) {
+  std::vector<std::uint32_t> movable;
+  for (const Bend& bend : scene.bends) movable.push_back(movable_of(scene, bend));
+  return by_island(scene, islands, movable);
 }
 
 }  // namespace plumb::detail

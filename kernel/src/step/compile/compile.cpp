@@ -8,6 +8,7 @@
 #include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
+#include "scene/tackles/tackles.hpp"
 #include "step/compile/choose_method.hpp"
 #include "step/compile/compiled.hpp"
 #include "step/methods.hpp"
@@ -29,8 +30,8 @@ struct Share {
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
 
-/// An island with bends is solved directly, with gradient mid if none is set: trees and gradient old do not
-/// know bends yet.
+/// An island with bends or tackles is solved directly, with gradient mid if none is set: trees and gradient
+/// old do not know them yet.
 Choice choose_bent(const Settings& settings) {
   if (settings.method != Method::automatic)
     return {settings.method, {gradient_of(settings), settings.time_order, false}};
@@ -77,7 +78,8 @@ class Compiler {
         graph_(scene_graph_.view()),
         is_jointed_(scene.particles.size(), 0),
         islands_(find_bent_islands(scene, graph_)),
-        bends_(bends_by_island(scene, islands_)) {}
+        bends_(bends_by_island(scene, islands_)),
+        tackles_(tackles_by_island(scene, islands_)) {}
 
   Compiled make() {
     require_laws_moved();
@@ -98,6 +100,7 @@ class Compiler {
       if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
       require_rigid(parts.part(p), parts.particles(p).front());
       require_straight(parts.particles(p));
+      require_untackled(parts.particles(p));
       if (is_plain(parts.part(p))) continue;
       require_joints_moved(parts.particles(p).front());
       ++out_.info.islands;
@@ -128,6 +131,29 @@ class Compiler {
       if (!scene_.particles[particle].fixed && bend_at_[particle] != none)
         refuse("bend ", bend_at_[particle],
                ": its island has joints or shapes, which nothing moves together with bends yet");
+  }
+
+  /// Refuses tackles in an island with joints or shapes.
+  void require_untackled(std::span<const std::uint32_t> particles) {
+    if (scene_.tackles.empty()) return;
+    if (tackle_at_.empty()) {
+      tackle_at_.assign(scene_.particles.size(), none);
+      for (std::uint32_t i = 0; i < scene_.tackles.size(); ++i)
+        for (const std::uint32_t particle : scene_.tackles[i].particles) tackle_at_[particle] = i;
+    }
+    for (const std::uint32_t particle : particles)
+      if (!scene_.particles[particle].fixed && tackle_at_[particle] != none)
+        refuse("tackle ", tackle_at_[particle],
+               ": its island has joints or shapes, which nothing moves together with tackles yet");
+  }
+
+  /// Refuses tackles where the method or the gradient does not know them.
+  void require_tackles_moved() const {
+    if (scene_.tackles.empty()) return;
+    if (!method_row(settings_.method).moves_tackles)
+      refuse("tackle 0: method ", to_string(settings_.method), " moves no tackles; direct and auto do");
+    if (settings_.gradient == Gradient::old)
+      refuse("tackle 0: gradient old moves no tackles; mid and new do");
   }
 
   /// Refuses bends where the method or the gradient does not know them.
@@ -189,11 +215,12 @@ class Compiler {
 
   void add_islands() {
     require_bends_moved();
+    require_tackles_moved();
     bool is_first = true;
     const std::vector<Share> shares = shares_of(islands_);
     if (settings_.method == Method::automatic) require_settings_read(shares);
     for (const Share& share : shares) {
-      const IslandSets sets{graph_, islands_, share.sets, bends_};
+      const IslandSets sets{graph_, islands_, share.sets, bends_, tackles_};
       if (share.choice.method != Method::direct) {
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
@@ -251,12 +278,14 @@ class Compiler {
     return shares;
   }
 
-  bool is_bent(std::uint32_t island) const { return !bends_.empty() && !bends_[island].empty(); }
+  bool is_bent(std::uint32_t island) const {
+    return (!bends_.empty() && !bends_[island].empty()) || (!tackles_.empty() && !tackles_[island].empty());
+  }
 
   void add(MadeSolver made) {
     slots_.push_back(std::move(made.places));
     const auto number = static_cast<std::uint32_t>(out_.solvers.size());
-    for (const auto& [rod, slot] : made.rods) rods_.push_back({rod, {number, slot}});
+    for (const auto& [cord, slot] : made.cords) cords_.push_back({cord, {number, slot}});
     out_.solvers.push_back(std::move(made.solver));
   }
 
@@ -265,7 +294,7 @@ class Compiler {
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       for (const auto& [particle, slot] : slots_[s]) entries.push_back({particle, {s, slot}});
     out_.places = Places(static_cast<std::uint32_t>(scene_.particles.size()), entries);
-    out_.rods = Places(static_cast<std::uint32_t>(scene_.rods.size()), rods_);
+    out_.cords = Places(static_cast<std::uint32_t>(scene_.rods.size() + scene_.tackles.size()), cords_);
   }
 
   void fill_info() {
@@ -290,14 +319,16 @@ class Compiler {
 
   std::vector<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
   const layouts::Islands islands_;
-  const std::vector<std::vector<std::uint32_t>> bends_;  ///< by island; there are none if the scene has none
-  std::vector<std::uint32_t> bend_at_;  ///< by particle: its first bend, once it was asked for
+  /// These are by island; there are none if the scene has none.
+  const std::vector<std::vector<std::uint32_t>> bends_, tackles_;
+  std::vector<std::uint32_t> bend_at_;    ///< by particle: its first bend, once it was asked for
+  std::vector<std::uint32_t> tackle_at_;  ///< by particle: its last tackle, once it was asked for
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;
   StartReport start_;
   std::vector<std::vector<MadeSolver::Place>> slots_;  ///< by solver
-  std::vector<Places::Entry> rods_;
+  std::vector<Places::Entry> cords_;
 };
 
 }  // namespace
