@@ -27,7 +27,8 @@ PLUMB_API Stretch measure_stretch(const Scene& scene, std::span<const Vec3> posi
 struct Energy {
   double kinetic = 0;    ///< Kinetic energy, in J.
   double potential = 0;  ///< Potential energy −Σ m g·x, in J.
-  double elastic = 0;    ///< Energy of bends, and Σ k (l − length)²/2 of elastic rods not slack, in J.
+  /// Energy of bends, and Σ k (l − length)²/2 of elastic rods and tackles that are not slack, in J.
+  double elastic = 0;
   /// Returns their sum, in J.
   double total() const { return kinetic + potential + elastic; }
 };
