@@ -242,6 +242,28 @@ TEST_F(Allocations, AreNoneInStepsThatMoveAnchors) {
 }
 
 // Freezing an island may allocate, in the step that does it only.
+TEST_F(Allocations, AreNoneInStepsWithLoadsTacklesAndReactions) {
+  Scene machine;
+  machine.particles = {test::movable({0, -2, 0}, 3), test::fixed({}), test::movable({1, -1, 0}),
+                       test::movable({2, -1, 0})};
+  machine.rods = {{.a = 2, .b = 3}};
+  machine.tackles = {{.particles = {0, 1, 2}}};
+  for (const Scene& scene : {scenes::make_chain(20), machine}) {
+    World world(scene, {.method = Method::direct, .tensions = true});
+    world.set_load([](const LoadState& state, std::span<Vec3> forces) {
+      for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= state.time * state.velocities[i];
+    });
+    std::vector<Vec3> reactions(scene.particles.size());
+    const auto step = [&] {
+      if (!scene.tackles.empty()) world.set_tackle_length(0, 3 + 0.01 * world.time());
+      test::run(world, 1.0 / 60, 2);
+      world.copy_reactions(reactions);
+    };
+    step();
+    EXPECT_EQ(allocations_in([&] { step(); }), 0u);
+  }
+}
+
 TEST_F(Allocations, AreNoneOnceAnIslandIsFrozen) {
   for (const LayoutChoice layout :
        {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa})

@@ -202,6 +202,28 @@ TEST(Twisting, GradientMidKeepsTheEnergyOfAClampedWire) {
   EXPECT_GE(most - least, 0.1);  // the wire's twist turns into bending and back
 }
 
+TEST(Twisting, GradientMidKeepsTheEnergyOfAWireThatHangsFromATackle) {
+  Scene scene = wire(12, 2);
+  const auto pulley = static_cast<std::uint32_t>(scene.particles.size());
+  scene.particles.push_back(fixed({0.5, 0.6, 0}));
+  scene.particles.push_back(movable({0.6, 0.2, 0.1}, 0.3));
+  scene.tackles = {{.particles = {5, pulley, 9, pulley, pulley + 1}},
+                   {.particles = {3, pulley, 7}, .law = {.stiffness = 50}}};
+  give_velocities(scene, 5, 0.3);
+  World world(scene, direct(Gradient::mid, 2));
+  const double start = energy_of(scene, world);
+  double least = world.twist(0), most = least;
+  StepReport report;
+  for (int i = 0; i < 400; ++i) {
+    report += world.step(0.001);
+    least = std::min(least, world.twist(0));
+    most = std::max(most, world.twist(0));
+    ASSERT_NEAR(energy_of(scene, world), start, 1e-10 * start);  // as of the wire alone
+  }
+  EXPECT_EQ(report.fallbacks + report.unsolved, 0u);
+  EXPECT_GE(most - least, 0.01);
+}
+
 // Against a run with a sixteenth of the finer step, which adds 1/256 of its error.
 TEST(Twisting, OrderInTime) {
   const Scene scene = wire(8, 5);

@@ -124,7 +124,7 @@ TEST(LoopSystem, ABentChainTakesLinearTime) {
     std::vector<LoopBend> bends{{{nodes + 1, nodes, 0}}, {{nodes, 0, 1}}};
     for (std::uint32_t i = 1; i < nodes; ++i) rods.push_back({i, i - 1});
     for (std::uint32_t i = 2; i < nodes; ++i) bends.push_back({{i - 2, i - 1, i}});
-    return LoopSystem(rods, nodes, true, bends).analysis.operations() / nodes;
+    return LoopSystem(rods, nodes, true, {bends, {}, {}}).analysis.operations() / nodes;
   };
   EXPECT_NEAR(operations(4000) / operations(40), 1, 0.15);
 }
@@ -158,13 +158,15 @@ TEST(BentIslands, AreJoinedThroughAnAnchor) {
   const std::vector<std::uint8_t> movable{1, 1, 0, 1, 1};
   const layouts::Graph graph{5, edges, movable};
   EXPECT_EQ(find_bent_islands(scene, graph).count(), 2u);
-  EXPECT_TRUE(bends_by_island(scene, find_bent_islands(scene, graph)).empty());
+  EXPECT_FALSE(IslandElements(scene, find_bent_islands(scene, graph)).any_of(0));
   scene.bends = {{.a = 1, .b = 2, .c = 3, .stiffness = 1}};
   const layouts::Islands islands = find_bent_islands(scene, graph);
   ASSERT_EQ(islands.count(), 1u);
   EXPECT_EQ(islands.vertices(0).size(), 5u);
   EXPECT_EQ(islands.edges(0).size(), 4u);
-  EXPECT_EQ(bends_by_island(scene, islands), (std::vector<std::vector<std::uint32_t>>{{0}}));
+  const IslandElements elements(scene, islands);
+  const auto bends = elements.bends_of(0);
+  EXPECT_EQ(std::vector(bends.begin(), bends.end()), (std::vector<std::uint32_t>{0}));
 }
 
 }  // namespace

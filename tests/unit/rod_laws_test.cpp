@@ -14,7 +14,7 @@
 #include "interface/problems.hpp"
 #include "plumb/problem.hpp"
 #include "scenes/generators/generators.hpp"
-#include "step/lengths.hpp"
+#include "step/inputs/lengths.hpp"
 #include "support/tree_numbers.hpp"
 #include "time/verlet.hpp"
 

@@ -194,7 +194,7 @@ TEST(Scene, RodsMayGive) {
   EXPECT_EQ(refusal([](Scene& s) { s.rods[0].law = {.stiffness = 1, .damping = -2}; }),
             "rod 0: damping must be finite and not negative, got -2 N s/m");
   EXPECT_EQ(refusal([](Scene& s) { s.rods[0].law.damping = 2; }),
-            "rod 0: a rigid rod has no damping; give it a stiffness");
+            "rod 0: is rigid, so that it has no damping; give it a stiffness");
   EXPECT_EQ(refusal([](Scene& s) { s.rods[0].law.stiffness = 0; }),
             "rod 0: has neither stiffness nor damping, so that it holds nothing");
   EXPECT_EQ(refusal([](Scene& s) { s.rods[2].law.strength = 0; }),

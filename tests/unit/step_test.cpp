@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "scenes/generators/generators.hpp"
-#include "step/anchors.hpp"
 #include "step/compile/compiled.hpp"
+#include "step/inputs/anchors.hpp"
 #include "step/sleep.hpp"
 #include "support/executors.hpp"
 #include "support/worlds.hpp"

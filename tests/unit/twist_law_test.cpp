@@ -99,8 +99,10 @@ TEST(TwistLaw, JoinsWhatHangsFromBothSidesOfAnAnchor) {
   const std::vector<std::uint8_t> movable{0, 1, 0, 1, 0};
   const layouts::Islands islands = find_bent_islands(scene, {5, edges, movable});
   ASSERT_EQ(islands.count(), 1u);
-  EXPECT_EQ(twists_by_island(scene, islands), (std::vector<std::vector<std::uint32_t>>{{0}}));
-  EXPECT_TRUE(bends_by_island(scene, islands).empty());
+  const IslandElements elements(scene, islands);
+  const auto twists = elements.twists_of(0);
+  EXPECT_EQ(std::vector(twists.begin(), twists.end()), (std::vector<std::uint32_t>{0}));
+  EXPECT_TRUE(elements.bends_of(0).empty() && elements.tackles_of(0).empty());
 }
 
 }  // namespace

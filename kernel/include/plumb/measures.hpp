@@ -27,8 +27,9 @@ PLUMB_API Stretch measure_stretch(const Scene& scene, std::span<const Vec3> posi
 struct Energy {
   double kinetic = 0;    ///< Kinetic energy, in J.
   double potential = 0;  ///< Potential energy −Σ m g·x, in J.
-  /// Energy of bends, and Σ k (l − length)²/2 of elastic rods and springs that are not slack, in J. Likewise of
-  /// torsions and of drives of angles. A torsion's angle is taken within half a turn, as turns do not show.
+  /// Energy of bends, and Σ k (l − length)²/2 of elastic rods, tackles and springs that are not slack, in J.
+  /// Likewise of torsions and of drives of angles. A torsion's angle is taken within half a turn, as turns do
+  /// not show.
   double elastic = 0;
   /// Returns their sum, in J.
   double total() const { return kinetic + potential + elastic; }

@@ -12,6 +12,7 @@
 /// - scene.hpp: what is simulated.
 /// - settings.hpp: how it is simulated.
 /// - world.hpp: the compiled scene and its step.
+/// - loads.hpp: forces by function of time and state.
 /// - measures.hpp: how wrong it is, by strain, energy, momentum and truth.
 /// - executor.hpp: whose threads do it.
 /// - error.hpp: what is refused.
@@ -32,6 +33,7 @@
 #include "plumb/inertia.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/key_frames.hpp"
+#include "plumb/loads.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/problem.hpp"
 #include "plumb/scene.hpp"

@@ -115,12 +115,12 @@ struct Twist {
 /// This is a massless cord that runs through particles in their order, as over pulleys. The sum of the
 /// distances between neighbours is its length, and its pull is the same everywhere.
 ///
-/// Particles that it runs through are blocks of no size. Where one is fixed, a pulley hangs from the ceiling.
+/// Particles that it runs through are blocks of no size, without friction. Where one is fixed, a pulley hangs
+/// from the ceiling. A cord may run through a particle more than once, as through a block of several sheaves.
 struct Tackle {
   std::vector<std::uint32_t> particles{};  ///< Indices into Scene::particles; neighbours differ.
   double length = 0;                       ///< Length in m; 0 means that of the scene as it stands.
-  RodLaw law{};                            ///< How it answers to what pulls on it, as a rod does.
-  double friction = 0;  ///< Coulomb's coefficient on each pulley: pulls differ by exp(friction · angle).
+  RodLaw law{};  ///< How it answers to what pulls on it, as a rod does. It has no strength.
 };
 
 /// This is a rigid solid with a full tensor of inertia, carried by four particles that do not lie in one
@@ -260,12 +260,12 @@ struct Scene {
   std::vector<Box> boxes{};             ///< Solid boxes that do not move.
 };
 
-/// Returns whether a scene has more than particles and rods: bends, twists, shapes, ground, bodies, joints,
-/// springs, air on rods or sleepers.
+/// Returns whether a scene has more than particles and rods: bends, twists, tackles, shapes, ground, bodies,
+/// joints, springs, air on rods or sleepers.
 PLUMB_API bool has_more_than_rods(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, bend,
-/// twist, body, joint or shape, and the reason.
+/// twist, tackle, body, joint or shape, and the reason.
 ///
 /// Of particles and rods it refuses:
 /// - numbers that are not finite, negative mass or drag, a movable particle without mass;
@@ -284,6 +284,10 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - rods that are not there, unless both of their ends are fixed in different places;
 /// - stiffness that is not positive, an angle that is not finite.
 ///
+/// Of tackles it refuses:
+/// - fewer than two particles, an unknown one, neighbours that are the same, fixed particles alone;
+/// - a length that is not positive and finite, laws that it refuses of rods, and a strength.
+///
 /// Of bodies, joints and shapes it refuses:
 /// - a body whose particles lie in one plane (their volume is below 1e-9 of their size cubed) or lack a rod;
 /// - inertia that no solid has;
@@ -298,6 +302,8 @@ PLUMB_API void validate(const Scene& scene);
 
 /// Returns the length of rod `i` in m. If none is given, that is the distance between its particles.
 PLUMB_API double rod_length(const Scene& scene, std::size_t i);
+/// Returns the length of tackle `i` in m. If none is given, that is the way through its particles.
+PLUMB_API double tackle_length(const Scene& scene, std::size_t i);
 
 /// Holds the mass matrix of a rod on its ends, in kg. Its kinetic energy is aa/2 va·va + ab va·vb + bb/2
 /// vb·vb.

@@ -196,9 +196,10 @@ struct Settings {
   /// Islands that touch something sleep once they are slow, if this is true. Islands of particles and rods
   /// that stand still but for rounding always do. Sleepers cost nothing until they wake.
   bool sleep = true;
-  bool tensions = false;      ///< Whether World::tension() is known, which costs a little in every substep.
-  double sleep_time = 0.5;    ///< Time (s) that an island is at rest before it sleeps.
-  ContactSettings contact{};  ///< Lengths, speeds and shares of contact.
+  /// Whether World::tension() and World::reaction() are known, which costs a little in every substep.
+  bool tensions = false;
+  double sleep_time = 0.5;                        ///< Time (s) that an island is at rest before it sleeps.
+  ContactSettings contact{};                      ///< Lengths, speeds and shares of contact.
   LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.
   std::optional<Isa> isa{};                       ///< None: best_isa().
   unsigned threads = 0;                           ///< 0: as many as the executor offers. At most 64 are used.

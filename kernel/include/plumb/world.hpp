@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "plumb/export.hpp"
+#include "plumb/loads.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/problem.hpp"
 #include "plumb/scene.hpp"
@@ -170,7 +171,18 @@ class PLUMB_API World {
 
   /// Sets a constant force, in N, on a movable particle, which stays until it is changed. Throws InputError
   /// on an unknown or fixed particle or a force that is not finite.
+  ///
+  /// A force that is set anew before every step, from the state of then, moves a scene to first order only.
+  /// set_load() is of second order.
   void set_force(std::uint32_t particle, Vec3 force);
+  /// Lets `load` say forces from the next step on, which add to those of set_force(); an empty one ends that.
+  /// It is called once before each step and sees the middle of it: positions go on by their velocities, and
+  /// velocities as in the step before. Its forces then act through the step, so that motion is of second
+  /// order in the length of steps. Substeps do not refine it.
+  ///
+  /// step() throws what a load throws, and InputError on a force that is not finite. Nothing has moved then.
+  /// Forces on fixed particles show in reaction() alone. A load may read the world, but not change it.
+  void set_load(Load load);
   /// Moves an anchor to `target` (m) during the next step, along a straight line, a substep at a time. Throws
   /// InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
@@ -208,6 +220,22 @@ class PLUMB_API World {
   void copy_tensions(std::span<double> out) const;
   /// Returns whether a rod has pulled more than its strength. Throws InputError on an unknown rod.
   bool is_broken(std::uint32_t rod) const;
+
+  /// Lets a tackle become `target` (m) long during the next step, at a constant rate. Throws InputError on an
+  /// unknown tackle and a length that is not positive and finite.
+  void set_tackle_length(std::uint32_t tackle, double target);
+  /// Returns the pull of a tackle's cord in N, averaged over the last step, or NaN before the first. Throws
+  /// InputError on an unknown tackle, or without Settings::tensions.
+  double tackle_tension(std::uint32_t tackle) const;
+
+  /// Returns the force in N that holds an anchor, averaged over the last step. With gravity and other forces,
+  /// the reactions of all anchors make the change of momentum, that of rods' mass at anchors included. It is
+  /// NaN where a pull is (see tension()), and where a body hangs from the anchor. Throws InputError on an
+  /// unknown or movable particle, or without Settings::tensions.
+  Vec3 reaction(std::uint32_t particle) const;
+  /// Copies the reactions (N) at all particles into `out`; those of movable ones are zero. Throws InputError
+  /// unless it has particle_count() elements, or without Settings::tensions.
+  void copy_reactions(std::span<Vec3> out) const;
 
   /// Returns what went wrong in the last step, by particle, and which rods that are not elastic are off their
   /// length by more than `most_strain` of it. An empty list means that all is well.

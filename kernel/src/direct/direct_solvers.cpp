@@ -17,16 +17,10 @@ using layouts::lane_width;
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
 
-/// These bends and twists of an island are by its vertices.
-struct LocalBends {
-  std::vector<LoopBend> bends;
-  std::vector<LoopTwist> twists;
-  bool any() const { return !bends.empty() || !twists.empty(); }
-  friend auto operator<=>(const LocalBends&, const LocalBends&) = default;
-};
-
-LocalBends local_bends(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
-  LocalBends out;
+/// Returns the elements of an island.
+LoopElements local_elements(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
+  LoopElements out;
+  if (!sets.elements.any_of(island)) return out;
   const auto vertices = sets.islands.vertices(island);
   const auto fixed = std::find_if(vertices.begin(), vertices.end(),
                                   [&](std::uint32_t i) { return scene.particles[i].fixed; });
@@ -36,11 +30,19 @@ LocalBends local_bends(const Scene& scene, const IslandSets& sets, std::uint32_t
         std::lower_bound(is_fixed ? fixed : vertices.begin(), is_fixed ? vertices.end() : fixed, particle);
     return static_cast<std::uint32_t>(at - vertices.begin());
   };
-  for (const std::uint32_t i : sets.bends_of(island)) {
+  for (const std::uint32_t i : sets.elements.bends_of(island)) {
     const Bend& bend = scene.bends[i];
     out.bends.push_back({{place(bend.a), place(bend.b), place(bend.c)}});
   }
-  for (const std::uint32_t i : sets.twists_of(island)) {
+  std::uint32_t segments = 0;
+  for (const std::uint32_t i : sets.elements.tackles_of(island)) {
+    LoopTackle& tackle = out.tackles.emplace_back();
+    tackle.first = segments;
+    for (const std::uint32_t particle : scene.tackles[i].particles)
+      tackle.vertices.push_back(place(particle));
+    segments += tackle.segments();
+  }
+  for (const std::uint32_t i : sets.elements.twists_of(island)) {
     LoopTwist& twist = out.twists.emplace_back();
     for (const std::uint32_t particle : scene.twists[i].particles) twist.vertices.push_back(place(particle));
   }
@@ -65,14 +67,15 @@ class Maker {
   std::vector<MadeSolver> make() {
     for (const std::vector<std::uint32_t>& alike : sets_.sets) {
       std::vector<std::uint32_t> equal;
-      std::map<LocalBends, std::vector<std::uint32_t>> bent;
+      std::map<LoopElements, std::vector<std::uint32_t>> others;
       for (const std::uint32_t island : alike)
-        if (sets_.bends_of(island).empty() && sets_.twists_of(island).empty())
-          equal.push_back(island);
+        if (const LoopElements elements = local_elements(scene_, sets_, island); elements.any())
+          others[elements].push_back(island);
         else
-          bent[local_bends(scene_, sets_, island)].push_back(island);
-      for (const auto& [bends, islands] : bent)
-        add_loops(islands, layouts::local_graph(sets_.graph, sets_.islands, islands.front()).view(), bends);
+          equal.push_back(island);
+      for (const auto& [elements, islands] : others)
+        add_loops(islands, layouts::local_graph(sets_.graph, sets_.islands, islands.front()).view(),
+                  elements);
       if (equal.empty()) continue;
       const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
@@ -91,6 +94,10 @@ class Maker {
   Isa isa() const { return settings_.isa.value_or(best_isa()); }
 
   bool is_off_length(std::uint32_t island) const {
+    const auto tackles = sets_.elements.tackles_of(island);
+    if (std::any_of(tackles.begin(), tackles.end(),
+                    [&](std::uint32_t i) { return is_off(scene_.tackles[i]); }))
+      return true;
     const auto rods = sets_.islands.edges(island);
     return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
       const Rod& rod = scene_.rods[i];
@@ -99,6 +106,16 @@ class Maker {
       if (rod.law.is_elastic() || (rod.law.one_sided && now < length)) return false;
       return std::abs(now - length) > least_gap * length;
     });
+  }
+
+  bool is_off(const Tackle& tackle) const {
+    double now = 0;
+    for (std::size_t k = 1; k < tackle.particles.size(); ++k)
+      now += norm(scene_.particles[tackle.particles[k]].position -
+                  scene_.particles[tackle.particles[k - 1]].position);
+    if (tackle.length == 0 || tackle.law.is_elastic() || (tackle.law.one_sided && now < tackle.length))
+      return false;
+    return std::abs(now - tackle.length) > least_gap * tackle.length;
   }
 
   template <class T>
@@ -132,11 +149,11 @@ class Maker {
       const auto rods = members_of(lane).edges;
       for (std::uint32_t i = 0; i < tree.nodes(); ++i) {
         made.places.push_back({vertices[tree.vertex[i]], solver->node_slot(i, lane)});
-        if (i > 0) made.rods.push_back({rods[tree.edge[i]], solver->rod_slot(i, lane)});
+        if (i > 0) made.cords.push_back({rods[tree.edge[i]], solver->rod_slot(i, lane)});
       }
       for (std::uint32_t k = 0; k < tree.ties.size(); ++k) {
         made.places.push_back({vertices[tree.ties[k].vertex], solver->tie_slot(k, lane)});
-        made.rods.push_back({rods[tree.ties[k].edge], solver->tie_slot(k, lane)});
+        made.cords.push_back({rods[tree.ties[k].edge], solver->tie_slot(k, lane)});
       }
     }
     start(*solver, equal, made);
@@ -146,7 +163,7 @@ class Maker {
   }
 
   void add_loops(const std::vector<std::uint32_t>& equal, const layouts::Graph& local,
-                 const LocalBends& bends) {
+                 const LoopElements& elements) {
     if (!loop_rules_) {
       loop_rules_ = std::make_shared<LoopRules>(rules_.gradient, rules_.time_order, scene_.drag,
                                                 settings_.accuracy, isa());
@@ -155,21 +172,19 @@ class Maker {
     const bool couples = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
       return carries_mass(scene_, sets_.islands.edges(island), model());
     });
-    const auto topology = std::make_shared<LoopTopology>(local);
-    topology->bends = bends.bends;
-    topology->twists = bends.twists;
-    const bool gives = bends.any() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+    const auto topology = std::make_shared<LoopTopology>(local, elements);
+    const bool gives = elements.any() || std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
                          return has_laws(scene_, sets_.islands.edges(island));
                        });
-    const bool all_give = !bends.any() && std::all_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
-                            return all_elastic(scene_, sets_.islands.edges(island));
-                          });
+    const bool all_give =
+        !elements.any() && std::all_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+          return all_elastic(scene_, sets_.islands.edges(island));
+        });
     if (!couples && all_give && !is_thin(local)) {
       topology->use_net();
     } else if (couples || gives || is_thin(local)) {
-      topology->system = std::make_unique<LoopSystem>(topology->rods, topology->nodes,
-                                                      LoopStepper::couples(rules_.gradient, model()),
-                                                      topology->bends, topology->twists);
+      topology->system = std::make_unique<LoopSystem>(
+          topology->rods, topology->nodes, LoopStepper::couples(rules_.gradient, model()), elements);
     } else {
       std::vector<Vec3> positions;
       for (const std::uint32_t vertex : sets_.islands.vertices(equal.front()))
@@ -184,9 +199,12 @@ class Maker {
         vertices.push_back(sets_.islands.vertices(island)[i]);
       }
       const auto rods = sets_.islands.edges(island);
-      for (std::uint32_t k = 0; k < rods.size(); ++k) made.rods.push_back({rods[k], k});
+      Slot cord = 0;
+      for (const std::uint32_t rod : rods) made.cords.push_back({rod, cord++});
+      for (const std::uint32_t tackle : sets_.elements.tackles_of(island))
+        made.cords.push_back({static_cast<std::uint32_t>(scene_.rods.size()) + tackle, cord++});
       LoopState state(topology, scene_, model(), vertices, sets_.islands.edges(island));
-      if (bends.any()) load_bends(state, island, made);
+      if (elements.any()) load_elements(state, island, made);
       auto solver = std::make_unique<LoopSolver>(loop_rules_, std::move(state));
       start(*solver, std::span(&island, 1), made);
       if (settings_.tensions) solver->count_pulls();
@@ -195,11 +213,13 @@ class Maker {
     }
   }
 
-  void load_bends(LoopState& state, std::uint32_t island, MadeSolver& made) const {
+  void load_elements(LoopState& state, std::uint32_t island, MadeSolver& made) const {
     const IslandRods rods(state.topology->rods);
-    detail::load_bends(state, bends_, rods, sets_.bends_of(island));
-    load_twists(state, bends_, rods, sets_.twists_of(island));
-    for (const std::uint32_t twist : sets_.twists_of(island))
+    state.hold.resize(state.fixed_velocity.size());
+    load_bends(state, bends_, rods, sets_.elements.bends_of(island));
+    load_tackles(state, scene_, sets_.elements.tackles_of(island));
+    load_twists(state, bends_, rods, sets_.elements.twists_of(island));
+    for (const std::uint32_t twist : sets_.elements.twists_of(island))
       made.twists.emplace_back(twist, static_cast<Slot>(made.twists.size()));
   }
 

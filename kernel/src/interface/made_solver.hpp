@@ -15,14 +15,14 @@ struct MadeSolver {
     std::uint32_t particle;  ///< the scene's number
     Slot slot;
   };
-  /// A rod has a slot where its solver can say how it pulls and change its length.
-  struct RodPlace {
-    std::uint32_t rod;  ///< the scene's number
+  /// A rod or a tackle has a slot where its solver can say how it pulls and change its length.
+  struct CordPlace {
+    std::uint32_t cord;  ///< the scene's number of a rod, or that of a tackle after all rods
     Slot slot;
   };
   std::unique_ptr<Solver> solver;
   std::vector<Place> places;
-  std::vector<RodPlace> rods{};
+  std::vector<CordPlace> cords{};
   std::vector<std::pair<std::uint32_t, Slot>> twists{};  ///< the scene's numbers and the solver's
 };
 

@@ -148,15 +148,18 @@ class Solver {
   /// Returns whether all islands of a piece are left out.
   virtual bool is_away(std::uint32_t piece) const = 0;
 
-  // --- Rods, by slots of their own; of solvers that have them (MadeSolver::rods)
+  // --- Rods and tackles, by slots of their own; of solvers that have them (MadeSolver::cords)
 
-  /// Adds up how rods pull from now on.
+  /// Adds up how cords pull from now on.
   virtual void count_pulls() {}
-  /// Returns the pull (N) of a rod, averaged over the last step of `dt` (s).
+  /// Returns the force (N) that holds a fixed particle against all that is not a rod, averaged over the last
+  /// step of `dt` (s). It is zero unless pulls are added up.
+  virtual Vec3 hold(Slot, double /*dt*/) const { return {}; }
+  /// Returns the pull (N) of a cord, averaged over the last step of `dt` (s).
   virtual double pull(Slot, double /*dt*/) const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual bool is_broken(Slot) const { return false; }
-  /// Sets the length (m) of a rod, and its rate (m/s) in the next step. All rods of a step get theirs before
-  /// begin_piece().
+  /// Sets the length (m) of a cord, and its rate (m/s) in the next step. All cords of a step get theirs
+  /// before begin_piece().
   virtual void set_length(Slot, double /*length*/, double /*rate*/) {}
 
   // --- Twists, by slots of their own; of solvers that have them (MadeSolver::twists)

@@ -7,6 +7,7 @@
 #include "scene/bends/bends.hpp"
 #include "scene/bends/twists.hpp"
 #include "scene/springs/springs.hpp"
+#include "scene/tackles/tackles.hpp"
 
 namespace plumb {
 namespace {
@@ -89,7 +90,8 @@ Energy measure_energy(const Scene& scene, std::span<const Vec3> positions, std::
     const double excess = excess_length(scene, i, positions);
     energy.elastic += 0.5 * law.stiffness * excess * excess;
   }
-  energy.elastic += detail::bending_energy(scene, positions) + detail::spring_energy(scene, positions);
+  energy.elastic += detail::bending_energy(scene, positions) + detail::tackle_energy(scene, positions) +
+                    detail::spring_energy(scene, positions);
   return energy;
 }
 

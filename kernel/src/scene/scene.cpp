@@ -12,6 +12,8 @@
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
 #include "scene/springs/springs.hpp"
+#include "scene/tackles/tackles.hpp"
+#include "scene/tackles/validate_law.hpp"
 #include "scene/validate_bodies.hpp"
 
 namespace plumb {
@@ -39,17 +41,6 @@ void validate_particle(const Particle& particle, std::size_t i) {
   if (particle.mass < 0) refuse("particle ", i, ": mass is negative (", particle.mass, " kg)");
 }
 
-void validate_law(const RodLaw& law, std::size_t i) {
-  if (!(law.stiffness >= 0)) refuse("rod ", i, ": stiffness must be 0 or more, got ", law.stiffness, " N/m");
-  if (!(law.damping >= 0 && std::isfinite(law.damping)))
-    refuse("rod ", i, ": damping must be finite and not negative, got ", law.damping, " N s/m");
-  if (!(law.strength > 0)) refuse("rod ", i, ": strength must be positive, got ", law.strength, " N");
-  if (law.damping > 0 && !law.is_elastic())
-    refuse("rod ", i, ": a rigid rod has no damping; give it a stiffness");
-  if (law.stiffness == 0 && law.damping == 0)
-    refuse("rod ", i, ": has neither stiffness nor damping, so that it holds nothing");
-}
-
 void validate_rod(const Scene& scene, std::size_t i) {
   const Rod& rod = scene.rods[i];
   for (const std::uint32_t end : {rod.a, rod.b}) {
@@ -74,7 +65,7 @@ void validate_rod(const Scene& scene, std::size_t i) {
       refuse("rod ", i, ": drag must be finite and not negative, got ", drag, " per second");
   if ((rod.linear_drag != 0 || rod.orthogonal_drag != 0) && rod.mass == 0)
     refuse("rod ", i, ": has drag of the air, but no mass of its own for it to act on");
-  validate_law(rod.law, i);
+  detail::validate_law(rod.law, "rod ", i);
   const double length = rod_length(scene, i);
   if (!std::isfinite(length)) refuse("rod ", i, ": length is not finite: ", length);
   if (length == 0) {
@@ -123,6 +114,7 @@ void validate(const Scene& scene) {
   refuse_duplicate_rods(scene.rods);
   detail::validate_bends(scene);
   detail::validate_twists(scene);
+  detail::validate_tackles(scene);
   detail::validate_bodies(scene);
   validate_lumped_masses(scene);
   detail::validate_joints(scene);
@@ -131,10 +123,10 @@ void validate(const Scene& scene) {
 }
 
 bool has_more_than_rods(const Scene& scene) {
-  const bool plain = scene.bends.empty() && scene.twists.empty() && scene.bodies.empty() &&
-                     scene.pins.empty() && scene.alignments.empty() && scene.angles.empty() &&
-                     scene.springs.empty() && scene.torsions.empty() && scene.capsules.empty() &&
-                     scene.planes.empty() && scene.boxes.empty();
+  const bool plain = scene.bends.empty() && scene.twists.empty() && scene.tackles.empty() &&
+                     scene.bodies.empty() && scene.pins.empty() && scene.alignments.empty() &&
+                     scene.angles.empty() && scene.springs.empty() && scene.torsions.empty() &&
+                     scene.capsules.empty() && scene.planes.empty() && scene.boxes.empty();
   const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
                                   [](const Particle& particle) { return particle.asleep; });
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {

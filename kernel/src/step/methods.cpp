@@ -55,7 +55,7 @@ std::vector<MethodRow>& table() {
        .reads = relax_reads | direct_reads,
        .moves_joints = true,
        .moves_laws = true,
-       .moves_bends = true},
+       .moves_elements = true},
       {.method = Method::relax,
        .name = to_string(Method::relax),
        .moves = "particles and rods, one rod after the other (thesis 3.2)",
@@ -69,7 +69,7 @@ std::vector<MethodRow>& table() {
        .reads = direct_reads | Reads::time_order,
        .moves_joints = true,
        .moves_laws = true,
-       .moves_bends = true,
+       .moves_elements = true,
        .validate = validate_direct},
   };
   return rows;

@@ -56,9 +56,9 @@ struct MethodRow {
   std::string_view name;   ///< on the command line
   std::string_view moves;  ///< in words, for the documentation
   Reads reads;
-  bool moves_joints = false;  ///< bodies, joints, air, shapes that touch
-  bool moves_laws = false;    ///< rods that are not rigid
-  bool moves_bends = false;
+  bool moves_joints = false;    ///< bodies, joints, air, shapes that touch
+  bool moves_laws = false;      ///< rods that are not rigid
+  bool moves_elements = false;  ///< bends, tackles and twists
   /// Refuses settings that make no sense together. It may be null.
   void (*validate)(const Settings& settings) = nullptr;
   /// Makes the solvers of a scene's islands of particles and rods. It is null for automatic, which chooses

@@ -39,6 +39,8 @@ Step::Step(const Scene& scene, const Settings& settings)
       compiled_(compile(scene, with_threads(settings, workers_.size()))),
       anchors_(scene, compiled_.solvers.size()),
       lengths_(scene),
+      loads_(scene),
+      reactions_(scene, settings),
       rods_(scene),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
@@ -66,8 +68,11 @@ StepReport Step::run(double dt) {
 
 void Step::wake(StepReport&) {
   for (const std::uint32_t rod : lengths_.moving())
-    for (const Place place : compiled_.rods.of(rod)) sleep_.wake(compiled_.solvers, place);
-  lengths_.begin_step(dt_, compiled_.rods, compiled_.solvers);
+    for (const Place place : compiled_.cords.of(rod)) sleep_.wake(compiled_.solvers, place);
+  lengths_.begin_step(dt_, compiled_.cords, compiled_.solvers);
+  reactions_.begin_step([&](std::uint32_t particle) { return position(particle); },
+                        [&](std::uint32_t particle) { return velocity(particle); },
+                        [&](std::uint32_t anchor) { return anchors_.velocity(anchor, dt_); });
   if (!anchors_.any_paths()) return;
   anchors_.for_moving_places(compiled_.places,
                              [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
@@ -150,7 +155,7 @@ void Step::measure(StepReport& report) {
   for (const Task& task : sleep_.tasks())
     if (!task.asleep) report.awake_islands += compiled_.solvers[task.solver]->islands(task.piece);
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
-  lengths_.end_step(compiled_.rods, compiled_.solvers);
+  lengths_.end_step(compiled_.cords, compiled_.solvers);
 }
 
 bool Step::uses_threads() const {
@@ -187,7 +192,20 @@ void Step::set_weights(Weights weights) {
   for (const auto& solver : compiled_.solvers) solver->describe(info);
 }
 
+void Step::ask_load(double time, double dt) {
+  if (loads_.any())
+    loads_.ask(time, dt, [&](std::uint32_t particle) {
+      if (!anchors_.is_fixed(particle)) return Loads::Motion{position(particle), velocity(particle), false};
+      return Loads::Motion{position(particle), anchors_.velocity(particle, dt), true};
+    });
+  loads_.for_changed([&](std::uint32_t particle, Vec3 force) { put_force(particle, force); });
+}
+
 void Step::set_force(std::uint32_t particle, Vec3 force) {
+  put_force(particle, loads_.set_force(particle, force));
+}
+
+void Step::put_force(std::uint32_t particle, Vec3 force) {
   for (const Place place : compiled_.places.of(particle)) {
     solver(place).set_force(place.slot, force);
     sleep_.wake(compiled_.solvers, place);
@@ -198,13 +216,12 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
   anchors_.set_target(particle, target);
 }
 
-void Step::set_length(std::uint32_t rod, double target) {
-  if (compiled_.rods.of(rod).empty())
-    refuse("rod ", rod, ": its length cannot change, since its island is relaxed or has joints");
-  const auto ends = compiled_.places.of(rods_.end(rod));
-  if (compiled_.contact && &solver(ends.back()) == compiled_.contact)
-    refuse("rod ", rod, ": its length cannot change, since its island has shapes that may touch");
-  lengths_.set_target(rod, target);
+void Step::set_length(std::uint32_t cord, double target) {
+  if (compiled_.cords.of(cord).empty())
+    refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");
+  if (is_visiting(cord))
+    refuse("rod ", cord, ": its length cannot change, since its island has shapes that may touch");
+  lengths_.set_target(cord, target);
 }
 
 void Step::set_twist(std::uint32_t twist, double angle) {
@@ -221,19 +238,41 @@ double Step::twist(std::uint32_t twist) const {
   return solver(place).twist(place.slot);
 }
 
-double Step::pull(std::uint32_t rod) const {
-  const auto places = compiled_.rods.of(rod);
-  const Place* const end = place_of(rods_.end(rod));
-  if (compiled_.contact && end && &solver(*end) == compiled_.contact)
+/// Returns whether a rod belongs to an island that the contact solver may move.
+bool Step::is_visiting(std::uint32_t cord) const {
+  if (!compiled_.contact || cord >= compiled_.info.rods) return false;
+  return &solver(compiled_.places.of(rods_.end(cord)).back()) == compiled_.contact;
+}
+
+double Step::pull(std::uint32_t cord) const {
+  const auto places = compiled_.cords.of(cord);
+  if (places.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (const Place* const end = is_visiting(cord) ? place_of(rods_.end(cord)) : nullptr;
+      end && &solver(*end) == compiled_.contact)
     return std::numeric_limits<double>::quiet_NaN();  // the contact solver moves it now
-  const auto task = places.empty() ? std::nullopt : sleep_.task_of(compiled_.solvers, places.front());
+  const auto task = sleep_.task_of(compiled_.solvers, places.front());
   const double dt = task ? sleep_.tasks()[*task].dt : 0;
   if (dt == 0) return std::numeric_limits<double>::quiet_NaN();
   return solver(places.front()).pull(places.front().slot, dt);
 }
 
+Vec3 Step::reaction(std::uint32_t particle) const {
+  const auto places = compiled_.places.of(particle);
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  if (compiled_.contact && !places.empty() && &solver(places.front()) == compiled_.contact)
+    return {unknown, unknown, unknown};
+  Vec3 sum = -1.0 * loads_.loaded(particle);
+  for (const Reactions::Held& held : reactions_.at(particle))
+    sum += reactions_.holding(held, pull(held.rod), position(held.other) - position(particle),
+                              velocity(held.other), dt_);
+  for (const Place place : places)
+    if (const auto task = sleep_.task_of(compiled_.solvers, place))
+      sum += solver(place).hold(place.slot, sleep_.tasks()[*task].dt);
+  return sum;
+}
+
 bool Step::is_broken(std::uint32_t rod) const {
-  const auto places = compiled_.rods.of(rod);
+  const auto places = compiled_.cords.of(rod);
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
 }
 

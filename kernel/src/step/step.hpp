@@ -1,11 +1,14 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
-#include "step/anchors.hpp"
 #include "step/compile/compiled.hpp"
-#include "step/lengths.hpp"
+#include "step/inputs/anchors.hpp"
+#include "step/inputs/lengths.hpp"
+#include "step/inputs/loads.hpp"
+#include "step/reactions.hpp"
 #include "step/sleep.hpp"
 #include "threads/sharing.hpp"
 #include "threads/workers.hpp"
@@ -20,6 +23,8 @@ class Step {
   /// method cannot move it.
   Step(const Scene& scene, const Settings& settings);
 
+  /// Asks the load for its forces in a step of dt (s) from `time` (s) on. What it throws is before the step.
+  void ask_load(double time, double dt);
   /// Advances by dt (s) through the stages that step.cpp lists.
   StepReport run(double dt);
   /// Throws what the executor threw in the last step. That step was done all the same.
@@ -28,9 +33,10 @@ class Step {
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
   void set_force(std::uint32_t particle, Vec3 force);
+  void set_load(Load load) { loads_.set(std::move(load)); }
   void move_anchor(std::uint32_t particle, Vec3 target);
-  /// Throws InputError if no solver can change the length of this rod.
-  void set_length(std::uint32_t rod, double target);
+  /// Throws InputError if no solver can change the length of this cord. Cords are rods, then tackles.
+  void set_length(std::uint32_t cord, double target);
 
   /// Changes a spring, a torsion or an angle. Throws InputError on an unknown one, and on a change that needs
   /// another matrix.
@@ -44,8 +50,10 @@ class Step {
     return compiled_.contact->torsion_angle(number);
   }
 
-  /// Returns NaN where no solver knows the pull (N) of a rod in the last step.
-  double pull(std::uint32_t rod) const;
+  /// Returns NaN where no solver knows the pull (N) of a cord in the last step.
+  double pull(std::uint32_t cord) const;
+  /// Returns the force (N) that held a fixed particle in the last step, or NaN where a pull is.
+  Vec3 reaction(std::uint32_t particle) const;
   bool is_broken(std::uint32_t rod) const;
 
   double twist(std::uint32_t twist) const;
@@ -78,6 +86,8 @@ class Step {
   void advance(Solver& solver, std::uint32_t piece, unsigned part);
   void advance(Task& task, unsigned part);
   bool uses_threads() const;
+  void put_force(std::uint32_t particle, Vec3 force);
+  bool is_visiting(std::uint32_t cord) const;
   const Place* place_of(std::uint32_t particle) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 
@@ -87,6 +97,8 @@ class Step {
   Compiled compiled_;
   Anchors anchors_;
   Lengths lengths_;
+  Loads loads_;
+  Reactions reactions_;
   RodJudge rods_;
   Sleep sleep_;
   TimeRules rules_;

@@ -24,6 +24,11 @@ double farthest_coordinate(Precision precision) {
   return precision == Precision::single ? 1e15 : 1e100;
 }
 
+void require_length(const char* what, std::uint32_t number, double target) {
+  if (!(target > 0 && std::isfinite(target)))
+    refuse(what, number, ": a length must be positive and finite, got ", target, " m");
+}
+
 }  // namespace
 
 struct World::Impl {
@@ -31,7 +36,7 @@ struct World::Impl {
   std::vector<std::uint8_t> fixed;
   Precision precision = Precision::double_;
   std::uint32_t substeps = 1;
-  std::uint32_t rods = 0, twists = 0;
+  std::uint32_t rods = 0, tackles = 0, twists = 0;
   bool tensions = false;
   double time = 0;
 
@@ -46,6 +51,9 @@ struct World::Impl {
   }
   void require_rod(std::uint32_t rod) const {
     if (rod >= rods) refuse("rod ", rod, ": unknown, the scene has ", rods, " rods");
+  }
+  void require_tackle(std::uint32_t tackle) const {
+    if (tackle >= tackles) refuse("tackle ", tackle, ": unknown, the scene has ", tackles, " tackles");
   }
   void require_twist(std::uint32_t twist) const {
     if (twist >= twists) refuse("twist ", twist, ": unknown, the scene has ", twists, " twists");
@@ -71,6 +79,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->substeps = settings.substeps;
   impl_->tensions = settings.tensions;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
+  impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());
 }
 World::~World() = default;
@@ -82,6 +91,7 @@ StepReport World::step(double dt) {
   if (dt / impl_->substeps < shortest_substep(impl_->precision))
     refuse("dt ", dt, " s in ", impl_->substeps, " substeps is too short for ", to_string(impl_->precision),
            ": a substep takes at least ", shortest_substep(impl_->precision), " s");
+  impl_->step->ask_load(impl_->time, dt);
   const StepReport report = impl_->step->run(dt);
   impl_->time += dt;
   impl_->step->rethrow_executor_failure();
@@ -103,6 +113,10 @@ void World::set_force(std::uint32_t particle, Vec3 force) {
   impl_->step->set_force(particle, force);
 }
 
+void World::set_load(Load load) {
+  impl_->step->set_load(std::move(load));
+}
+
 void World::move_anchor(std::uint32_t particle, Vec3 target) {
   impl_->require(particle, true, "only fixed particles are moved as anchors");
   if (!is_finite(target)) refuse("particle ", particle, ": target is not finite");
@@ -115,9 +129,13 @@ void World::move_anchor(std::uint32_t particle, Vec3 target) {
 
 void World::set_length(std::uint32_t rod, double target) {
   impl_->require_rod(rod);
-  if (!(target > 0 && std::isfinite(target)))
-    refuse("rod ", rod, ": a length must be positive and finite, got ", target, " m");
+  require_length("rod ", rod, target);
   impl_->step->set_length(rod, target);
+}
+void World::set_tackle_length(std::uint32_t tackle, double target) {
+  impl_->require_tackle(tackle);
+  require_length("tackle ", tackle, target);
+  impl_->step->set_length(impl_->rods + tackle, target);
 }
 
 void World::set_twist(std::uint32_t twist, double angle) {
@@ -159,6 +177,24 @@ void World::copy_tensions(std::span<double> out) const {
 bool World::is_broken(std::uint32_t rod) const {
   impl_->require_rod(rod);
   return impl_->step->is_broken(rod);
+}
+
+double World::tackle_tension(std::uint32_t tackle) const {
+  impl_->require_tackle(tackle);
+  impl_->require_tensions();
+  return impl_->step->pull(impl_->rods + tackle);
+}
+
+Vec3 World::reaction(std::uint32_t particle) const {
+  impl_->require(particle, true, "nothing holds it");
+  impl_->require_tensions();
+  return impl_->step->reaction(particle);
+}
+void World::copy_reactions(std::span<Vec3> out) const {
+  impl_->require_tensions();
+  impl_->require_fit(out, "reactions");
+  for (std::uint32_t i = 0; i < particle_count(); ++i)
+    out[i] = impl_->fixed[i] != 0 ? impl_->step->reaction(i) : Vec3{};
 }
 
 std::vector<Problem> World::problems(double most_strain) const {

@@ -24,6 +24,21 @@ void read_particles(const Object& top, Scene& scene) {
   }
 }
 
+/// A file says that a length is that of the scene as it stands by leaving the key out, where a Scene has 0.
+double length_of(const Object& item, const char* otherwise) {
+  const double length = number_or(item, "length", 0);
+  if (item.find("length") && length == 0)
+    refuse(item.path_of("length"), std::string("must be positive; leave it out for ") + otherwise);
+  return length;
+}
+
+/// Reads a law but for the strength.
+RodLaw law_of(const Object& item) {
+  return {.stiffness = number_or(item, "stiffness", RodLaw{}.stiffness),
+          .damping = number_or(item, "damping", 0),
+          .one_sided = truth_or(item, "one_sided", false)};
+}
+
 void read_rods(const Object& top, Scene& scene) {
   const Array list(top, "rods");
   scene.rods.reserve(list.size());
@@ -31,24 +46,16 @@ void read_rods(const Object& top, Scene& scene) {
     const Object item(list[i], list.path_of(i),
                       {"a", "b", "length", "mass", "center", "inertia", "linear_drag", "orthogonal_drag",
                        "stiffness", "damping", "one_sided", "strength"});
-    const RodLaw rigid;
     scene.rods.push_back({.a = particle_id(item, "a"),
                           .b = particle_id(item, "b"),
-                          .length = number_or(item, "length", 0),
+                          .length = length_of(item, "the distance between the two particles"),
                           .mass = number_or(item, "mass", 0),
                           .center = number_or(item, "center", 0.5),
                           .linear_drag = number_or(item, "linear_drag", 0),
                           .orthogonal_drag = number_or(item, "orthogonal_drag", 0),
-                          .law = {.stiffness = number_or(item, "stiffness", rigid.stiffness),
-                                  .damping = number_or(item, "damping", 0),
-                                  .one_sided = truth_or(item, "one_sided", false),
-                                  .strength = number_or(item, "strength", rigid.strength)}});
+                          .law = law_of(item)});
+    scene.rods.back().law.strength = number_or(item, "strength", RodLaw{}.strength);
     if (item.find("inertia")) scene.rods.back().inertia = number(item, "inertia");
-    // In a Scene 0 stands for "as far as the ends are apart". A file says that by leaving the key out.
-    if (item.find("length") && scene.rods.back().length == 0) {
-      refuse(item.path_of("length"),
-             "must be positive; leave it out for the distance between the two particles");
-    }
   }
 }
 
@@ -81,11 +88,25 @@ void read_twists(const Object& top, Scene& scene) {
   }
 }
 
+void read_tackles(const Object& top, Scene& scene) {
+  if (!top.find("tackles")) return;
+  const Array list(top, "tackles");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Object item(list[i], list.path_of(i), {"particles", "length", "stiffness", "damping", "one_sided"});
+    const Array particles(item, "particles");
+    Tackle& tackle = scene.tackles.emplace_back();
+    for (std::size_t k = 0; k < particles.size(); ++k)
+      tackle.particles.push_back(particle_id(particles[k], particles.path_of(k)));
+    tackle.length = length_of(item, "the way through the particles");
+    tackle.law = law_of(item);
+  }
+}
+
 Scene scene_of(const json& root) {
   const Object top(
       root, "",
-      {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "twists", "bodies", "pins",
-       "alignments", "angles", "springs", "torsions", "capsules", "planes", "boxes"});
+      {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "twists", "tackles", "bodies",
+       "pins", "alignments", "angles", "springs", "torsions", "capsules", "planes", "boxes"});
   require_version(top, "plumb", 1);
   Scene scene;
   scene.gravity = vector_or(top, "gravity", scene.gravity);
@@ -95,6 +116,7 @@ Scene scene_of(const json& root) {
   read_rods(top, scene);
   read_bends(top, scene);
   read_twists(top, scene);
+  read_tackles(top, scene);
   read_limbs(top, scene);
   return scene;
 }
@@ -111,6 +133,17 @@ Scene parse_scene(std::string_view text, std::string_view name) {
     throw InputError(std::string(name) + ": " + error.what());
   }
 }
+
+namespace {
+
+/// Writes a law but for the strength.
+void write_law(const RodLaw& law, Json& object) {
+  if (law.is_elastic()) object["stiffness"] = law.stiffness;
+  if (law.damping != 0) object["damping"] = law.damping;
+  if (law.one_sided) object["one_sided"] = true;
+}
+
+}  // namespace
 
 std::string format_scene(const Scene& scene) {
   std::string out = "{\n  \"plumb\": 1,\n  \"gravity\": " + to_json(scene.gravity).dump();
@@ -133,9 +166,7 @@ std::string format_scene(const Scene& scene) {
     if (r.inertia) object["inertia"] = *r.inertia;
     if (r.linear_drag != 0) object["linear_drag"] = r.linear_drag;
     if (r.orthogonal_drag != 0) object["orthogonal_drag"] = r.orthogonal_drag;
-    if (r.law.is_elastic()) object["stiffness"] = r.law.stiffness;
-    if (r.law.damping != 0) object["damping"] = r.law.damping;
-    if (r.law.one_sided) object["one_sided"] = true;
+    write_law(r.law, object);
     if (std::isfinite(r.law.strength)) object["strength"] = r.law.strength;
     return object;
   });
@@ -151,6 +182,13 @@ std::string format_scene(const Scene& scene) {
     append_list(out, "twists", scene.twists, [](const Twist& twist) {
       Json object{{"particles", Json::array_of(twist.particles)}, {"stiffness", twist.stiffness}};
       if (twist.angle != 0) object["angle"] = twist.angle;
+      return object;
+    });
+  if (!scene.tackles.empty())
+    append_list(out, "tackles", scene.tackles, [](const Tackle& tackle) {
+      Json object{{"particles", Json::array_of(tackle.particles)}};
+      if (tackle.length != 0) object["length"] = tackle.length;
+      write_law(tackle.law, object);
       return object;
     });
   append_limbs(out, scene);

@@ -115,6 +115,18 @@ LoopWork work_of_bends(const LoopState& state, const LoopWorkspace& work, double
   return out;
 }
 
+void hold_bends(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work) {
+  if (!state.laws.pulls) return;
+  const std::uint32_t nodes = state.topology->nodes;
+  const double share = end.h / end.kick * end.mass_unit;
+  for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
+    const Vec3 pull = share * pull_of(state, k, end.theta, false, work).pull;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const std::uint32_t vertex = state.topology->bends[k].vertices[i]; vertex >= nodes)
+        state.hold[vertex - nodes] += work.bends[k].weights[i] * pull;
+  }
+}
+
 double energy_of_bends(const LoopState& state, const LoopWorkspace& work) {
   double sum = 0;
   for (std::uint32_t k = 0; k < state.bends.size(); ++k) {

@@ -15,6 +15,7 @@ namespace plumb::detail {
 
 struct LoopState;
 struct LoopWorkspace;
+struct SubstepEnd;
 
 /// An island has these numbers of a bend. Those of the law hold while its rods have the lengths of the scene.
 struct LoopBendNumbers {
@@ -49,6 +50,9 @@ void pull_by_bends(const LoopState& state, double theta, bool gives, const LoopW
 
 /// Returns the work of bends in a substep of gradient mid. Directions turn by `least` at least for its scale.
 LoopWork work_of_bends(const LoopState& state, const LoopWorkspace& work, double least);
+
+/// Adds up what bends ask of fixed vertices in a substep.
+void hold_bends(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work);
 
 /// Returns the energy of all bends at the end of a substep, in the same units.
 double energy_of_bends(const LoopState& state, const LoopWorkspace& work);

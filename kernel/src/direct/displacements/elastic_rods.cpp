@@ -48,12 +48,16 @@ double elastic_energy(const LoopState& state, double soft, const LoopWorkspace& 
     sum += state.coupling[k] * dot(at(work.delta, a), at(work.delta, b)) +
            elastic_pull(state, k, soft, work).energy;
   }
-  return sum + energy_of_bends(state, work) + energy_of_twists(state, work);
+  return sum + energy_of_bends(state, work) + energy_of_tackles(state, soft, work) +
+         energy_of_twists(state, work);
 }
 
-/// Sets the multiplier of every rod, -C/softness where it is rigid, and the torque of every twist.
+/// Sets the multiplier of every rod, -C/softness where it is rigid, those of tackles and the torques of
+/// twists.
 void set_elastic_multipliers(LoopState& state, double soft, LoopWorkspace& work) {
-  for (std::uint32_t k = 0; k < state.mu.size(); ++k) state.mu[k] = elastic_pull(state, k, soft, work).mu;
+  const std::size_t rods = state.topology->rods.size();
+  for (std::uint32_t k = 0; k < rods; ++k) state.mu[k] = elastic_pull(state, k, soft, work).mu;
+  set_elastic_tackles(state, soft, work);
   set_linear_torques(state, work);
 }
 

@@ -27,6 +27,8 @@ struct LoopLaws {
   bool any() const { return !rods.empty(); }
   bool is_rigid(std::uint32_t k) const { return rods[k][2] != 0; }
   bool is_one_sided(std::uint32_t k) const { return rods[k][3] != 0; }
+  /// Elastic rods do what is in their energy, a rigid cable that is caught loses some, and winches lift.
+  bool does_work(std::uint32_t k) const { return !is_rigid(k) || is_one_sided(k) || rate[k] != 0; }
   bool is_broken(std::uint32_t k) const { return rods[k] == Numbers{}; }
 };
 

@@ -51,6 +51,18 @@ void leave_out_locked(const LoopState& state, std::uint32_t k, double* values) {
   if (is_b) std::fill(values + 10, values + 13, 0.0);
 }
 
+/// Sets below which pivot a tackle follows from other equations.
+template <class Give>
+void set_tackle_pivots(const LoopState& state, Give&& give, LoopWorkspace::Factor& factor) {
+  const LoopSystem& system = *factor.system;
+  const double* values = factor.values.data() + system.at_tackles();
+  std::uint32_t row = system.nodes + system.rods;
+  for (const LoopTackle& tackle : state.topology->tackles) {
+    factor.smallest[system.analysis.position(row++)] = redundant_pivot * tackle_pivot(tackle, values, give);
+    values += tackle.values();
+  }
+}
+
 /// Lets nothing pull on locked nodes.
 void hold_locked(const LoopState& state, const SparseAnalysis& analysis, double* right) {
   for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
@@ -95,6 +107,7 @@ void measure_rods(const LoopState& state, LoopWorkspace& work) {
     if (state.laws.any()) start_law(state.laws, k, dot(d, d), work.excess[k], work.laws);
   }
   measure_bends(state, work);
+  measure_tackles(state, work.tackles);
 }
 
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
@@ -116,17 +129,20 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
   for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
     if (state.locks.has(i)) diagonal[i] = state.mass[i];
   add_bends(state, theta, soft, work, factor);
+  write_tackles(state, theta, soft, work, std::span(factor.values).subspan(system.at_tackles()));
+  const auto give = [&](std::uint32_t i) {
+    if (is_held(state, i)) return 0.0;
+    const double own = diagonal[i] + work.resists[i];
+    return 1 / (own > 0 ? own : state.mass[i]);
+  };
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
     const auto [a, b] = shape.rods[k];
     const double* v = &factor.values[system.at(k)];
     const double along = std::abs(v[4] * v[7] + v[5] * v[8] + v[6] * v[9]);
-    const auto give = [&](std::uint32_t i) {
-      const double own = is_held(state, i) ? 0 : diagonal[i] + work.resists[i];
-      return !is_held(state, i) ? 1 / (own > 0 ? own : state.mass[i]) : 0.0;
-    };
     factor.smallest[system.analysis.position(shape.nodes + k)] =
         redundant_pivot * along * (give(a) + give(b));
   }
+  set_tackle_pivots(state, give, factor);
   factor.ldu.factorize(factor.values, factor.smallest);
 }
 
@@ -147,6 +163,7 @@ double find_newton_change(const LoopState& state, double theta, double soft, Loo
     right[analysis.position(shape.nodes + k)] = -rod.c;
   }
   if (!state.bends.empty()) pull_by_bends(state, theta, soft > 0, work, factor.right);
+  if (!state.tackles.empty()) pull_by_tackles(state, theta, soft, work, factor.right);
   if (!state.twists.empty()) pull_by_twists(state, theta, soft > 0, work, factor.right);
   hold_locked(state, analysis, right);
   factor.ldu.solve(factor.right);
@@ -164,7 +181,7 @@ void apply_change(LoopState& state, double scale, LoopWorkspace& work, const Loo
   for (std::uint32_t i = 0; i < shape.nodes; ++i)
     for (std::uint32_t c = 0; c < 3; ++c)
       work.delta[3 * i + c] += scale * factor.right[analysis.position(i) + c];
-  for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
+  for (std::uint32_t k = 0; k < state.mu.size(); ++k)
     state.mu[k] += scale * factor.right[analysis.position(shape.nodes + k)];
   change_torques(state, scale, factor.right, work);
 }
@@ -176,6 +193,10 @@ double largest_misfit(const LoopState& state, const LoopWorkspace& work,
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k)
     if (factor.ldu.left_out(factor.system->analysis.position(shape.nodes + k)))
       largest = std::max(largest, std::abs(rod_terms(state, k, 0, 0, work).c) / state.length2[k]);
+  const auto rods = static_cast<std::uint32_t>(shape.rods.size());
+  for (std::uint32_t t = 0; t < state.tackles.size(); ++t)
+    if (factor.ldu.left_out(factor.system->analysis.position(shape.nodes + rods + t)))
+      largest = std::max(largest, tackle_misfit(state, work, t));
   return largest;
 }
 
@@ -183,6 +204,7 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
   const LoopTopology& shape = *state.topology;
   const LoopSystem& system = *factor.system;
   const SparseAnalysis& analysis = system.analysis;
+  const auto give_of = [&](std::uint32_t i) { return is_held(state, i) ? 0 : 1 / state.mass[i]; };
   std::copy(state.mass.begin(), state.mass.end(), factor.values.data());
   std::fill(factor.values.begin() + static_cast<std::ptrdiff_t>(system.at_bends()), factor.values.end(), 0.0);
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
@@ -192,11 +214,13 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
     factor.values[system.at(k)] = state.coupling[k];
     write_rod(&factor.values[system.at(k)], d, row.use * d, row.soft);
     if (state.locks.any()) leave_out_locked(state, k, &factor.values[system.at(k)]);
-    const auto give_of = [&](std::uint32_t i) { return is_held(state, i) ? 0 : 1 / state.mass[i]; };
     const double give = give_of(a) + give_of(b);
     factor.smallest[analysis.position(shape.nodes + k)] = redundant_pivot * row.use * dot(d, d) * give;
   }
+  write_projected_tackles(state, work, std::span(factor.values).subspan(system.at_tackles()));
+  set_tackle_pivots(state, give_of, factor);
   factor.ldu.factorize(factor.values, factor.smallest);
+  std::fill(work.blows.begin(), work.blows.end(), 0.0);
   // The second time takes out what rounding left in the first.
   for (const double force : {kick, 0.0}) {
     for (std::uint32_t i = 0; i < shape.nodes; ++i)
@@ -211,12 +235,15 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
       add(factor.right.data() + analysis.position(a), pull);
       if (b < shape.nodes) add(factor.right.data() + analysis.position(b), -1.0 * pull);
     }
+    lack_of_projected_tackles(state, work, factor.right);
     hold_locked(state, analysis, factor.right.data());
     factor.ldu.solve(factor.right);
     for (std::uint32_t i = 0; i < shape.nodes; ++i) {
       const double* change = factor.right.data() + analysis.position(i);
       add(work.delta.data() + 3 * std::size_t{i}, {change[0], change[1], change[2]});
     }
+    for (std::uint32_t k = 0; k < state.mu.size(); ++k)
+      work.blows[k] += factor.right[analysis.position(shape.nodes + k)];
   }
 }
 

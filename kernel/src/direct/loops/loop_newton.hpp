@@ -43,7 +43,8 @@ void apply_change(LoopState& state, double scale, LoopWorkspace& work, const Loo
 double largest_misfit(const LoopState& state, const LoopWorkspace& work, const LoopWorkspace::Factor& factor);
 
 /// Moves work.delta, a velocity times a time, onto what no rod resists, and adds what forces do. It solves
-/// M delta' = M delta + kick force + J^T lambda, J delta' = 0 with delta of fixed vertices as it is.
+/// M delta' = M delta + kick force + J^T lambda, J delta' = 0 with delta of fixed vertices as it is, and
+/// leaves lambda in work.blows.
 void project_delta(const LoopState& state, double kick, LoopWorkspace& work, LoopWorkspace::Factor& factor);
 
 }  // namespace plumb::detail

@@ -64,9 +64,21 @@ void LoopSolver::lock(Locks locks) {
 void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   velocity_known_ = false;
   if (state_.laws.pulls) std::fill(state_.laws.impulse.begin(), state_.laws.impulse.end(), 0.0);
+  for (LoopTackleMotion& tackle : state_.tackles) tackle.impulse = 0;
+  std::fill(state_.hold.begin(), state_.hold.end(), Vec3{});
   if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
-  if (anchors_changed(0) && rules_->gradient == Gradient::mid)
-    rules_->stepper.project_velocities(state_, work_);
+  if (!anchors_changed(0) || rules_->gradient != Gradient::mid) return;
+  rules_->stepper.project_velocities(state_, work_);
+  count_blows();
+}
+
+/// Adds what a projection of velocities did to how cords pulled and anchors held in this step.
+void LoopSolver::count_blows() {
+  const LoopTopology& shape = *state_.topology;
+  if (!state_.laws.pulls || work_.lines) return;
+  for (std::size_t k = 0; k < shape.rods.size(); ++k)
+    state_.laws.impulse[k] -= work_.blows[k] * std::sqrt(state_.length2[k]) * state_.mass_unit;
+  hold_blows(state_, work_);
 }
 
 double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {
@@ -208,28 +220,41 @@ void LoopSolver::place_anchor(Slot slot, Vec3 target) {
   x[2] = target.z;
 }
 
-// --- Settings and reports
-
-// --- Rods
+// --- Rods and tackles
 
 void LoopSolver::count_pulls() {
   state_.laws.make(state_.length2);
   state_.laws.pulls = true;
 }
 
+Vec3 LoopSolver::hold(Slot slot, double dt) const {
+  if (state_.hold.empty()) return {};
+  return 1 / dt * state_.hold[slot - state_.topology->nodes];
+}
+
+double LoopSolver::pull(Slot cord, double dt) const {
+  return (is_tackle(cord) ? tackle(cord).impulse : state_.laws.impulse[cord]) / dt;
+}
+
 bool LoopSolver::is_broken(Slot rod) const {
   return state_.laws.any() && state_.laws.is_broken(rod);
 }
 
-void LoopSolver::set_length(Slot rod, double length, double rate) {
+void LoopSolver::set_length(Slot cord, double length, double rate) {
+  if (is_tackle(cord)) {
+    lengths_changed_ = lengths_changed_ || rate_jumps(tackle(cord).rate, rate);
+    tackle(cord).length = length;
+    tackle(cord).rate = rate;
+    return;
+  }
   state_.laws.make(state_.length2);
   state_.laws.moves = true;
   work_.lines.reset();  // they do not know of it, nor do locks
   lock({});
-  lengths_changed_ = lengths_changed_ || rate_jumps(state_.laws.rate[rod], rate);
-  state_.laws.rate[rod] = rate;
-  state_.laws.length[rod] = length;
-  state_.length2[rod] = length * length;
+  lengths_changed_ = lengths_changed_ || rate_jumps(state_.laws.rate[cord], rate);
+  state_.laws.rate[cord] = rate;
+  state_.laws.length[cord] = length;
+  state_.length2[cord] = length * length;
 }
 
 // --- Settings and reports

@@ -83,9 +83,11 @@ class LoopSolver final : public Solver {
   bool is_away(std::uint32_t) const override { return away_; }
 
   void count_pulls() override;
-  double pull(Slot rod, double dt) const override { return state_.laws.impulse[rod] / dt; }
+  Vec3 hold(Slot slot, double dt) const override;
+  /// Tackles have the slots after those of rods.
+  double pull(Slot cord, double dt) const override;
   bool is_broken(Slot rod) const override;
-  void set_length(Slot rod, double length, double rate) override;
+  void set_length(Slot cord, double length, double rate) override;
 
   void set_twist(Slot twist, double angle) override { state_.twists[twist].target = angle; }
   double twist(Slot twist) const override { return state_.twisted[twist]; }
@@ -94,6 +96,9 @@ class LoopSolver final : public Solver {
   void describe(WorldInfo& info) const override;
 
  private:
+  bool is_tackle(Slot cord) const { return cord >= state_.topology->rods.size(); }
+  LoopTackleMotion& tackle(Slot cord) const { return state_.tackles[cord - state_.topology->rods.size()]; }
+  void count_blows();
   void find_velocities() const;
   void lock(Locks locks);
 

@@ -5,7 +5,8 @@
 
 namespace plumb::detail {
 
-LoopTopology::LoopTopology(const layouts::Graph& island) : vertices(island.vertices) {
+LoopTopology::LoopTopology(const layouts::Graph& island, LoopElements elements)
+    : LoopElements(std::move(elements)), vertices(island.vertices) {
   for (const layouts::Edge edge : island.edges) {
     const bool turned = !island.movable[edge.a];
     rods.push_back(turned ? LoopRod{edge.b, edge.a} : LoopRod{edge.a, edge.b});

@@ -10,8 +10,10 @@
 #include "direct/elastic_nets/net_matrix.hpp"
 #include "direct/laws/loop_laws.hpp"
 #include "direct/locks/locks.hpp"
+#include "direct/loops/loop_elements.hpp"
 #include "direct/loops/loop_rod.hpp"
 #include "direct/nets/rod_lines.hpp"
+#include "direct/tackles/loop_tackles.hpp"
 #include "direct/twists/loop_twists.hpp"
 #include "linear/sparse_ldu.hpp"
 #include "plumb/layouts/graph.hpp"
@@ -27,29 +29,30 @@ namespace plumb::detail {
 /// Its values begin with the diagonal of every node. Then every rod has the coupling of its ends, what -A^T
 /// has at b (3) and at a (3), what B has at a (3) and at b (3), and soft. Bends add 3 x 3 numbers to M for
 /// each pair of their particles. They are never rigid, so that a multiplier would only make the system
-/// larger. Every twist adds its torque to the unknowns: one for all of its chain, which keeps the rest
-/// sparse.
+/// larger. Every tackle has a row and a multiplier, after those of rods, and adds to Lambda (LoopTackle).
+/// Every twist adds its torque, after those: one for all of its chain, which keeps the rest sparse.
 struct LoopSystem {
   LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples,
-             const std::vector<LoopBend>& bends = {}, const std::vector<LoopTwist>& twists = {});
+             const LoopElements& elements = {});
 
   static constexpr std::uint32_t per_rod = 14;
   std::size_t at(std::uint32_t rod) const { return nodes + std::size_t{per_rod} * rod; }
   std::size_t at_bends() const { return at(rods); }  ///< Bends begin there.
-  std::size_t at_twists() const { return at_bends() + std::size_t{LoopBend::values} * bends; }
+  std::size_t at_tackles() const { return at_bends() + std::size_t{LoopBend::values} * bends; }
+  std::size_t at_twists() const { return at_tackles() + tackle_values; }
   std::size_t values() const { return at_twists() + twist_values; }
   /// Returns the variable of a twist's torque.
-  std::uint32_t torque(std::uint32_t twist) const { return nodes + rods + twist; }
+  std::uint32_t torque(std::uint32_t twist) const { return nodes + rods + tackles + twist; }
 
-  std::uint32_t nodes, rods, bends;
-  std::size_t twist_values = 0;
+  std::uint32_t nodes, rods, bends, tackles;
+  std::size_t tackle_values = 0, twist_values = 0;
   bool couples;  ///< It says whether ends of a rod meet other than through it.
   SparseAnalysis analysis;
 };
 
 /// Equal islands share their topology. Vertices are the movable ones (nodes), then the fixed ones.
-struct LoopTopology {
-  explicit LoopTopology(const layouts::Graph& island);
+struct LoopTopology : LoopElements {
+  explicit LoopTopology(const layouts::Graph& island, LoopElements elements = {});
   /// Vertices keep their numbers; the movable ones come first, and no rod begins at a fixed one.
   LoopTopology(std::uint32_t nodes, std::uint32_t vertices, std::vector<LoopRod> rods);
 
@@ -61,8 +64,6 @@ struct LoopTopology {
   std::uint32_t nodes = 0, vertices;
   std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
   std::vector<LoopRod> rods;
-  std::vector<LoopBend> bends;
-  std::vector<LoopTwist> twists;
   /// One of these is there. The others are for islands whose factorisations would be dear. Who needs a system
   /// all the same makes it.
   std::unique_ptr<const LoopSystem> system;
@@ -79,7 +80,7 @@ struct LoopTopology {
 /// u_step (s). Masses are in units of the mean one, multipliers in those units.
 struct LoopMotion {
   std::vector<double> x;                  ///< Positions have 3 numbers per vertex, in m.
-  std::vector<double> u, mu;              ///< u has 3 numbers per node, and mu one per rod.
+  std::vector<double> u, mu;              ///< u has 3 numbers per node, and mu one per rod and tackle.
   std::vector<Vec3> fixed_last_velocity;  ///< There is one per fixed vertex, in m/s.
   /// Where errors are estimated, these are accelerations of the last two substeps, rods included: 3 per node,
   /// in m/s^2.
@@ -91,6 +92,10 @@ struct LoopMotion {
   double longest = std::numeric_limits<double>::infinity();
   std::vector<double> twisted;  ///< Chains are twisted so far, in rad.
   LoopLaws laws;
+  std::vector<LoopTackleMotion> tackles;
+  /// What is not a rod was held by fixed vertices with these impulses (N s) in this step. There is one each
+  /// if there are bends, tackles or twists.
+  std::vector<Vec3> hold;
   double u_step = 0;   ///< It is in s.
   double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
 };
@@ -114,6 +119,7 @@ struct LoopState : LoopMotion {
       length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
   std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.
   std::vector<LoopBendNumbers> bends;
+  std::vector<TackleLaw> tackle_laws;
   std::vector<LoopTwistNumbers> twists;
   Locks locks;
   bool anchors_move = false;

@@ -100,6 +100,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h, drag_);
   work.laws.is_mid = gradient == Gradient::mid;
   if (state.laws.moves) set_substep_lengths(state.laws, h, state.length2);
+  set_tackle_lengths(state, h, work.tackles);
   start_twists(state, h, work);
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
@@ -112,17 +113,12 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
     if (state.coupling[k] == 0) continue;
     const auto [a, b] = shape.rods[k];
     const bool fixed = b >= shape.nodes;
-    const Vec3 v = fixed ? state.fixed_last_velocity[b - shape.nodes] : Vec3{};
-    const double before[3] = {h * v.x, h * v.y, h * v.z};
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      work.load[3 * a + c] += state.coupling[k] * (fixed ? before[c] : work.delta[3 * b + c]);
-      if (!fixed) work.load[3 * b + c] += state.coupling[k] * work.delta[3 * a + c];
-    }
+    const Vec3 before = fixed ? h * state.fixed_last_velocity[b - shape.nodes] : at(work.delta, b);
+    put(&work.load[3 * a], at(work.load, a) + state.coupling[k] * before);
+    if (!fixed) put(&work.load[3 * b], at(work.load, b) + state.coupling[k] * at(work.delta, a));
   }
-  for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
-    const Vec3 moved = h * state.fixed_velocity[i - shape.nodes];
-    put(&work.delta[3 * std::size_t{i}], moved);
-  }
+  for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i)
+    put(&work.delta[3 * std::size_t{i}], h * state.fixed_velocity[i - shape.nodes]);
   move_locked(state, h, work.delta);
 }
 
@@ -142,10 +138,10 @@ bool LoopStepper::keeps_energy(const LoopState& state, const LoopWorkspace& work
     const auto [a, b] = shape.rods[k];
     for (std::uint32_t c = 0; c < 3; ++c)
       done += 2 * state.coupling[k] * work.delta[3 * a + c] * work.delta[3 * b + c];
-    // Elastic rods do what is in their energy, and a rigid cable that is caught loses some.
-    if (state.laws.any() && (!state.laws.is_rigid(k) || state.laws.is_one_sided(k)))
+    if (state.laws.any() && state.laws.does_work(k))
       done -= state.mu[k] * growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b)) / 2;
   }
+  done -= work_of_tackles(state, 0.5, work);
   for (const auto& of : {work_of_bends(state, work, least_motion), work_of_twists(state, work, least_motion)})
     done -= of.done, scale += of.scale;
   return std::abs(done) <= energy_tolerance * scale;
@@ -249,15 +245,16 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   const double error = state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
   state.known = gradient == gradient_ ? std::min(state.known + 1, 2u) : 0;
   const double decay = detail::exp(-drag_ * h / 2);
-  end_twists(state, h, work);
+  const SubstepEnd end{h, theta_of(gradient), kick, state.mass_unit};
+  end_twists(state, end, work);
   for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     const double delta = work.delta[i];
     state.u[i] = gradient == Gradient::mid ? decay * (2 / h * delta - 1 / h * (ratio * state.u[i])) : delta;
   }
-  if (state.laws.any())
-    counters.broken_rods += end_rods(state.laws, work.laws, {h, theta_of(gradient), kick, state.mass_unit},
-                                     state.mu, state.length2);
+  end_tackles(state, end, work);
+  hold_bends(state, end, work);
+  if (state.laws.any()) counters.broken_rods += end_rods(state.laws, work.laws, end, state.mu, state.length2);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
   move_locked(state, gradient == Gradient::mid ? 1 : h, state.u);

@@ -52,10 +52,12 @@ struct LoopWorkspace {
   std::vector<double> load;       ///< It has 3 numbers per node.
   std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
   std::vector<double> mu_start, trial;
+  std::vector<double> blows;       ///< They are the multipliers of a projection of velocities, as mu.
   std::vector<BendNumbers> bends;  ///< They hold for this substep.
   std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
-  std::vector<double> resists;     ///< Bends resist a node's displacement by so much; it has one per node.
+  TackleWorkspace tackles;
   std::vector<TwistSubstep> twists;
+  std::vector<double> resists;  ///< Bends resist a node's displacement by so much; it has one per node.
   LawWorkspace laws;
   LoopMotion saved;
 };

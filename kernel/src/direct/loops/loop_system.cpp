@@ -11,27 +11,36 @@ namespace {
 
 using Index = std::uint32_t;
 
-/// Rods, bends and twists of an island with so many nodes.
+/// An island with so many nodes has these rods and elements.
 struct Parts {
   const std::vector<LoopRod>& rods;
-  const std::vector<LoopBend>& bends;
-  const std::vector<LoopTwist>& twists;
+  const LoopElements& elements;
   Index nodes;
+
+  Index rod_count() const { return static_cast<Index>(rods.size()); }
+  Index tackle_count() const { return static_cast<Index>(elements.tackles.size()); }
+  Index twist_count() const { return static_cast<Index>(elements.twists.size()); }
+  /// These are the first variables of multipliers and of torques, and their end.
+  Index first_tackle() const { return nodes + rod_count(); }
+  Index first_torque() const { return first_tackle() + tackle_count(); }
+  Index variables() const { return first_torque() + twist_count(); }
 };
 
-/// Returns the pairs of nodes that rods, bends and twists couple.
+/// Returns the pairs of nodes that rods and elements couple.
 std::vector<std::pair<Index, Index>> edges_of(const Parts& of) {
-  const auto& [rods, bends, twists, nodes] = of;
+  const auto& [rods, elements, nodes] = of;
   std::vector<std::pair<Index, Index>> out;
   for (const LoopRod rod : rods)
     if (rod.b < nodes) out.emplace_back(rod.a, rod.b);
   const auto add = [&](Index a, Index b) {
     if (a < nodes && b < nodes) out.emplace_back(a, b);
   };
-  for (const LoopBend& bend : bends)
+  for (const LoopBend& bend : elements.bends)
     for (const auto [i, j] : LoopBend::pairs)
       if (i != j) add(bend.vertices[i], bend.vertices[j]);
-  for (const LoopTwist& twist : twists)
+  for (const LoopTackle& tackle : elements.tackles)
+    for (Index s = 0; s < tackle.segments(); ++s) add(tackle.vertices[s], tackle.vertices[s + 1]);
+  for (const LoopTwist& twist : elements.twists)
     for (Index k = 0; k < twist.joints(); ++k) {
       const auto [a, b, c] = twist.joint(k);
       add(a, b);
@@ -41,23 +50,30 @@ std::vector<std::pair<Index, Index>> edges_of(const Parts& of) {
   return out;
 }
 
-/// Puts nodes in the order given and every rod right after the second of its ends. A rod's pivot is then what
-/// both of its ends can yield, which is never zero but for rods that others make redundant. Torques come
-/// last, since they meet all of a chain.
+/// Puts nodes in the order given, and every rod or tackle right after the last of its nodes. Its pivot is
+/// then what all of them can yield, which is never zero but for those that others make redundant. Torques
+/// come last, since they meet all of a chain.
 std::vector<Index> with_rods(const std::vector<Index>& nodes, const Parts& of) {
   const std::vector<LoopRod>& rods = of.rods;
+  const std::vector<LoopTackle>& tackles = of.elements.tackles;
   const auto n = static_cast<Index>(nodes.size());
   std::vector<Index> number(n);
   for (Index i = 0; i < n; ++i) number[nodes[i]] = i;
   std::vector<std::vector<Index>> after(n);
   for (Index k = 0; k < rods.size(); ++k)
     after[rods[k].b < n ? std::max(number[rods[k].a], number[rods[k].b]) : number[rods[k].a]].push_back(k);
+  for (Index t = 0; t < tackles.size(); ++t) {
+    Index last = 0;
+    for (const Index vertex : tackles[t].vertices)
+      if (vertex < n) last = std::max(last, number[vertex]);
+    after[last].push_back(static_cast<Index>(rods.size()) + t);
+  }
   std::vector<Index> order;
   for (Index i = 0; i < n; ++i) {
     order.push_back(nodes[i]);
     for (const Index k : after[i]) order.push_back(n + k);
   }
-  for (std::size_t k = 0; k < of.twists.size(); ++k) order.push_back(n + static_cast<Index>(rods.size() + k));
+  for (Index torque = of.first_torque(); torque < of.variables(); ++torque) order.push_back(torque);
   return order;
 }
 
@@ -74,6 +90,35 @@ void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& patter
       }
     if (a < nodes && b < nodes && a != b) pattern.meet.emplace_back(a, b);
   }
+}
+
+/// Adds what a tackle, the variable `row`, couples. Of its values `at` is the first.
+void add_tackle(const LoopTackle& tackle, Index nodes, Index row, Index at, SparsePattern& pattern,
+                std::vector<SparseEntry>& entries) {
+  const auto add_tile = [&](Index a, Index b, Index value) {
+    for (Index r = 0; r < 3; ++r)
+      for (Index c = 0; c < 3; ++c) entries.push_back({a, r, b, c, value + 3 * r + c});
+  };
+  for (Index o = 0; o < tackle.vertices.size(); ++o) {
+    const Index a = tackle.vertices[o], value = at + LoopTackle::per_vertex * o;
+    if (a >= nodes) continue;
+    pattern.meet.emplace_back(a, row);
+    for (Index c = 0; c < 3; ++c) {
+      entries.push_back({a, c, row, 0, value + c});
+      entries.push_back({row, 0, a, c, value + 3 + c});
+    }
+  }
+  for (Index s = 0; s < tackle.segments(); ++s) {
+    const Index a = tackle.vertices[s], b = tackle.vertices[s + 1];
+    const Index value = at + tackle.at_segments() + LoopTackle::per_segment * s;
+    if (a < nodes) add_tile(a, a, value);
+    if (b < nodes) add_tile(b, b, value);
+    if (a >= nodes || b >= nodes) continue;
+    add_tile(a, b, value + 9);
+    add_tile(b, a, value + 9);
+    pattern.meet.emplace_back(a, b);
+  }
+  entries.push_back({row, 0, row, 0, at + tackle.at_soft()});
 }
 
 /// Adds what a twist couples, as add_bend() does. `torque` is its variable.
@@ -99,11 +144,28 @@ void add_twist(const LoopTwist& twist, Index nodes, Index torque, Index at, Spar
   entries.push_back({torque, 0, torque, 0, at});
 }
 
+/// Adds what the elements of an island couple. Of their values `at` is the first.
+void add_elements(const Parts& of, Index at, SparsePattern& pattern, std::vector<SparseEntry>& entries) {
+  for (const LoopBend& bend : of.elements.bends) {
+    add_bend(bend, of.nodes, at, pattern, entries);
+    at += LoopBend::values;
+  }
+  Index row = of.first_tackle();
+  for (const LoopTackle& tackle : of.elements.tackles) {
+    add_tackle(tackle, of.nodes, row++, at, pattern, entries);
+    at += tackle.values();
+  }
+  for (const LoopTwist& twist : of.elements.twists) {
+    add_twist(twist, of.nodes, row++, at, pattern, entries);
+    at += twist.values();
+  }
+}
+
 SparseAnalysis analyse(const Parts& of, bool couples) {
-  const auto& [rods, bends, twists, nodes] = of;
+  const auto& [rods, elements, nodes] = of;
   SparsePattern pattern;
   pattern.size.assign(nodes, 3);
-  pattern.size.resize(nodes + rods.size() + twists.size(), 1);
+  pattern.size.resize(of.variables(), 1);
   std::vector<SparseEntry> entries;
   for (Index i = 0; i < nodes; ++i)
     for (Index c = 0; c < 3; ++c) entries.push_back({i, c, i, c, i});
@@ -125,16 +187,7 @@ SparseAnalysis analyse(const Parts& of, bool couples) {
     }
     entries.push_back({rod, 0, rod, 0, at + 13});
   }
-  auto at = nodes + LoopSystem::per_rod * static_cast<Index>(rods.size());
-  for (const LoopBend& bend : bends) {
-    add_bend(bend, nodes, at, pattern, entries);
-    at += LoopBend::values;
-  }
-  auto torque = nodes + static_cast<Index>(rods.size());
-  for (const LoopTwist& twist : twists) {
-    add_twist(twist, nodes, torque++, at, pattern, entries);
-    at += twist.values();
-  }
+  add_elements(of, nodes + LoopSystem::per_rod * of.rod_count(), pattern, entries);
   const std::vector<std::pair<Index, Index>> edges = edges_of(of);
   pattern.order = with_rods(order_by_degree(nodes, edges), of);
   if (nodes > least_dissected) {
@@ -148,13 +201,15 @@ SparseAnalysis analyse(const Parts& of, bool couples) {
 }  // namespace
 
 LoopSystem::LoopSystem(const std::vector<LoopRod>& of, std::uint32_t count, bool coupled,
-                       const std::vector<LoopBend>& bent, const std::vector<LoopTwist>& twisted)
+                       const LoopElements& elements)
     : nodes(count),
       rods(static_cast<std::uint32_t>(of.size())),
-      bends(static_cast<std::uint32_t>(bent.size())),
+      bends(static_cast<std::uint32_t>(elements.bends.size())),
+      tackles(static_cast<std::uint32_t>(elements.tackles.size())),
       couples(coupled),
-      analysis(analyse({of, bent, twisted, count}, coupled)) {
-  for (const LoopTwist& twist : twisted) twist_values += twist.values();
+      analysis(analyse({of, elements, count}, coupled)) {
+  for (const LoopTackle& tackle : elements.tackles) tackle_values += tackle.values();
+  for (const LoopTwist& twist : elements.twists) twist_values += twist.values();
 }
 
 }  // namespace plumb::detail

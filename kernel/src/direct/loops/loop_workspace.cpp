@@ -33,13 +33,18 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   load.assign(3 * n, 0);
   d.assign(3 * rods, 0);
   excess.assign(rods, 0);
-  mu_start.assign(rods, 0);
+  mu_start.assign(state.mu.size(), 0);
+  blows = mu_start;
   saved = state.motion();
   trial.assign(delta.size(), 0);
   for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
   bend_starts.assign(bends.size(), {});
   twists.resize(state.twists.size());
   resists.assign(n, 0);
+  for (const LoopTackle& tackle : topology->tackles)
+    tackles.segments.resize(tackles.segments.size() + tackle.segments());
+  tackles.starts.assign(state.tackles.size(), 0);
+  tackles.lengths = tackles.starts;
 }
 
 void LoopWorkspace::take_locks(const LoopState& state) {
@@ -51,8 +56,7 @@ void LoopWorkspace::take_locks(const LoopState& state) {
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {
   if (first && (first->system->couples || !couples)) return *first;
   if (!second) {
-    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, topology->bends,
-                                           topology->twists);
+    coupled = std::make_unique<LoopSystem>(topology->rods, topology->nodes, true, *topology);
     second = std::make_unique<Factor>(*coupled, isa);
   }
   return *second;

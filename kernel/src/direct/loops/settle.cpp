@@ -83,6 +83,14 @@ double misfit(const LoopState& state, const std::vector<double>& x) {
     const double off = dot(d, d) / state.length2[k] - 1;
     sum += off * off;
   }
+  for (std::uint32_t t = 0; t < state.tackles.size(); ++t) {
+    const auto& vertices = state.topology->tackles[t].vertices;
+    double way = 0;
+    for (std::size_t s = 1; s < vertices.size(); ++s)
+      way += norm(at(x, vertices[s]) - at(x, vertices[s - 1]));
+    const double off = 2 * (way / state.tackles[t].length - 1);
+    sum += off * off;
+  }
   return sum;
 }
 

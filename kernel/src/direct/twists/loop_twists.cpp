@@ -90,6 +90,21 @@ void write_tiles(const LoopState& state, const Joint& joint, double scale, const
     }
 }
 
+/// Adds up what the torque of a chain asks of fixed vertices.
+void add_holds(LoopState& state, std::uint32_t k, const SubstepEnd& end, const LoopWorkspace& work) {
+  const std::uint32_t nodes = state.topology->nodes;
+  const LoopTwist& twist = state.topology->twists[k];
+  const double impulse = end.h / end.kick * end.mass_unit * work.twists[k].torque;
+  for (std::uint32_t j = 0; j < twist.joints(); ++j) {
+    const Joint joint = twist.joint(j);
+    const RodPair start = pair_at(state.x, joint), change = pair_at(work.delta, joint);
+    const RodPair pull = twist_direction(rods_at(start, end.theta, change));
+    for (std::size_t i = 0; i < 3; ++i)
+      if (joint[i] >= nodes)
+        state.hold[joint[i] - nodes] += impulse * (shares[i][0] * pull.first + shares[i][1] * pull.second);
+  }
+}
+
 }  // namespace
 
 void load_twists(LoopState& state, const BendTable& table, const IslandRods& rods,
@@ -212,9 +227,11 @@ double energy_of_twists(const LoopState& state, const LoopWorkspace& work) {
   return sum;
 }
 
-void end_twists(LoopState& state, double h, const LoopWorkspace& work) {
-  for (std::uint32_t k = 0; k < state.twists.size(); ++k)
-    state.twisted[k] += turn_of(state, k, false, work) + h * state.twists[k].rate;
+void end_twists(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work) {
+  for (std::uint32_t k = 0; k < state.twists.size(); ++k) {
+    state.twisted[k] += turn_of(state, k, false, work) + end.h * state.twists[k].rate;
+    if (state.laws.pulls) add_holds(state, k, end, work);
+  }
 }
 
 }  // namespace plumb::detail

@@ -13,6 +13,7 @@ struct BendTable;
 class IslandRods;
 struct LoopState;
 struct LoopWorkspace;
+struct SubstepEnd;
 
 /// An island has these numbers of a twisted chain.
 struct LoopTwistNumbers {
@@ -63,7 +64,8 @@ LoopWork work_of_twists(const LoopState& state, const LoopWorkspace& work, doubl
 /// Returns the energy of the chains' linear response at the end of a substep, in units of delta . M delta.
 double energy_of_twists(const LoopState& state, const LoopWorkspace& work);
 
-/// Twists chains by what a substep of h (s) turned.
-void end_twists(LoopState& state, double h, const LoopWorkspace& work);
+/// Ends a substep, before positions change: twists chains by what it turned, and adds up what they ask of
+/// fixed vertices.
+void end_twists(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work);
 
 }  // namespace plumb::detail

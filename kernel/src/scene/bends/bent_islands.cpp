@@ -36,13 +36,20 @@ std::vector<std::vector<std::uint32_t>> by_island(const Scene& scene, const layo
   return out;
 }
 
+/// Returns the particles of a tackle or a twist.
+constexpr auto particles_of_chain = [](const auto& element) -> const auto& {
+  return element.particles;
+};
+
 }  // namespace
 
 layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& graph) {
-  if (scene.bends.empty() && scene.twists.empty()) return layouts::find_islands(graph);
+  if (scene.bends.empty() && scene.tackles.empty() && scene.twists.empty())
+    return layouts::find_islands(graph);
   std::vector<layouts::Edge> edges(graph.edges.begin(), graph.edges.end());
   const auto rods = static_cast<std::uint32_t>(edges.size());
   for (const Bend& bend : scene.bends) join(scene, particles_of(bend), edges);
+  for (const Tackle& tackle : scene.tackles) join(scene, tackle.particles, edges);
   for (const Twist& twist : scene.twists) join(scene, twist.particles, edges);
   layouts::Islands islands = layouts::find_islands({graph.vertices, edges, graph.movable});
   // Only rods stay. An island's edges ascend, so that its own come first.
@@ -57,14 +64,9 @@ layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& gra
   return islands;
 }
 
-std::vector<std::vector<std::uint32_t>> bends_by_island(const Scene& scene, const layouts::Islands& islands) {
-  return by_island(scene, islands, scene.bends, [](const Bend& bend) { return particles_of(bend); });
-}
-
-std::vector<std::vector<std::uint32_t>> twists_by_island(const Scene& scene,
-                                                         const layouts::Islands& islands) {
-  return by_island(
-      scene, islands, scene.twists, [](const Twist& twist) -> const auto& { return twist.particles; });
-}
+IslandElements::IslandElements(const Scene& scene, const layouts::Islands& islands)
+    : bends_(by_island(scene, islands, scene.bends, [](const Bend& bend) { return particles_of(bend); })),
+      tackles_(by_island(scene, islands, scene.tackles, particles_of_chain)),
+      twists_(by_island(scene, islands, scene.twists, particles_of_chain)) {}
 
 }  // namespace plumb::detail

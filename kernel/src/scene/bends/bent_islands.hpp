@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "plumb/layouts/islands.hpp"
@@ -8,14 +9,33 @@
 
 namespace plumb::detail {
 
-/// Finds the islands of a scene with the graph `graph` of particles and rods. A bend or a twist joins its
-/// particles into one island, also through a fixed one. Without them they are those of
+/// Finds the islands of a scene with the graph `graph` of particles and rods. A bend, a tackle or a twist
+/// joins its particles into one island, also through a fixed one. Without them they are those of
 /// layouts::find_islands().
 layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& graph);
 
-/// Returns the bends of every island, or nothing if the scene has none.
-std::vector<std::vector<std::uint32_t>> bends_by_island(const Scene& scene, const layouts::Islands& islands);
-/// Returns the twists of every island, or nothing if the scene has none.
-std::vector<std::vector<std::uint32_t>> twists_by_island(const Scene& scene, const layouts::Islands& islands);
+/// Lists the bends, tackles and twists of every island of a scene.
+class IslandElements {
+ public:
+  IslandElements() = default;  ///< There are none.
+  IslandElements(const Scene& scene, const layouts::Islands& islands);
+
+  /// These return the numbers of those of an island.
+  std::span<const std::uint32_t> bends_of(std::uint32_t island) const { return of(bends_, island); }
+  std::span<const std::uint32_t> tackles_of(std::uint32_t island) const { return of(tackles_, island); }
+  std::span<const std::uint32_t> twists_of(std::uint32_t island) const { return of(twists_, island); }
+  bool any_of(std::uint32_t island) const {
+    return !bends_of(island).empty() || !tackles_of(island).empty() || !twists_of(island).empty();
+  }
+
+ private:
+  using Lists = std::vector<std::vector<std::uint32_t>>;  ///< by island; empty if the scene has none
+  static std::span<const std::uint32_t> of(const Lists& lists, std::uint32_t island) {
+    if (lists.empty()) return {};
+    return lists[island];
+  }
+
+  Lists bends_, tackles_, twists_;
+};
 
 }  // namespace plumb::detail

@@ -31,9 +31,9 @@ struct Share {
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
 
-/// An island with bends or twists is solved directly, with gradient mid if none is set: trees and gradient
-/// old do not know them yet.
-Choice choose_bent(const Settings& settings) {
+/// An island with elements is solved directly, with gradient mid if none is set: trees and gradient old do
+/// not know them yet.
+Choice choose_with_elements(const Settings& settings) {
   if (settings.method != Method::automatic)
     return {settings.method, {gradient_of(settings), settings.time_order, false}};
   return {Method::direct, {settings.gradient.value_or(Gradient::mid), 2, false}};
@@ -80,8 +80,7 @@ class Compiler {
         graph_(scene_graph_.view()),
         is_jointed_(scene.particles.size(), 0),
         islands_(find_bent_islands(scene, graph_)),
-        bends_(bends_by_island(scene, islands_)),
-        twists_(twists_by_island(scene, islands_)) {}
+        elements_(scene, islands_) {}
 
   Compiled make() {
     require_laws_moved();
@@ -102,7 +101,7 @@ class Compiler {
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
       if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
       require_unbreakable(parts.part(p), parts.particles(p).front());
-      require_straight(parts.particles(p));
+      require_no_elements(parts.particles(p));
       if (is_plain(parts.part(p))) continue;
       require_joints_moved(parts.particles(p).front());
       ++out_.info.islands;
@@ -127,40 +126,41 @@ class Compiler {
     if (method_row(settings_.method).moves_joints) return;
     const char* const what = !scene_.springs.empty() ? "spring" : !scene_.torsions.empty() ? "torsion" : "";
     if (*what != 0)
-      refuse(what, " 0: method ", to_string(settings_.method), " moves no ", what,
-             "s; direct and auto do");
+      refuse(what, " 0: method ", to_string(settings_.method), " moves no ", what, "s; direct and auto do");
   }
 
-  /// Refuses bends and twists in an island with joints or shapes.
-  void require_straight(std::span<const std::uint32_t> particles) {
-    if (scene_.bends.empty() && scene_.twists.empty()) return;
-    if (bent_at_.empty()) find_bent_particles();
+  /// Refuses elements in an island with joints or shapes.
+  void require_no_elements(std::span<const std::uint32_t> particles) {
+    if (scene_.bends.empty() && scene_.tackles.empty() && scene_.twists.empty()) return;
+    if (element_at_.empty()) find_elements();
     for (const std::uint32_t particle : particles)
-      if (!scene_.particles[particle].fixed && bent_at_[particle].name)
-        refuse(bent_at_[particle].name, bent_at_[particle].number,
+      if (!scene_.particles[particle].fixed && element_at_[particle].name)
+        refuse(element_at_[particle].name, " ", element_at_[particle].number,
                ": its island has joints or shapes, which nothing moves together with it yet");
   }
-  void find_bent_particles() {
-    bent_at_.assign(scene_.particles.size(), Named{nullptr, 0});
+  void find_elements() {
+    element_at_.assign(scene_.particles.size(), Named{nullptr, 0});
     const auto mark = [&](const char* name, std::size_t i, std::span<const std::uint32_t> particles) {
       for (const std::uint32_t particle : particles)
-        if (!bent_at_[particle].name) bent_at_[particle] = {name, i};
+        if (!element_at_[particle].name) element_at_[particle] = {name, i};
     };
-    for (std::size_t i = 0; i < scene_.bends.size(); ++i) mark("bend ", i, particles_of(scene_.bends[i]));
-    for (std::size_t i = 0; i < scene_.twists.size(); ++i) mark("twist ", i, scene_.twists[i].particles);
+    for (std::size_t i = 0; i < scene_.bends.size(); ++i) mark("bend", i, particles_of(scene_.bends[i]));
+    for (std::size_t i = 0; i < scene_.tackles.size(); ++i) mark("tackle", i, scene_.tackles[i].particles);
+    for (std::size_t i = 0; i < scene_.twists.size(); ++i) mark("twist", i, scene_.twists[i].particles);
   }
 
-  /// Refuses bends and twists where the method or the gradient does not know them.
-  void require_bends_moved() const {
-    if (scene_.bends.empty() && scene_.twists.empty()) return;
-    const bool is_bend = !scene_.bends.empty();
-    const char* const first = is_bend ? "bend 0: " : "twist 0: ";
-    const char* const what = is_bend ? " bends" : " twists";
-    if (!method_row(settings_.method).moves_bends)
-      refuse(first, "method ", to_string(settings_.method), " moves no", what, "; direct and auto do");
+  /// Refuses elements where the method or the gradient does not know them.
+  void require_elements_moved() const {
+    constexpr const char* straight = ": a straight chain has no direction at the old position";
+    if (!scene_.bends.empty()) require_moved("bend", straight);
+    if (!scene_.tackles.empty()) require_moved("tackle", "");
+    if (!scene_.twists.empty()) require_moved("twist", straight);
+  }
+  void require_moved(const char* name, const char* why) const {
+    if (!method_row(settings_.method).moves_elements)
+      refuse(name, " 0: method ", to_string(settings_.method), " moves no ", name, "s; direct and auto do");
     if (settings_.gradient == Gradient::old)
-      refuse(first, "gradient old moves no", what,
-             ": a straight chain has no direction at the old position; mid and new do");
+      refuse(name, " 0: gradient old moves no ", name, "s", why, "; mid and new do");
   }
 
   /// Refuses a setting that cannot move an island with joints.
@@ -210,12 +210,12 @@ class Compiler {
   }
 
   void add_islands() {
-    require_bends_moved();
+    require_elements_moved();
     bool is_first = true;
     const std::vector<Share> shares = shares_of(islands_);
     if (settings_.method == Method::automatic) require_settings_read(shares);
     for (const Share& share : shares) {
-      const IslandSets sets{graph_, islands_, share.sets, bends_, twists_};
+      const IslandSets sets{graph_, islands_, share.sets, elements_};
       if (share.choice.method != Method::direct) {
         for (MadeSolver& made : method_row(share.choice.method).make(scene_, sets, settings_, start_))
           add(std::move(made));
@@ -256,8 +256,8 @@ class Compiler {
       for (const std::uint32_t island : equal) {
         if (is_jointed_[islands.vertices(island).front()] != 0) continue;
         ++islands_of_rods_;
-        const Choice choice = is_bent(island)
-                                  ? choose_bent(settings_)
+        const Choice choice = elements_.any_of(island)
+                                  ? choose_with_elements(settings_)
                                   : choose(scene_, local.view(), islands.edges(island), settings_);
         auto share = std::find_if(shares.begin(), shares.end(),
                                   [&](const Share& each) { return each.choice == choice; });
@@ -273,15 +273,11 @@ class Compiler {
     return shares;
   }
 
-  bool is_bent(std::uint32_t island) const {
-    return (!bends_.empty() && !bends_[island].empty()) || (!twists_.empty() && !twists_[island].empty());
-  }
-
   void add(MadeSolver made) {
     slots_.push_back(std::move(made.places));
     const auto number = static_cast<std::uint32_t>(out_.solvers.size());
-    for (const auto& [rod, slot] : made.rods) rods_.push_back({rod, {number, slot}});
-    for (const auto& [twist, slot] : made.twists) twist_places_.push_back({twist, {number, slot}});
+    for (const auto& [cord, slot] : made.cords) cords_.push_back({cord, {number, slot}});
+    for (const auto& [twist, slot] : made.twists) twists_.push_back({twist, {number, slot}});
     out_.solvers.push_back(std::move(made.solver));
   }
 
@@ -290,8 +286,8 @@ class Compiler {
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       for (const auto& [particle, slot] : slots_[s]) entries.push_back({particle, {s, slot}});
     out_.places = Places(static_cast<std::uint32_t>(scene_.particles.size()), entries);
-    out_.rods = Places(static_cast<std::uint32_t>(scene_.rods.size()), rods_);
-    out_.twists = Places(static_cast<std::uint32_t>(scene_.twists.size()), twist_places_);
+    out_.cords = Places(static_cast<std::uint32_t>(scene_.rods.size() + scene_.tackles.size()), cords_);
+    out_.twists = Places(static_cast<std::uint32_t>(scene_.twists.size()), twists_);
   }
 
   void fill_info() {
@@ -316,15 +312,14 @@ class Compiler {
 
   std::vector<std::uint8_t> is_jointed_;  ///< by particle: its island has more than particles and rods
   const layouts::Islands islands_;
-  const std::vector<std::vector<std::uint32_t>> bends_;   ///< by island; there are none if the scene has none
-  const std::vector<std::vector<std::uint32_t>> twists_;  ///< as bends_
-  std::vector<Named> bent_at_;  ///< by particle: its first bend or twist, once it was asked for
+  const IslandElements elements_;
+  std::vector<Named> element_at_;  ///< by particle: its first element, once it was asked for
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;
   StartReport start_;
   std::vector<std::vector<MadeSolver::Place>> slots_;  ///< by solver
-  std::vector<Places::Entry> rods_, twist_places_;
+  std::vector<Places::Entry> cords_, twists_;
 };
 
 }  // namespace

@@ -1,9 +1,10 @@
-#include "step/lengths.hpp"
+#include "step/inputs/lengths.hpp"
 
 namespace plumb::detail {
 
-Lengths::Lengths(const Scene& scene) : is_moving_(scene.rods.size(), 0) {
+Lengths::Lengths(const Scene& scene) : is_moving_(scene.rods.size() + scene.tackles.size(), 0) {
   for (std::size_t i = 0; i < scene.rods.size(); ++i) lengths_.push_back(rod_length(scene, i));
+  for (std::size_t i = 0; i < scene.tackles.size(); ++i) lengths_.push_back(tackle_length(scene, i));
   targets_ = lengths_;
 }
 

@@ -16,6 +16,10 @@ class Anchors {
 
   bool is_fixed(std::uint32_t particle) const { return fixed_[particle] != 0; }
   Vec3 position(std::uint32_t particle) const { return positions_[particle]; }
+  /// Returns the velocity (m/s) of a fixed particle in the next step, of dt (s).
+  Vec3 velocity(std::uint32_t particle, double dt) const {
+    return (1 / dt) * (targets_[particle] - positions_[particle]);
+  }
   /// Returns whether some anchor moves in the next step, or has stopped after the last.
   bool any_paths() const { return !moving_.empty() || !settling_.empty() || !concerned_.empty(); }
 

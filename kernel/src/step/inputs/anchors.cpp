@@ -1,4 +1,4 @@
-#include "step/anchors.hpp"
+#include "step/inputs/anchors.hpp"
 
 #include <algorithm>
 #include <utility>

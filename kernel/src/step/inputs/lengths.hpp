@@ -11,7 +11,7 @@
 
 namespace plumb::detail {
 
-/// Knows how long rods are, and how long they will be after the next step.
+/// Knows how long cords are, and how long they will be after the next step. Cords are rods, then tackles.
 class Lengths {
  public:
   explicit Lengths(const Scene& scene);

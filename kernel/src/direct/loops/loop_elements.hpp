@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "direct/bends/loop_bend.hpp"
+#include "direct/tackles/loop_tackle.hpp"
+#include "direct/twists/loop_twist.hpp"
+
+namespace plumb::detail {
+
+/// An island has these elements beside its rods, by its vertices.
+struct LoopElements {
+  std::vector<LoopBend> bends;
+  std::vector<LoopTackle> tackles;
+  std::vector<LoopTwist> twists;
+
+  bool any() const { return !bends.empty() || !tackles.empty() || !twists.empty(); }
+  friend bool operator==(const LoopElements&, const LoopElements&) = default;
+  friend auto operator<=>(const LoopElements&, const LoopElements&) = default;
+};
+
+}  // namespace plumb::detail

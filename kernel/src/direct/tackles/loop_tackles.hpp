@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "direct/tackles/loop_tackle.hpp"
+#include "direct/tackles/tackle_law.hpp"
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+struct LoopState;
+struct LoopWorkspace;
+struct SubstepEnd;
+
+/// Steps change these numbers of a tackle. Its multiplier follows those of rods in LoopMotion::mu.
+struct LoopTackleMotion {
+  double length;       ///< At the end of the last substep, in m.
+  double rate = 0;     ///< It changes by so much, in m/s.
+  double impulse = 0;  ///< Pulls times substeps, of this step, in N s.
+};
+
+/// Holds what a substep makes of the tackles, while it is solved.
+struct TackleWorkspace {
+  /// A segment goes from one vertex to the next. `way` leads from the second to the first.
+  struct Segment {
+    Vec3 way;
+    double length;
+  };
+  std::vector<Segment> segments;  ///< They are those at the start, of one tackle after the other.
+  std::vector<double> starts;     ///< Sums of segments at the start of a substep, in m.
+  std::vector<double> lengths;    ///< Lengths that hold in this substep, in m.
+};
+
+/// Gives an island the numbers of its tackles, in the order of its topology.
+void load_tackles(LoopState& state, const Scene& scene, std::span<const std::uint32_t> tackles);
+/// Sets the lengths that tackles have in a substep of `h` (s): rigid ones that of its end, and elastic ones
+/// that of its middle.
+void set_tackle_lengths(const LoopState& state, double h, TackleWorkspace& work);
+/// Measures segments at the start of a substep.
+void measure_tackles(const LoopState& state, TackleWorkspace& work);
+
+/// Writes what tackles add to Newton's matrix into `values` of the island's system.
+void write_tackles(const LoopState& state, double theta, double soft, const LoopWorkspace& work,
+                   std::span<double> values);
+/// Adds what tackles pull to the right-hand side, and puts there what their rows lack.
+void pull_by_tackles(const LoopState& state, double theta, double soft, const LoopWorkspace& work,
+                     std::span<double> right);
+
+/// Writes the rows of a projection of velocities. Cords that give, or did not pull last, do not hold.
+void write_projected_tackles(const LoopState& state, const LoopWorkspace& work, std::span<double> values);
+/// Puts what these rows lack into the right-hand side.
+void lack_of_projected_tackles(const LoopState& state, const LoopWorkspace& work, std::span<double> right);
+
+/// Returns the pivot that a tackle with these values has if give(vertex) says what vertices yield to a force.
+template <class Give>
+double tackle_pivot(const LoopTackle& tackle, const double* values, Give&& give) {
+  double sum = 0;
+  for (const std::uint32_t vertex : tackle.vertices) {
+    const double along = values[0] * values[3] + values[1] * values[4] + values[2] * values[5];
+    sum += (along < 0 ? -along : along) * give(vertex);
+    values += LoopTackle::per_vertex;
+  }
+  return sum;
+}
+
+/// Returns how far the equation of a tackle is off, relative to its length.
+double tackle_misfit(const LoopState& state, const LoopWorkspace& work, std::uint32_t tackle);
+/// Returns the work in a substep by theta of tackles that give, catch or change their length, in units of
+/// delta . M delta.
+double work_of_tackles(const LoopState& state, double theta, const LoopWorkspace& work);
+/// Returns the energy of all tackles at the end of a substep in which rods give, in the same units.
+double energy_of_tackles(const LoopState& state, double soft, const LoopWorkspace& work);
+/// Sets the multipliers of all tackles there.
+void set_elastic_tackles(LoopState& state, double soft, const LoopWorkspace& work);
+
+/// Ends a substep: adds up lengths and pulls.
+void end_tackles(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work);
+/// Adds up the pulls of a projection of velocities (LoopWorkspace::blows).
+void hold_blows(LoopState& state, const LoopWorkspace& work);
+
+}  // namespace plumb::detail

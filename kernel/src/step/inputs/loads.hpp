@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "plumb/loads.hpp"
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// Knows which forces act on particles: constant ones, and those that a load says before every step.
+class Loads {
+ public:
+  explicit Loads(const Scene& scene);
+
+  void set(Load load);
+  bool any() const { return static_cast<bool>(load_); }
+
+  /// Sets the constant force (N) on a particle, and returns the force that acts on it from now on.
+  Vec3 set_force(std::uint32_t particle, Vec3 force);
+  /// Returns the force (N) that a load puts on a particle, a fixed one too.
+  Vec3 loaded(std::uint32_t particle) const { return loaded_.empty() ? Vec3{} : loaded_[particle]; }
+
+  /// Asks the load for the forces of a step of `dt` (s) from `time` (s) on. at(particle) says where it goes
+  /// from and how fast it starts, with is_known if the speed holds all the way, as an anchor's does. Throws
+  /// what the load throws, and InputError on a force that is not finite; the last forces stay then.
+  struct Motion {
+    Vec3 position, velocity;
+    bool is_known;
+  };
+  template <class At>
+  void ask(double time, double dt, At&& at) {
+    for (std::uint32_t i = 0; i < positions_.size(); ++i) predict(i, dt, at(i));
+    ask_at(time + dt / 2, dt);
+  }
+  /// Calls f(particle, force) for every movable particle whose force (N) is not what it was.
+  template <class F>
+  void for_changed(F&& f) {
+    for (std::uint32_t i = 0; i < loaded_.size(); ++i) {
+      if (!(asked_[i] == loaded_[i]) && !fixed_[i]) f(i, constant_[i] + asked_[i]);
+      loaded_[i] = asked_[i];
+    }
+  }
+
+ private:
+  void predict(std::uint32_t particle, double dt, const Motion& motion);
+  void ask_at(double middle, double dt);
+
+  Load load_;
+  std::vector<bool> fixed_;
+  std::vector<Vec3> constant_, loaded_, asked_;  ///< N, by particle; the last two once there was a load
+  std::vector<Vec3> positions_, velocities_;     ///< as the load sees them
+  std::vector<Vec3> last_velocities_;            ///< m/s, at the start of the last step
+  double last_dt_ = 0;                           ///< s, or 0 if there was no last step
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "plumb/scene.hpp"
+#include "plumb/settings.hpp"
+
+namespace plumb::detail {
+
+/// Adds up what rods ask of the anchors that they hang from. It remembers how they began a step, since a mean
+/// pull acts along the mean of directions.
+class Reactions {
+ public:
+  /// Has no rods unless the settings ask for tensions.
+  Reactions(const Scene& scene, const Settings& settings);
+
+  /// A rod goes from an anchor to a movable particle. Of its mass matrix the anchor has `own` and `shared`.
+  struct Held {
+    std::uint32_t anchor, rod, other;
+    double own, shared;      ///< kg
+    Vec3 way{};              ///< m, from the anchor at the start of the last step
+    Vec3 velocity{};         ///< m/s, of the other end then, if there is shared mass
+    Vec3 anchor_velocity{};  ///< m/s, of the anchor in the last step
+    Vec3 anchor_change{};    ///< m/s, from that of the step before
+  };
+  /// Returns the rods at an anchor.
+  std::span<const Held> at(std::uint32_t anchor) const;
+
+  /// Begins a step. position(particle), velocity(particle) and path(anchor) are those of its start.
+  template <class Position, class Velocity, class Path>
+  void begin_step(Position&& position, Velocity&& velocity, Path&& path) {
+    for (Held& held : held_) {
+      held.way = position(held.other) - position(held.anchor);
+      if (held.shared != 0) held.velocity = velocity(held.other);
+      const Vec3 now = path(held.anchor);
+      held.anchor_change = now - held.anchor_velocity;
+      held.anchor_velocity = now;
+    }
+  }
+
+  /// Returns the force (N) on the anchor that balances a rod's mean pull (N) and its mass, after a step of
+  /// `dt` (s) that led the other end to `way` and `velocity`.
+  Vec3 holding(const Held& held, double pull, Vec3 way, Vec3 velocity, double dt) const;
+
+ private:
+  Vec3 gravity_;
+  std::vector<Held> held_;  ///< by anchor
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,164 @@
+// Reactions: what holds anchors, at rest and in motion.
+
+#include "step/reactions.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "support/refusals.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+using test::fixed;
+using test::movable;
+
+constexpr double g = 9.81;
+
+/// A line of `rods` rods with mass between two anchors 1.5 m apart that sags.
+Scene hammock(std::uint32_t rods, double mass) {
+  Scene scene;
+  for (std::uint32_t i = 0; i <= rods; ++i) {
+    const double s = static_cast<double>(i) / rods;
+    const Vec3 at{1.5 * s, -2 * s * (1 - s), 0};
+    scene.particles.push_back(i == 0 || i == rods ? fixed(at) : movable(at, 0.1));
+    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .mass = mass});
+  }
+  return scene;
+}
+
+Vec3 sum_of_reactions(const World& world) {
+  std::vector<Vec3> all(world.particle_count());
+  world.copy_reactions(all);
+  Vec3 sum;
+  for (const Vec3 each : all) sum += each;
+  return sum;
+}
+
+TEST(Reactions, CarryTheWholeWeightAtRest) {
+  for (const double mass : {0.0, 0.5})
+    for (const bool has_loop : {false, true}) {
+      Scene scene = hammock(6, mass);
+      scene.drag = 10;
+      if (has_loop) scene.rods.push_back({.a = 2, .b = 4, .law = {.stiffness = 100}});
+      World world(scene, {.method = Method::direct, .tensions = true});
+      test::run(world, 1.0 / 60, 3000);
+      const double weight = (5 * 0.1 + 6 * mass) * g;
+      EXPECT_LT(norm(sum_of_reactions(world) - Vec3{0, weight, 0}), 1e-9 * weight) << mass << has_loop;
+      EXPECT_NEAR(world.reaction(0).y, weight / 2, 1e-9 * weight);
+      EXPECT_LT(world.reaction(0).x, 0);
+    }
+}
+
+/// The largest difference, over the steps of a second, between what forces do and the change of momentum.
+double imbalance(const Scene& scene, const Settings& settings, int steps, Vec3 push) {
+  World world(scene, settings);
+  world.set_force(2, push);
+  const MassModel model = mass_model_of(settings);
+  double weight = 0;
+  for (const Particle& particle : scene.particles) weight += particle.mass * g;
+  for (const Rod& rod : scene.rods) weight += rod.mass * g;
+  const auto momentum = [&] {
+    return measure_momentum(scene, test::positions_of(world), test::velocities_of(world), model).linear;
+  };
+  const double dt = 1.0 / steps;
+  double worst = 0;
+  Vec3 last = momentum();
+  for (int i = 0; i < steps; ++i) {
+    world.step(dt);
+    const Vec3 now = momentum();
+    worst =
+        std::max(worst, norm(1 / dt * (now - last) - (sum_of_reactions(world) + push - Vec3{0, weight, 0})));
+    last = now;
+  }
+  return worst;
+}
+
+TEST(Reactions, MakeTheChangeOfMomentum) {
+  Scene scene = hammock(3, 0.5);
+  scene.particles.back().fixed = false;  // it swings from its first anchor
+  scene.particles.back().mass = 0.3;
+  const Vec3 push{0.5, 0.2, 0.1};
+  // With one substep the mean of directions is that of gradient mid itself.
+  EXPECT_LT(
+      imbalance(scene, {.method = Method::direct, .gradient = Gradient::mid, .tensions = true}, 100, push),
+      1e-9);
+  const auto order = [&](const Settings& settings) {
+    return std::log2(imbalance(scene, settings, 200, push) / imbalance(scene, settings, 400, push));
+  };
+  EXPECT_NEAR(order({.method = Method::direct, .gradient = Gradient::mid, .substeps = 3, .tensions = true}),
+              2, 0.3);
+  // A substep of gradient old has the pull of its start, which stands for half a substep before and after.
+  EXPECT_NEAR(order({.method = Method::direct, .gradient = Gradient::old, .tensions = true}), 1, 0.1);
+}
+
+TEST(Reactions, BalanceIslandsWithLoopsAndAllElements) {
+  Scene scene = hammock(4, 0);
+  scene.particles.back().fixed = false;
+  scene.particles.back().mass = 0.3;
+  scene.particles.push_back(fixed({0, 1, 0}));
+  scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 0.5}, {.a = 1, .b = 2, .c = 3, .stiffness = 0.5}};
+  scene.tackles = {{.particles = {5, 2, 5, 4}, .law = {.stiffness = 40}}};
+  scene.twists = {{.particles = {0, 1, 2, 3, 4}, .stiffness = 0.4, .angle = 2}};
+  EXPECT_LT(
+      imbalance(scene, {.method = Method::direct, .gradient = Gradient::mid, .tensions = true}, 200, {}),
+      1e-8);
+}
+
+TEST(Reactions, AClampHoldsABeamByACouple) {
+  Scene scene;
+  scene.particles = {fixed({-0.1, 0, 0}), fixed({})};
+  for (std::uint32_t i = 1; i <= 5; ++i) {
+    scene.particles.push_back(movable({0.1 * i, 0, 0}, 0.01));
+    scene.rods.push_back({.a = i, .b = i + 1});
+    scene.bends.push_back({.a = i - 1, .b = i, .c = i + 1, .stiffness = 100, .damping = 1});
+  }
+  scene.drag = 20;
+  World world(scene, {.tensions = true});
+  test::run(world, 1.0 / 60, 1200);
+  EXPECT_LT(norm(sum_of_reactions(world) - Vec3{0, 0.05 * g, 0}), 1e-6);
+  // Forces 0.1 m apart hold the moment of the beam's weight about the clamp.
+  double moment = 0;
+  for (std::uint32_t i = 2; i < 7; ++i) moment += world.position(i).x * 0.01 * g;
+  EXPECT_NEAR(world.reaction(0).y * 0.1, -moment, 1e-6);
+}
+
+TEST(Reactions, OnesThatAreNotKnownAreRefusedOrNotANumber) {
+  const Scene scene = hammock(3, 0);
+  World silent(scene, {.method = Method::direct});
+  EXPECT_EQ(test::refusal([&] { (void)silent.reaction(0); }),
+            "tensions are not known: Settings::tensions asks for them");
+  World world(scene, {.method = Method::direct, .tensions = true});
+  EXPECT_EQ(test::refusal([&] { (void)world.reaction(1); }), "particle 1: is movable, nothing holds it");
+  EXPECT_TRUE(std::isnan(world.reaction(0).y)) << "before the first step";
+  std::vector<Vec3> few(2);
+  EXPECT_EQ(test::refusal([&] { world.copy_reactions(few); }),
+            "reactions of 4 particles cannot be copied into 2 elements");
+  Scene jointed;
+  const std::uint32_t body =
+      add_body(jointed, {.mass = 1, .center = {}, .inertia = {.xx = 1, .yy = 1, .zz = 1}});
+  jointed.particles[jointed.bodies[body].particles[0]].fixed = true;
+  World hung(jointed, {.tensions = true});
+  hung.step(0.01);
+  EXPECT_TRUE(std::isnan(hung.reaction(jointed.bodies[body].particles[0]).y));
+}
+
+TEST(Reactions, ALoadOnAnAnchorIsHeldThere) {
+  Scene scene = hammock(3, 0);
+  World world(scene, {.method = Method::direct, .tensions = true});
+  world.step(0.001);
+  const Vec3 before = world.reaction(0);
+  world.set_load([](const LoadState&, std::span<Vec3> forces) { forces[0] += Vec3{0, -7, 0}; });
+  World other(scene, {.method = Method::direct, .tensions = true});
+  other.set_load([](const LoadState&, std::span<Vec3> forces) { forces[0] += Vec3{0, -7, 0}; });
+  other.step(0.001);
+  EXPECT_LT(norm(other.reaction(0) - before - Vec3{0, 7, 0}), 1e-12);
+}
+
+}  // namespace
+}  // namespace plumb
