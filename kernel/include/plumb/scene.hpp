@@ -115,12 +115,28 @@ struct Twist {
 /// This is a massless cord that runs through particles in their order, as over pulleys. The sum of the
 /// distances between neighbours is its length, and its pull is the same everywhere.
 ///
-/// Particles that it runs through are blocks of no size, without friction. Where one is fixed, a pulley hangs
+/// Particles that it runs through are blocks of no size. Where one is fixed, a pulley hangs
 /// from the ceiling. A cord may run through a particle more than once, as through a block of several sheaves.
 struct Tackle {
   std::vector<std::uint32_t> particles{};  ///< Indices into Scene::particles; neighbours differ.
   double length = 0;                       ///< Length in m; 0 means that of the scene as it stands.
   RodLaw law{};  ///< How it answers to what pulls on it, as a rod does. It has no strength.
+  /// Coulomb's coefficient at its pulleys. The pulls on both sides of one differ by at most the factor
+  /// exp(friction angle), with the angle by which the cord turns there, in rad (Euler 1769, Eytelwein 1808).
+  double friction = 0;
+};
+
+/// Pays out and takes in a chain of particles through one place, as a winch's drum does with a rope.
+///
+/// Between the particles there are rods in their order. What is out hangs from the first particle, the drum,
+/// which is fixed. The first particles behind it may be on the drum: they move with it, and their rods do not
+/// pull. The rod that leaves the drum is as long as what is out of it.
+///
+/// A particle leaves the drum where the rope does, with the rope's velocity, and comes back likewise. The
+/// drum gives and takes its momentum and energy, and what is out goes on without a jump.
+struct Reel {
+  std::vector<std::uint32_t> particles{};  ///< Indices into Scene::particles: the drum, then the chain.
+  double out = 0;  ///< Length that is out at the start, in m; 0 means that of the whole chain.
 };
 
 /// This is a rigid solid with a full tensor of inertia, carried by four particles that do not lie in one
@@ -249,6 +265,7 @@ struct Scene {
   std::vector<Bend> bends{};            ///< Bending stiffness between rods.
   std::vector<Twist> twists{};          ///< Torsional stiffness along chains.
   std::vector<Tackle> tackles{};        ///< Cords over pulleys.
+  std::vector<Reel> reels{};            ///< Drums of ropes.
   std::vector<Body> bodies{};           ///< Rigid solids.
   std::vector<Pin> pins{};              ///< Ball joints.
   std::vector<Alignment> alignments{};  ///< Dot products that are kept.

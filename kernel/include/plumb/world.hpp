@@ -68,11 +68,11 @@ struct StepReport {
   double rms_gap = 0;      ///< Root mean square of these gaps over the joints of an island, in m.
 
   // The next members describe scenes with shapes that touch.
-  std::uint64_t contacts = 0;        ///< Most points at which something pushed in one cluster's substep.
+  std::uint64_t contacts = 0;  ///< Most points at which something pushed in one cluster's substep.
   /// Substeps that would have gained energy by contact, air or drag and were held back.
   std::uint64_t guarded_energy = 0;
-  std::uint32_t awake_islands = 0;   ///< Islands awake at the end of the step.
-  std::uint32_t fell_asleep = 0;     ///< Islands that fell asleep in this step.
+  std::uint32_t awake_islands = 0;  ///< Islands awake at the end of the step.
+  std::uint32_t fell_asleep = 0;    ///< Islands that fell asleep in this step.
 
   /// Adds the counts of another step and keeps the worst of what is not a count.
   PLUMB_API StepReport& operator+=(const StepReport& other);
@@ -188,8 +188,8 @@ class PLUMB_API World {
   void move_anchor(std::uint32_t particle, Vec3 target);
 
   /// Changes a spring, a torsion or an angle from the next step on, all but its places, and wakes its island.
-  /// They are numbered as in the scene. Throws InputError on an unknown one, on what validate() refuses, and on
-  /// a spring whose length becomes or was 0.
+  /// They are numbered as in the scene. Throws InputError on an unknown one, on what validate() refuses, and
+  /// on a spring whose length becomes or was 0.
   void set_spring(std::uint32_t number, const Spring& spring);
   /// See set_spring().
   void set_torsion(std::uint32_t number, const Torsion& torsion);
@@ -228,6 +228,12 @@ class PLUMB_API World {
   /// InputError on an unknown tackle, or without Settings::tensions.
   double tackle_tension(std::uint32_t tackle) const;
 
+  /// Lets `out` metres of a reel's rope be out at the end of the next step, at a constant rate. Throws
+  /// InputError on an unknown reel, and on a length that is not positive or more than the chain has.
+  void set_reel(std::uint32_t reel, double out);
+  /// Returns how much of a reel's rope is out, in m. Throws InputError on an unknown reel.
+  double reel_out(std::uint32_t reel) const;
+
   /// Returns the force in N that holds an anchor, averaged over the last step. With gravity and other forces,
   /// the reactions of all anchors make the change of momentum, that of rods' mass at anchors included. It is
   /// NaN where a pull is (see tension()), and where a body hangs from the anchor. Throws InputError on an
@@ -236,6 +242,25 @@ class PLUMB_API World {
   /// Copies the reactions (N) at all particles into `out`; those of movable ones are zero. Throws InputError
   /// unless it has particle_count() elements, or without Settings::tensions.
   void copy_reactions(std::span<Vec3> out) const;
+
+  /// Returns the force in N that a ball joint (Scene::pins) puts on the place `a`, averaged over the last
+  /// step; `b` gets the opposite. It is NaN before the first step. Throws InputError on an unknown joint, or
+  /// without Settings::tensions.
+  Vec3 pin_force(std::uint32_t pin) const;
+  /// Returns the torque in N m with which limits, friction and drive of an angle (Scene::angles) widen it.
+  /// See pin_force().
+  double angle_torque(std::uint32_t angle) const;
+  /// Returns the force in N that a spring (Scene::springs) puts on its place `a`. See pin_force().
+  Vec3 spring_force(std::uint32_t spring) const;
+  /// Returns the torque in N m that a torsion (Scene::torsions) puts on the side of `v`. See pin_force().
+  double torsion_torque(std::uint32_t torsion) const;
+  /// Returns the force in N with which all that touches a shape (Scene::capsules) pushes it, averaged over
+  /// the last step; zero if nothing does. Throws InputError on an unknown shape, or without
+  /// Settings::tensions.
+  Vec3 contact_force(std::uint32_t capsule) const;
+  /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
+  /// as the scene has shapes, or without Settings::tensions.
+  void copy_contact_forces(std::span<Vec3> out) const;
 
   /// Returns what went wrong in the last step, by particle, and which rods that are not elastic are off their
   /// length by more than `most_strain` of it. An empty list means that all is well.

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-
 #include <string>
 
 #include "plumb/scene.hpp"

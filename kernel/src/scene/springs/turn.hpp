@@ -23,9 +23,9 @@ inline double angle_of(double x, double y) {
 
 /// Two directions, seen along an axis.
 struct Across {
-  Vec3 axis, u, v;                 ///< The axis has length 1 or 0, the others are across it, in m.
-  double over_axis = 0;            ///< 1/m
-  double u_along = 0, v_along = 0; ///< m
+  Vec3 axis, u, v;                  ///< The axis has length 1 or 0, the others are across it, in m.
+  double over_axis = 0;             ///< 1/m
+  double u_along = 0, v_along = 0;  ///< m
 
   Across(Vec3 whole_axis, Vec3 whole_u, Vec3 whole_v) {
     const double length = norm(whole_axis);
