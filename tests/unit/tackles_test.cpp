@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "direct/loops/loop_elements.hpp"
 #include "direct/tackles/loop_tackle.hpp"
 #include "direct/tackles/loop_tackles.hpp"
 #include "direct/tackles/tackle_law.hpp"
@@ -179,6 +180,16 @@ TEST(LoopTackle, NumbersItsValuesInOrder) {
   EXPECT_EQ(tackle.values(), 18u + 36u + 1u);
   const std::array<double, 18> ends{1, 0, 0, 2, 0, 0, 0, 1, 0, 0, -3, 0, 0, 0, 1, 0, 0, 0};
   EXPECT_EQ(tackle_pivot(tackle, ends.data(), [](std::uint32_t v) { return v == 4 ? 1.0 : 0.5; }), 3.5);
+}
+
+TEST(LoopElements, TellApartIslandsThatHaveOthers) {
+  const detail::LoopElements none, over_two{.tackles = {{.vertices = {0, 1, 2}}}},
+      over_one{.tackles = {{.vertices = {0, 1}}}};
+  EXPECT_FALSE(none.any());
+  EXPECT_TRUE(over_two.any());
+  EXPECT_NE(over_two, over_one);
+  EXPECT_LT(none, over_one);
+  EXPECT_LT(over_one, over_two);
 }
 
 TEST(Tackles, SayTheirLengthAndTheirEnergy) {

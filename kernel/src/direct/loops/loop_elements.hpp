@@ -10,9 +10,9 @@ namespace plumb::detail {
 
 /// An island has these elements beside its rods, by its vertices.
 struct LoopElements {
-  std::vector<LoopBend> bends;
-  std::vector<LoopTackle> tackles;
-  std::vector<LoopTwist> twists;
+  std::vector<LoopBend> bends{};
+  std::vector<LoopTackle> tackles{};
+  std::vector<LoopTwist> twists{};
 
   bool any() const { return !bends.empty() || !tackles.empty() || !twists.empty(); }
   friend bool operator==(const LoopElements&, const LoopElements&) = default;
