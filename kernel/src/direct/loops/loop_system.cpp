@@ -28,9 +28,10 @@ struct Parts {
 
 /// Returns the pairs of nodes that rods and elements couple.
 std::vector<std::pair<Index, Index>> edges_of(const Parts& of) {
-  const auto& [rods, elements, nodes] = of;
+  const LoopElements& elements = of.elements;
+  const Index nodes = of.nodes;
   std::vector<std::pair<Index, Index>> out;
-  for (const LoopRod rod : rods)
+  for (const LoopRod rod : of.rods)
     if (rod.b < nodes) out.emplace_back(rod.a, rod.b);
   const auto add = [&](Index a, Index b) {
     if (a < nodes && b < nodes) out.emplace_back(a, b);
