@@ -99,7 +99,10 @@ void Step::solve(StepReport& report) {
     for (std::uint32_t t = 0; t < tasks.size(); ++t) {
       if (tasks[t].asleep) continue;
       if (visited_.empty() || visited_.back() != tasks[t].solver) visited_.push_back(tasks[t].solver);
-      if (!compiled_.solvers[tasks[t].solver]->wants_team()) active_.push_back(t);
+      if (!compiled_.solvers[tasks[t].solver]->wants_team())
+        active_.push_back(t);
+      else
+        tasks[t].dt = dt_;
     }
   }
   ContactSolver* const contact = compiled_.contact;
@@ -217,7 +220,8 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 }
 
 void Step::set_length(std::uint32_t cord, double target) {
-  if (compiled_.cords.of(cord).empty())
+  const auto places = compiled_.cords.of(cord);
+  if (places.empty() || solver(places.front()).sweeps())
     refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");
   if (is_visiting(cord))
     refuse("rod ", cord, ": its length cannot change, since its island has shapes that may touch");
@@ -244,12 +248,16 @@ bool Step::is_visiting(std::uint32_t cord) const {
   return &solver(compiled_.places.of(rods_.end(cord)).back()) == compiled_.contact;
 }
 
+/// Returns whether the contact solver moves a rod now, and holds its anchors. It does so with what belongs to
+/// no rod.
+bool Step::is_held_by_contact(std::uint32_t cord) const {
+  if (cord == Reactions::no_rod) return true;
+  return compiled_.contact && cord < compiled_.info.rods && compiled_.contact->has_pull(cord);
+}
+
 double Step::pull(std::uint32_t cord) const {
+  if (is_held_by_contact(cord)) return compiled_.contact->pull_of_rod(cord);
   const auto places = compiled_.cords.of(cord);
-  if (places.empty()) return std::numeric_limits<double>::quiet_NaN();
-  if (const Place* const end = is_visiting(cord) ? place_of(rods_.end(cord)) : nullptr;
-      end && &solver(*end) == compiled_.contact)
-    return std::numeric_limits<double>::quiet_NaN();  // the contact solver moves it now
   const auto task = sleep_.task_of(compiled_.solvers, places.front());
   const double dt = task ? sleep_.tasks()[*task].dt : 0;
   if (dt == 0) return std::numeric_limits<double>::quiet_NaN();
@@ -257,17 +265,14 @@ double Step::pull(std::uint32_t cord) const {
 }
 
 Vec3 Step::reaction(std::uint32_t particle) const {
-  const auto places = compiled_.places.of(particle);
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  if (compiled_.contact && !places.empty() && &solver(places.front()) == compiled_.contact)
-    return {unknown, unknown, unknown};
   Vec3 sum = -1.0 * loads_.loaded(particle);
   for (const Reactions::Held& held : reactions_.at(particle))
-    sum += reactions_.holding(held, pull(held.rod), position(held.other) - position(particle),
-                              velocity(held.other), dt_);
-  for (const Place place : places)
-    if (const auto task = sleep_.task_of(compiled_.solvers, place))
-      sum += solver(place).hold(place.slot, sleep_.tasks()[*task].dt);
+    sum += reactions_.holding(held, is_held_by_contact(held.rod) ? 0 : pull(held.rod),
+                              position(held.other) - position(particle), velocity(held.other), dt_);
+  for (const Place place : compiled_.places.of(particle)) {
+    const auto task = sleep_.task_of(compiled_.solvers, place);
+    sum += solver(place).hold(place.slot, task ? sleep_.tasks()[*task].dt : dt_);
+  }
   return sum;
 }
 

@@ -55,6 +55,8 @@ class Step {
   /// Returns the force (N) that held a fixed particle in the last step, or NaN where a pull is.
   Vec3 reaction(std::uint32_t particle) const;
   bool is_broken(std::uint32_t rod) const;
+  /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
+  const ContactSolver& contact() const { return *compiled_.contact; }
 
   double twist(std::uint32_t twist) const;
   void set_twist(std::uint32_t twist, double angle);
@@ -88,6 +90,7 @@ class Step {
   bool uses_threads() const;
   void put_force(std::uint32_t particle, Vec3 force);
   bool is_visiting(std::uint32_t cord) const;
+  bool is_held_by_contact(std::uint32_t cord) const;
   const Place* place_of(std::uint32_t particle) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 
