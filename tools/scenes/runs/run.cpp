@@ -78,6 +78,21 @@ double energy_of(const World& world, const Scene& measured, const Frame& now, Ma
   return energy;
 }
 
+RunFrame make_frame(const Scene& scene, const Settings& settings) {
+  RunFrame frame;
+  frame.positions.resize(scene.particles.size());
+  frame.velocities.resize(scene.particles.size());
+  if (!settings.tensions) return frame;
+  frame.tensions.resize(scene.rods.size());
+  frame.forces = make_forces(scene);
+  return frame;
+}
+
+void add_tension_error(const Frame& frame, const Frame& truth, RunResult& result) {
+  if (frame.tensions.empty() || truth.tensions.empty()) return;
+  result.tension_error.push_back(tension_error(frame, truth));
+}
+
 /// Looks for the rod that pulls or pushes most.
 void find_largest(const Frame& frame, RunResult& result) {
   for (std::uint32_t rod = 0; rod < frame.tensions.size(); ++rod) {
@@ -133,21 +148,14 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   World world(scene, plan.settings);
   Scene measured = scene;  // without what has broken
   RunResult result{.info = world.info(), .frames = frames};
-  RunFrame now;
-  now.positions.resize(world.particle_count());
-  now.velocities.resize(world.particle_count());
-  if (plan.settings.tensions) {
-    now.tensions.resize(world.rod_count());
-    now.forces = make_forces(scene);
-  }
+  RunFrame now = make_frame(scene, plan.settings);
   const auto visit = [&](std::uint64_t number) {
     copy_state(world, now);
     find_largest(now, result);
     result.finite = result.finite && all_finite(now);
     if (const auto it = compare.find(number); it != compare.end()) {
       result.position_error.push_back(position_error(now, *it->second, diagonal));
-      if (!now.tensions.empty() && !it->second->tensions.empty())
-        result.tension_error.push_back(tension_error(now, *it->second));
+      add_tension_error(now, *it->second, result);
     }
     const auto it = save.find(number);
     if (!observer.save || (it == save.end() && !observer.save_at.empty())) return;
