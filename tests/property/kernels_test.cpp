@@ -58,6 +58,18 @@ std::ptrdiff_t first_difference(const AlignedBuffer<T>& a, const AlignedBuffer<T
   return -1;
 }
 
+/// Whether rods were moved by the same bits. Padding may differ, which moves nothing.
+template <class T>
+bool moved_alike(const Packing& packing, const AlignedBuffer<T>& a, const AlignedBuffer<T>& b) {
+  const std::size_t width = packing.lanes;
+  for (std::size_t lane = 0; lane < packing.lane_edge.size(); ++lane)
+    for (std::size_t field = 0; packing.lane_edge[lane] != none && field < moved_fields; ++field) {
+      const std::size_t i = (lane / width * moved_fields + field) * width + lane % width;
+      if (!same(a[i], b[i])) return false;
+    }
+  return true;
+}
+
 /// Islands with a number that is infinite or not a number.
 template <class T>
 std::set<std::uint32_t> broken_islands(const Packing& packing, const AlignedBuffer<T>& field) {
@@ -288,7 +300,7 @@ TYPED_TEST(KernelsOf, RelaxationHasTheScalarBits) {
               const AlignedBuffer<T>& swept = jacobi ? wanted.accumulator : wanted.p;
               if (!broken_islands(packing, swept).empty()) continue;
               ++whole;
-              ASSERT_EQ(first_difference(wanted.moved, got.moved), -1) << "count: " << what;
+              ASSERT_TRUE(moved_alike(packing, wanted.moved, got.moved)) << "count: " << what;
               for (std::size_t i = 0; i < wanted.violations.size(); ++i)
                 ASSERT_TRUE(same(wanted.violations[i], got.violations[i])) << "violation: " << what;
             }

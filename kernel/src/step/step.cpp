@@ -53,6 +53,7 @@ Step::Step(const Scene& scene, const Settings& settings)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
   active_.reserve(sleep_.tasks().size());
   visited_.reserve(compiled_.solvers.size());
+  last_dt_.reserve(compiled_.solvers.size());
   compiled_.info.parallel = uses_threads();
 }
 
@@ -262,6 +263,19 @@ double Step::pull(std::uint32_t cord) const {
   const double dt = task ? sleep_.tasks()[*task].dt : 0;
   if (dt == 0) return std::numeric_limits<double>::quiet_NaN();
   return solver(places.front()).pull(places.front().slot, dt);
+}
+
+void Step::copy_pulls(std::span<double> out) {
+  last_dt_.assign(compiled_.solvers.size(), -1);
+  for (const Task& task : sleep_.tasks()) {
+    double& dt = last_dt_[task.solver];
+    dt = dt < 0 || dt == task.dt ? task.dt : 0;
+  }
+  for (std::uint32_t cord = 0; cord < out.size(); ++cord) {
+    const auto places = compiled_.cords.of(cord);
+    const double dt = places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
+    out[cord] = dt > 0 ? solver(places.front()).pull(places.front().slot, dt) : pull(cord);
+  }
 }
 
 Vec3 Step::reaction(std::uint32_t particle) const {
