@@ -384,7 +384,9 @@ TEST(JointForces, ThatAreNotThereAreRefused) {
             "contact forces of 0 shapes cannot be copied into 1 elements");
   EXPECT_TRUE(std::isnan(world.pin_force(0).x) && std::isnan(world.torsion_torque(0)))
       << "before the first step";
-  World bare(Scene{.particles = {test::movable({}, 1)}}, {.tensions = true});
+  Scene ball;
+  ball.particles = {test::movable({}, 1)};
+  World bare(ball, {.tensions = true});
   EXPECT_EQ(refusal([&] { (void)bare.pin_force(0); }), "ball joint 0: unknown, the scene has 0");
   bare.copy_contact_forces({});
 }
