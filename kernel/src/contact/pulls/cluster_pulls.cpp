@@ -1,5 +1,7 @@
 // This file adds up what holds and pushes a cluster's islands in a substep.
 
+#include <utility>
+
 #include "contact/cluster_stepper.hpp"
 
 namespace plumb::detail {
