@@ -343,6 +343,36 @@ TEST_F(Allocations, AreNoneInStepsOfFiguresOnceWarm) {
     }
 }
 
+TEST_F(Allocations, AreNoneWherePullsCount) {
+  Scene swung;  // a rod on a spring, with a drive, that hangs low enough to touch the ground
+  swung.particles = {test::fixed({}), test::fixed({0, 1, 0}), test::fixed({0, 0, 1}),
+                     test::movable({1, 0, 0}, 1)};
+  swung.rods = {{.a = 0, .b = 3, .mass = 2}};
+  swung.springs = {{.a = point_at(1), .b = point_at(3), .length = 1, .stiffness = 20}};
+  swung.angles = {
+      {.u = {point_at(0), point_at(1)}, .v = {point_at(0), point_at(3)}, .upper = 2, .friction = 0.1}};
+  swung.capsules = {{.a = point_at(3), .b = point_at(3), .radius = 0.1}};
+  swung.planes = {{.offset = -0.3}};
+  const Scene swing = swung, rope = scenes::make_chain(20);
+  const Settings figures{.tensions = true, .threads = 1};
+  Settings relaxed{.method = Method::relax, .tensions = true, .threads = 1}, accurate = relaxed;
+  accurate.accuracy = 1e-2;
+  for (const auto& [scene, settings] :
+       {std::pair{&swing, figures}, std::pair{&rope, relaxed}, std::pair{&rope, accurate}}) {
+    World world(*scene, settings);
+    std::vector<double> tensions(scene->rods.size());
+    std::vector<Vec3> reactions(scene->particles.size()), contacts(scene->capsules.size());
+    const auto step = [&] {
+      test::run(world, 1.0 / 60, 2);
+      world.copy_tensions(tensions);
+      world.copy_reactions(reactions);
+      world.copy_contact_forces(contacts);
+    };
+    for (int i = 0; i < 60; ++i) step();
+    EXPECT_EQ(allocations_in([&] { step(); }), 0u);
+  }
+}
+
 // A governor has springs, dampers, alignments and a body. Its spring is changed before every step.
 TEST_F(Allocations, AreNoneInStepsOfSprings) {
   const Scene scene = test::Governor::scene(false);

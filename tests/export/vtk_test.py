@@ -11,7 +11,8 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 SCENE = """{"plumb": 1,
 "particles": [{"position": [0, 0, 0], "fixed": true}, {"position": [0.1, 0, 0], "mass": 2},
               {"position": [1, 2, 3], "velocity": [4, 0, 0], "mass": 3}, {"position": [0.3, 0, 0]}],
-"rods": [{"a": 0, "b": 1}, {"a": 1, "b": 3, "mass": 6}]}"""
+"rods": [{"a": 0, "b": 1}, {"a": 1, "b": 3, "mass": 6}],
+"springs": [{"a": 0, "b": 3, "length": 0.2, "stiffness": 10}]}"""
 
 
 def read(path):
@@ -45,16 +46,30 @@ def check_first(poly):
     assert all(abs(s) < 1e-15 for (s,) in column(poly.GetCellData(), "stretch"))
 
 
+def check_forces(poly, anchor, spring):
+    def vector(row):
+        return tuple(float(row[axis]) for axis in "xyz")
+    reactions = column(poly.GetPointData(), "reaction")
+    assert reactions[0] == vector(anchor) and reactions[0] != (0, 0, 0)
+    assert reactions[1:] == [(0, 0, 0)] * 3
+    assert column(poly.GetFieldData(), "spring") == [vector(spring)]
+    assert len(column(poly.GetCellData(), "tension")) == 3
+
+
 def main(plumb, folder):
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
-    scene, frames, table = (os.path.join(folder, name) for name in ("scene.json", "frames", "trajectory.csv"))
+    scene, frames, table, forces = (os.path.join(folder, name)
+                                    for name in ("scene.json", "frames", "trajectory.csv", "forces.csv"))
     with open(scene, "w") as file:
         file.write(SCENE)
     subprocess.run([plumb, "run", scene, "--duration", "1/6", "--dt", "1/60", "--vtk", frames, "--trajectory", table,
-                    "--quiet"], check=True)
+                    "--forces", forces, "--quiet"], check=True)
     with open(table) as file:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+    with open(forces) as file:
+        held = [row for row in csv.DictReader(file)]
+    assert [row["kind"] for row in held] == ["anchor", "spring"] * 11, held
     collection = ElementTree.parse(os.path.join(frames, "run.pvd")).getroot()
     assert collection.get("type") == "Collection"
     sets = collection.findall("Collection/DataSet")
@@ -71,6 +86,8 @@ def main(plumb, folder):
             assert velocities[particle] == (row["vx"], row["vy"], row["vz"]), (number, particle)
         if number == 0:
             check_first(poly)
+            continue
+        check_forces(poly, *held[2 * number:2 * number + 2])
     print(len(sets), "frames read back")
 
 

@@ -72,6 +72,8 @@ TEST(Report, HasEveryField) {
                                                  "stretch",
                                                  "energy",
                                                  "position_error",
+                                                 "tension",
+                                                 "tension_error",
                                                  "stopped_by",
                                                  "skipped",
                                                  "mid_guarded",
@@ -124,6 +126,8 @@ TEST(Report, HasEveryField) {
   EXPECT_EQ(report["stopped_by"], "sweeps");
   EXPECT_EQ(report["frozen_islands"], 0);
   EXPECT_TRUE(report["position_error"].empty());
+  EXPECT_TRUE(report["tension"].is_null());
+  EXPECT_TRUE(report["tension_error"].empty());
   EXPECT_GT(report["wall_s"].get<double>(), 0);
   EXPECT_NEAR(report["ns_per_rod_frame"].get<double>(), report["wall_s"].get<double>() * 1e9 / 30, 1e-6);
   EXPECT_EQ(report["state_hash"].get<std::string>().size(), 18u);
@@ -232,6 +236,27 @@ TEST(Run, SavesTheFramesAskedForUnderTheTimesAskedFor) {
   observer.save_at = {0.2};
   EXPECT_EQ(message_of([&] { run_scene(scene, short_plan(), {}, observer); }),
             "the time to save, 0.2 s, is after the end at 0.1 s");
+}
+
+TEST(Run, ComparesTensionsAndNamesTheLargest) {
+  const Scene scene = make_chain(2);
+  RunPlan plan = short_plan();
+  plan.settings = {.method = Method::direct, .tensions = true};
+  std::vector<Frame> truth;
+  RunObserver observer;
+  observer.save = [&](const RunFrame& frame) {
+    truth.push_back(frame);
+    EXPECT_EQ(frame.forces.reactions.size(), scene.particles.size());
+  };
+  observer.save_at = {0.1};
+  const RunResult first = run_scene(scene, plan, {}, observer);
+  EXPECT_TRUE(first.tension_error.empty());
+  EXPECT_EQ(first.most_tense_rod, 0u) << "all hangs from it";
+  EXPECT_GE(first.largest_tension, truth[0].tensions[0]);
+  truth[0].tensions[1] += 1;
+  const RunResult result = run_scene(scene, plan, truth);
+  ASSERT_EQ(result.tension_error.size(), 1u);
+  EXPECT_NEAR(result.tension_error[0].rms_n, 1 / std::sqrt(2), 1e-14);
 }
 
 TEST(Run, ComparesWithTheTimesOfTheTruthThatItReaches) {

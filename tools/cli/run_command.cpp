@@ -24,8 +24,8 @@ struct RunOptions {
   scenes::RunPlan plan;
   std::vector<double> save_at;
   std::string trajectory;
-  std::string tensions;
-  std::string truth;
+  std::string tensions, forces;
+  std::string truth, truth_tensions;
   std::string report;
   std::string vtk;   ///< Folder for VTK files.
   std::string gltf;  ///< File for the glTF animation.
@@ -42,18 +42,20 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
 /// cannot be written is better known then.
 class SavedFrames {
  public:
-  SavedFrames(const RunOptions& options, const Scene& scene) : binary_(options.gltf.ends_with(".glb")) {
+  SavedFrames(const RunOptions& options, const Scene& scene)
+      : scene_(scene), binary_(options.gltf.ends_with(".glb")) {
     if (!options.trajectory.empty()) trajectory_.emplace(options.trajectory).write(scenes::trajectory_header);
     if (!options.tensions.empty()) tensions_.emplace(options.tensions).write(scenes::tensions_header);
+    if (!options.forces.empty()) forces_.emplace(options.forces).write(scenes::forces_header);
     if (!options.vtk.empty()) vtk_.emplace(options.vtk, scene);
     if (options.gltf.empty()) return;
     gltf_file_.emplace(options.gltf);
     gltf_.emplace(scene);
   }
 
-  bool wanted() const { return trajectory_ || tensions_ || vtk_ || gltf_; }
+  bool wanted() const { return trajectory_ || tensions_ || forces_ || vtk_ || gltf_; }
 
-  void add(const Frame& frame) {
+  void add(const scenes::RunFrame& frame) {
     if (trajectory_) {
       std::string rows;
       scenes::append_frame(rows, frame);
@@ -64,6 +66,11 @@ class SavedFrames {
       scenes::append_tensions(rows, frame);
       tensions_->write(rows);
     }
+    if (forces_) {
+      std::string rows;
+      scenes::append_forces(rows, frame.t, scene_, frame.forces);
+      forces_->write(rows);
+    }
     if (vtk_) vtk_->add(frame);
     if (gltf_) gltf_->add(frame);
   }
@@ -71,6 +78,7 @@ class SavedFrames {
   void commit() {
     if (trajectory_) trajectory_->commit();
     if (tensions_) tensions_->commit();
+    if (forces_) forces_->commit();
     if (vtk_) vtk_->finish();
     if (!gltf_) return;
     gltf_file_->write(gltf_->to_text(binary_));
@@ -78,8 +86,9 @@ class SavedFrames {
   }
 
  private:
+  const Scene& scene_;
   bool binary_;
-  std::optional<scenes::OutputFile> trajectory_, tensions_;
+  std::optional<scenes::OutputFile> trajectory_, tensions_, forces_;
   std::optional<VtkSeries> vtk_;
   std::optional<scenes::OutputFile> gltf_file_;
   std::optional<GltfAnimation> gltf_;
@@ -88,6 +97,7 @@ class SavedFrames {
 void require_different_files(const RunOptions& options) {
   const std::pair<const char*, const std::string*> files[] = {{"--trajectory", &options.trajectory},
                                                               {"--tensions", &options.tensions},
+                                                              {"--forces", &options.forces},
                                                               {"--report", &options.report},
                                                               {"--gltf", &options.gltf}};
   for (const auto& a : files)
@@ -101,6 +111,7 @@ int run(const RunOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
   std::vector<Frame> truth;
   if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
+  if (!options.truth_tensions.empty()) scenes::read_tensions(options.truth_tensions, truth);
   require_different_files(options);
   SavedFrames saved(options, scene);
   std::optional<scenes::OutputFile> report;
@@ -108,7 +119,7 @@ int run(const RunOptions& options) {
 
   scenes::RunObserver observer;
   observer.save_at = options.save_at;
-  if (saved.wanted()) observer.save = [&](const Frame& frame) { saved.add(frame); };
+  if (saved.wanted()) observer.save = [&](const scenes::RunFrame& frame) { saved.add(frame); };
   scenes::RunResult result;
   {
     Progress progress("running", options.quiet);
@@ -146,13 +157,20 @@ void add_run_command(Command& plumb) {
       command, o.save_at,
       "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
   command.add_option("--trajectory", "OUT.csv", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file");
-  command.add_option(
-      "--tensions", "OUT.csv",
-      [&o](const std::string& file) {
-        o.tensions = file;
-        o.plan.settings.tensions = true;
-      },
-      "Write t,rod,tension to this file: how rods pull, in N, in files of --vtk too");
+  const auto add_forces = [&](const char* name, const char* value, std::string& file, const char* help) {
+    command.add_option(
+        name, value,
+        [&o, &file](const std::string& given) {
+          file = given;
+          o.plan.settings.tensions = true;
+        },
+        help);
+  };
+  add_forces("--tensions", "OUT.csv", o.tensions,
+             "Write t,rod,tension to this file: how rods pull, in N, in files of --vtk too");
+  add_forces(
+      "--forces", "OUT.csv", o.forces,
+      "Write t,kind,number,x,y,z to this file: what holds anchors, joints, springs and shapes, likewise");
   command.add_option("--vtk", "DIR", o.vtk,
                      "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder");
   command.add_option(
@@ -163,6 +181,8 @@ void add_run_command(Command& plumb) {
       },
       "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text");
   command.add_option("--truth", "TRUTH.csv", o.truth, "Compare positions with this trajectory");
+  add_forces("--truth-tensions", "TENSIONS.csv", o.truth_tensions,
+             "Compare tensions with these, at times of --truth");
   command.add_option("--report", "OUT.json", o.report,
                      "Write settings, machine, time and errors to this file");
   command.add_flag("--quiet", o.quiet, "Print nothing but errors");

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -22,7 +23,7 @@ using scenes::short_number;
 struct TruthOptions {
   std::string scene;
   truth::Plan plan;
-  std::string out;
+  std::string out, tensions;
   bool quiet = false;
 };
 
@@ -49,6 +50,8 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
   if (scene.drag == 0 && !damped) {
     line("energy", "changes by at most " + short_number(result.energy_drift, 2) + " of its range");
   }
+  if (!options.tensions.empty())
+    line("tension", "two solutions lie " + short_number(result.tension, 2) + " of the largest apart");
   if (result.velocity_change > 1e-15 * result.speed) {  // A change beyond rounding is reported.
     line("velocity", "initial velocities pulled on rods; changed by at most " +
                          short_number(result.velocity_change) + " m/s");
@@ -64,11 +67,14 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
 int truth_of(const TruthOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
   scenes::OutputFile out(options.out);
+  std::optional<scenes::OutputFile> tensions;
+  if (!options.tensions.empty()) tensions.emplace(options.tensions);
   const auto start = std::chrono::steady_clock::now();
   truth::Truth result;
   try {
     Progress progress("solving", options.quiet);
     truth::Plan plan = options.plan;
+    if (!tensions) plan.mean_over = 0;
     std::sort(plan.save_at.begin(), plan.save_at.end());
     plan.save_at.erase(std::unique(plan.save_at.begin(), plan.save_at.end()), plan.save_at.end());
     plan.progress = [&](double share) {
@@ -82,6 +88,12 @@ int truth_of(const TruthOptions& options) {
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   out.write(scenes::format_trajectory(result.frames));
   out.commit();
+  if (tensions) {
+    std::string rows(scenes::tensions_header);
+    for (const Frame& frame : result.frames) scenes::append_tensions(rows, frame);
+    tensions->write(rows);
+    tensions->commit();
+  }
   if (options.quiet) return fine;
   std::fprintf(stderr, "plumb: accurate to %s\n", accuracy_text(result.reached).c_str());
   print_summary(options, scene, result, wall_s);
@@ -94,9 +106,14 @@ void add_truth_command(Command& plumb) {
   Command command = plumb.add_command("truth", "Solve a scene so accurately that others can be measured");
   auto options = std::make_shared<TruthOptions>();
   TruthOptions& o = *options;
+  o.plan.mean_over = 1.0 / 60;
   add_scene(command, o.scene);
   add_save_at(command, o.plan.save_at, "Times to save, in seconds, in any order").required();
   command.add_option("--out", "T.csv", o.out, "Write t,particle,x,y,z,vx,vy,vz to this file").required();
+  command.add_option("--tensions", "TENSIONS.csv", o.tensions,
+                     "Write t,rod,tension to this file: pulls of rods in N, averaged over --mean");
+  add_seconds(command, "--mean", o.plan.mean_over,
+              "Time before each one saved that tensions are averaged over [1/60]");
   add_choice(command, "--mass", o.plan.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly; the same if rods have none");
   add_positive(command, "--tolerance", o.plan.tolerance,
@@ -118,6 +135,8 @@ void add_truth_command(Command& plumb) {
       "Examples:\n"
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.1,0.5,1 --out truth.csv\n"
       "  plumb run chain:links=20,end_mass=10 --substeps 8 --truth truth.csv\n"
+      "  plumb truth chain --save-at 0.5,1 --out truth.csv --tensions pulls.csv\n"
+      "  plumb run chain --truth truth.csv --truth-tensions pulls.csv --report r.json\n"
       "  plumb truth rods.json --mass lumped --save-at 1 --tolerance 1e-12 --out lumped.csv\n\n" +
       generators_help());
   command.set_action([options] { return truth_of(*options); });

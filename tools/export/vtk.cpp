@@ -51,6 +51,27 @@ void add_vectors(pugi::xml_node parent, const char* name, const std::vector<Vec3
   add_array(parent, name, numbers, 3);
 }
 
+/// Adds what belongs to no point or line, by its number in the scene.
+void add_field_data(pugi::xml_node data, const scenes::Forces& forces) {
+  const auto count = [&](std::size_t tuples) {
+    data.last_child().append_attribute("NumberOfTuples") = static_cast<unsigned long long>(tuples);
+  };
+  const std::pair<const char*, const std::vector<Vec3>*> vectors[] = {
+      {"pin", &forces.pins}, {"spring", &forces.springs}, {"capsule", &forces.contacts}};
+  for (const auto& [name, of] : vectors) {
+    if (of->empty()) continue;
+    add_vectors(data, name, *of);
+    count(of->size());
+  }
+  const std::pair<const char*, const std::vector<double>*> numbers[] = {{"angle", &forces.angles},
+                                                                        {"torsion", &forces.torsions}};
+  for (const auto& [name, of] : numbers) {
+    if (of->empty()) continue;
+    add_array(data, name, *of);
+    count(of->size());
+  }
+}
+
 pugi::xml_node add_file(pugi::xml_document& document, const char* type) {
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";
@@ -77,7 +98,7 @@ std::vector<std::int64_t> loose_particles(const Scene& scene) {
   return loose;
 }
 
-void add_point_data(pugi::xml_node piece, const Scene& scene, const Frame& frame) {
+void add_point_data(pugi::xml_node piece, const Scene& scene, const scenes::RunFrame& frame) {
   std::vector<double> masses = lumped_masses(scene);
   std::vector<std::uint8_t> fixed;
   for (std::size_t i = 0; i < masses.size(); ++i) {
@@ -90,6 +111,7 @@ void add_point_data(pugi::xml_node piece, const Scene& scene, const Frame& frame
   add_vectors(data, "velocity", frame.velocities);
   add_array(data, "mass", masses);
   add_array(data, "fixed", fixed);
+  if (!frame.forces.is_empty()) add_vectors(data, "reaction", frame.forces.reactions);
 }
 
 void add_cell_data(pugi::xml_node piece, const Scene& scene, const Frame& frame,
@@ -141,7 +163,7 @@ std::string frame_name(std::size_t number) {
 
 }  // namespace
 
-std::string vtp_text(const Scene& scene, const Frame& frame) {
+std::string vtp_text(const Scene& scene, const scenes::RunFrame& frame) {
   const std::vector<std::int64_t> loose = loose_particles(scene);
   std::vector<std::int64_t> ends;
   for (const Rod& rod : scene.rods) ends.insert(ends.end(), {rod.a, rod.b});
@@ -150,6 +172,7 @@ std::string vtp_text(const Scene& scene, const Frame& frame) {
   pugi::xml_node time = poly.append_child("FieldData");
   add_array(time, "TimeValue", std::vector<double>{frame.t});
   time.child("DataArray").append_attribute("NumberOfTuples") = 1;
+  add_field_data(time, frame.forces);
   pugi::xml_node piece = poly.append_child("Piece");
   piece.append_attribute("NumberOfPoints") = static_cast<unsigned long long>(frame.positions.size());
   piece.append_attribute("NumberOfVerts") = static_cast<unsigned long long>(loose.size());
@@ -171,7 +194,7 @@ VtkSeries::VtkSeries(std::filesystem::path folder, const Scene& scene)
   if (error) throw InputError("cannot make the folder " + folder_.string() + ": " + error.message());
 }
 
-void VtkSeries::add(const Frame& frame) {
+void VtkSeries::add(const scenes::RunFrame& frame) {
   scenes::write_file(folder_ / frame_name(times_.size()), vtp_text(scene_, frame));
   times_.push_back(frame.t);
 }

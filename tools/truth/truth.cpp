@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "plumb/error.hpp"
@@ -22,12 +23,28 @@ constexpr int looks = 50;
 /// Solutions that differ by this many times the tolerance never come back together.
 constexpr double hopeless = 1e4;
 
+/// Gauss's five nodes on [0, 1] and their weights, whose error falls with the tenth power of the time.
+constexpr struct {
+  double at, weight;
+} gauss[] = {{0.04691007703066800, 0.11846344252809454},
+             {0.23076534494715845, 0.23931433524968324},
+             {0.5, 0.28444444444444444},
+             {0.76923465505284155, 0.23931433524968324},
+             {0.95308992296933200, 0.11846344252809454}};
+
 void require_sense(const Plan& plan) {
   if (plan.save_at.empty()) throw InputError("no times to save are given");
   double before = 0;
   for (const double t : plan.save_at) {
     if (!std::isfinite(t) || t < 0) throw InputError("times to save must be finite and not negative");
     if (t < before) throw InputError("times to save must rise");
+    before = t;
+  }
+  before = 0;
+  for (const double t : plan.save_at) {
+    if (plan.mean_over > 0 && t > 0 && t - plan.mean_over < before * (1 - 1e-9))
+      throw InputError("tensions are means over " + scenes::short_number(plan.mean_over) +
+                       " s, so that times to save must lie as far apart");
     before = t;
   }
   if (!(plan.tolerance >= 1e-15) || !(plan.tolerance < 1)) {
@@ -90,40 +107,84 @@ double energy_drift(const Scene& scene, const Plan& plan, const Instant& start,
   return worst / range;
 }
 
+/// Takes both solutions through time and compares them.
+class Pair {
+ public:
+  Pair(const Model& model, const State& start, const Plan& plan)
+      : model_(model), plan_(plan), one_(model, start, check), two_(model, start, best) {}
+
+  Integrator& better() { return two_; }
+
+  /// Goes to a time of the plan. Throws Unreachable if the two are too far apart there or on the way.
+  Accuracy go_to(double t) {
+    const double end = plan_.save_at.back();
+    Accuracy now;
+    for (bool there = false; !there;) {
+      const double look = end * next_look_ / looks;
+      // Times that are meant to be the same are not worth a step of a rounding error.
+      there = !(look < t * (1 - 1e-9));
+      if (look < t * (1 + 1e-9)) ++next_look_;
+      const double to = there ? t : look;
+      one_.advance_to(to);
+      two_.advance_to(to);
+      now = compare(model_, to, one_.state(), two_.state());
+      if (now.worst() <= plan_.tolerance) good_until_ = to;
+      if (!(now.worst() <= hopeless * plan_.tolerance)) give_up(now, good_until_, plan_.tolerance);
+      if (plan_.progress && end > 0) plan_.progress(to / end);
+    }
+    if (!(now.worst() <= plan_.tolerance)) give_up(now, good_until_, plan_.tolerance);
+    return now;
+  }
+
+  /// Goes through the time before `t` and returns the mean tensions there. Adds to `apart` how far those of
+  /// the two lie apart.
+  std::vector<double> mean_tensions(double t, double& apart) {
+    std::vector<Real> pulls(model_.rods.size()), others(pulls.size());
+    for (std::size_t node = 0; node < std::size(gauss); ++node) {
+      go_to(t - plan_.mean_over * (1 - gauss[node].at));
+      two_.add_pulls(gauss[node].weight, pulls);
+      one_.add_pulls(gauss[node].weight, others);
+    }
+    Real most = 0, difference = 0;
+    for (std::size_t rod = 0; rod < pulls.size(); ++rod) {
+      most = std::max(most, std::abs(pulls[rod]));
+      difference = std::max(difference, std::abs(pulls[rod] - others[rod]));
+    }
+    if (most > 0) apart = std::max(apart, static_cast<double>(difference / most));
+    return {pulls.begin(), pulls.end()};
+  }
+
+ private:
+  const Model& model_;
+  const Plan& plan_;
+  Integrator one_, two_;
+  double good_until_ = 0;
+  int next_look_ = 1;
+};
+
 }  // namespace
 
 Truth solve(const Scene& scene, const Plan& plan) {
   require_sense(plan);
   const Model model = make_model(scene, plan.mass);
   const State start = start_of(scene, model);
-  Integrator one(model, start, check), two(model, start, best);
+  Pair pair(model, start, plan);
+  Integrator& two = pair.better();
   Truth truth{.diagonal = static_cast<double>(model.diagonal),
               .speed = static_cast<double>(model.speed),
               .velocity_change = static_cast<double>(two.velocity_change()),
               .rows = two.solver().rows()};
   const Instant first{frame_of(two.state(), 0), two.state().twisted};
   std::vector<Instant> instants;
-  const double end = plan.save_at.back();
-  double good_until = 0;
-  int next_look = 1;
   for (const double t : plan.save_at) {
-    Accuracy now;
-    for (bool there = false; !there;) {
-      const double look = end * next_look / looks;
-      // Times that are meant to be the same are not worth a step of a rounding error.
-      there = !(look < t * (1 - 1e-9));
-      if (look < t * (1 + 1e-9)) ++next_look;
-      const double to = there ? t : look;
-      one.advance_to(to);
-      two.advance_to(to);
-      now = compare(model, to, one.state(), two.state());
-      if (now.worst() <= plan.tolerance) good_until = to;
-      if (!(now.worst() <= hopeless * plan.tolerance)) give_up(now, good_until, plan.tolerance);
-      if (plan.progress && end > 0) plan.progress(to / end);
-    }
-    if (!(now.worst() <= plan.tolerance)) give_up(now, good_until, plan.tolerance);
+    std::vector<double> tensions;
+    if (plan.mean_over > 0)
+      tensions = t > 0 ? pair.mean_tensions(t, truth.tension)
+                       : std::vector<double>(model.rods.size(), std::numeric_limits<double>::quiet_NaN());
+    const Accuracy now = pair.go_to(t);
     truth.frames.push_back(frame_of(two.state(), t));
     instants.push_back({truth.frames.back(), two.state().twisted});
+    truth.frames.back().tensions = std::move(tensions);
     truth.accuracy.push_back(now);
     if (now.worst() >= truth.reached.worst()) truth.reached.t = t;
     truth.reached.position = std::max(truth.reached.position, now.position);
@@ -132,6 +193,9 @@ Truth solve(const Scene& scene, const Plan& plan) {
   truth.energy_drift = energy_drift(scene, plan, first, instants);
   truth.steps = two.steps();
   truth.redundant = two.solver().redundant();
+  if (plan.mean_over > 0 && truth.redundant > 0)
+    throw InputError("tensions have no truth where rods are redundant: " + std::to_string(truth.redundant) +
+                     " equations of loops are implied by the others");
   return truth;
 }
 

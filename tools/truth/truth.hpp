@@ -15,7 +15,10 @@ namespace plumb::truth {
 struct Plan {
   std::vector<double> save_at;  ///< Times in s, rising, none negative.
   MassModel mass = MassModel::consistent;
-  double tolerance = 1e-9;                 ///< Largest difference allowed, as Accuracy has it.
+  double tolerance = 1e-9;  ///< Largest difference allowed, as Accuracy has it.
+  /// Frames get tensions, averaged over so many seconds before them, if that is positive. There is no time to
+  /// save within, except the start, whose tensions are not a number.
+  double mean_over = 0;
   std::function<void(double)> progress{};  ///< Called with the share done, 0 to 1; may be empty.
 };
 
@@ -39,15 +42,17 @@ struct Truth {
   double velocity_change = 0;  ///< Change of the start's velocities so that none pulls on a rod, in m/s.
   /// Largest change between times saved, relative to energy_range(); without drag and damped rods.
   double energy_drift = 0;
+  double tension =
+      0;  ///< How far tensions of the two solutions lie apart, relative to the largest of a frame.
   std::uint64_t steps = 0;      ///< Steps of the more accurate solution.
   std::uint64_t rows = 0;       ///< Equations of rods that close loops.
   std::uint64_t redundant = 0;  ///< How many of those the others imply, at the end.
 };
 
 /// Solves a plan. Throws InputError for a scene or plan that makes no sense, or rods that start off their
-/// length, and for rods whose pull is not smooth, see make_model(). Throws Unreachable if the two solutions
-/// differ by more than the tolerance or one cannot be continued. Its message says what was reached and until
-/// when.
+/// length, for tensions of rods that are redundant, and for rods whose pull is not smooth, see make_model().
+/// Throws Unreachable if the two solutions differ by more than the tolerance or one cannot be continued. Its
+/// message says what was reached and until when.
 Truth solve(const Scene& scene, const Plan& plan);
 
 }  // namespace plumb::truth

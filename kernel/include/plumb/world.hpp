@@ -211,8 +211,8 @@ class PLUMB_API World {
   /// Returns how far a chain is twisted (Scene::twists), in rad. Throws InputError on an unknown twist.
   double twist(std::uint32_t twist) const;
 
-  /// Returns the pull of a rod in N, averaged over the last step; negative if it pushes. It is NaN before the
-  /// first step, and where an island is relaxed or has joints. Throws InputError on an unknown rod, or
+  /// Returns the pull of a rod in N, averaged over the last step; negative if it pushes. That of a relaxed
+  /// rod is what sweeps found. It is NaN before the first step. Throws InputError on an unknown rod, or
   /// without Settings::tensions.
   double tension(std::uint32_t rod) const;
   /// Copies the pulls of all rods (N) into `out`. Throws InputError unless it has rod_count() elements, or
@@ -235,9 +235,9 @@ class PLUMB_API World {
   double reel_out(std::uint32_t reel) const;
 
   /// Returns the force in N that holds an anchor, averaged over the last step. With gravity and other forces,
-  /// the reactions of all anchors make the change of momentum, that of rods' mass at anchors included. It is
-  /// NaN where a pull is (see tension()), and where a body hangs from the anchor. Throws InputError on an
-  /// unknown or movable particle, or without Settings::tensions.
+  /// the reactions of all anchors make the change of momentum, that of rods' mass at anchors included. It
+  /// counts joints, springs and contacts, too. It is NaN where a pull is (see tension()). Throws InputError
+  /// on an unknown or movable particle, or without Settings::tensions.
   Vec3 reaction(std::uint32_t particle) const;
   /// Copies the reactions (N) at all particles into `out`; those of movable ones are zero. Throws InputError
   /// unless it has particle_count() elements, or without Settings::tensions.

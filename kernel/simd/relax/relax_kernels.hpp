@@ -15,6 +15,7 @@ namespace plumb::simd {
 /// Fields per rod in BlockView::rod and BlockView::weight: logical vectors for each vector of rods.
 inline constexpr std::uint32_t rod_fields = 4;     ///< 2(x_b - x_a) as x, y, z; |x_b - x_a|^2 - L^2
 inline constexpr std::uint32_t weight_fields = 4;  ///< L^2; k_a; k_b; 1/L^2 (0 for padding)
+inline constexpr std::uint32_t moved_fields = 3;   ///< of BlockView::moved: x, y, z
 
 template <class T>
 inline constexpr std::uint32_t logical_width = layouts::lane_width<T>;
@@ -35,6 +36,7 @@ struct BlockView {
   T uniform_length2;  ///< Squared length of rods in uniform ranges, in m^2.
   T uniform_share;    ///< Shares k_a = k_b of rods in uniform ranges.
   T uniform_inverse_length2;
+  T* moved = nullptr;  ///< Counting sweeps add their corrections here, before shares.
 };
 
 /// A range of vectors of rods.
@@ -100,6 +102,8 @@ struct AccessKernels {
   void (*prepare)(const BlockView<T>&, Range);
   void (*sweep[3])(const BlockView<T>&, const Range*, std::uint32_t count);  ///< by Gradient
   T (*violation)(const BlockView<T>&, Range);
+  /// Sweeps likewise, and adds up in BlockView::moved what they do.
+  void (*count[3])(const BlockView<T>&, const Range*, std::uint32_t count);
   LawKernels<T> laws;
 };
 

@@ -36,9 +36,21 @@ PLUMB_INLINE Correction<Access, T> correction(const BlockView<T>& block, Positio
   return {sum + e, s, kept};
 }
 
-template <class Access, bool uniform, class T>
+/// Adds a correction to what a rod has been moved by in the substep.
+template <class Access, class T>
+PLUMB_INLINE void count_move(const BlockView<T>& block, Position at,
+                             const Correction<Access, T>& correction) {
+  T* const moved = block.moved + at.v * moved_fields * logical_width<T> + at.first;
+  const Triple<T> by = correction.s * correction.m;
+  (Batch<T>::load_aligned(moved) + by.x).store_aligned(moved);
+  (Batch<T>::load_aligned(moved + logical_width<T>) + by.y).store_aligned(moved + logical_width<T>);
+  (Batch<T>::load_aligned(moved + 2 * logical_width<T>) + by.z).store_aligned(moved + 2 * logical_width<T>);
+}
+
+template <class Access, bool uniform, bool counts, class T>
 PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction<Access, T>& correction,
                         Batch<T> uniform_share) {
+  if constexpr (counts) count_move<Access>(block, at, correction);
   if constexpr (uniform) {
     const Triple<T> both = (uniform_share * correction.s) * correction.m;
     move<Access>(block, at, correction.kept, both, both);
@@ -52,35 +64,36 @@ PLUMB_INLINE void apply(const BlockView<T>& block, Position at, const Correction
 
 /// Projects the rods of `count` machine vectors. All are begun before the first is finished, since the
 /// operations of one depend on each other, and the processor's window alone holds about two.
-template <class Access, Gradient gradient, bool uniform, std::size_t count, class T>
+template <class Access, Gradient gradient, bool uniform, bool counts, std::size_t count, class T>
 PLUMB_INLINE void project(const BlockView<T>& block, std::size_t v, Batch<T> length2, Batch<T> share) {
   Correction<Access, T> begun[count];
 #pragma GCC unroll 16
   for (std::size_t k = 0; k < count; ++k)
     begun[k] = correction<Access, gradient, uniform>(block, position<T>(v, k), length2);
 #pragma GCC unroll 16
-  for (std::size_t k = 0; k < count; ++k) apply<Access, uniform>(block, position<T>(v, k), begun[k], share);
+  for (std::size_t k = 0; k < count; ++k)
+    apply<Access, uniform, counts>(block, position<T>(v, k), begun[k], share);
 }
 
-template <class Access, Gradient gradient, bool uniform, class T>
+template <class Access, Gradient gradient, bool uniform, bool counts, class T>
 PLUMB_INLINE void sweep_range(const BlockView<T>& block, Range range, Batch<T> length2, Batch<T> share) {
   constexpr std::size_t vectors = Access::unroll > parts<T> ? Access::unroll / parts<T> : 1;
   std::size_t v = range.begin;
   for (; v + vectors <= range.end; v += vectors)
-    project<Access, gradient, uniform, vectors * parts<T>>(block, v, length2, share);
+    project<Access, gradient, uniform, counts, vectors * parts<T>>(block, v, length2, share);
   if constexpr (vectors > 1)
-    for (; v < range.end; ++v) project<Access, gradient, uniform, parts<T>>(block, v, length2, share);
+    for (; v < range.end; ++v) project<Access, gradient, uniform, counts, parts<T>>(block, v, length2, share);
 }
 
-template <class Access, Gradient gradient, class T>
+template <class Access, Gradient gradient, bool counts, class T>
 void sweep(const BlockView<T>& shared, const Range* ranges, std::uint32_t count) {
   const BlockView<T> block = shared;  // stores through its pointers cannot change a copy
   const Batch<T> length2(block.uniform_length2), share(block.uniform_share);
   for (const Range* range = ranges; range != ranges + count; ++range) {
     if (range->uniform) {
-      sweep_range<Access, gradient, true>(block, *range, length2, share);
+      sweep_range<Access, gradient, true, counts>(block, *range, length2, share);
     } else {
-      sweep_range<Access, gradient, false>(block, *range, length2, share);
+      sweep_range<Access, gradient, false, counts>(block, *range, length2, share);
     }
   }
 }
@@ -154,8 +167,11 @@ void advance_mid_guarded(T* __restrict x, T* __restrict p, const T* __restrict k
 template <class Access, class T>
 constexpr AccessKernels<T> access_kernels = {
     prepare<Access, T>,
-    {sweep<Access, Gradient::new_, T>, sweep<Access, Gradient::old, T>, sweep<Access, Gradient::mid, T>},
+    {sweep<Access, Gradient::new_, false, T>, sweep<Access, Gradient::old, false, T>,
+     sweep<Access, Gradient::mid, false, T>},
     violation<Access, T>,
+    {sweep<Access, Gradient::new_, true, T>, sweep<Access, Gradient::old, true, T>,
+     sweep<Access, Gradient::mid, true, T>},
     law_kernels<Access, T>,
 };
 

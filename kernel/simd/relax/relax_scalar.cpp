@@ -34,7 +34,7 @@ Violation<T> violation_of(const BlockView<T>& block, std::uint32_t v, std::uint3
 /// The step is Halley's, s = C / (L^2 + 3/4 C): its residual is cubic (a strain of 1 % leaves one of
 /// 2.5e-7), it needs no square root, and it stays bounded from collapsed (C = -L^2) to far overlong rods.
 /// Exact arithmetic never reaches the lower bound on the divisor; rounding can when particles are thrown far.
-template <AccessKind access, Gradient gradient, class T>
+template <AccessKind access, Gradient gradient, bool counts, class T>
 void sweep_range(const BlockView<T>& block, Range range) {
   constexpr std::uint32_t width = logical_width<T>;
   const std::uint32_t stride = block.component_stride;
@@ -57,6 +57,12 @@ void sweep_range(const BlockView<T>& block, Range range) {
       if constexpr (gradient == Gradient::mid) m = sum;
       if constexpr (gradient == Gradient::new_) m = {sum.x + e.x, sum.y + e.y, sum.z + e.z};
 
+      if constexpr (counts) {
+        T* const moved = block.moved + std::size_t{v} * moved_fields * width + lane;
+        moved[0] += s * m.x;
+        moved[width] += s * m.y;
+        moved[2 * width] += s * m.z;
+      }
       const T move_a = share_a * s, move_b = share_b * s;
       block.out[at_a] += move_a * m.x;
       block.out[at_a + stride] += move_a * m.y;
@@ -68,9 +74,9 @@ void sweep_range(const BlockView<T>& block, Range range) {
   }
 }
 
-template <AccessKind access, Gradient gradient, class T>
+template <AccessKind access, Gradient gradient, bool counts, class T>
 void sweep(const BlockView<T>& block, const Range* ranges, std::uint32_t count) {
-  for (std::uint32_t i = 0; i < count; ++i) sweep_range<access, gradient>(block, ranges[i]);
+  for (std::uint32_t i = 0; i < count; ++i) sweep_range<access, gradient, counts>(block, ranges[i]);
 }
 
 template <AccessKind access, class T>
@@ -134,8 +140,11 @@ void advance_mid_guarded(T* x, T* p, const T* kick, T decay, std::uint32_t n) {
 template <AccessKind access, class T>
 constexpr AccessKernels<T> access_kernels = {
     prepare<access, T>,
-    {sweep<access, Gradient::new_, T>, sweep<access, Gradient::old, T>, sweep<access, Gradient::mid, T>},
+    {sweep<access, Gradient::new_, false, T>, sweep<access, Gradient::old, false, T>,
+     sweep<access, Gradient::mid, false, T>},
     violation<access, T>,
+    {sweep<access, Gradient::new_, true, T>, sweep<access, Gradient::old, true, T>,
+     sweep<access, Gradient::mid, true, T>},
     law_kernels<access, T>,
 };
 

@@ -119,6 +119,8 @@ void ClusterStepper::add_contact_rows(const Place& a, const Place& b, const Touc
     row.island[1] = b.island;
     row.side[1] = add_side(two, {sum_other, {}, -1.0 * axes[axis], {}});
     row.key = key;
+    row.of[0] = a.shape;
+    row.of[1] = b.shape;
     row.held = held.key == key;
     row.p = h * h * dot(held.force, axes[axis]);
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
@@ -145,6 +147,7 @@ void ClusterStepper::add_ground_contact(const Place& a, const Place& b, const To
                                              .bounce = bounce_of(restitution, settings_.bounce_speed,
                                                                  touch.gap, closing, arriving, h),
                                              .key = key,
+                                             .shape = a.shape,
                                              .is_held = held.key == key,
                                              .held = (h * h) * held.force,
                                              .held_end = (0.5 * h) * held.end_force});
@@ -166,6 +169,7 @@ void ClusterStepper::spread_ground(std::uint32_t i) {
       row.side[0] = add_side(island, {sum, {}, axes[axis], {}});
       row.ends = 1;
       row.key = contact.key;
+      row.of[0] = contact.shape;
       row.held = contact.is_held;
       row.p = dot(contact.held, axes[axis]);
       row.q = dot(contact.held_end, axes[axis]);
@@ -199,6 +203,7 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
       row.ends = 1;
       row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
       row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
+      row.of[0] = static_cast<std::uint32_t>(k);
       const KeptContact held = kept_at(state, row.key, island.next_kept);
       row.held = held.key == row.key;
       row.p = h * h * held.force.x;
@@ -273,8 +278,8 @@ void ClusterStepper::touch_planes(std::uint32_t i, std::span<const Plane> planes
     for (std::uint32_t k = 0; k < balls.size(); ++k) {
       const Linkage::Ball& ball = balls[k];
       const double gap = dot(plane.normal, ball.center.of(island.state->x)) - plane.offset - ball.radius;
-      add_contact({i, ball.center, ball.surface}, {none, nothing, plane.surface}, {gap, plane.normal},
-                  contact_key(1, k, 0, p), h);
+      add_contact({i, ball.center, ball.surface, ball.shape}, {none, nothing, plane.surface},
+                  {gap, plane.normal}, contact_key(1, k, 0, p), h);
     }
   }
 }
@@ -297,7 +302,7 @@ void ClusterStepper::touch_boxes(std::uint32_t i, std::span<const Surroundings::
         if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
         Touch touch = touch_box(between(p, q, t), shape.radius, box.half);
         touch.normal = box.frame.to_space(touch.normal);
-        add_contact({i, blend(shape.a, shape.b, t), shape.surface}, {none, nothing, box.surface}, touch,
+        add_contact({i, blend(shape.a, shape.b, t), shape.surface, k}, {none, nothing, box.surface}, touch,
                     contact_key(2, 16 * k + which, 0, b), h);
       }
     }
@@ -315,7 +320,7 @@ void ClusterStepper::touch_island(std::uint32_t i, std::uint32_t j, double h) {
       const Touches near = touches(first, {b.a.of(other.x), b.b.of(other.x), b.radius});
       for (std::uint32_t n = 0; n < near.count; ++n) {
         const Touch& at = near.at[n];
-        add_contact({i, blend(a.a, a.b, at.a), a.surface}, {j, blend(b.a, b.b, at.b), b.surface}, at,
+        add_contact({i, blend(a.a, a.b, at.a), a.surface, k}, {j, blend(b.a, b.b, at.b), b.surface, l}, at,
                     contact_key(3, 4 * k + n, other.number, l), h);
       }
     }

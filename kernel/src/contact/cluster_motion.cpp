@@ -45,8 +45,9 @@ void ClusterStepper::find_velocities(Island& island) {
   const std::span<double> right = island.right();
   fill_velocities(island);
   linkage.plan().solve(state.factors, island.unknowns);
+  island.take_pulls(island.end_pulls, 0, 1);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
-  if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns);
+  if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns, island.end_pulls);
 }
 
 void ClusterStepper::finish(double h, bool touched) {

@@ -161,6 +161,8 @@ void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
     const std::uint32_t slot = linkage.slot(k);
     motion[k] += {total(slot), total(slot + 1), total(slot + 2)};
   }
+  for (std::uint32_t c = 0; c < island.pulls.size(); ++c)
+    island.pulls[c] += total(linkage.plan().position(3 * linkage.movable() + c));
   for (std::size_t k = 0; k < island.elastics.size(); ++k)
     island.elastics[k].p -= total(linkage.plan().position(linkage.elastics()[k].row));
 }
@@ -312,6 +314,7 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   } else {
     linkage.plan().solve(state.factors, island.unknowns);
     pull_elastics(island);
+    island.take_pulls(island.pulls, 1, 1);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
       island.d[k] += linkage.taken(right, k);
       island.there[k] = state.x[k] + island.d[k];

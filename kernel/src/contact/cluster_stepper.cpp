@@ -175,6 +175,13 @@ void ClusterStepper::start(Island& island, double h) {
   island.force.resize(movable);
   // The last island's numbers may not be finite, nor zero where no unknown is.
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
+  if (state.pulls.counts) {
+    island.pulls.assign(linkage.constraints() + linkage.elastics().size(), 0);
+    island.end_pulls.assign(island.pulls.size(), 0);
+  } else {
+    island.pulls.clear();
+    island.end_pulls.clear();
+  }
   const double kept = linkage.kept(0.5 * h);
   // The island starts about where the pulls of the last substep would take it again. Constraints are then
   // bent only by what differs from that.
@@ -208,6 +215,7 @@ void ClusterStepper::predict(Island& island) {
   aim_elastics(island);
   linkage.plan().solve(state.factors, island.unknowns);
   pull_elastics(island);
+  island.take_pulls(island.pulls, 0, 1);
   for (std::uint32_t i = 0; i < linkage.movable(); ++i) island.d[i] = linkage.taken(right, i);
   island.is_predicted = true;
 }
@@ -255,8 +263,10 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
+    if (state.pulls.counts) count_pulls(islands_[i], h);
     state.follow_elastics();
   }
+  if (touched) count_pushes(h);
   keep_contacts(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
@@ -285,6 +295,7 @@ bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, 
       if (!islands_[i].state->asleep && !islands_[i].awake && !islands_[i].state->frozen) {
         islands_[i].awake = true;
         islands_[i].state->slow_time = 0;
+        islands_[i].state->pulls.begin_step();
         start(islands_[i], h);
       }
   } while (woken_);

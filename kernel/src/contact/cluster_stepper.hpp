@@ -84,6 +84,7 @@ class ClusterStepper {
     double p = 0, q = 0;        ///< what pushes positions, and velocities
     double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
     std::uint64_t key = 0;
+    std::uint32_t of[2] = {0, 0};  ///< the shapes that touch, or the angle
   };
   using Lanes = simd::Lanes;
   struct Island {
@@ -93,6 +94,8 @@ class ClusterStepper {
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
     std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
+    /// Multipliers of constraints and elastics, kg m and kg m/s or without the metre, if pulls count.
+    std::vector<double> pulls, end_pulls;
     std::vector<ElasticStep> elastics;
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
@@ -107,6 +110,11 @@ class ClusterStepper {
     std::vector<Lanes> sum;       ///< of responses
 
     std::span<double> right() { return numbers(unknowns); }
+    /// Keeps a share of multipliers and adds another of those that a solve has found.
+    void take_pulls(std::vector<double>& to, double keep, double by) {
+      for (double& each : to) each *= keep;
+      state->linkage->take_multipliers(right(), by, to);
+    }
     std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
     Vec3 of(Sum which, std::span<const Vec3> values) const {
       Vec3 out{};
@@ -122,6 +130,7 @@ class ClusterStepper {
     std::uint32_t island;
     const Combination& at;
     const Surface& surface;
+    std::uint32_t shape = 0;
   };
   /// A contact that does not seem to come about in this substep.
   struct LeftOut {
@@ -210,6 +219,9 @@ class ClusterStepper {
   double find_rigid_motion();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
+  void count_pulls(Island& island, double h) const;
+  void count_pushes(const Row& row, double h);
+  void count_pushes(double h);
 
   const simd::KktKernels* kernels_;
   ContactSettings settings_;

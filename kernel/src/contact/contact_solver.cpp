@@ -65,7 +65,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       surroundings_(scene),
       steppers_(settings.threads, ClusterStepper(isa_, settings_)) {
   std::map<std::vector<double>, const Linkage*> kinds;
-  std::vector<std::uint32_t> number_of(parts.count());
+  std::vector<std::uint32_t> number_of(parts.count(), no_island);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     Scene part = parts.part(p);
     const bool plain = is_plain(part);
@@ -78,6 +78,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*kind, number, part).particles = parts.particles(p);
+    if (settings.tensions) states_.back().pulls = kind->make_pulls();
     number_of[p] = number;
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
@@ -89,6 +90,11 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   own(parts.springs(), springs_);
   own(parts.torsions(), torsions_);
   own(parts.angles(), angles_);
+  if (settings.tensions) {
+    own(parts.rods(), rods_);
+    own(parts.pins(), pins_);
+    own(parts.capsules(), capsules_);
+  }
   visitors_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
   clusters_.start(states_, settings_.margin);
@@ -157,7 +163,14 @@ double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count
   return 0;
 }
 
+void ContactSolver::begin_piece(std::uint32_t piece, unsigned) {
+  for (LinkageState* const state : cluster(piece))
+    if (!state->asleep) state->pulls.begin_step();
+}
+
 void ContactSolver::end_piece(std::uint32_t piece, double dt) {
+  for (LinkageState* const state : cluster(piece))
+    if (!state->asleep) state->pulls.dt = dt;
   rests_[pieces_[piece]] = rests(cluster(piece), dt);
 }
 

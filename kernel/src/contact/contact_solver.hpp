@@ -64,6 +64,19 @@ class ContactSolver final : public Solver {
   void set_law(std::uint32_t number, const Torsion& torsion);
   void set_law(std::uint32_t number, const AngleControl& angle);
   double torsion_angle(std::uint32_t number) const;
+
+  /// Returns whether this solver moves a rod now, rather than a home, and knows how it pulls.
+  bool has_pull(std::uint32_t rod) const {
+    return !rods_.empty() && rods_[rod].island != no_island && !visitors_[rods_[rod].island].is_at_home();
+  }
+  /// Returns the mean pull (N) of a rod of the scene in the last step. All means are NaN before the first.
+  double pull_of_rod(std::uint32_t rod) const;
+  /// See World::pin_force() and its like.
+  Vec3 pin_force(std::uint32_t pin) const;
+  double angle_torque(std::uint32_t angle) const;
+  Vec3 spring_force(std::uint32_t spring) const;
+  double torsion_torque(std::uint32_t torsion) const;
+  Vec3 contact_force(std::uint32_t capsule) const;
   /// Takes from the initial velocities what constraints forbid. Returns the largest change in m/s.
   double project_initial_velocities();
   /// Returns the slots of the scene's particles.
@@ -79,7 +92,9 @@ class ContactSolver final : public Solver {
   /// Replaces begin_step() if no island is awake.
   void clear_pieces() { pieces_.clear(); }
   double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& report) override;
+  void begin_piece(std::uint32_t piece, unsigned part) override;
   void end_piece(std::uint32_t piece, double dt) override;
+  Vec3 hold(Slot slot, double dt) const override;
   void end_step(StepReport& report) override;
 
   ErrorModel error_model() const override;
@@ -108,6 +123,7 @@ class ContactSolver final : public Solver {
 
  private:
   static constexpr std::size_t worth_threads = 16;
+  static constexpr std::uint32_t no_island = 0xffffffff;
 
   /// Keeps what an attempt of a step is taken back to, if an accuracy is set.
   struct History {
@@ -121,6 +137,9 @@ class ContactSolver final : public Solver {
     std::uint32_t island, number;
   };
   void wake_with_laws(LinkageState& state);
+  /// Returns a mean over the last step of what an island counts.
+  template <class Number>
+  static Number mean(const LinkagePulls& pulls, const Number& sum);
   LinkageState& state_of(Slot slot) { return states_[island_of_[slot]]; }
   const LinkageState& state_of(Slot slot) const { return states_[island_of_[slot]]; }
   std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
@@ -143,6 +162,7 @@ class ContactSolver final : public Solver {
   std::vector<Slot> first_slot_;                    ///< by island's number
   std::vector<std::uint32_t> island_of_;            ///< the island of each slot
   std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
+  std::vector<Owner> rods_, pins_, capsules_;       ///< likewise, if pulls count
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
   std::vector<Return> returned_;

@@ -46,6 +46,19 @@ class Block {
   /// Gradient old keeps half of each rod's last pull, if rods give.
   layouts::AlignedBuffer<T>& half_kick() { return half_kick_; }
 
+  /// Adds up from now on how rods pull.
+  void count_pulls();
+  /// Forgets the pulls of positions [q0, q1), as a step begins.
+  void begin_pulls(std::uint32_t q0, std::uint32_t q1);
+  /// Forgets what sweeps have moved the rods of a range by, as a substep begins.
+  void begin_moves(simd::Range range);
+  /// Adds the impulses of a substep in which sweeps moved these rods. A move (m) times `by` (1/s), over what
+  /// its ends give (1/kg), is one.
+  void count_moves(simd::Range range, double by);
+  /// Returns the impulses (N s) of rods' pulls in a step, by lane; none unless they count.
+  std::vector<double>& pulls() { return pulls_; }
+  const std::vector<double>& pulls() const { return pulls_; }
+
   T* x() { return x_.data(); }
   const T* x() const { return x_.data(); }
   T* displacement(unsigned ago) { return displacements_[(newest_ + ago) & 1].data(); }
@@ -108,6 +121,8 @@ class Block {
   layouts::AlignedBuffer<T> x_, displacements_[2], kick_, accumulator_, rod_, weight_;
   layouts::AlignedBuffer<T> law_, law_start_, shift_, half_kick_;  ///< Blocks of rigid rods have none.
   bool gives_ = false;
+  layouts::AlignedBuffer<T> moved_;           ///< what counting sweeps have moved rigid rods by
+  std::vector<double> pulls_, mass_of_move_;  ///< by lane, N s and kg; none unless pulls count
   T omega_ = 1;
   unsigned newest_ = 0;
   std::vector<std::uint8_t> uniform_;  ///< It has an entry per position and stage.

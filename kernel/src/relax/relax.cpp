@@ -52,6 +52,7 @@ class Substep {
         u_(moved.last),
         p_(moved.own),
         view_(block_.law_view(p_, moved.is_first ? settings.first_terms : settings.terms)),
+        pull_(moved.is_first ? settings.first_pull : settings.pull),
         q0_(moved.q0),
         q1_(moved.q1) {}
 
@@ -116,6 +117,7 @@ class Substep {
       });
       for_rods(part, [&](simd::Range range) {
         block_.gives() ? access_.laws.prepare(view_, range) : access_.prepare(view_, range);
+        if (pull_ != 0) block_.begin_moves(range);
       });
     });
   }
@@ -158,6 +160,10 @@ class Substep {
     if (block_.gives() && settings_.gradient == Gradient::old)
       crew_.for_parts([&](unsigned part) {
         for_rods(part, [&](simd::Range range) { access_.laws.finish(view_, range); });
+      });
+    if (pull_ != 0)
+      crew_.for_parts([&](unsigned part) {
+        for_rods(part, [&](simd::Range range) { block_.count_moves(range, pull_); });
       });
     if (broken.load(std::memory_order_relaxed))
       report_.frozen_islands += block_.freeze_broken_islands(u_, p_, q0_, q1_);
@@ -216,7 +222,8 @@ class Substep {
       if (substep_.block_.gives()) {
         substep_.access_.laws.sweep[gradient](substep_.view_, ranges_.data(), count_);
       } else {
-        substep_.access_.sweep[gradient](substep_.view_, ranges_.data(), count_);
+        const auto& kernels = substep_.pull_ != 0 ? substep_.access_.count : substep_.access_.sweep;
+        kernels[gradient](substep_.view_, ranges_.data(), count_);
       }
       count_ = 0;
     }
@@ -310,6 +317,7 @@ class Substep {
   T* u_;  ///< It is the displacement of the last substep, in m.
   T* p_;  ///< It is the displacement of this one, in m.
   simd::LawView<T> view_;
+  double pull_;  ///< It is in 1/s, or 0 if pulls do not count.
   std::uint32_t q0_, q1_;
 };
 

@@ -65,6 +65,7 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
 template <class T>
 void RelaxSolver<T>::begin_step(double dt, Team& team) {
   parts_ = team.parts();
+  if (wants_team()) begin_pulls(0);
   if (!is_controlled()) take_substeps_of(dt / rules_->settings.substeps);
   block_.release_anchors();
   if (!has_moved_ && starts_off_length_) block_.settle();
@@ -126,7 +127,9 @@ RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) const {
           static_cast<T>(rules_->verlet.decay(h_)),
           budget * share * rods / std::max(1.0, double{1} * rules_->relaxed_rods),
           law_terms(last_h_),
-          law_terms(h_)};
+          law_terms(h_),
+          pull_of_moves(last_h_),
+          pull_of_moves(h_)};
 }
 
 /// A pull acts as gravity does, from the middle of the last substep to that of this one. Gradient mid begins
@@ -216,11 +219,12 @@ void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   const layouts::AlignedBuffer<T>& half_kick = block_.half_kick();
   if (to.x.size() == 0)
     to = {layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n),
-          layouts::AlignedBuffer<T>(half_kick.size())};
+          layouts::AlignedBuffer<T>(half_kick.size()), block_.pulls()};
   std::copy_n(block_.x(), n, to.x.data());
   std::copy_n(block_.displacement(0), n, to.last.data());
   std::copy_n(block_.displacement(1), n, to.before.data());
   std::copy_n(half_kick.data(), half_kick.size(), to.half_kick.data());
+  to.pulls = block_.pulls();
   to.h = h_;
   to.has_moved = has_moved_;
 }
@@ -233,6 +237,7 @@ void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
   std::copy_n(from.last.data(), n, block_.displacement(0));
   std::copy_n(from.before.data(), n, block_.displacement(1));
   std::copy_n(from.half_kick.data(), from.half_kick.size(), block_.half_kick().data());
+  block_.pulls() = from.pulls;
   kicks_stale_ = kicks_stale_ || h_ != from.h;
   h_ = from.h;
   has_moved_ = from.has_moved;

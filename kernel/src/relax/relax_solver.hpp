@@ -38,6 +38,7 @@ class RelaxSolver final : public Solver {
   std::uint32_t piece_of(Slot slot) const override { return pieces_ > 1 ? block_.position_of(slot) : 0; }
 
   void begin_step(double dt, Team& team) override;
+  void begin_piece(std::uint32_t piece, unsigned) override { begin_pulls(piece); }
   double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& report) override;
   bool wants_team() const override;
   void advance_with_team(double h, std::uint32_t count, Team& team, StepReport& report) override;
@@ -67,6 +68,9 @@ class RelaxSolver final : public Solver {
   void set_away(Slot slot, bool away) override;
   bool is_away(std::uint32_t piece) const override { return away_[piece] == islands_[piece]; }
 
+  void count_pulls() override;
+  double pull(Slot lane, double dt) const override { return block_.pulls()[lane] / dt; }
+
   bool sweeps() const override { return true; }
   bool set_stop_rule(const StopRule& rule) override;
   bool set_weights(Weights weights) override;
@@ -80,6 +84,7 @@ class RelaxSolver final : public Solver {
   /// An accuracy takes this back.
   struct Motion {
     layouts::AlignedBuffer<T> x, last, before, half_kick;
+    std::vector<double> pulls;
     double h = 0;
     bool has_moved = false;
   };
@@ -91,6 +96,9 @@ class RelaxSolver final : public Solver {
   RelaxSettings<T> settings_for(double rods, double share) const;
   /// Returns the factors of rods that give, in a substep of h after one of `last`, or after a velocity (0).
   simd::LawTerms<T> law_terms(double last) const;
+  /// Returns what makes impulses of moves in such a substep, in 1/s.
+  double pull_of_moves(double last) const;
+  void begin_pulls(std::uint32_t piece);
   void take_substeps_of(double h);
   void start_displacements(double h);
   void change_step(double h);

@@ -33,7 +33,7 @@ constexpr SettingRow settings_table[] = {
 constexpr Reads stop_rule = Reads::sweeps | Reads::tolerance | Reads::budget_us;
 constexpr Reads relax_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::weights |
                               Reads::order | Reads::omega | Reads::accuracy | stop_rule | Reads::sleep |
-                              Reads::contact | Reads::layout;
+                              Reads::contact | Reads::tensions | Reads::layout;
 constexpr Reads direct_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy |
                                Reads::tolerance | Reads::sleep | Reads::contact | Reads::tensions;
 

@@ -7,15 +7,38 @@ namespace plumb::detail {
 
 Reactions::Reactions(const Scene& scene, const Settings& settings) : gravity_(scene.gravity) {
   if (!settings.tensions) return;
+  add_rods(scene, mass_model_of(settings));
+  add_bodies(scene);
+  std::stable_sort(held_.begin(), held_.end(),
+                   [](const Held& first, const Held& second) { return first.anchor < second.anchor; });
+}
+
+void Reactions::add_rods(const Scene& scene, MassModel model) {
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
     const auto [a, b] = std::pair{scene.rods[i].a, scene.rods[i].b};
     const bool from_a = scene.particles[a].fixed;
     if (!from_a && !scene.particles[b].fixed) continue;
-    const RodMass mass = rod_mass(scene, i, mass_model_of(settings));
+    const RodMass mass = rod_mass(scene, i, model);
     held_.push_back({from_a ? a : b, i, from_a ? b : a, from_a ? mass.aa : mass.bb, mass.ab});
   }
-  std::stable_sort(held_.begin(), held_.end(),
-                   [](const Held& first, const Held& second) { return first.anchor < second.anchor; });
+}
+
+/// What fixed particles of a body share with each other counts as the own mass of both.
+void Reactions::add_bodies(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const auto& particles = scene.bodies[i].particles;
+    const auto mass = body_mass(scene, i);
+    const auto is_fixed = [&](std::size_t k) { return scene.particles[particles[k]].fixed; };
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (!is_fixed(j)) continue;
+      double own = 0;
+      for (std::size_t k = 0; k < 4; ++k) own += is_fixed(k) ? mass[j][k] : 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (is_fixed(k)) continue;
+        held_.push_back({particles[j], no_rod, particles[k], std::exchange(own, 0), mass[j][k]});
+      }
+    }
+  }
 }
 
 std::span<const Reactions::Held> Reactions::at(std::uint32_t anchor) const {

@@ -16,7 +16,9 @@ class Reactions {
   /// Has no rods unless the settings ask for tensions.
   Reactions(const Scene& scene, const Settings& settings);
 
+  static constexpr std::uint32_t no_rod = 0xffffffff;
   /// A rod goes from an anchor to a movable particle. Of its mass matrix the anchor has `own` and `shared`.
+  /// The mass of a body has no rod.
   struct Held {
     std::uint32_t anchor, rod, other;
     double own, shared;      ///< kg
@@ -45,6 +47,9 @@ class Reactions {
   Vec3 holding(const Held& held, double pull, Vec3 way, Vec3 velocity, double dt) const;
 
  private:
+  void add_rods(const Scene& scene, MassModel model);
+  void add_bodies(const Scene& scene);
+
   Vec3 gravity_;
   std::vector<Held> held_;  ///< by anchor
 };

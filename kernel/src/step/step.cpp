@@ -53,6 +53,7 @@ Step::Step(const Scene& scene, const Settings& settings)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
   active_.reserve(sleep_.tasks().size());
   visited_.reserve(compiled_.solvers.size());
+  last_dt_.reserve(compiled_.solvers.size());
   compiled_.info.parallel = uses_threads();
 }
 
@@ -99,7 +100,10 @@ void Step::solve(StepReport& report) {
     for (std::uint32_t t = 0; t < tasks.size(); ++t) {
       if (tasks[t].asleep) continue;
       if (visited_.empty() || visited_.back() != tasks[t].solver) visited_.push_back(tasks[t].solver);
-      if (!compiled_.solvers[tasks[t].solver]->wants_team()) active_.push_back(t);
+      if (!compiled_.solvers[tasks[t].solver]->wants_team())
+        active_.push_back(t);
+      else
+        tasks[t].dt = dt_;
     }
   }
   ContactSolver* const contact = compiled_.contact;
@@ -217,7 +221,8 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 }
 
 void Step::set_length(std::uint32_t cord, double target) {
-  if (compiled_.cords.of(cord).empty())
+  const auto places = compiled_.cords.of(cord);
+  if (places.empty() || solver(places.front()).sweeps())
     refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");
   if (is_visiting(cord))
     refuse("rod ", cord, ": its length cannot change, since its island has shapes that may touch");
@@ -244,30 +249,44 @@ bool Step::is_visiting(std::uint32_t cord) const {
   return &solver(compiled_.places.of(rods_.end(cord)).back()) == compiled_.contact;
 }
 
+/// Returns whether the contact solver moves a rod now, and holds its anchors. It does so with what belongs to
+/// no rod.
+bool Step::is_held_by_contact(std::uint32_t cord) const {
+  if (cord == Reactions::no_rod) return true;
+  return compiled_.contact && cord < compiled_.info.rods && compiled_.contact->has_pull(cord);
+}
+
 double Step::pull(std::uint32_t cord) const {
+  if (is_held_by_contact(cord)) return compiled_.contact->pull_of_rod(cord);
   const auto places = compiled_.cords.of(cord);
-  if (places.empty()) return std::numeric_limits<double>::quiet_NaN();
-  if (const Place* const end = is_visiting(cord) ? place_of(rods_.end(cord)) : nullptr;
-      end && &solver(*end) == compiled_.contact)
-    return std::numeric_limits<double>::quiet_NaN();  // the contact solver moves it now
   const auto task = sleep_.task_of(compiled_.solvers, places.front());
   const double dt = task ? sleep_.tasks()[*task].dt : 0;
   if (dt == 0) return std::numeric_limits<double>::quiet_NaN();
   return solver(places.front()).pull(places.front().slot, dt);
 }
 
+void Step::copy_pulls(std::span<double> out) {
+  last_dt_.assign(compiled_.solvers.size(), -1);
+  for (const Task& task : sleep_.tasks()) {
+    double& dt = last_dt_[task.solver];
+    dt = dt < 0 || dt == task.dt ? task.dt : 0;
+  }
+  for (std::uint32_t cord = 0; cord < out.size(); ++cord) {
+    const auto places = compiled_.cords.of(cord);
+    const double dt = places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
+    out[cord] = dt > 0 ? solver(places.front()).pull(places.front().slot, dt) : pull(cord);
+  }
+}
+
 Vec3 Step::reaction(std::uint32_t particle) const {
-  const auto places = compiled_.places.of(particle);
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  if (compiled_.contact && !places.empty() && &solver(places.front()) == compiled_.contact)
-    return {unknown, unknown, unknown};
   Vec3 sum = -1.0 * loads_.loaded(particle);
   for (const Reactions::Held& held : reactions_.at(particle))
-    sum += reactions_.holding(held, pull(held.rod), position(held.other) - position(particle),
-                              velocity(held.other), dt_);
-  for (const Place place : places)
-    if (const auto task = sleep_.task_of(compiled_.solvers, place))
-      sum += solver(place).hold(place.slot, sleep_.tasks()[*task].dt);
+    sum += reactions_.holding(held, is_held_by_contact(held.rod) ? 0 : pull(held.rod),
+                              position(held.other) - position(particle), velocity(held.other), dt_);
+  for (const Place place : compiled_.places.of(particle)) {
+    const auto task = sleep_.task_of(compiled_.solvers, place);
+    sum += solver(place).hold(place.slot, task ? sleep_.tasks()[*task].dt : dt_);
+  }
   return sum;
 }
 

@@ -52,9 +52,13 @@ class Step {
 
   /// Returns NaN where no solver knows the pull (N) of a cord in the last step.
   double pull(std::uint32_t cord) const;
+  /// Copies the pulls of the first cords, which are faster to read together.
+  void copy_pulls(std::span<double> out);
   /// Returns the force (N) that held a fixed particle in the last step, or NaN where a pull is.
   Vec3 reaction(std::uint32_t particle) const;
   bool is_broken(std::uint32_t rod) const;
+  /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
+  const ContactSolver& contact() const { return *compiled_.contact; }
 
   double twist(std::uint32_t twist) const;
   void set_twist(std::uint32_t twist, double angle);
@@ -88,6 +92,7 @@ class Step {
   bool uses_threads() const;
   void put_force(std::uint32_t particle, Vec3 force);
   bool is_visiting(std::uint32_t cord) const;
+  bool is_held_by_contact(std::uint32_t cord) const;
   const Place* place_of(std::uint32_t particle) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 
@@ -107,6 +112,7 @@ class Step {
   std::vector<StepReport> reports_;     ///< one for each part of the team
   std::vector<std::uint32_t> visited_;  ///< solvers with a piece that is awake in this step
   std::vector<std::uint32_t> active_;   ///< tasks that parts share in this step
+  std::vector<double> last_dt_;         ///< s, by solver: that of all of its tasks, or 0 if they differ
 };
 
 }  // namespace plumb::detail

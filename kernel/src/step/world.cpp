@@ -37,6 +37,7 @@ struct World::Impl {
   Precision precision = Precision::double_;
   std::uint32_t substeps = 1;
   std::uint32_t rods = 0, tackles = 0, twists = 0;
+  std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, capsules = 0;
   bool tensions = false;
   double time = 0;
 
@@ -57,6 +58,16 @@ struct World::Impl {
   }
   void require_twist(std::uint32_t twist) const {
     if (twist >= twists) refuse("twist ", twist, ": unknown, the scene has ", twists, " twists");
+  }
+  /// Refuses a number that the scene does not have. `what` is one of them, `all` how many it has.
+  static void require_one_of(std::uint32_t all, const char* what, std::uint32_t number) {
+    if (number >= all) refuse(what, ' ', number, ": unknown, the scene has ", all);
+  }
+  /// Returns what knows the forces of joints and contacts, for one that the scene has.
+  const detail::ContactSolver& contact(std::uint32_t all, const char* what, std::uint32_t number) const {
+    require_one_of(all, what, number);
+    require_tensions();
+    return step->contact();
   }
   void require_tensions() const {
     if (!tensions) refuse("tensions are not known: Settings::tensions asks for them");
@@ -81,6 +92,11 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
   impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());
+  impl_->pins = static_cast<std::uint32_t>(scene.pins.size());
+  impl_->angles = static_cast<std::uint32_t>(scene.angles.size());
+  impl_->springs = static_cast<std::uint32_t>(scene.springs.size());
+  impl_->torsions = static_cast<std::uint32_t>(scene.torsions.size());
+  impl_->capsules = static_cast<std::uint32_t>(scene.capsules.size());
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -172,7 +188,7 @@ void World::copy_tensions(std::span<double> out) const {
   impl_->require_tensions();
   if (out.size() != impl_->rods)
     refuse("tensions of ", impl_->rods, " rods cannot be copied into ", out.size(), " elements");
-  for (std::uint32_t i = 0; i < impl_->rods; ++i) out[i] = impl_->step->pull(i);
+  impl_->step->copy_pulls(out);
 }
 bool World::is_broken(std::uint32_t rod) const {
   impl_->require_rod(rod);
@@ -195,6 +211,28 @@ void World::copy_reactions(std::span<Vec3> out) const {
   impl_->require_fit(out, "reactions");
   for (std::uint32_t i = 0; i < particle_count(); ++i)
     out[i] = impl_->fixed[i] != 0 ? impl_->step->reaction(i) : Vec3{};
+}
+
+Vec3 World::pin_force(std::uint32_t pin) const {
+  return impl_->contact(impl_->pins, "ball joint", pin).pin_force(pin);
+}
+double World::angle_torque(std::uint32_t angle) const {
+  return impl_->contact(impl_->angles, "angle", angle).angle_torque(angle);
+}
+Vec3 World::spring_force(std::uint32_t spring) const {
+  return impl_->contact(impl_->springs, "spring", spring).spring_force(spring);
+}
+double World::torsion_torque(std::uint32_t torsion) const {
+  return impl_->contact(impl_->torsions, "torsion", torsion).torsion_torque(torsion);
+}
+Vec3 World::contact_force(std::uint32_t capsule) const {
+  return impl_->contact(impl_->capsules, "shape", capsule).contact_force(capsule);
+}
+void World::copy_contact_forces(std::span<Vec3> out) const {
+  impl_->require_tensions();
+  if (out.size() != impl_->capsules)
+    refuse("contact forces of ", impl_->capsules, " shapes cannot be copied into ", out.size(), " elements");
+  for (std::uint32_t i = 0; i < impl_->capsules; ++i) out[i] = impl_->step->contact().contact_force(i);
 }
 
 std::vector<Problem> World::problems(double most_strain) const {

@@ -50,6 +50,18 @@ Json errors_json(const RunResult& result) {
   return errors;
 }
 
+Json tension_errors_json(const RunResult& result) {
+  Json errors = Json::array();
+  for (const TensionError& e : result.tension_error)
+    errors.push_back({{"t", e.t}, {"rms_n", e.rms_n}, {"relative", e.relative}});
+  return errors;
+}
+
+Json tension_json(const RunPlan& plan, const RunResult& result) {
+  if (!plan.settings.tensions) return nullptr;
+  return {{"max", result.largest_tension}, {"max_rod", result.most_tense_rod}};
+}
+
 }  // namespace
 
 Json machine_json(const Machine& machine) {
@@ -118,6 +130,8 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
         {"final", energy.final / energy.range},
         {"drift_max", energy.drift_max / energy.range}}},
       {"position_error", errors_json(result)},
+      {"tension", tension_json(plan, result)},
+      {"tension_error", tension_errors_json(result)},
       {"problems", problems_json(result)},
       {"projected_position", result.info.projected_position},
       {"unprojected_islands", result.info.unprojected_islands},

@@ -78,6 +78,30 @@ double energy_of(const World& world, const Scene& measured, const Frame& now, Ma
   return energy;
 }
 
+RunFrame make_frame(const Scene& scene, const Settings& settings) {
+  RunFrame frame;
+  frame.positions.resize(scene.particles.size());
+  frame.velocities.resize(scene.particles.size());
+  if (!settings.tensions) return frame;
+  frame.tensions.resize(scene.rods.size());
+  frame.forces = make_forces(scene);
+  return frame;
+}
+
+void add_tension_error(const Frame& frame, const Frame& truth, RunResult& result) {
+  if (frame.tensions.empty() || truth.tensions.empty()) return;
+  result.tension_error.push_back(tension_error(frame, truth));
+}
+
+/// Looks for the rod that pulls or pushes most.
+void find_largest(const Frame& frame, RunResult& result) {
+  for (std::uint32_t rod = 0; rod < frame.tensions.size(); ++rod) {
+    if (!(std::abs(frame.tensions[rod]) > result.largest_tension)) continue;
+    result.largest_tension = std::abs(frame.tensions[rod]);
+    result.most_tense_rod = rod;
+  }
+}
+
 void copy_state(const World& world, Frame& frame) {
   world.copy_positions(frame.positions);
   world.copy_velocities(frame.velocities);
@@ -124,19 +148,19 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   World world(scene, plan.settings);
   Scene measured = scene;  // without what has broken
   RunResult result{.info = world.info(), .frames = frames};
-  Frame now{.t = 0,
-            .positions = std::vector<Vec3>(world.particle_count()),
-            .velocities = std::vector<Vec3>(world.particle_count()),
-            .tensions = std::vector<double>(plan.settings.tensions ? world.rod_count() : 0)};
+  RunFrame now = make_frame(scene, plan.settings);
   const auto visit = [&](std::uint64_t number) {
     copy_state(world, now);
+    find_largest(now, result);
     result.finite = result.finite && all_finite(now);
     if (const auto it = compare.find(number); it != compare.end()) {
       result.position_error.push_back(position_error(now, *it->second, diagonal));
+      add_tension_error(now, *it->second, result);
     }
     const auto it = save.find(number);
     if (!observer.save || (it == save.end() && !observer.save_at.empty())) return;
     now.t = it != save.end() ? it->second : static_cast<double>(number) * plan.dt;
+    if (!now.forces.is_empty()) copy_forces(world, now.forces);
     observer.save(now);
   };
 

@@ -10,6 +10,7 @@
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
+#include "scenes/files/forces.hpp"
 #include "scenes/files/trajectory.hpp"
 
 namespace plumb::scenes {
@@ -21,9 +22,14 @@ struct RunPlan {
   double dt = 1.0 / 60;  ///< Length of a frame in s, which Settings::substeps divides further.
 };
 
+/// A saved frame has forces if the settings ask for tensions.
+struct RunFrame : Frame {
+  Forces forces{};
+};
+
 /// An observer sees a run on its way. Both functions may be empty. The time they take is not measured.
 struct RunObserver {
-  std::function<void(const Frame&)> save;  ///< Takes a frame. Frame 0 is the scene as it starts.
+  std::function<void(const RunFrame&)> save;  ///< Takes a frame. Frame 0 is the scene as it starts.
   std::vector<double> save_at;  ///< Frame ends to hand to `save`, in s; empty stands for every frame.
   /// Takes the frames done and the frames in all.
   std::function<void(std::uint64_t, std::uint64_t)> progress;
@@ -47,7 +53,10 @@ struct RunResult {
   Stretch stretch{};
   EnergyDrift energy{};
   std::vector<PositionError> position_error{};
-  std::vector<Problem> problems{};  ///< Those of the last frame.
+  std::vector<TensionError> tension_error{};  ///< Where the truth has tensions and the run has.
+  double largest_tension = 0;                 ///< In N, the largest pull or push at any frame's end.
+  std::uint32_t most_tense_rod = 0;           ///< The rod that had it.
+  std::vector<Problem> problems{};            ///< Those of the last frame.
   std::uint64_t state_hash = 0;
   bool finite = true;  ///< Whether every position and velocity was finite at every frame's end.
 

@@ -108,6 +108,11 @@ void Integrator::expand() {
   series_.expand(state_, solver_);
 }
 
+void Integrator::add_pulls(Real by, std::vector<Real>& out) {
+  expand();
+  for (std::size_t rod = 0; rod < out.size(); ++rod) out[rod] += by * series_.pull(rod);
+}
+
 void Integrator::finish_step(Real h) {
   std::swap(state_, next_);
   time_ += h;

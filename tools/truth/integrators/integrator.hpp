@@ -24,6 +24,8 @@ class Integrator {
   void advance_to(Real t);
   /// Takes one step of h seconds, whatever the tolerance says.
   void step(Real h);
+  /// Adds how rods pull now (N), times `by`. Of redundant rods some have zero.
+  void add_pulls(Real by, std::vector<Real>& out);
 
   const State& state() const { return state_; }
   Real time() const { return time_; }

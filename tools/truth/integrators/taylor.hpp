@@ -43,6 +43,11 @@ class TaylorSeries {
   Real choose_step(Real tolerance) const;
 
   void evaluate(Real t, State& out) const;
+  /// Returns how a rod pulls at the state, in N; negative if it pushes.
+  Real pull(std::size_t rod) const {
+    const std::size_t first = rod * powers_;
+    return -mu_[first] * (model_.rods[rod].elastic ? length_[first] : model_.rods[rod].length);
+  }
 
   /// Returns whether the series of the elastic rods' lengths hold up to `t`. Their ends may not meet before.
   /// At `t` they may be off the distances in `state` by at most `most` of those or of the diagonal.

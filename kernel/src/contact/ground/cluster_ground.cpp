@@ -29,6 +29,7 @@ bool ClusterStepper::start_on_ground(Island& island) {
   linkage.put(island.momentum, right);
   island.ground.add_pushes(linkage, right);
   linkage.plan().solve(state.factors, island.unknowns);
+  island.take_pulls(island.pulls, 0, 1);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.d[k] = linkage.taken(right, k);
   island.ground.follow_solution(island.d);
   return true;
@@ -47,6 +48,7 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.step[k] = linkage.taken(right, k);
   const double share = island.ground.share_of(island.step, 2 * linkage.kinetic(island.step));
   island.ground.take(share);
+  island.take_pulls(island.pulls, 1, share);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
     island.d[k] += share * island.step[k];
     island.there[k] = state.x[k] + island.d[k];
@@ -74,6 +76,7 @@ void ClusterStepper::find_velocities_on_ground(Island& island) {
         step == 0 ? 1 : island.ground.share_of(island.step, 2 * linkage.kinetic(island.step));
     if (step == 0) island.ground.share_of(island.step, 0);
     island.ground.take(share);
+    island.take_pulls(island.end_pulls, 1 - share, share);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] += share * island.step[k];
   }
 }

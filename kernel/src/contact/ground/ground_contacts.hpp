@@ -16,9 +16,10 @@ struct GroundContact {
   double friction = 0;  ///< Coulomb's coefficient
   double bounce = 0;    ///< m/s, what it leaves with
   std::uint64_t key = 0;
-  bool is_held = false;  ///< it pushed in the last substep, by what follows
-  Vec3 held{};           ///< kg m, on positions
-  Vec3 held_end{};       ///< kg m/s, on velocities
+  std::uint32_t shape = 0;  ///< its number
+  bool is_held = false;     ///< it pushed in the last substep, by what follows
+  Vec3 held{};              ///< kg m, on positions
+  Vec3 held_end{};          ///< kg m/s, on velocities
 };
 
 /// Holds the contacts of one island with fixed ground, which stand in the island's own matrix.

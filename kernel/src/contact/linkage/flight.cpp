@@ -59,8 +59,8 @@ void Flight::brake(const Linkage& linkage, const Stage& stage) {
   for (std::uint32_t k = 0; k < movable; ++k) force_[k] -= momentum_[k];
 }
 
-/// Finds the accelerations of a stage by the factors there.
-void Flight::accelerate(const LinkageState& state, Stage& stage) {
+/// Finds the accelerations of a stage by the factors there, which count for `time` (s) of the step.
+void Flight::accelerate(LinkageState& state, Stage& stage, double time) {
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = numbers(unknowns_);
   linkage.bends(stage.v, right);
@@ -69,7 +69,19 @@ void Flight::accelerate(const LinkageState& state, Stage& stage) {
   if (linkage.drag() != 0 || linkage.joint_drag() != 0) brake(linkage, stage);
   linkage.put(force_, right);
   linkage.plan().solve(state.factors, unknowns_);
+  if (state.pulls.counts) count_pulls(state, stage, time);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) stage.a[k] = linkage.taken(right, k);
+}
+
+/// Adds up what constraints and elastics of a stage pull with, for `time` (s).
+void Flight::count_pulls(LinkageState& state, const Stage& stage, double time) {
+  const Linkage& linkage = *state.linkage;
+  pulls_.assign(linkage.constraints(), 0);
+  linkage.take_multipliers(numbers(unknowns_), 1, pulls_);
+  linkage.count_pulls(stage.x, pulls_, time, state.pulls);
+  for (std::size_t i = 0; i < state.laws.size(); ++i)
+    linkage.count_pull(i, stage.x, time * state.elastic_pull(i), state.pulls);
+  state.count_motors(time, stage.x, [&](std::size_t i) { return state.elastic_numbers[i]; });
 }
 
 /// Takes from velocities what constraints forbid where the factors are.
@@ -81,8 +93,11 @@ void Flight::take_forbidden(LinkageState& state) {
   linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
   linkage.put(momentum_, right);
   linkage.plan().solve(state.factors, unknowns_);
+  pulls_.assign(state.pulls.counts ? linkage.constraints() : 0, 0);
+  linkage.take_multipliers(right, 1, pulls_);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
-  if (linkage.is_redundant()) state.correct_velocities(state.v, unknowns_);
+  if (linkage.is_redundant()) state.correct_velocities(state.v, unknowns_, pulls_);
+  if (state.pulls.counts) linkage.count_pulls(state.x, pulls_, 1, state.pulls);
 }
 
 /// Brings positions onto the constraints by the factors of the last stage, and velocities by those there.
@@ -109,6 +124,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
   const std::size_t count = state.x.size();
   before_x_ = state.x;
   before_v_ = state.v;
+  if (state.pulls.counts) before_pulls_ = state.pulls;
   force_.resize(linkage.movable());
   unknowns_.assign(linkage.plan().columns(), simd::Quad{});
   const auto come = [&](const double* shares, std::size_t stages) {
@@ -136,7 +152,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
     stage.v = state.v;
     stage.a.assign(count, Vec3{});
     ++report.newton;
-    if (good) accelerate(state, stage);
+    if (good) accelerate(state, stage, h * method.end[s]);
   }
   if (good) {
     come(method.end, method.stages);
@@ -152,6 +168,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
   }
   state.x = before_x_;
   state.v = before_v_;
+  if (state.pulls.counts) state.pulls = before_pulls_;
   state.factored = false;
   return false;
 }

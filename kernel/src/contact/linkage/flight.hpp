@@ -26,13 +26,16 @@ class Flight {
   };
 
   void brake(const Linkage& linkage, const Stage& stage);
-  void accelerate(const LinkageState& state, Stage& stage);
+  void accelerate(LinkageState& state, Stage& stage, double time);
+  void count_pulls(LinkageState& state, const Stage& stage, double time);
   void take_forbidden(LinkageState& state);
   bool land(LinkageState& state, Tally& report);
 
   std::array<Stage, most_stages> stages_;
   std::vector<Vec3> before_x_, before_v_, force_, rigid_, braked_, momentum_;
   std::vector<simd::Quad> unknowns_;
+  std::vector<double> pulls_;  ///< multipliers
+  LinkagePulls before_pulls_;
 };
 
 }  // namespace plumb::detail

@@ -79,10 +79,11 @@ void Linkage::add_rods(const Scene& part, std::uint32_t& row) {
     const double length = rod_length(part, i);
     size_ = std::max(size_, length);
     const double over2 = 1 / (length * length);
+    const auto number = static_cast<std::uint32_t>(i);
     if (rod.law.is_rigid())
-      rods_.push_back({rod.a, rod.b, over2, row++, {}});
+      rods_.push_back({rod.a, rod.b, over2, number, row++, {}});
     else
-      giving_rods_.push_back({rod.a, rod.b, over2, none, {}});
+      giving_rods_.push_back({rod.a, rod.b, over2, number, none, {}});
     if (rod.linear_drag != 0 || rod.orthogonal_drag != 0)
       airs_.push_back({rod.a, rod.b, rod_mass(part, i, MassModel::consistent), rod.linear_drag,
                        rod.orthogonal_drag, 1 / length});
@@ -121,9 +122,10 @@ void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
   for (const Capsule& capsule : part.capsules) {
     shapes_.push_back({combination(capsule.a), combination(capsule.b), capsule.radius, capsule.surface});
     const Shape& shape = shapes_.back();
+    const auto number = static_cast<std::uint32_t>(shapes_.size() - 1);
     size_ = std::max({size_, 2 * capsule.radius, norm(shape.a.of(x) - shape.b.of(x))});
     for (const Combination& end : {shape.a, shape.b}) {
-      const Ball ball{end, capsule.radius, capsule.surface};
+      const Ball ball{end, capsule.radius, capsule.surface, number};
       if (end.count > 1) {
         balls_.push_back(ball);
         continue;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contact/elastics/elastic.hpp"
+#include "contact/pulls/linkage_pulls.hpp"
 #include "linear/sparse_kkt.hpp"
 #include "math/elementary.hpp"
 #include "plumb/scene.hpp"
@@ -31,6 +32,7 @@ class Linkage {
     Combination center;
     double radius;
     Surface surface;
+    std::uint32_t shape;  ///< to which what touches the ball counts
   };
   struct Angle {
     Combination u, v;
@@ -89,6 +91,18 @@ class Linkage {
   /// Writes an elastic's gradient and its `soft` (1/kg) into a matrix, where it is decoupled else.
   void couple(const Elastic& elastic, const ElasticSlope& slope, double soft,
               std::span<simd::Block> matrix) const;
+
+  /// Makes pulls that count, of an island of this kind.
+  LinkagePulls make_pulls() const;
+  /// Adds the multipliers of a solution, times `by`, to those of constraints and elastics in `out`.
+  void take_multipliers(std::span<const double> solved, double by, std::span<double> out) const;
+  /// Adds to `pulls` what multipliers of constraints at `x` pull with; times `by` they are impulses.
+  void count_pulls(std::span<const Vec3> x, std::span<const double> multipliers, double by,
+                   LinkagePulls& pulls) const;
+  /// Adds the impulse (N s or N m s) with which an elastic pulls at `x`.
+  void count_pull(std::size_t elastic, std::span<const Vec3> x, double pull, LinkagePulls& pulls) const;
+  /// Adds the share of a push on a place that its fixed particles get.
+  void push_fixed(const Combination& at, Vec3 impulse, LinkagePulls& pulls) const;
   bool is_grounded() const { return movable_ < particles_; }
   /// Returns whether constraints forbid some motion more than once.
   bool is_redundant() const { return is_redundant_; }
@@ -155,7 +169,7 @@ class Linkage {
   struct RodRow {
     std::uint32_t a, b;
     double over2;  ///< 1/L²
-    std::uint32_t row;
+    std::uint32_t number, row;
     std::array<std::uint32_t, 6> places;  ///< of J among the values, ends a and b; none if fixed
   };
   struct DotRow {

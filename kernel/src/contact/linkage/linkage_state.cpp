@@ -30,12 +30,14 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
   follow_elastics();
 }
 
-void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns) const {
+void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
+                                      std::span<double> multipliers) const {
   const std::span<double> right = numbers(unknowns);
   for (int i = 0; i < velocity_corrections; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
     linkage->rates(x, velocities, linkage->all(), right);
     linkage->plan().solve(factors, unknowns);
+    linkage->take_multipliers(right, 1, multipliers);
     for (std::uint32_t k = 0; k < linkage->movable(); ++k) velocities[k] += linkage->taken(right, k);
   }
 }
@@ -58,14 +60,19 @@ void LinkageState::add_motors(std::span<Vec3> forces) const {
 void LinkageState::add_elastic_pulls(std::span<Vec3> forces) const {
   add_motors(forces);
   for (std::size_t i = 0; i < laws.size(); ++i) {
-    const ElasticLaw& law = laws[i];
     const Elastic& elastic = linkage->elastics()[i];
-    if (law.stiffness == 0 && law.damping == 0) continue;
-    const ElasticSlope slope = linkage->slope(elastic, x);
-    const double off = linkage->number(elastic, x, elastic_numbers[i]) - law.rest;
-    const double pull = law.stiffness * off + law.damping * Linkage::rate(elastic, slope, v, linkage->all());
-    linkage->push_along(elastic, slope, -pull, forces);
+    if (const double pull = elastic_pull(i); pull != 0)
+      linkage->push_along(elastic, linkage->slope(elastic, x), -pull, forces);
   }
+}
+
+double LinkageState::elastic_pull(std::size_t i) const {
+  const ElasticLaw& law = laws[i];
+  const Elastic& elastic = linkage->elastics()[i];
+  if (law.stiffness == 0 && law.damping == 0) return 0;
+  const ElasticSlope slope = linkage->slope(elastic, x);
+  const double off = linkage->number(elastic, x, elastic_numbers[i]) - law.rest;
+  return law.stiffness * off + law.damping * Linkage::rate(elastic, slope, v, linkage->all());
 }
 
 bool LinkageState::can_follow_elastics(double h) const {

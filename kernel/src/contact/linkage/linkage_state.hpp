@@ -38,6 +38,7 @@ struct LinkageMotion {
   double slow_time = 0;                 ///< time for which it has been slow, s
   std::optional<double> energy{};       ///< energy that free flight keeps, J
   std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
+  LinkagePulls pulls;                   ///< of the last step
 };
 
 /// Holds one island of a linkage's kind, wherever it is.
@@ -73,14 +74,28 @@ struct LinkageState : LinkageMotion {
     factored = false;
     return linkage->plan().factor(factors);
   }
-  /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`.
-  void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns) const;
+  /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`, and
+  /// adds its multipliers to those that are given, if any.
+  void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
+                          std::span<double> multipliers = {}) const;
   /// Finds the elastics' numbers at x.
   void follow_elastics();
   /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
   void add_motors(std::span<Vec3> forces) const;
+  /// Returns what an elastic pulls with at x and v by its stiffness and damping, in N or N m.
+  double elastic_pull(std::size_t i) const;
   /// Adds all that elastics pull with, at x and v.
   void add_elastic_pulls(std::span<Vec3> forces) const;
+  /// Adds the impulses of constant pulls in `h` (s) at `where`, of elastics whose numbers are near `near(i)`.
+  template <class Near>
+  void count_motors(double h, std::span<const Vec3> where, Near&& near) {
+    for (std::size_t i = 0; i < laws.size(); ++i) {
+      const ElasticLaw& law = laws[i];
+      if (law.force == 0) continue;
+      if (law.one_sided && linkage->number(linkage->elastics()[i], where, near(i)) <= law.rest) continue;
+      linkage->count_pull(i, where, h * law.force, pulls);
+    }
+  }
   /// Returns whether a step of h (s) that is not implicit can follow all elastics.
   bool can_follow_elastics(double h) const;
 

@@ -192,7 +192,7 @@ void SceneParts::hand_out() {
     rod.length = rod_length(scene_, i);
     rod.a = local(island, rod.a);
     rod.b = local(island, rod.b);
-    parts_[island].rods.push_back(rod);
+    hand(rod, island, parts_[island].rods, rods_);
   }
   for (Body body : scene_.bodies) {
     const std::uint32_t island = movable_of({body.particles, {1, 1, 1, 1}});
@@ -205,14 +205,14 @@ void SceneParts::hand_out() {
     const std::uint32_t island = island_of(each.a, each.b);
     each.a = local(island, each.a);
     each.b = local(island, each.b);
-    parts_[island].capsules.push_back(each);
+    hand(each, island, parts_[island].capsules, capsules_);
   }
 }
 
 void SceneParts::hand_out_joints() {
   for (const Pin& each : scene_.pins) {
     const std::uint32_t island = island_of(each.a, each.b);
-    parts_[island].pins.push_back({local(island, each.a), local(island, each.b)});
+    hand(Pin{local(island, each.a), local(island, each.b)}, island, parts_[island].pins, pins_);
   }
   for (const Alignment& each : scene_.alignments) {
     const std::uint32_t island = island_of(each.u.from, each.u.to, each.v.from, each.v.to);

@@ -23,10 +23,13 @@ class SceneParts {
   struct Share {
     std::uint32_t part, number;
   };
-  /// Lists where the scene's angles, springs and torsions are.
+  /// Lists where the scene's rods, joints, springs and shapes are.
+  const std::vector<Share>& rods() const { return rods_; }
+  const std::vector<Share>& pins() const { return pins_; }
   const std::vector<Share>& angles() const { return angles_; }
   const std::vector<Share>& springs() const { return springs_; }
   const std::vector<Share>& torsions() const { return torsions_; }
+  const std::vector<Share>& capsules() const { return capsules_; }
 
  private:
   void hand_out();
@@ -46,7 +49,7 @@ class SceneParts {
   std::vector<std::uint32_t> island_of_, local_;  ///< by particle
   std::vector<Scene> parts_;
   std::vector<std::vector<std::uint32_t>> particles_;
-  std::vector<Share> angles_, springs_, torsions_;
+  std::vector<Share> rods_, pins_, angles_, springs_, torsions_, capsules_;
 };
 
 /// Returns whether an island has nothing but particles, rods that hold it together, and shapes on its

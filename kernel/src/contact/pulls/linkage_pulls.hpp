@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "plumb/vec3.hpp"
+
+namespace plumb::detail {
+
+/// Adds up the impulses by which an island was held together and pushed in a step. It has no numbers unless
+/// it counts.
+struct LinkagePulls {
+  bool counts = false;
+  double dt = 0;                  ///< s, of the step; 0 before the first
+  std::vector<double> rods;       ///< N s, by the part's rods: how they pulled
+  std::vector<Vec3> pins;         ///< N s, on the places a
+  std::vector<double> angles;     ///< N m s, of limits and friction, which widen if positive
+  std::vector<double> elastics;   ///< N s or N m s: how they pulled
+  std::vector<Vec3> along_first;  ///< N s or N s/m, by elastic: that pull along the gradient of its first sum
+  std::vector<Vec3> shapes;       ///< N s, by which contacts pushed
+  std::vector<Vec3> fixed;        ///< N s, on the fixed particles
+
+  /// Begins a step. The pulls of the one before are kept until then, also through sleep.
+  void begin_step();
+};
+
+}  // namespace plumb::detail

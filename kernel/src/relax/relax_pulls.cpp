@@ -1,0 +1,37 @@
+// This file adds up how rods pull that relaxation moves. It sorts before relax_solver.cpp, which instantiates
+// the class.
+
+#include "relax/relax_solver.hpp"
+
+namespace plumb::detail {
+
+template <class T>
+void RelaxSolver<T>::count_pulls() {
+  block_.count_pulls();
+  const Settings& settings = rules_->settings;
+  block_.set_weights(rules_->constants, settings.weights, settings.order, settings.omega);
+}
+
+template <class T>
+void RelaxSolver<T>::begin_pulls(std::uint32_t piece) {
+  const std::uint32_t positions = block_.packing().positions;
+  block_.begin_pulls(pieces_ > 1 ? piece : 0, pieces_ > 1 ? piece + 1 : positions);
+}
+
+/// A pull acts as gravity does, see law_terms(). Its impulse is that of a substep.
+template <class T>
+double RelaxSolver<T>::pull_of_moves(double last) const {
+  if (block_.pulls().empty()) return 0;
+  if (rules_->verlet.gradient == Gradient::mid) return 2 / h_;
+  const double between = (h_ + last) / 2;
+  return 1 / (mean_decay(rules_->verlet.drag * between) * between);
+}
+
+template void RelaxSolver<float>::count_pulls();
+template void RelaxSolver<double>::count_pulls();
+template void RelaxSolver<float>::begin_pulls(std::uint32_t);
+template void RelaxSolver<double>::begin_pulls(std::uint32_t);
+template double RelaxSolver<float>::pull_of_moves(double) const;
+template double RelaxSolver<double>::pull_of_moves(double) const;
+
+}  // namespace plumb::detail

@@ -1,0 +1,74 @@
+// Tensions against truth, whose own are those of a pendulum.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "plumb/error.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/spec.hpp"
+#include "support/refusals.hpp"
+#include "support/worlds.hpp"
+#include "truth/truth.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr double frame = 1.0 / 60;
+
+TEST(TrueTensions, OfAPendulumHoldItsWeightOnItsCircle) {
+  Scene scene;
+  scene.particles = {test::fixed({}), test::movable({0.6, -0.8, 0}, 2)};
+  scene.rods = {{.a = 0, .b = 1}};
+  // The mean over a short time is the pull at its middle, to the square of that time.
+  constexpr double mean = 1e-5;
+  const truth::Truth truth = truth::solve(scene, {.save_at = {0, 0.1}, .mean_over = mean});
+  EXPECT_TRUE(std::isnan(truth.frames[0].tensions[0])) << "at the start";
+  const truth::Truth at = truth::solve(scene, {.save_at = {0.3}});
+  const truth::Truth about = truth::solve(scene, {.save_at = {0.3 + mean / 2}, .mean_over = mean});
+  const Vec3 x = at.frames[0].positions[1], v = at.frames[0].velocities[1];
+  const double expected = 2 * (dot(v, v) - 9.81 * x.y);
+  EXPECT_NEAR(about.frames[0].tensions[0], expected, 1e-7);
+  EXPECT_LT(about.tension, 1e-12);
+}
+
+TEST(TrueTensions, OfMeansThatOverlapOrOfRedundantRodsAreRefused) {
+  const Scene chain = scenes::load_scene("chain:links=2");
+  EXPECT_NE(test::refusal([&] { truth::solve(chain, {.save_at = {0.1, 0.105}, .mean_over = 0.01}); }), "");
+  EXPECT_NE(test::refusal([&] { truth::solve(chain, {.save_at = {0.005}, .mean_over = 0.01}); }), "");
+}
+
+/// The error of tensions after a quarter of a second, relative to the truth's.
+double error(const Scene& scene, const Frame& truth, Settings settings, std::uint32_t substeps) {
+  settings.substeps = substeps;
+  settings.tensions = true;
+  World world(scene, settings);
+  test::run(world, frame, 15);
+  Frame now;
+  now.tensions.resize(world.rod_count());
+  world.copy_tensions(now.tensions);
+  return scenes::tension_error(now, truth).relative;
+}
+
+// Gradient mid, and linkages, which have both halves of a substep's pull.
+TEST(TrueTensions, AreApproachedWithTheSquareOfTheSubstep) {
+  for (const char* spec : {"chain:links=5,end_mass=10", "chain:links=5,end_mass=10,stiffness=1e4"}) {
+    const Scene scene = scenes::load_scene(spec);
+    const Frame truth = truth::solve(scene, {.save_at = {15 * frame}, .mean_over = frame}).frames[0];
+    Scene linkage = scene;  // a spring that does nothing makes it one
+    linkage.springs.push_back({.a = {{0}, {1}}, .b = {{1}, {1}}, .stiffness = 1e-12});
+    const Settings mid{.method = Method::direct, .gradient = Gradient::mid};
+    const double order = std::log2(error(scene, truth, mid, 16) / error(scene, truth, mid, 32));
+    EXPECT_NEAR(order, 2, 0.2) << spec;
+    const Settings direct{.method = Method::direct};
+    const double of_linkage =
+        std::log2(error(linkage, truth, direct, 16) / error(linkage, truth, direct, 32));
+    EXPECT_NEAR(of_linkage, 2, 0.2) << spec;
+    EXPECT_LT(error(linkage, truth, direct, 32), 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace plumb
