@@ -17,11 +17,11 @@ constexpr double firmer = 30, enough_to_grip = 0.1;
 /// Slopes that differ by less than this share do not need a new factorisation.
 constexpr double stale = 0.05;
 /// A push that moves its place by less than this share of the island's largest rod is rounding.
-constexpr double unnoticed = 1e-13;
+constexpr double residual_rounding = 1e-13;
 /// A correction is taken whole if it leaves pushes to lack no more than this share of what they did.
 constexpr double better = 0.7;
 /// A search along a correction ends after so many cuts.
-constexpr int most_cuts = 12;
+constexpr int most_shortenings = 12;
 
 double size_of(const Sym3& m) {
   return std::max(
@@ -139,7 +139,7 @@ void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, 
     most_lack = std::max(most_lack, norm(row.law - row.push));
     is_stale_ = is_stale_ || row.is_stale();
   }
-  const double least = unnoticed * linkage.size() * stiffest;
+  const double least = residual_rounding * linkage.size() * stiffest;
   lack_ = most_lack <= least ? 0 : most_lack / std::max(most, most_lack);
   if (ease_ < 1) lack_ = std::max(lack_, 1e-3);
 }
@@ -200,7 +200,7 @@ double GroundContacts::share_of(std::span<const Vec3> correction, double inertia
   if (!(at_start < 0)) return 1;
   double low = 0, high = 1, at_low = at_start, at_high = slope(1);
   if (!(at_high > 0.5 * std::abs(at_start))) return 1;
-  for (int cut = 0; cut < most_cuts; ++cut) {
+  for (int cut = 0; cut < most_shortenings; ++cut) {
     const double middle =
         cut % 2 == 0 ? low - at_low * (high - low) / (at_high - at_low) : 0.5 * (low + high);
     const double there = slope(middle);
