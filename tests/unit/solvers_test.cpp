@@ -151,7 +151,7 @@ TEST(TreeSolver, NumbersItsSlotsOnce) {
   const test::IslandsOf of(scene);
   const layouts::Tree tree = of.tree(0);
   const auto kind = std::make_shared<TreeKind<double>>(
-      tree, 8u, TreeKind<double>::Rules{Gradient::old, 2, false, false, 0, best_isa(), 1});
+      tree, 8u, TreeKind<double>::Rules{Gradient::old, 2, false, false, false, 0, best_isa(), 1});
   TreeSolver<double> solver(kind, 8);
   for (std::uint32_t lane = 0; lane < 8; ++lane)
     solver.fill_lane(lane, scene, MassModel::consistent, tree,

@@ -31,7 +31,7 @@ TreeState<double> state_of(const Scene& scene, const test::IslandsOf& of,
 Kind kind_of(const layouts::Tree& tree, Kind::Rules rules) {
   return Kind(tree, 1, rules);
 }
-constexpr Kind::Rules old_rules{Gradient::old, 2, false, false, 0, Isa::scalar, 1};
+constexpr Kind::Rules old_rules{Gradient::old, 2, false, false, false, 0, Isa::scalar, 1};
 
 /// Largest |length - L| / L of the rods of a line whose node 0 hangs from its only tie.
 double largest_strain(const TreeState<double>& state) {

@@ -33,14 +33,19 @@ bool is_stretched(const Scene& scene, const World& world) {
   return false;
 }
 
-/// Returns how far the farthest particle has come, and infinity if one is not finite.
-double way_of(const Scene& scene, const World& world) {
+/// Returns how far the farthest particle is from where it was, and infinity if one is not finite.
+double way_from(const std::vector<Vec3>& places, const World& world) {
   double most = 0;
-  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) {
+  for (std::uint32_t i = 0; i < places.size(); ++i) {
     if (!is_finite(world.position(i))) return std::numeric_limits<double>::infinity();
-    most = std::max(most, norm(world.position(i) - scene.particles[i].position));
+    most = std::max(most, norm(world.position(i) - places[i]));
   }
   return most;
+}
+std::vector<Vec3> places_of(const World& world) {
+  std::vector<Vec3> out(world.particle_count());
+  world.copy_positions(out);
+  return out;
 }
 
 }  // namespace
@@ -58,23 +63,27 @@ HangingResult hang(std::uint64_t seed, double duration) {
   World world(scene, {.threads = 1});
   HangingResult out{
       .seed = seed, .kind = hanging.kind, .rods = static_cast<std::uint32_t>(scene.rods.size())};
-  std::vector<double> work;
+  std::vector<double> work, moving;
   double way = 0;
+  std::vector<Vec3> start, before;
+  for (const Particle& particle : scene.particles) start.push_back(particle.position);
   const auto frames = static_cast<std::uint32_t>(std::lround(60 * duration));
   for (; out.frames < frames && out.finite; ++out.frames) {
+    before = places_of(world);
     const StepReport report = world.step(1.0 / 60);
     out.total += report;
     const auto done = static_cast<double>(report.newton + report.halvings + report.block_sweeps);
     if (done > 0) work.push_back(done);
+    if (done > 0 && 60 * way_from(before, world) > HangingResult::rest) moving.push_back(done);
     const bool is_named = !world.problems(most_strain).empty();
     const bool is_bad = report.unsolved + report.capped_steps + report.frozen_islands > 0;
     out.named += is_named;
     out.silent += !is_named && (is_bad || is_stretched(scene, world));
-    way = std::max(way, way_of(scene, world));
+    way = std::max(way, way_from(start, world));
     out.finite = std::isfinite(way);
   }
   out.stands_still = hanging.must_move && way < least_way * bounding_diagonal(scene);
-  out.median_work = median_of(work);
+  out.median_work = median_of(moving.size() < HangingResult::least_moving ? work : moving);
   for (const double each : work) out.worst_work = std::max(out.worst_work, each);
   return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,8 +29,12 @@ struct HangingResult {
   std::uint32_t silent = 0;  ///< Frames with a rod off its length or an unsolved substep that were not named.
   bool finite = true;        ///< All positions were finite after every frame.
   bool stands_still = false;  ///< It must move and did not.
-  /// Newton's steps, halvings and sweeps of the worst frame and of the median one, among frames with any.
+  /// Newton's steps, halvings and sweeps of the worst frame and of the median one. What hangs nearly still
+  /// costs next to nothing, so that the median is over frames in which a particle moves faster than `rest`
+  /// (m/s). Where those are fewer than `least_moving` it is over all frames with any work.
   double worst_work = 0, median_work = 0;
+  static constexpr double rest = 0.02;
+  static constexpr std::size_t least_moving = 10;
 
   /// Returns how many times the median's work the worst frame took.
   double work_ratio() const { return median_work > 0 ? worst_work / median_work : 0; }

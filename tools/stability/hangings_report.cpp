@@ -64,8 +64,8 @@ void report_hangings(std::uint32_t count, std::uint32_t seed, double duration) {
       "%s\nA fault is a position that is not finite, a slack thing that stands still, or a frame that "
       "was neither\nsolved nor named by problems(). Work counts Newton steps, halvings and sweeps of a "
       "frame. A scene is dear\nif its worst frame takes more than %g times the work of its median "
-      "one.\n",
-      table.to_text().c_str(), HangingResult::dear_ratio);
+      "one, among frames in which\nsomething moves faster than %g m/s.\n",
+      table.to_text().c_str(), HangingResult::dear_ratio, HangingResult::rest);
   if (all.faults > 0) throw CheckFailed(std::to_string(all.faults) + " hangings have faults");
 }
 

@@ -126,7 +126,8 @@ class Maker {
     const auto kind = std::make_shared<TreeKind<T>>(
         tree, lanes,
         typename TreeKind<T>::Rules{rules_.gradient, rules_.time_order, settings_.accuracy.has_value(),
-                                    rules_.changes_gradient, scene_.drag, isa(), settings_.threads});
+                                    rules_.changes_gradient, rules_.bounds_frames, scene_.drag, isa(),
+                                    settings_.threads});
     for (std::uint32_t first = 0; first < count; first += lanes)
       add_lane_group<T>(kind, tree, std::span(equal).subspan(first, std::min(lanes, count - first)));
   }
@@ -168,6 +169,7 @@ class Maker {
       loop_rules_ = std::make_shared<LoopRules>(rules_.gradient, rules_.time_order, scene_.drag,
                                                 settings_.accuracy, isa());
       loop_rules_->set_stop_rule(settings_.stop);
+      if (rules_.bounds_frames) loop_rules_->stepper.bound_frames();
     }
     const bool couples = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
       return carries_mass(scene_, sets_.islands.edges(island), model());

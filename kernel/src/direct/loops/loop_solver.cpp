@@ -33,6 +33,7 @@ LoopSolver::LoopSolver(std::shared_ptr<LoopRules> rules, LoopState state)
 
 std::uint32_t LoopSolver::project_positions() {
   const bool settled = settle(state_, work_);
+  if (!settled) LoopStepper::damp(state_);
   if (work_.lines) work_.lines->forget();
   locks_known_ = false;
   return settled ? 0 : 1;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,6 +17,8 @@
 #include "linear/sparse_ldu.hpp"
 #include "plumb/layouts/graph.hpp"
 #include "plumb/scene.hpp"
+#include "time/effort.hpp"
+#include "time/pace.hpp"
 
 namespace plumb::detail {
 
@@ -88,9 +89,9 @@ struct LoopMotion {
   std::uint32_t known = 0;        ///< So many substeps were taken, up to the two that accelerations are from.
   std::uint32_t damped = 0;       ///< So many substeps are to be taken with gradient new.
   std::uint32_t next_damped = 0;  ///< The next time it will be so many.
-  /// Substeps longer than this (s) are cut before they are tried.
-  double longest = std::numeric_limits<double>::infinity();
-  std::vector<double> twisted;  ///< Chains are twisted so far, in rad.
+  Pace pace;                      ///< It says into which pieces substeps are cut before they are tried.
+  Effort effort;                  ///< It says how much may be tried in a substep.
+  std::vector<double> twisted;    ///< Chains are twisted so far, in rad.
   LoopLaws laws;
   std::vector<LoopTackleMotion> tackles;
   /// What is not a rod was held by fixed vertices with these impulses (N s) in this step. There is one each

@@ -11,20 +11,16 @@
 #include "direct/loops/loop_vectors.hpp"
 #include "math/elementary.hpp"
 #include "time/composition.hpp"
+#include "time/progress.hpp"
 #include "time/verlet.hpp"
 
 namespace plumb::detail {
 namespace {
 
-constexpr int most_iterations = 36, most_factors = 12, most_halvings = 10;
-constexpr int most_attempts = 256;  ///< They are of one substep, all halves together.
-/// A substep that had to be halved has been tried in vain. So that the next need not be, it is cut into
-/// pieces as short as the shortest half, and longer by this every time.
-constexpr double regrowth = 1.1;
-/// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts.
-/// There is little hope that what did not work then works now. Each time it does not, twice as many follow.
-constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
-constexpr int damped_halvings = 1;
+constexpr int most_iterations = 36, most_factors = 12;
+/// Where frames are bounded, iterations end that made no progress for so long. Cables may go round in
+/// circles.
+constexpr int patience = 16, patience_with_cables = 12;
 
 /// Rods may add this share of what loads do in a substep, before a solution is taken for one of rounding
 /// only.
@@ -46,22 +42,11 @@ constexpr double slow_rate = 0.1;
 /// one of its own.
 constexpr double lost_rate = 0.5;
 
-/// Substeps that lines need in more pieces are factorised as a whole. Lines are tried again when regrowth has
-/// made such a piece of this share of a substep, which takes 30 substeps. On nets that fall, with 5 % and 30
-/// % slack, 4 pieces took less time than 8.
-constexpr std::uint32_t most_line_pieces = 4;
-constexpr double line_pause = 64;
 /// After so many substeps in a row for which lines were no help they are given up.
 constexpr int most_stalls = 3;
 
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
-
-void damp_from_now(LoopState& state) {
-  state.next_damped = std::max(state.next_damped, damped_substeps);
-  state.damped = state.next_damped;
-  state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
-}
 
 /// Sets the displacements of locked nodes in a time, as their anchors move.
 void move_locked(const LoopState& state, double time, std::span<double> displacements) {
@@ -155,6 +140,8 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
   double last = 0;
   int iterations = 0;
   ChangeShare share;
+  Progress progress(state.laws.any() ? patience_with_cables : patience);
+  const bool bounded = is_bounded(state);
   measure_rods(state, work);
   for (int factors = 0; iterations < most_iterations;) {
     const bool fresh = stale;
@@ -166,7 +153,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
     }
     const double change = find_newton_change(state, theta, 0, work, factor);
     ++iterations;
-    if (!(change <= hopeless_change)) break;
+    if (!(change <= hopeless_change) || (bounded && !progress.goes_on(change))) break;
     const double rate = last > 0 ? change / last : 1;
     const double made = state.laws.any() ? share.next(fresh ? rate : 0) : 1;
     apply_change(state, made, work, factor);
@@ -266,87 +253,6 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   for (double& u : state.u) u /= h;
   state.u_step = 0;
   return error;
-}
-
-bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
-                               Tally& counters) const {
-  const Gradient wanted = state.damped > 0 ? Gradient::new_ : gradient_;
-  for (const Gradient gradient : {wanted, Gradient::new_}) {
-    if (attempts.left-- == 0) return false;
-    if (solve(state, h, gradient, attempts.by_lines, work, counters)) {
-      attempts.error += accept(state, h, gradient, work, counters);
-      if (depth > 0 && (attempts.shortest_half == 0 || std::abs(h) < attempts.shortest_half))
-        attempts.shortest_half = std::abs(h);
-      ++counters.direct_substeps;
-      if (gradient != gradient_) ++counters.fallbacks;
-      if (gradient != wanted) attempts.fell_back = true;
-      return true;
-    }
-    if (wanted == Gradient::new_ || (depth < attempts.halvings && !counters.is_spent())) break;
-  }
-  if (depth == attempts.halvings || counters.is_spent()) return false;
-  ++counters.halvings;
-  return advance_part(state, h / 2, depth + 1, attempts, work, counters) &&
-         advance_part(state, h / 2, depth + 1, attempts, work, counters);
-}
-
-std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
-  if (state.damped > 0) return 1;  // gradient new is hardly ever halved
-  return pieces_of(largest_share_ * h / state.longest);
-}
-
-bool LoopStepper::advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
-                                 LoopWorkspace& work, Tally& counters) const {
-  bool solved = true;
-  for (std::uint32_t i = 0; i < count; ++i)
-    for (const double share : shares_) {
-      attempts.left = state.damped > 0 ? 3 * damped_halvings : most_attempts;
-      solved = solved && advance_part(state, share * h / count, 0, attempts, work, counters);
-    }
-  if (!solved) state.motion() = work.saved;
-  return solved;
-}
-
-bool LoopStepper::advance_wide(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
-                               Tally& counters) const {
-  const std::uint32_t count = cuts(state, h);
-  if (count <= most_line_pieces) {
-    Attempts by_lines{.halvings = 0, .left = 0, .by_lines = true};
-    while (count << (by_lines.halvings + 1) <= most_line_pieces) ++by_lines.halvings;
-    if (advance_pieces(state, h, count, by_lines, work, counters)) {
-      attempts = by_lines;
-      return true;
-    }
-    state.longest = std::abs(h) / line_pause;
-  }
-  attempts.by_lines = false;
-  // Every whole substep is tried: to begin with the pieces of the last one takes half as much time again.
-  const bool solved = advance_pieces(state, h, 1, attempts, work, counters);
-  attempts.shortest_half = 0;  // says nothing about lines
-  return solved;
-}
-
-double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
-  work.saved = state.motion();
-  const bool is_damped = state.damped > 0;
-  Attempts attempts{
-      .halvings = is_damped ? damped_halvings : most_halvings, .left = 0, .by_lines = work.is_wide()};
-  const bool solved = work.lines && gradient_ != Gradient::old
-                          ? advance_wide(state, h, attempts, work, counters)
-                          : advance_pieces(state, h, cuts(state, h), attempts, work, counters);
-  if (solved) {
-    state.longest = attempts.shortest_half > 0 ? attempts.shortest_half : regrowth * state.longest;
-    if (attempts.fell_back)
-      damp_from_now(state);
-    else if (state.damped > 0)
-      --state.damped;
-    else
-      state.next_damped /= 2;
-    return attempts.error;
-  }
-  advance_elastic(state, h, work, counters);
-  damp_from_now(state);
-  return std::numeric_limits<double>::infinity();
 }
 
 void LoopStepper::advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {

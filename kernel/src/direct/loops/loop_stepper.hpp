@@ -51,7 +51,7 @@ struct LoopWorkspace {
   std::vector<double> delta;      ///< Displacements of this substep have 3 numbers per vertex, in m.
   std::vector<double> load;       ///< It has 3 numbers per node.
   std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
-  std::vector<double> mu_start, trial;
+  std::vector<double> mu_start, trial, start;
   std::vector<double> blows;       ///< They are the multipliers of a projection of velocities, as mu.
   std::vector<BendNumbers> bends;  ///< They hold for this substep.
   std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
@@ -94,6 +94,9 @@ class LoopStepper {
     line_tolerance_ = std::clamp(strain, finest_line_tolerance, coarsest_line_tolerance);
   }
 
+  /// Lets substeps take no more than their Effort.
+  void bound_frames() { bounds_frames_ = true; }
+
   /// Says whether the systems of this stepper couple the ends of rods.
   static bool couples(Gradient gradient, MassModel model) {
     return gradient != Gradient::old || model == MassModel::consistent;
@@ -120,6 +123,9 @@ class LoopStepper {
   /// stand. A substep counts as unsolved if even soft ones have none.
   void advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
+  /// Lets the next substeps be taken with gradient new, where there is little hope for others.
+  static void damp(LoopState& state);
+
   /// Takes one substep as it is, if Newton's method solves it. Otherwise returns false, and only multipliers
   /// may have changed.
   bool try_substep(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
@@ -139,6 +145,7 @@ class LoopStepper {
   void find_velocities(LoopState& state, LoopWorkspace& work) const;
 
  private:
+  double try_advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
   struct Coefficients;
   Coefficients coefficients(const LoopState& state, double h, Gradient gradient) const;
   void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
@@ -156,13 +163,20 @@ class LoopStepper {
   struct Attempts {
     int halvings, left;
     bool by_lines;
-    bool fell_back = false;
-    double shortest_half = 0;  ///< It is of those that had to be halved, in s; 0 if none had to.
-    double error = 0;          ///< It is in m.
+    std::uint64_t most_newton;  ///< They end where so many are counted.
+    bool probed = false;        ///< The shortest part that may be has been tried.
+    int deepest = 0;            ///< Parts that were taken were halved so often at most.
+    double error = 0;           ///< It is in m.
   };
   /// Takes a substep in so many pieces. Returns whether all were solved; otherwise the state is as it was.
   bool advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
                       LoopWorkspace& work, Tally& counters) const;
+  /// Does the same in pieces as long as the state's pace says.
+  bool advance_at_pace(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                       Tally& counters) const;
+  /// Takes one piece, with all shares.
+  bool advance_piece(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                     Tally& counters) const;
   /// Takes a substep of a wide island by its lines, or where those need many pieces, by factorisation.
   bool advance_wide(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
                     Tally& counters) const;
@@ -174,6 +188,13 @@ class LoopStepper {
   double drag_;
   std::span<const double> shares_;
   double largest_share_;
+  /// Bends, twists and tackles take many Newton steps each, and hardly ever fail. Nets solved by lines have
+  /// shorter ways.
+  bool is_bounded(const LoopState& state) const {
+    return bounds_frames_ && !state.topology->any() && !state.topology->lines;
+  }
+
+  bool bounds_frames_ = false;
   double line_tolerance_ = finest_line_tolerance;
 };
 

@@ -37,6 +37,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   blows = mu_start;
   saved = state.motion();
   trial.assign(delta.size(), 0);
+  start = trial;
   for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
   bend_starts.assign(bends.size(), {});
   twists.resize(state.twists.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "direct/loops/settle.hpp"
+#include "direct/trees/newton_limits.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -143,7 +144,10 @@ std::uint32_t ElasticTree<T>::settle(TreeState<T>& trees, TreeState<T>& alone) {
     if (trees.idle[lane]) continue;
     alone.copy_lane(0, trees, lane);
     Island& island = load(alone);
-    if (!detail::settle(island.state, island.work)) ++unsettled;
+    if (!detail::settle(island.state, island.work)) {
+      ++unsettled;
+      alone.elastic[0] = alone.next_elastic[0] = tree_limits::elastic_substeps;
+    }
     for (std::size_t i = 0; i < alone.x.size(); ++i) alone.x[i] = island.state.x[i];
     trees.copy_lane(lane, alone, 0);
   }

@@ -12,7 +12,7 @@ inline constexpr int most_iterations = 12;
 /// A substep is cut into so many pieces at most, or into fewer once a step's work is spent. A piece that
 /// fails is halved, and halves of composed substeps are of second order.
 inline constexpr std::uint32_t most_pieces = 1024, most_spent_pieces = 64;
-inline constexpr int most_halvings = 10;
+inline constexpr int most_halvings = 10, damped_halvings = 1;
 /// After so many solves of one substep the rest of it is left to gradient new. A tree that cannot be solved
 /// must not hold up the others.
 inline constexpr int most_attempts = 200;

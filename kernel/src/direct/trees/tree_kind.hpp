@@ -28,6 +28,7 @@ struct TreeKind {
     std::uint32_t time_order;
     bool controlled;        ///< It says whether an accuracy is set.
     bool changes_gradient;  ///< Trees may take gradient mid while they are calm.
+    bool bounds_frames;     ///< Substeps may take so many times the usual work (Effort).
     double drag;            ///< It is in 1/s.
     Isa isa;
     unsigned threads;

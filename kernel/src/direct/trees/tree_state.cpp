@@ -88,6 +88,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   known.assign(lanes, 0);
   elastic.assign(lanes, 0);
   next_elastic.assign(lanes, 0);
+  effort.assign(lanes, {});
 }
 
 /// Masses (kg) are summed up here, by node, while a lane is filled.
@@ -289,6 +290,7 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
                        &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
+  iterations.assign(lanes, 0);
   first.assign(lanes, 0);
 }
 

@@ -10,6 +10,7 @@
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
 #include "simd/tree/tree_kernels.hpp"
+#include "time/effort.hpp"
 
 namespace plumb::detail {
 
@@ -85,6 +86,7 @@ struct TreeState {
                           ///< old alone has it.
   /// So many failing substeps are not halved, per lane, and the next time that they are it will be so many.
   std::vector<std::uint32_t> elastic, next_elastic;
+  std::vector<Effort> effort;        ///< It says per lane how much may be tried in a substep.
   std::vector<std::uint8_t> smooth;  ///< They say per lane whether the last acceleration foretells the next.
 
  private:
@@ -121,6 +123,7 @@ void for_lane_motion(State& state, Other& other, F&& f) {
   f(state.known, other.known);
   f(state.elastic, other.elastic);
   f(state.next_elastic, other.next_elastic);
+  f(state.effort, other.effort);
 }
 /// Visits all of them, one by one.
 template <class State, class Other, class F>
@@ -148,9 +151,10 @@ struct TreeWorkspace {
   bool is_mid = false;            ///< The substep is of gradient mid.
   bool keeps_half_kicks = false;  ///< The gradient is old, though a substep may be of another.
   bool guesses = true;  ///< Displacements are guessed from accelerations; lines find theirs from multipliers.
-  bool keeps_acceleration = true;    ///< Guesses and estimates of error need them.
-  std::vector<std::uint8_t> failed;  ///< The last solve failed in these lanes.
-  std::vector<std::uint8_t> first;   ///< Of these lanes no acceleration is known from two substeps before.
+  bool keeps_acceleration = true;         ///< Guesses and estimates of error need them.
+  std::vector<std::uint32_t> iterations;  ///< The last solve took so many in each lane.
+  std::vector<std::uint8_t> failed;       ///< The last solve failed in these lanes.
+  std::vector<std::uint8_t> first;  ///< Of these lanes no acceleration is known from two substeps before.
 };
 
 }  // namespace plumb::detail

@@ -134,6 +134,7 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
       if (!converged && !is_hopeless(change2, scale2) && i + 1 < most_iterations) continue;
       work.active[lane] = 0;
       work.failed[lane] = !converged;
+      work.iterations[lane] = static_cast<std::uint32_t>(i + 1);
       all = all && converged;
       --left;
     }
@@ -177,30 +178,52 @@ void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane
 }
 
 template <class T>
-bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, int& attempts,
+bool TreeStepper<T>::try_alone(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work,
+                               Tally& counters) const {
+  begin(state, h, gradient, work);
+  if (solve(state, gradient, work, counters) && (gradient != Gradient::old || is_stable(state, h, work)))
+    return true;
+  restore_multipliers(state, 0);
+  return false;
+}
+
+template <class T>
+bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Attempts& attempts,
                                    TreeWorkspace<T>& work, Tally& counters) const {
-  const bool last = depth == most_halvings || --attempts <= 0 || counters.is_spent();
-  for (const Gradient gradient : {gradient_, Gradient::new_}) {
-    if (gradient != gradient_ && !last) break;
-    begin(state, h, gradient, work);
-    if (solve(state, gradient, work, counters) && (gradient != Gradient::old || is_stable(state, h, work))) {
-      accept(state, h, gradient, work, counters);
-      ++counters.direct_substeps;
-      if (gradient != gradient_) {
-        ++counters.fallbacks;
-        // u becomes a velocity, which every gradient can go on from.
-        for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(state.u[i] / h);
-        state.u_step[0] = 0;
-      }
-      return true;
-    }
-    restore_multipliers(state, 0);
-    if (gradient == Gradient::new_) break;
+  const bool last = depth == most_halvings || --attempts.left <= 0 || counters.is_spent() ||
+                    counters.newton >= attempts.most_newton;
+  if (try_alone(state, h, gradient_, work, counters)) {
+    accept(state, h, gradient_, work, counters);
+    ++counters.direct_substeps;
+    return true;
   }
   if (last) return false;
+  if (!attempts.probed) {
+    attempts.probed = true;
+    if (!try_alone(state, std::ldexp(h, depth - most_halvings), gradient_, work, counters)) return false;
+    restore_multipliers(state, 0);
+  }
   ++counters.halvings;
   return advance_alone(state, h / 2, depth + 1, attempts, work, counters) &&
          advance_alone(state, h / 2, depth + 1, attempts, work, counters);
+}
+
+template <class T>
+bool TreeStepper<T>::advance_damped(TreeState<T>& state, double h, int halvings, TreeWorkspace<T>& work,
+                                    Tally& counters) const {
+  if (!try_alone(state, h, Gradient::new_, work, counters)) {
+    if (halvings == 0) return false;
+    ++counters.halvings;
+    return advance_damped(state, h / 2, halvings - 1, work, counters) &&
+           advance_damped(state, h / 2, halvings - 1, work, counters);
+  }
+  accept(state, h, Gradient::new_, work, counters);
+  ++counters.direct_substeps;
+  ++counters.fallbacks;
+  // u becomes a velocity, which every gradient can go on from.
+  for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(state.u[i] / h);
+  state.u_step[0] = 0;
+  return true;
 }
 
 template <class T>
@@ -210,20 +233,27 @@ auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, 
   load();
   if (alone.elastic[0] == 0) {
     ++counters.halvings;
-    int left = most_attempts;
-    const auto half = [&] { return advance_alone(alone, h / 2, 1, left, crew.alone_work, counters); };
+    Attempts attempts{most_attempts,
+                      counters.newton + (bounds_frames_ ? alone.effort[0].most() : Effort::endless)};
+    const auto half = [&] { return advance_alone(alone, h / 2, 1, attempts, crew.alone_work, counters); };
     if (half() && half()) return Rescue::halves;
     load();
     alone.elastic[0] = std::max(alone.next_elastic[0], elastic_substeps);
     alone.next_elastic[0] = std::min(2 * alone.elastic[0], most_elastic_substeps);
   }
-  if (crew.elastic == nullptr) {
+  const std::uint32_t elastic = alone.elastic[0] - 1, next_elastic = alone.next_elastic[0];
+  Rescue rescued = Rescue::elastic;
+  if (gradient_ != Gradient::new_ && advance_damped(alone, h, damped_halvings, crew.alone_work, counters)) {
+    rescued = Rescue::halves;
+  } else if (load(); crew.elastic != nullptr) {
+    crew.elastic->advance(alone, h, counters);
+  } else {
     ++counters.unsolved;
     return Rescue::none;
   }
-  --alone.elastic[0];
-  crew.elastic->advance(alone, h, counters);
-  return Rescue::elastic;
+  alone.elastic[0] = elastic;
+  alone.next_elastic[0] = next_elastic;
+  return rescued;
 }
 
 template <class T>
@@ -277,15 +307,19 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
     const double jolt = std::sqrt(work.jolt[lane] / state.topology->nodes) / 2;
     if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
   }
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
+    if (!work.failed[lane]) state.effort[lane].took(work.iterations[lane]);
   counters.direct_substeps += state.trees;
   for (std::uint32_t lane = 0; !all && lane < state.lanes; ++lane) {
     if (state.idle[lane] || !work.failed[lane]) continue;
     error = std::numeric_limits<double>::infinity();
     --counters.direct_substeps;
     restore_multipliers(state, lane);
+    const std::uint64_t before = counters.newton;
     const Rescue rescued = rescue(h, crew, counters, [&] { crew.alone.copy_lane(0, state, lane); });
     if (rescued != Rescue::none) state.copy_lane(lane, crew.alone, 0);
     if (rescued != Rescue::halves) state.frequency2 = 0;  // it was made of multipliers that solve nothing
+    state.effort[lane].took(work.iterations[lane] + counters.newton - before);
   }
   return error;
 }

@@ -51,6 +51,9 @@ class TreeStepper {
   /// over the particles of the worst tree. It is infinite where a tree had to be halved.
   double advance(TreeState<T>& state, double h, const TreeCrew<T>& crew, Tally& counters) const;
 
+  /// Lets substeps take no more than their Effort, where one may be hard without end.
+  void bound_frames() { bounds_frames_ = true; }
+
   /// Does the same for one line in segments.
   double advance(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
                  Tally& counters) const;
@@ -94,8 +97,19 @@ class TreeStepper {
   template <class Load>
   Rescue rescue(double h, const TreeCrew<T>& crew, Tally& counters, Load&& load) const;
   /// Advances a tree alone, by recursive halving.
-  bool advance_alone(TreeState<T>& state, double h, int depth, int& attempts, TreeWorkspace<T>& work,
+  struct Attempts {
+    int left;
+    std::uint64_t most_newton;  ///< They end where so many are counted.
+    bool probed = false;        ///< The shortest part that may be has been tried.
+  };
+  bool advance_alone(TreeState<T>& state, double h, int depth, Attempts& attempts, TreeWorkspace<T>& work,
                      Tally& counters) const;
+  /// Solves a substep of a tree alone, if it can.
+  bool try_alone(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work,
+                 Tally& counters) const;
+  /// Takes a substep of a tree alone with gradient new, halved at most so often.
+  bool advance_damped(TreeState<T>& state, double h, int halvings, TreeWorkspace<T>& work,
+                      Tally& counters) const;
   /// Sets those of this substep and the one before.
   void set_tie_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
   void put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
@@ -109,7 +123,7 @@ class TreeStepper {
 
   Gradient gradient_;
   double drag_;
-  bool estimates_;
+  bool estimates_, bounds_frames_ = false;
   std::span<const double> shares_;
   double largest_share_;
   const simd::TreeKernels<T>& vector_;

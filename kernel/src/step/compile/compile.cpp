@@ -54,6 +54,7 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
   out.direct.gradient = choose_gradient(scene, shape, rods, settings);
   out.direct.time_order =
       choose_time_order(scene, out.direct.gradient, shape == IslandShape::tree, rods, settings);
+  out.direct.bounds_frames = !settings.accuracy && !settings.gradient;
   out.direct.changes_gradient = settings.accuracy && !settings.gradient &&
                                 out.direct.gradient == Gradient::old && out.direct.time_order == 2;
   return out;

@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "direct/loops/loop_stepper.hpp"
+#include "time/composition.hpp"
+
+// A substep of an island is tried whole, in pieces and in halves, and then in ways that damp.
+
+namespace plumb::detail {
+namespace {
+
+constexpr int most_halvings = 10;
+constexpr int most_attempts = 256;  ///< They are of one substep, all halves together.
+/// A part that was halved so often is tried at its shortest. If that is not solved either, no half will be.
+constexpr int probed_depth = 1;
+/// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts.
+/// There is little hope that what did not work then works now. Each time it does not, twice as many follow.
+constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
+constexpr int damped_halvings = 1;
+
+/// Substeps that lines need in more pieces are factorised as a whole. Lines are tried again when regrowth has
+/// made such a piece of this share of a substep, which takes 30 substeps. On nets that fall, with 5 % and 30
+/// % slack, 4 pieces took less time than 8.
+constexpr std::uint32_t most_line_pieces = 4;
+constexpr double line_pause = 64, regrowth = 1.1;
+
+}  // namespace
+
+void LoopStepper::damp(LoopState& state) {
+  state.next_damped = std::max(state.next_damped, damped_substeps);
+  state.damped = state.next_damped;
+  state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
+}
+
+bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
+                               Tally& counters) const {
+  const Gradient gradient = state.damped > 0 ? Gradient::new_ : gradient_;
+  if (attempts.left-- == 0) return false;
+  if (solve(state, h, gradient, attempts.by_lines, work, counters)) {
+    attempts.error += accept(state, h, gradient, work, counters);
+    attempts.deepest = std::max(attempts.deepest, depth);
+    ++counters.direct_substeps;
+    if (gradient != gradient_) ++counters.fallbacks;
+    return true;
+  }
+  if (depth == attempts.halvings || counters.is_spent() || counters.newton >= attempts.most_newton)
+    return false;
+  if (depth == probed_depth && !attempts.probed) {
+    attempts.probed = true;
+    if (!solve(state, std::ldexp(h, depth - attempts.halvings), gradient, attempts.by_lines, work, counters))
+      return false;
+    std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+  }
+  ++counters.halvings;
+  return advance_part(state, h / 2, depth + 1, attempts, work, counters) &&
+         advance_part(state, h / 2, depth + 1, attempts, work, counters);
+}
+
+std::uint32_t LoopStepper::cuts(const LoopState& state, double h) const {
+  if (state.damped > 0) return 1;  // gradient new is hardly ever halved
+  return pieces_of(largest_share_ * std::abs(h) / state.pace.longest);
+}
+
+bool LoopStepper::advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
+                                 LoopWorkspace& work, Tally& counters) const {
+  bool solved = true;
+  for (std::uint32_t i = 0; solved && i < count; ++i)
+    solved = advance_piece(state, h / count, attempts, work, counters);
+  if (!solved) state.motion() = work.saved;
+  return solved;
+}
+
+bool LoopStepper::advance_piece(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                                Tally& counters) const {
+  for (const double share : shares_) {
+    attempts.left = state.damped > 0 ? 3 * damped_halvings : most_attempts;
+    if (!advance_part(state, share * h, 0, attempts, work, counters)) return false;
+  }
+  return true;
+}
+
+bool LoopStepper::advance_at_pace(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                                  Tally& counters) const {
+  const std::uint32_t whole = 1u << Pace::most_cuts;
+  for (std::uint32_t done = 0; done < whole;) {
+    const int cuts = state.damped > 0 ? 0 : state.pace.cuts(largest_share_ * h);
+    const std::uint32_t piece = std::min(whole >> cuts, done == 0 ? whole : done & (0 - done));
+    attempts.deepest = 0;
+    if (counters.newton >= attempts.most_newton ||
+        !advance_piece(state, h * piece / whole, attempts, work, counters)) {
+      state.motion() = work.saved;
+      return false;
+    }
+    done += piece;
+    if (state.damped == 0) state.pace.took(largest_share_ * h * piece / whole, attempts.deepest);
+  }
+  return true;
+}
+
+bool LoopStepper::advance_wide(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
+                               Tally& counters) const {
+  const std::uint32_t count = cuts(state, h);
+  if (count <= most_line_pieces) {
+    Attempts by_lines{.halvings = 0, .left = 0, .by_lines = true, .most_newton = attempts.most_newton};
+    while (count << (by_lines.halvings + 1) <= most_line_pieces) ++by_lines.halvings;
+    if (advance_pieces(state, h, count, by_lines, work, counters)) {
+      attempts = by_lines;
+      state.pace.longest = attempts.deepest > 0 ? std::ldexp(std::abs(h) / count, -attempts.deepest)
+                                                : regrowth * state.pace.longest;
+      return true;
+    }
+    state.pace.longest = std::abs(h) / line_pause;
+  } else {
+    state.pace.longest *= regrowth;
+  }
+  attempts.by_lines = false;
+  // Every whole substep is tried: to begin with the pieces of the last one takes half as much time again.
+  return advance_pieces(state, h, 1, attempts, work, counters);
+}
+
+double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
+  const std::uint64_t before = counters.newton;
+  const double error = try_advance(state, h, work, counters);
+  state.effort.took(counters.newton - before);
+  return error;
+}
+
+double LoopStepper::try_advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
+  work.saved = state.motion();
+  const bool was_damped = state.damped > 0;
+  for (const bool damped : {false, true}) {
+    if (damped) {
+      if (was_damped || gradient_ == Gradient::new_) break;
+      damp(state);
+      work.saved = state.motion();
+    }
+    const bool is_damped = state.damped > 0;
+    Attempts attempts{
+        .halvings = is_damped ? damped_halvings : most_halvings,
+        .left = 0,
+        .by_lines = work.is_wide(),
+        .most_newton = counters.newton + (is_bounded(state) ? state.effort.most() : Effort::endless)};
+    const bool solved = work.lines && gradient_ != Gradient::old
+                            ? advance_wide(state, h, attempts, work, counters)
+                            : advance_at_pace(state, h, attempts, work, counters);
+    if (!solved) continue;
+    if (state.damped > 0)
+      --state.damped;
+    else
+      state.next_damped /= 2;
+    return attempts.error;
+  }
+  advance_elastic(state, h, work, counters);
+  if (was_damped || gradient_ == Gradient::new_) damp(state);
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace plumb::detail {
+
+/// Says how many Newton steps a substep may take before it is taken in a way that damps but is cheap.
+///
+/// A blow can need any number of cuts, and each of them fails a few times. So that no frame stands out, a
+/// substep gets so many times what substeps usually take.
+struct Effort {
+  static constexpr double least_usual = 4, most_usual = 1e6;
+  static constexpr std::uint64_t least = 64;
+  static constexpr std::uint64_t endless = std::uint64_t{1} << 62;
+  static constexpr double times = 8, adapts = 0.1;
+
+  std::uint64_t most() const { return std::max(least, static_cast<std::uint64_t>(times * usual)); }
+  /// Takes note of what a substep took. The usual number goes up or down by a tenth, so that it tends to the
+  /// median of the last ones.
+  void took(std::uint64_t newton) {
+    const double way = static_cast<double>(newton) > usual ? 1 + adapts : 1 - adapts;
+    usual = std::clamp(way * usual, least_usual, most_usual);
+  }
+
+  double usual = least_usual;  ///< About so many Newton steps were taken in half of the last substeps.
+};
+
+}  // namespace plumb::detail
