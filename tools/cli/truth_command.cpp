@@ -46,7 +46,7 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
   }
   const bool damped =
       std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) { return rod.law.damping > 0; });
-  if (scene.drag == 0 && !damped) {
+  if (scene.drag == 0 && !damped && options.plan.rates.empty()) {
     line("energy", "changes by at most " + short_number(result.energy_drift, 2) + " of its range");
   }
   if (result.velocity_change > 1e-15 * result.speed) {  // A change beyond rounding is reported.
@@ -97,6 +97,7 @@ void add_truth_command(Command& plumb) {
   add_scene(command, o.scene);
   add_save_at(command, o.plan.save_at, "Times to save, in seconds, in any order").required();
   command.add_option("--out", "T.csv", o.out, "Write t,particle,x,y,z,vx,vy,vz to this file").required();
+  add_reels(command, o.plan.rates);
   add_choice(command, "--mass", o.plan.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly; the same if rods have none");
   add_positive(command, "--tolerance", o.plan.tolerance,
@@ -118,6 +119,7 @@ void add_truth_command(Command& plumb) {
       "Examples:\n"
       "  plumb truth chain:links=20,end_mass=10 --save-at 0.1,0.5,1 --out truth.csv\n"
       "  plumb run chain:links=20,end_mass=10 --substeps 8 --truth truth.csv\n"
+      "  plumb truth winch --reel 0:-0.5 --save-at 1 --out winch.csv\n"
       "  plumb truth rods.json --mass lumped --save-at 1 --tolerance 1e-12 --out lumped.csv\n\n" +
       generators_help());
   command.set_action([options] { return truth_of(*options); });

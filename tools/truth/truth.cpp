@@ -22,7 +22,7 @@ constexpr int looks = 50;
 /// Solutions that differ by this many times the tolerance never come back together.
 constexpr double hopeless = 1e4;
 
-void require_sense(const Plan& plan) {
+void require_sense(const Scene& scene, const Plan& plan) {
   if (plan.save_at.empty()) throw InputError("no times to save are given");
   double before = 0;
   for (const double t : plan.save_at) {
@@ -30,6 +30,10 @@ void require_sense(const Plan& plan) {
     if (t < before) throw InputError("times to save must rise");
     before = t;
   }
+  for (const auto& [rod, rate] : plan.rates)
+    if (rod < scene.rods.size() && !(rod_length(scene, rod) + rate * plan.save_at.back() > 0))
+      throw InputError("rod " + std::to_string(rod) +
+                       " is reeled in to nothing before the last time to save");
   if (!(plan.tolerance >= 1e-15) || !(plan.tolerance < 1)) {
     throw InputError("the tolerance must be at least 1e-15, what the digits of a file hold, and less than 1");
   }
@@ -93,8 +97,8 @@ double energy_drift(const Scene& scene, const Plan& plan, const Instant& start,
 }  // namespace
 
 Truth solve(const Scene& scene, const Plan& plan) {
-  require_sense(plan);
-  const Model model = make_model(scene, plan.mass);
+  require_sense(scene, plan);
+  const Model model = make_model(scene, plan.mass, plan.rates);
   const State start = start_of(scene, model);
   Integrator one(model, start, check), two(model, start, best);
   Truth truth{.diagonal = static_cast<double>(model.diagonal),
@@ -129,7 +133,7 @@ Truth solve(const Scene& scene, const Plan& plan) {
     truth.reached.position = std::max(truth.reached.position, now.position);
     truth.reached.velocity = std::max(truth.reached.velocity, now.velocity);
   }
-  truth.energy_drift = energy_drift(scene, plan, first, instants);
+  if (plan.rates.empty()) truth.energy_drift = energy_drift(scene, plan, first, instants);
   truth.steps = two.steps();
   truth.redundant = two.solver().redundant();
   return truth;
