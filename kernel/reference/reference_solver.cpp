@@ -1,15 +1,20 @@
 #include "reference/reference_solver.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
+#include "reference/featherstone/featherstone.hpp"
+#include "reference/multipliers/multipliers.hpp"
 #include "reference/springs/springs.hpp"
+#include "scene/refuse.hpp"
 #include "threads/flush_denormals.hpp"
 
 namespace plumb::detail {
 
-ReferenceSolver::ReferenceSolver(const Scene& island, const Settings& settings, const IslandNames& names,
-                                 double diagonal) {
+ReferenceSolver::ReferenceSolver(const Scene& island, std::unique_ptr<MechanicalSystem> system,
+                                 double diagonal)
+    : system_(std::move(system)) {
   drive_.forces.resize(island.particles.size());
   drive_.anchor_velocities.resize(island.particles.size());
   drive_.scene_diagonal = diagonal;
@@ -17,7 +22,6 @@ ReferenceSolver::ReferenceSolver(const Scene& island, const Settings& settings, 
     drive_.anchors.push_back(particle.position);
     fixed_.push_back(particle.fixed);
   }
-  system_ = make_system(island, settings, names);
   state_ = system_->initial_state(drive_);
   system_->place(state_, drive_);
 }
@@ -82,29 +86,64 @@ Scene island_scene(const Scene& scene, const IslandSets& sets, std::uint32_t isl
   return out;
 }
 
+MadeSolver made_of(const Scene& island, std::span<const std::uint32_t> particles,
+                   std::unique_ptr<MechanicalSystem> system, double diagonal, StartReport& report) {
+  auto solver = std::make_unique<ReferenceSolver>(island, std::move(system), diagonal);
+  MadeSolver made;
+  for (Slot slot = 0; slot < particles.size(); ++slot) {
+    made.places.push_back({particles[slot], slot});
+    if (island.particles[slot].fixed) continue;
+    report.projected_velocity =
+        std::max(report.projected_velocity, norm(solver->velocity(slot) - island.particles[slot].velocity));
+  }
+  made.solver = std::move(solver);
+  return made;
+}
+
+/// Refuses what makes forces that are not smooth, and air, which both methods do not know.
+void require_known_joints(const Scene& island, std::uint32_t particle, Method method) {
+  const auto require = [&](bool has, const char* what) {
+    if (has)
+      refuse("particle ", particle, ": its island has ", what, ", which method ", to_string(method),
+             " does not know; direct and auto do");
+  };
+  require(island.joint_drag != 0, "drag of joints");
+  for (const Rod& rod : island.rods) require(rod.linear_drag != 0 || rod.orthogonal_drag != 0, "air on rods");
+  for (const AngleControl& angle : island.angles) {
+    require(angle.lower > 0 || angle.upper < std::numbers::pi, "limits of angles");
+    require(angle.friction > 0, "dry friction");
+  }
+  for (const Particle& each : island.particles) require(each.asleep && !each.fixed, "sleepers");
+}
+
 }  // namespace
 
 std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets,
                                                const Settings& settings, StartReport& report) {
-  if (settings.method == Method::springs) require_spring_bodies(scene, settings);
+  if (settings.method == Method::springs) {
+    if (!scene.capsules.empty())
+      refuse("capsule 0: method springs lets nothing touch; relax, direct and auto do");
+    require_spring_bodies(scene, settings);
+  }
   const double diagonal = bounding_diagonal(scene);
   std::vector<MadeSolver> out;
   for (std::uint32_t island = 0; island < sets.islands.count(); ++island) {
     const auto particles = sets.islands.vertices(island);
-    auto solver =
-        std::make_unique<ReferenceSolver>(island_scene(scene, sets, island), settings,
-                                          IslandNames{particles, sets.islands.edges(island)}, diagonal);
-    MadeSolver& made = out.emplace_back();
-    for (Slot slot = 0; slot < particles.size(); ++slot) {
-      made.places.push_back({particles[slot], slot});
-      if (scene.particles[particles[slot]].fixed) continue;
-      report.projected_velocity =
-          std::max(report.projected_velocity,
-                   norm(solver->velocity(slot) - scene.particles[particles[slot]].velocity));
-    }
-    made.solver = std::move(solver);
+    const Scene alone = island_scene(scene, sets, island);
+    auto system = make_system(alone, settings, IslandNames{particles, sets.islands.edges(island)});
+    out.push_back(made_of(alone, particles, std::move(system), diagonal, report));
   }
   return out;
+}
+
+MadeSolver make_jointed_solver(const Scene& island, std::span<const std::uint32_t> particles,
+                               const Settings& settings, StartReport& report) {
+  require_known_joints(island, particles.front(), settings.method);
+  auto system = settings.method == Method::multipliers
+                    ? make_jointed_multipliers(island, settings)
+                    : make_jointed_featherstone(island, settings, particles.front());
+  // No method that gets here reads an accuracy, which is what the diagonal is for.
+  return made_of(island, particles, std::move(system), bounding_diagonal(island), report);
 }
 
 }  // namespace plumb::detail

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "interface/island_sets.hpp"
@@ -12,8 +13,8 @@ namespace plumb::detail {
 /// Moves one island by one of the thesis's other methods. Slots are its particles.
 class ReferenceSolver final : public Solver {
  public:
-  /// Takes an island. `diagonal` (m) of the scene is what an accuracy is relative to.
-  ReferenceSolver(const Scene& island, const Settings& settings, const IslandNames& names, double diagonal);
+  /// Takes an island and its equations. `diagonal` (m) of the scene is what an accuracy is relative to.
+  ReferenceSolver(const Scene& island, std::unique_ptr<MechanicalSystem> system, double diagonal);
 
   std::uint32_t islands(std::uint32_t) const override { return 1; }
   double advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) override;
@@ -56,5 +57,9 @@ class ReferenceSolver final : public Solver {
 /// InputError if the method cannot move one of them.
 std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets,
                                                const Settings& settings, StartReport& report);
+/// Makes the solver of an island with bodies or joints by multipliers or featherstone. Throws InputError if
+/// the method cannot move it.
+MadeSolver make_jointed_solver(const Scene& island, std::span<const std::uint32_t> particles,
+                               const Settings& settings, StartReport& report);
 
 }  // namespace plumb::detail

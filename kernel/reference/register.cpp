@@ -32,18 +32,21 @@ void register_reference_methods() {
        .reads = Reads::mass | Reads::integrator | Reads::springs | Reads::accuracy,
        .validate = validate_springs,
        .make = detail::make_reference_solvers});
-  detail::register_method({.method = Method::multipliers,
-                           .name = to_string(Method::multipliers),
-                           .moves = "particles and rods, by Lagrange multipliers (thesis 3.4)",
-                           .reads = Reads::mass | Reads::integrator | Reads::multipliers,
-                           .validate = validate_explicit,
-                           .make = detail::make_reference_solvers});
+  detail::register_method(
+      {.method = Method::multipliers,
+       .name = to_string(Method::multipliers),
+       .moves = "particles, rods, bodies and joints, by Lagrange multipliers (thesis 3.4)",
+       .reads = Reads::mass | Reads::integrator | Reads::multipliers,
+       .validate = validate_explicit,
+       .make = detail::make_reference_solvers,
+       .make_jointed = detail::make_jointed_solver});
   detail::register_method({.method = Method::featherstone,
                            .name = to_string(Method::featherstone),
-                           .moves = "trees of rods that hang from one point or float (thesis 3.5)",
+                           .moves = "trees of rods or bodies that hang from one point or float (thesis 3.5)",
                            .reads = Reads::mass | Reads::integrator,
                            .validate = validate_explicit,
-                           .make = detail::make_reference_solvers});
+                           .make = detail::make_reference_solvers,
+                           .make_jointed = detail::make_jointed_solver});
 }
 
 }  // namespace plumb

@@ -389,13 +389,17 @@ TEST(Springs, RefuseChangesThatMakeNoSense) {
 }
 
 TEST(Springs, AreRefusedByNameWhereNothingMovesThem) {
-  for (const Method method : {Method::relax, Method::springs, Method::multipliers, Method::featherstone}) {
-    const std::string spring =
-        test::refusal([&] { const World world(spring_pendulum(1), {.method = method}); });
-    EXPECT_NE(spring.find("spring 0: method"), std::string::npos) << spring;
-    const std::string torsion =
-        test::refusal([&] { const World world(twisted_rod({.stiffness = 1}), {.method = method}); });
-    EXPECT_NE(torsion.find("torsion 0: method"), std::string::npos) << torsion;
+  const auto refused = [](const Scene& scene, Method method) {
+    return test::refusal([&] { const World world(scene, {.method = method}); });
+  };
+  const Scene spring = spring_pendulum(1), torsion = twisted_rod({.stiffness = 1});
+  for (const Method method : {Method::relax, Method::springs}) {
+    EXPECT_NE(refused(spring, method).find("spring 0: method"), std::string::npos) << to_string(method);
+    EXPECT_NE(refused(torsion, method).find("torsion 0: method"), std::string::npos) << to_string(method);
+  }
+  for (const Scene& scene : {spring, torsion}) {
+    EXPECT_EQ(refused(scene, Method::multipliers), "");
+    EXPECT_NE(refused(scene, Method::featherstone).find("particles or rods besides"), std::string::npos);
   }
 }
 

@@ -7,10 +7,14 @@
 #include <cmath>
 #include <vector>
 
+#include "scenes/basics/clock.hpp"
+#include "support/exact_methods.hpp"
+
 namespace plumb {
 namespace {
 
 using test::Andrews;
+using test::FourBars;
 using test::Governor;
 
 /// How far angles of a mechanism are from the published ones after 0.03 s, in rad: that of the crank, which
@@ -80,15 +84,14 @@ std::vector<Vec3> governor_after(bool rigid, std::uint32_t substeps) {
           world.position(Governor::ball_b)};
 }
 
-// Its spring-dampers settle within 1 ms, far below a substep; the order is that of the rigid one all the
-// same.
+// Its dampers act within 0.1 ms, far below a substep; the order is that of the rigid one all the same.
 TEST(FlyballGovernor, ConvergesToSecondOrder) {
   for (const bool rigid : {false, true}) {
     const std::vector<Vec3> best = governor_after(rigid, 256);
     double errors[4];
     for (const int k : {0, 1, 2, 3}) errors[k] = rms_distance(governor_after(rigid, 2u << k), best);
     for (const int k : {0, 1, 2}) EXPECT_NEAR(std::log2(errors[k] / errors[k + 1]), 2, 0.1) << rigid << k;
-    EXPECT_LE(errors[3], 5e-6) << rigid;
+    EXPECT_LE(errors[3], 2e-5) << rigid;
   }
 }
 
@@ -97,6 +100,55 @@ TEST(FlyballGovernor, IsNearTheRigidOne) {
   const std::vector<Vec3> soft = governor_after(false, 16), rigid = governor_after(true, 16);
   EXPECT_LE(rms_distance(soft, rigid), 1e-4);
   EXPECT_GT(rms_distance(soft, rigid), 1e-7);
+}
+
+// The bar is ten times; bench_mechanisms finds 1.3 to 3. Runs are in turns, and the fastest of each counts.
+TEST(FlyballGovernor, TakesLessThanTenTimesTheRigidOnesTime) {
+  double ms[2] = {1e30, 1e30};
+  for (int round = 0; round < 5; ++round)
+    for (const bool rigid : {false, true}) {
+      World world(Governor::scene(rigid), test::body_settings(4));
+      const auto start = scenes::Clock::now();
+      test::run(world, test::frame, 60);
+      ms[rigid] = std::min(ms[rigid], 1e3 * scenes::seconds_since(start));
+    }
+  EXPECT_LE(ms[0], 10 * ms[1]);
+}
+
+/// How far the ends of all posts are from where they should be, at worst after every second, in m.
+double worst_of_posts(World& world, std::uint32_t n, double dt, int seconds) {
+  double worst = 0;
+  for (int s = 1; s <= seconds; ++s) {
+    test::run(world, dt, static_cast<int>(std::lround(1 / dt)));
+    const Vec3 first = FourBars::first_end(n, s);
+    for (std::uint32_t i = 0; i <= n; ++i)
+      worst = std::max(worst, norm(world.position(n + 1 + i) - first - Vec3{i * FourBars::length, 0, 0}));
+  }
+  return worst;
+}
+
+// Errors grow by no more than the accuracy in each second, through some 40 passages where constraints are
+// redundant. Steps that change let gradient old's energy drift: it ends at 2 times that.
+TEST(FourBars, KeepTheirAccuracyForTwentySeconds) {
+  constexpr std::uint32_t n = 40;
+  const Scene scene = FourBars::scene(n);
+  for (const double dt : {test::frame, 0.05})
+    for (const double accuracy : {1e-4, 1e-5}) {
+      World world(scene, {.accuracy = accuracy, .threads = 1});
+      EXPECT_LE(worst_of_posts(world, n, dt, 20), 20 * accuracy * bounding_diagonal(scene))
+          << dt << ", " << accuracy;
+    }
+}
+
+// Runge-Kutta steps would stall at 1e-5 m, because one stage in some hundred lies within 1e-4 rad of a place
+// where constraints are redundant. They go past: the rest is of order 4, below 1e-7 m, or rounding.
+TEST(FourBars, MultipliersGoPastWhereRodsAreRedundant) {
+  constexpr std::uint32_t n = 5;
+  const Scene scene = FourBars::scene(n);
+  for (const std::uint32_t substeps : {16u, 32u}) {
+    World world(scene, test::exact(Method::multipliers, Integrator::rk4, substeps));
+    EXPECT_LE(worst_of_posts(world, n, test::frame, 20), 1e-6) << substeps;
+  }
 }
 
 }  // namespace

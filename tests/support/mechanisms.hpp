@@ -140,11 +140,14 @@ struct Andrews {
   }
 };
 
-/// A governor with two balls, after problem A05 of the IFToMM's library of multibody benchmarks: arms that
-/// hang from a shaft turn outwards, and lift a collar that spring-dampers hold at their middles.
+/// The stiff flyball governor: problem A05 of the library of multibody benchmarks (González, Dopico, Lugrís,
+/// Cuadrado 2006). Arms that hang from a turning shaft lift a collar, which spring-dampers hold at their
+/// middles. Shaft and arms are bars of 1 m x 1 cm x 1 cm, the collar a cube of 10 cm, all of 3000 kg/m³. Arms
+/// start 30 degrees below the horizon, springs at rest. That arms spin about themselves, with 1e-6 of their
+/// inertia, is left out.
 struct Governor {
-  static constexpr double arm = 1, arm_mass = 1, ball = 5, collar_mass = 1, stiffness = 8e5, damping = 4e4,
-                          tilt = 30 * degree, spin = 6.283185307179586;
+  static constexpr double arm = 1, bar = 0.01, arm_mass = 0.3, ball = 5, collar_mass = 3, collar_size = 0.1,
+                          stiffness = 8e5, damping = 4e4, tilt = 60 * degree, spin = 6.283185307179586;
   enum Particle : std::uint32_t { top, bottom, front, right_hand, collar, ball_a, ball_b };
 
   /// `stiff` takes rigid rods instead of the spring-dampers.
@@ -160,9 +163,13 @@ struct Governor {
     turning({0, -down, 0}, collar_mass);
     turning({side, -down, 0}, ball);
     turning({-side, -down, 0}, ball);
-    add_body(out, {top, bottom, front, right_hand}, solid_box(10, {0.1, 1, 0.1}));
+    // The collar turns with the shaft, whatever its height.
+    MassProperties turning_parts = solid_box(arm_mass, {bar, arm, bar});
+    turning_parts.inertia.yy += collar_mass * collar_size * collar_size / 6;
+    add_body(out, {top, bottom, front, right_hand}, turning_parts);
     for (const std::uint32_t end : {ball_a, ball_b}) {
-      out.rods.push_back({.a = top, .b = end, .mass = arm_mass});
+      out.rods.push_back(
+          {.a = top, .b = end, .mass = arm_mass, .inertia = arm_mass * (arm * arm + bar * bar) / 12});
       out.alignments.push_back({{point_at(top), point_at(end)}, {point_at(top), point_at(right_hand)}});
       const Point middle{{top, end}, {0.5, 0.5}};
       if (!rigid)
@@ -188,6 +195,43 @@ struct Governor {
       }
     }
     return out;
+  }
+};
+
+/// A row of N four-bar linkages: problem A02 of the same library. 2N + 1 bars of 1 m and 1 kg; posts stand on
+/// the ground 1 m apart, and bars join their ends. The first end starts at 1 m/s, and all turn over and over.
+/// Each time they lie level, the linkage could fold in N + 1 ways, since constraints are redundant there.
+struct FourBars {
+  static constexpr double length = 1, mass = 1, speed = 1;
+
+  /// Ends of posts are the particles n + 1 to 2n + 1.
+  static Scene scene(std::uint32_t n) {
+    Scene out;
+    for (std::uint32_t i = 0; i <= n; ++i) out.particles.push_back(fixed({i * length, 0, 0}));
+    for (std::uint32_t i = 0; i <= n; ++i)
+      out.particles.push_back(movable({i * length, length, 0}, 0, {speed, 0, 0}));
+    for (std::uint32_t i = 0; i <= n; ++i) out.rods.push_back({.a = i, .b = n + 1 + i, .mass = mass});
+    for (std::uint32_t i = 0; i < n; ++i) out.rods.push_back({.a = n + 1 + i, .b = n + 2 + i, .mass = mass});
+    return out;
+  }
+
+  /// Returns where the end of the first post is at time t (s), to 1e-10 m over 20 s: a pendulum, whose angle
+  /// from the vertical is followed by Runge-Kutta steps of 0.25 ms.
+  static Vec3 first_end(std::uint32_t n, double t) {
+    const double posts = n + 1, bars = n;
+    const double pull = earth / length * (posts / 2 + bars) / (posts / 3 + bars);
+    const int steps = static_cast<int>(std::ceil(t / 2.5e-4));
+    const long double h = t / steps;
+    long double angle = 0, turn = speed / length;
+    const auto bent = [&](long double at) { return pull * std::sin(at); };
+    for (int i = 0; i < steps; ++i) {
+      const long double v1 = turn, a1 = bent(angle), v2 = turn + h / 2 * a1, a2 = bent(angle + h / 2 * v1),
+                        v3 = turn + h / 2 * a2, a3 = bent(angle + h / 2 * v2), v4 = turn + h * a3,
+                        a4 = bent(angle + h * v3);
+      angle += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
+      turn += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    }
+    return {length * static_cast<double>(std::sin(angle)), length * static_cast<double>(std::cos(angle)), 0};
   }
 };
 

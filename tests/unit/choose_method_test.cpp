@@ -82,7 +82,7 @@ TEST(ChooseMethod, TakesTheGradientThatIsSet) {
   const auto choose = [&](IslandShape shape, double mass) {
     return choose_gradient(two_rods(mass), shape, both, settings);
   };
-  for (const IslandShape shape : {IslandShape::tree, IslandShape::thin})
+  for (const IslandShape shape : {IslandShape::tree, IslandShape::tied, IslandShape::thin})
     EXPECT_EQ(choose(shape, 0), Gradient::mid);
   for (const IslandShape shape : {IslandShape::wide, IslandShape::vast}) {
     EXPECT_EQ(choose(shape, 0), Gradient::new_);
@@ -93,6 +93,10 @@ TEST(ChooseMethod, TakesTheGradientThatIsSet) {
     EXPECT_EQ(choose(shape, 0), Gradient::old);
   EXPECT_EQ(choose(IslandShape::tree, 2), Gradient::old);
   EXPECT_EQ(choose(IslandShape::wide, 2), Gradient::mid) << "loops with mass";
+  EXPECT_EQ(choose(IslandShape::tied, 2), Gradient::old) << "of order 4";
+  settings.accuracy = 1e-2;
+  EXPECT_EQ(choose(IslandShape::tied, 2), Gradient::mid) << "loops through anchors";
+  EXPECT_EQ(choose(IslandShape::tied, 0), Gradient::old);
   settings.gradient = Gradient::new_;
   EXPECT_EQ(choose(IslandShape::tree, 0), Gradient::new_);
 }

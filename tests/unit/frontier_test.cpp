@@ -44,7 +44,7 @@ TEST(Front, NeverHoldsADominatedPointOfRandomOnes) {
 }
 
 TEST(FrontierProblems, HaveTruths) {
-  for (const char* name : {"N5_r10", "elastic", "wire", "rods5", "tree", "humanoid", "ring"}) {
+  for (const char* name : {"N5_r10", "elastic", "winch", "wire", "rods5", "tree", "humanoid", "ring"}) {
     for (Problem problem : all_problems()) {
       if (problem.name != name) continue;
       prepare(problem, 1);

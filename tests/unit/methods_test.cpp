@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "plumb/joints.hpp"
 #include "plumb/plumb.hpp"
 #include "plumb/reference/methods.hpp"
 #include "relax/relax_solver.hpp"
@@ -230,6 +231,49 @@ TEST(Methods, OfTheReferenceLibraryAreRegisteredOnce) {
     world.step(1e-3);
     EXPECT_TRUE(test::all_finite(world)) << to_string(method);
   }
+}
+
+/// Two bodies on a ball joint and a hinge, the first tied to an anchor by a spring.
+Scene jointed() {
+  Scene scene;
+  MassProperties box = solid_box(1, {0.1, 0.2, 0.3});
+  const std::uint32_t ground = test::add_fixed_body(scene), one = add_body(scene, box);
+  box.center = {0.3, 0, 0};
+  const std::uint32_t other = add_body(scene, box);
+  add_spherical(scene, point_on_body(scene, ground, {-0.1, 0, 0}), point_on_body(scene, one, {-0.1, 0, 0}));
+  add_revolute(scene, one, other, {0.15, 0, 0}, {0, 0, 1});
+  scene.springs.push_back(
+      {.a = point_at(1), .b = point_on_body(scene, other, {0.4, 0, 0}), .length = 0.5, .stiffness = 10});
+  return scene;
+}
+
+// The thesis's other methods on every kind of scene (kernel/LIMITS.md).
+TEST(Methods, OfTheReferenceLibraryMoveOrRefuseForAReason) {
+  register_reference_methods();
+  Scene looped = jointed();
+  add_spherical(looped, point_on_body(looped, 0, {0.4, 0, 0}), point_on_body(looped, 2, {0.4, 0, 0}));
+  const Scene touching = with_touch(scenes::make_chain(12), Touch::plane);
+  struct Row {
+    Shape shape;
+    const char* reasons[3];  // of springs, multipliers and featherstone
+  };
+  const Row rows[] = {
+      {{"chain", scenes::make_chain(12)}, {"", "", ""}},
+      {{"tree with mass", scenes::make_tree()}, {"", "", ""}},
+      {{"ring", scenes::make_ring({})}, {"", "", "one way to the ground"}},
+      {{"bodies", jointed()}, {"method springs moves no springs", "", ""}},
+      {{"bodies in a loop", looped}, {"method springs moves no springs", "", "more than one place"}},
+      {{"chain with shapes", touching}, {"nothing touch", "nothing touch", "nothing touch"}},
+      {{"bodies with shapes", scenes::load_scene("humanoid:body=thin")}, {"joints", "shapes", "shapes"}},
+  };
+  for (const Row& row : rows)
+    for (const Method method : {Method::springs, Method::multipliers, Method::featherstone}) {
+      const char* const expected = row.reasons[static_cast<int>(method) - static_cast<int>(Method::springs)];
+      const std::string reason = refusal(row.shape.scene, {.method = method, .substeps = 16, .threads = 1});
+      EXPECT_EQ(reason.empty(), *expected == 0)
+          << row.shape.name << ", " << to_string(method) << ": " << reason;
+      EXPECT_NE(reason.find(expected), std::string::npos) << row.shape.name << ": " << reason;
+    }
 }
 
 }  // namespace

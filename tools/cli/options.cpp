@@ -150,6 +150,23 @@ Option add_positive(Command& command, const std::string& name, double& target, c
   return add_positive_of("T", command, name, target, help);
 }
 
+Option add_reels(Command& command, std::vector<scenes::LengthRate>& rates) {
+  const auto take = [&rates](const std::string& text) {
+    rates.clear();
+    for (const std::string& item : scenes::split_list(text)) {
+      const std::size_t colon = item.find(':');
+      const auto rod = scenes::parse_number<std::uint32_t>(item.substr(0, colon));
+      const auto rate =
+          colon == std::string::npos ? std::nullopt : scenes::parse_number<double>(item.substr(colon + 1));
+      if (!rod || !rate) throw BadValue("must be pairs of a rod and a rate, such as 0:-0.5");
+      rates.push_back({*rod, *rate});
+    }
+  };
+  return command.add_option(
+      "--reel", "ROD:RATE,...", take,
+      "Rods whose length changes all the time, at rates in m/s; below 0 they become shorter");
+}
+
 Option add_save_at(Command& command, std::vector<double>& times, const std::string& help) {
   const auto take = [&times](const std::string& text) {
     for (const std::string& item : scenes::split_list(text)) {

@@ -7,6 +7,7 @@
 
 #include "cli/command_line.hpp"
 #include "plumb/settings.hpp"
+#include "scenes/basics/length_rate.hpp"
 
 /// Several commands share these options. All refuse nonsense with one clear line.
 namespace plumb::tools {
@@ -62,6 +63,9 @@ Option add_positive(Command& command, const std::string& name, double& target, c
 
 /// Adds --save-at, which takes times in seconds, separated by commas.
 Option add_save_at(Command& command, std::vector<double>& times, const std::string& help);
+
+/// Adds --reel, which takes rods and the rates of their lengths.
+Option add_reels(Command& command, std::vector<scenes::LengthRate>& rates);
 
 /// Adds --layout, --precision, --threads and --isa, which say how a scene lies in memory and what works on
 /// it.

@@ -151,6 +151,7 @@ void add_run_command(Command& plumb) {
   add_scene(command, o.scene);
   add_seconds(command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
   add_seconds(command, "--dt", o.plan.dt, "Length of a frame [1/60]");
+  add_reels(command, o.plan.rates);
   add_solver_options(command, o.plan.settings);
   add_layout_options(command, o.plan.settings);
   add_save_at(
@@ -189,6 +190,7 @@ void add_run_command(Command& plumb) {
   command.set_footer(
       "Examples:\n"
       "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
+      "  plumb run winch --reel 0:-0.5 --substeps 4 --trajectory hauled.csv\n"
       "  plumb run thesis5 --method relax --sweeps 1000\n"
       "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
       "  plumb run chain:end_mass=10 --method relax --substeps 8 --gradient mid --tolerance 1e-6 --report "

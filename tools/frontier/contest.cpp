@@ -57,7 +57,11 @@ void time_again(const Problem& problem, std::vector<Point>& points, const std::v
       World world(problem.scene, point.settings);
       const auto frames = static_cast<std::uint64_t>(std::lround(problem.duration * point.frames));
       const auto begin = Clock::now();
-      for (std::uint64_t frame = 0; frame < frames; ++frame) world.step(1.0 / point.frames);
+      for (std::uint64_t frame = 0; frame < frames; ++frame) {
+        const double end = static_cast<double>(frame + 1) / point.frames;
+        scenes::set_lengths(world, problem.scene, problem.rates, end);
+        world.step(1.0 / point.frames);
+      }
       times[i].push_back(1e3 * seconds_since(begin) / problem.duration);
     }
   }
@@ -91,8 +95,10 @@ std::optional<Point> run(const Problem& problem, const Path& path, double most_s
   observer.progress = [&](std::uint64_t, std::uint64_t) {
     if (seconds_since(start) > most_s) throw TooLong{};
   };
-  const scenes::RunPlan plan{
-      .settings = path.settings, .duration = problem.duration, .dt = 1.0 / path.frames};
+  const scenes::RunPlan plan{.settings = path.settings,
+                             .duration = problem.duration,
+                             .dt = 1.0 / path.frames,
+                             .rates = problem.rates};
   const scenes::RunResult result = scenes::run_scene(problem.scene, plan, problem.truth, observer);
   if (!result.sound() || result.total.unsolved > 0 || !(result.stretch.max <= most_stretch)) return {};
   Point point{.family = path.family,
@@ -102,7 +108,8 @@ std::optional<Point> run(const Problem& problem, const Path& path, double most_s
   point.ms = point.median_ms = 1e3 * result.wall_s / problem.duration;
   point.position_error = result.position_error.back().relative;
   point.stretch = result.stretch.max;
-  point.energy_drift = result.energy.range > 0 ? result.energy.drift_max / result.energy.range : 0;
+  if (problem.rates.empty() && result.energy.range > 0)  // else work is done
+    point.energy_drift = result.energy.drift_max / result.energy.range;
   if (path.settings.method == Method::automatic) point.picked = picked_by(result.info);
   return point;
 }

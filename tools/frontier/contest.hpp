@@ -30,7 +30,7 @@ struct Point {
   std::uint32_t repetitions = 1;
   double position_error = 0;  ///< RMS over particles at the end, relative to the scene's diagonal.
   double stretch = 0;         ///< Largest strain over all rods and ends of frames.
-  double energy_drift = 0;    ///< Largest drift, relative to the scene's energy range.
+  double energy_drift = 0;    ///< Largest drift, relative to the scene's energy range; 0 where rods do work.
   bool on_front = false;      ///< Whether nothing measured is both faster and nearer to the truth.
   std::string picked{};       ///< What method auto picked.
 };

@@ -157,7 +157,7 @@ std::vector<Path> reduced(const std::string& family) {
   return out;
 }
 
-/// Returns whether some rod is not rigid. Only families auto and direct move those.
+/// Returns whether some rod is not rigid. Only families auto and direct move those, and change lengths.
 bool has_laws(const Scene& scene) {
   return std::any_of(scene.rods.begin(), scene.rods.end(),
                      [](const Rod& rod) { return !rod.law.is_rigid(); });
@@ -186,7 +186,7 @@ std::vector<std::string> all_families() {
 std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
   if (family == "auto") return direct(family, problem, Method::automatic);
   if (family == "direct") return direct(family, problem, Method::direct);
-  if (has_laws(problem.scene) || is_bent(problem.scene)) return {};
+  if (has_laws(problem.scene) || is_bent(problem.scene) || !problem.rates.empty()) return {};
   if (family == "relax") return relaxed(family, false);
   if (family == "over-relaxed") return relaxed(family, true);
   if (family == "jacobi") return relaxed(family, false, SweepOrder::jacobi);

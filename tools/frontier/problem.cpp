@@ -24,7 +24,8 @@ bool has_many_loops(const Scene& scene) {
 }
 
 void solve(Problem& problem) {
-  const truth::Truth result = truth::solve(problem.scene, {.save_at = {problem.duration}, .tolerance = 1e-9});
+  const truth::Truth result =
+      truth::solve(problem.scene, {.save_at = {problem.duration}, .tolerance = 1e-9, .rates = problem.rates});
   problem.truth = result.frames;
   problem.truth_source = "Taylor series";
   problem.truth_error = result.reached.worst();
@@ -73,6 +74,7 @@ std::vector<Problem> all_problems() {
       out.push_back({.name = "N" + std::to_string(links) + "_r" + std::to_string(mass),
                      .spec = "chain:links=" + std::to_string(links) + ",end_mass=" + std::to_string(mass)});
   out.push_back({.name = "elastic", .spec = "chain:links=20,end_mass=10,stiffness=1e4"});
+  out.push_back({.name = "winch", .spec = "winch", .rates = {{.rod = 0, .rate = -0.5}}});
   out.push_back({.name = "wire", .spec = "wire", .patience = 4});
   out.push_back({.name = "rods5", .spec = "rods5"});
   out.push_back({.name = "tree", .spec = "tree"});

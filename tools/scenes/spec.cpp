@@ -121,6 +121,7 @@ Generator describe(const char* name, const char* summary, Scene (*make)(const Sh
 
 std::vector<Generator> chains_and_nets() {
   using C = ChainShape;
+  using H = WinchShape;
   using L = LineShape;
   using N = NetShape;
   using E = EnsembleShape;
@@ -136,6 +137,13 @@ std::vector<Generator> chains_and_nets() {
       describe<L>("line", "massless rods between two anchors, drawn straight; slack below 0: too short",
                   make_line,
                   {{"links", &L::links}, {"span", &L::span}, {"slack", &L::slack}, {"mass", &L::mass}}),
+      describe<H>("winch", "a rope with a load at a slant, whose first rod is the cable that is reeled in",
+                  make_winch,
+                  {{"rods", &H::rods},
+                   {"cable", &H::cable},
+                   {"length", &H::length},
+                   {"mass", &H::mass},
+                   {"load", &H::load}}),
       describe<N>(
           "net",
           "a square net hanging from two fixed upper corners; level=1: held along one side, level at first",

@@ -135,9 +135,21 @@ Real elastic_speed(const Scene& scene, const Model& model) {
   return mass > 0 ? std::sqrt(twice_energy / mass) : 0;
 }
 
+void set_rates(const Scene& scene, std::span<const scenes::LengthRate> rates, Model& model) {
+  for (const auto& [rod, rate] : rates) {
+    const std::string name = "rod " + std::to_string(rod) + ", whose length changes, ";
+    if (rod >= scene.rods.size()) throw InputError(name + "is unknown");
+    if (!std::isfinite(rate)) throw InputError(name + "has no finite rate");
+    if (scene.rods[rod].inertia) throw InputError(name + "has inertia of its own, which would change, too");
+    if (!scene.bends.empty() || !scene.twists.empty())
+      throw InputError(name + "belongs to a scene with bends or twists, whose stiffness would change, too");
+    model.rods[rod].rate = rate;
+  }
+}
+
 }  // namespace
 
-Model make_model(const Scene& scene, MassModel mass) {
+Model make_model(const Scene& scene, MassModel mass, std::span<const scenes::LengthRate> rates) {
   validate(scene);
   Scene straight = scene;
   straight.bends.clear();
@@ -166,6 +178,7 @@ Model make_model(const Scene& scene, MassModel mass) {
     add_rod(model, rod, mass, out);
     model.rods.push_back(out);
   }
+  set_rates(scene, rates, model);
   const LengthTable lengths(scene, model);
   for (std::size_t i = 0; i < scene.bends.size(); ++i)
     model.bends.push_back(bend_of(scene.bends[i], i, lengths));
@@ -204,12 +217,12 @@ State start_of(const Scene& scene, const Model& model) {
   return state;
 }
 
-WorstRod worst_stretch(const Model& model, const std::vector<Point>& x) {
+WorstRod worst_stretch(const Model& model, const std::vector<Point>& x, Real t) {
   WorstRod worst;
   for (std::size_t i = 0; i < model.rods.size(); ++i) {
     const ModelRod& rod = model.rods[i];
     if (rod.elastic) continue;
-    const Real stretch = std::abs(norm(x[rod.b] - x[rod.a]) / rod.length - 1);
+    const Real stretch = std::abs(norm(x[rod.b] - x[rod.a]) / rod.length_at(t) - 1);
     // The comparison is written so that what is not a number wins and stays.
     if (!(stretch <= worst.stretch) && !std::isnan(worst.stretch)) worst = {stretch, i};
   }

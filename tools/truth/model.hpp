@@ -1,20 +1,23 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
 #include "plumb/scene.hpp"
+#include "scenes/basics/length_rate.hpp"
 #include "truth/real.hpp"
 
 /// A scene stands for these constrained equations of motion, in long double:
 ///
-///   M a = M g - drag M v + J^T mu,   (|x_b - x_a|^2 - length^2) / 2 = 0 for every rigid rod,
+///   M a = M g - drag M v + J^T mu,   (|x_b - x_a|^2 - L^2) / 2 = 0 for every rigid rod,
 ///
-/// J holds the gradients of the rods, which are x_b - x_a at b and its opposite at a. mu, in N/m, is a rod's
-/// push divided by its length l = |x_b - x_a|. An elastic rod is no constraint, because its push is known:
+/// L = length + rate t is constant but for rods that are reeled in or paid out. J holds the gradients of the
+/// rods, which are x_b - x_a at b and its opposite at a. mu, in N/m, is a rod's push divided by its length l
+/// = |x_b - x_a|. An elastic rod is no constraint, because its push is known:
 ///
-///   mu l = -stiffness (l - length) - damping dl/dt
+///   mu l = -stiffness (l - L) - damping dl/dt
 ///
 /// Bends and twists act as Scene says. Their forces are derivatives of bending energy, and the torques of
 /// twists times the derivatives of what they twist by.
@@ -27,12 +30,16 @@ class Unreachable : public std::runtime_error {
 
 struct ModelRod {
   std::uint32_t a = 0, b = 0;
-  Real length = 0;       ///< Length, in m; of an elastic rod that at which it does not pull.
+  Real length = 0;       ///< Length at the start, in m; of an elastic rod that at which it does not pull.
+  Real rate = 0;         ///< Rate at which that length changes, in m/s.
   Real at_b = 0;         ///< Part of the rod's own mass on the diagonal of the mass matrix at b, in kg.
   Real coupling = 0;     ///< The mass matrix's element between its ends, in kg; 0 if lumped.
   bool elastic = false;  ///< Whether it pulls as the next two say. Otherwise it keeps its length.
   Real stiffness = 0;    ///< Stiffness, in N/m.
   Real damping = 0;      ///< Damping along the rod, in N s/m.
+
+  /// Returns its length at a time (s), in m.
+  Real length_at(Real t) const { return length + rate * t; }
 };
 
 /// A bend has the energy stiffness/2 (kappa - rest)^2. With w = d1/L1 - d2/L2 and q = w.w the square of kappa
@@ -83,8 +90,9 @@ struct State {
 
 /// Makes the model of a scene. Throws InputError as validate() does. It also refuses rods that are one-sided
 /// or may break, because their pull is not smooth and has no series in time. Nor have damped bends, bends
-/// with a rest angle that start straight, and twists of elastic rods.
-Model make_model(const Scene& scene, MassModel mass);
+/// with a rest angle that start straight, and twists of elastic rods. `rates` are of rods without inertia of
+/// their own, in scenes without bends and twists.
+Model make_model(const Scene& scene, MassModel mass, std::span<const scenes::LengthRate> rates = {});
 
 /// Returns the scene's start, with fixed particles at rest. Throws InputError naming the rod if one is off
 /// its length by more than `largest_start_stretch` of it. Truth is defined for rods that are kept. Elastic
@@ -92,11 +100,11 @@ Model make_model(const Scene& scene, MassModel mass);
 State start_of(const Scene& scene, const Model& model);
 inline constexpr double largest_start_stretch = 1e-10;
 
-/// This is the rigid rod with the largest strain.
+/// This is the rigid rod with the largest strain at a time (s).
 struct WorstRod {
   Real stretch = 0;  ///< Strain (|x_b - x_a| - length) / length, its absolute value.
   std::size_t rod = 0;
 };
-WorstRod worst_stretch(const Model& model, const std::vector<Point>& x);
+WorstRod worst_stretch(const Model& model, const std::vector<Point>& x, Real t = 0);
 
 }  // namespace plumb::truth

@@ -32,7 +32,7 @@ constexpr struct {
              {0.76923465505284155, 0.23931433524968324},
              {0.95308992296933200, 0.11846344252809454}};
 
-void require_sense(const Plan& plan) {
+void require_sense(const Scene& scene, const Plan& plan) {
   if (plan.save_at.empty()) throw InputError("no times to save are given");
   double before = 0;
   for (const double t : plan.save_at) {
@@ -47,6 +47,10 @@ void require_sense(const Plan& plan) {
                        " s, so that times to save must lie as far apart");
     before = t;
   }
+  for (const auto& [rod, rate] : plan.rates)
+    if (rod < scene.rods.size() && !(rod_length(scene, rod) + rate * plan.save_at.back() > 0))
+      throw InputError("rod " + std::to_string(rod) +
+                       " is reeled in to nothing before the last time to save");
   if (!(plan.tolerance >= 1e-15) || !(plan.tolerance < 1)) {
     throw InputError("the tolerance must be at least 1e-15, what the digits of a file hold, and less than 1");
   }
@@ -165,8 +169,8 @@ class Pair {
 }  // namespace
 
 Truth solve(const Scene& scene, const Plan& plan) {
-  require_sense(plan);
-  const Model model = make_model(scene, plan.mass);
+  require_sense(scene, plan);
+  const Model model = make_model(scene, plan.mass, plan.rates);
   const State start = start_of(scene, model);
   Pair pair(model, start, plan);
   Integrator& two = pair.better();
@@ -190,7 +194,7 @@ Truth solve(const Scene& scene, const Plan& plan) {
     truth.reached.position = std::max(truth.reached.position, now.position);
     truth.reached.velocity = std::max(truth.reached.velocity, now.velocity);
   }
-  truth.energy_drift = energy_drift(scene, plan, first, instants);
+  if (plan.rates.empty()) truth.energy_drift = energy_drift(scene, plan, first, instants);
   truth.steps = two.steps();
   truth.redundant = two.solver().redundant();
   if (plan.mean_over > 0 && truth.redundant > 0)

@@ -20,6 +20,9 @@ struct Plan {
   /// save within, except the start, whose tensions are not a number.
   double mean_over = 0;
   std::function<void(double)> progress{};  ///< Called with the share done, 0 to 1; may be empty.
+  /// Rods that are reeled in or paid out. One that starts to be so jerks: the start's velocities get the
+  /// least change after which they have its rate.
+  std::vector<scenes::LengthRate> rates{};
 };
 
 /// This says how far two solutions of different order and step lie apart. Positions count as the largest
@@ -40,7 +43,8 @@ struct Truth {
   double diagonal = 0;               ///< Diagonal of the scene, in m.
   double speed = 0;                  ///< Speed to which velocities are relative, in m/s; see Model::speed.
   double velocity_change = 0;  ///< Change of the start's velocities so that none pulls on a rod, in m/s.
-  /// Largest change between times saved, relative to energy_range(); without drag and damped rods.
+  /// Largest change between times saved, relative to energy_range(); without drag, damped rods and those
+  /// whose length changes, which do work.
   double energy_drift = 0;
   double tension =
       0;  ///< How far tensions of the two solutions lie apart, relative to the largest of a frame.
@@ -50,7 +54,8 @@ struct Truth {
 };
 
 /// Solves a plan. Throws InputError for a scene or plan that makes no sense, or rods that start off their
-/// length, for tensions of rods that are redundant, and for rods whose pull is not smooth, see make_model().
+/// length, for tensions of rods that are redundant, for rods whose pull is not smooth, see make_model(), and for
+/// those that are reeled in to nothing.
 /// Throws Unreachable if the two solutions differ by more than the tolerance or one cannot be continued. Its
 /// message says what was reached and until when.
 Truth solve(const Scene& scene, const Plan& plan);

@@ -121,7 +121,8 @@ void ArticulatedBody::accelerations(const VectorXd& q, const VectorXd& v, const 
   place_general(q, v);
   const auto force_on = [&](std::uint32_t i) { return load.forces.empty() ? Vec3{} : load.forces[i]; };
   for (const std::uint32_t i : general_links_)
-    start_general(general_[nodes_[i].general], links_[i], force_on(i));
+    start_general(general_[nodes_[i].general], links_[i], force_on(i),
+                  load.moments.empty() ? Vec3{} : load.moments[i]);
   for (Slot& slot : slots_) slot.load = {};
   eliminate(q, v, load);
   accelerate(load, out.data());

@@ -41,6 +41,8 @@ struct BodyLoad {
   Vec3 gravity{};                  ///< Gravity, in m/s².
   Vec3 base_acceleration{};        ///< Acceleration of the base, in m/s².
   std::span<const Vec3> forces{};  ///< Force at every link's grip, in space, in N; empty for none.
+  /// Further moments on every link that is not a rod, about its joint, in space, in N m; empty for none.
+  std::span<const Vec3> moments{};
   std::span<const double>
       torques{};  ///< N m about joints (a spherical one in space), or N; one for each speed
 };
@@ -72,6 +74,7 @@ class ArticulatedBody {
   std::uint32_t links() const { return static_cast<std::uint32_t>(links_.size()); }
   Eigen::Index coordinates() const { return coordinates_; }
   Eigen::Index speeds() const { return speeds_; }
+  bool is_spherical(std::uint32_t link) const { return links_[link].joint == Joint::spherical; }
   Eigen::Index coordinate(std::uint32_t link) const {
     return nodes_[link].q;
   }                                                                        ///< first coordinate of a link
@@ -147,7 +150,7 @@ class ArticulatedBody {
   bool is_rod(std::uint32_t link) const;
   bool is_slender(std::uint32_t link, Vec3& axis) const;
   void place_general(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
-  void start_general(General& general, const Link& link, Vec3 force) const;
+  void start_general(General& general, const Link& link, Vec3 force, Vec3 moment) const;
   void eliminate_general(std::uint32_t link, const BodyLoad& load);
   void add_child(General& parent, const Articulated& child, Vec3 arm, Vec3 turn_bias, Vec3 bias) const;
   /// Eliminates a rod whose tip carries `tip`. Returns what its joint feels.

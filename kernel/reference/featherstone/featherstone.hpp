@@ -20,5 +20,10 @@ namespace plumb::detail {
 /// Throws InputError with the names of the rods that make it another kind of island.
 std::unique_ptr<MechanicalSystem> make_featherstone(const Scene& island, const Settings& settings,
                                                     const IslandNames& names);
+/// Makes the same of an island of bodies, its movable particles first. Ball joints (pins, or a particle that
+/// two bodies share) and hinges make a tree of them, which hangs from one place or floats. Springs, torsions
+/// and drives of angles are forces. Throws InputError on anything else, naming `particle`.
+std::unique_ptr<MechanicalSystem> make_jointed_featherstone(const Scene& island, const Settings& settings,
+                                                            std::uint32_t particle);
 
 }  // namespace plumb::detail

@@ -54,7 +54,7 @@ void ArticulatedBody::place_general(const VectorXd& q, const VectorXd& v) {
 
 /// Starts with the link's own inertia about its joint, and with what its velocity and the force on it make of
 /// that.
-void ArticulatedBody::start_general(General& general, const Link& link, Vec3 force) const {
+void ArticulatedBody::start_general(General& general, const Link& link, Vec3 force, Vec3 moment) const {
   const Mat3& r = general.rotation;
   const Sym3 turning = symmetric(r * full(tensor(link.inertia)) * transposed(r));
   const Vec3 c = r * link.center, omega = general.angular_velocity;
@@ -65,7 +65,7 @@ void ArticulatedBody::start_general(General& general, const Link& link, Vec3 for
   own.f = link.mass * cross(omega, cross(omega, c));
   own.n = cross(omega, turning * omega) + cross(c, own.f);
   own.f -= force;
-  own.n -= cross(r * link.grip, force);
+  own.n -= cross(r * link.grip, force) + moment;
 }
 
 /// Adds what a child feels at its joint, `arm` away, where accelerations differ by the biases.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "reference/multipliers/past_folds.hpp"
 #include "reference/multipliers/rod_equations.hpp"
 #include "reference/multipliers/small_matrices.hpp"
 
@@ -77,7 +78,13 @@ class Multipliers final : public MechanicalSystem {
       project_velocities(state, drive, 0, anchor_velocities_);
       anchor_velocities_ = drive.anchor_velocities;
     }
-    MechanicalSystem::advance(state, drive, h);
+    const auto advance = [this](MechanicalState& of, const Drive& by, double step) {
+      MechanicalSystem::advance(of, by, step);
+    };
+    if (solver_.equations().softened)
+      past_folds_.step(state, drive, h, advance, [this] { return solver_.take_largest_miss(); });
+    else
+      advance(state, drive, h);
   }
 
   Vec3 position(const MechanicalState& state, std::uint32_t particle) const override {
@@ -163,6 +170,7 @@ class Multipliers final : public MechanicalSystem {
   std::vector<double> weight_;           ///< kg, by node: what gravity pulls on
   std::vector<Vec3> anchor_velocities_;  ///< velocities in the last substep
   MechanicalState start_;
+  PastFolds past_folds_;
 };
 
 }  // namespace

@@ -21,5 +21,9 @@ namespace plumb::detail {
 /// An anchor that changes its velocity does so by an impulse, which velocities take up under any
 /// stabilization.
 std::unique_ptr<MechanicalSystem> make_multipliers(const Scene& island, const Settings& settings);
+/// Makes the same of an island with bodies, pins and alignments, which are further rows, and with springs,
+/// torsions and drives of angles, which are forces. Its movable particles come first. It takes a sparse
+/// factorisation.
+std::unique_ptr<MechanicalSystem> make_jointed_multipliers(const Scene& island, const Settings& settings);
 
 }  // namespace plumb::detail

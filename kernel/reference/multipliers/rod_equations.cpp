@@ -105,22 +105,14 @@ const Eigen::VectorXd& RodSolver::solve() {
   factor_->solve(f, c, x_, lambda_);
   if (!equations_.softened) return x_;
   constexpr double enough = 4 * std::numeric_limits<double>::epsilon();
-  double left = residuals();
-  for (int round = 0; round < 20 && left > enough; ++round) {
-    better_x_ = x_;
-    better_lambda_ = lambda_;
-    factor_->solve(left_f_, left_c_, dx_, dlambda_);
-    x_ += dx_;
-    lambda_ += dlambda_;
-    const double now = residuals();
-    if (!(now < left)) {
-      std::swap(x_, better_x_);
-      std::swap(lambda_, better_lambda_);
-      break;
-    }
-    if (now > 0.5 * left) break;
-    left = now;
-  }
+  const double left = refinement_.run(
+      x_, lambda_, enough, [this] { return residuals(); },
+      [this] {
+        factor_->solve(left_f_, left_c_, dx_, dlambda_);
+        x_ += dx_;
+        lambda_ += dlambda_;
+      });
+  if (!(left <= largest_miss_)) largest_miss_ = left;
   return x_;
 }
 

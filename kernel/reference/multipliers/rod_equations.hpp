@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
+#include "reference/multipliers/refinement.hpp"
 
 namespace plumb::detail {
 
@@ -72,13 +74,17 @@ class RodSolver {
   /// of everything that a rod can pull on (the proximal point method). Each round leaves the share compliance
   /// / (compliance + stiffness^-1) of it.
   const Eigen::VectorXd& solve();
+  /// Returns the largest share of an equation's terms that solutions have missed it by since the last call.
+  double take_largest_miss() { return std::exchange(largest_miss_, 0.0); }
 
  private:
   double residuals();
 
   RodEquations equations_;
   std::unique_ptr<RodFactor> factor_;
-  Eigen::VectorXd x_, lambda_, better_x_, better_lambda_, left_f_, left_c_, dx_, dlambda_;
+  double largest_miss_ = 0;
+  Refinement refinement_;
+  Eigen::VectorXd x_, lambda_, left_f_, left_c_, dx_, dlambda_;
 };
 
 }  // namespace plumb::detail

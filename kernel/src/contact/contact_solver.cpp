@@ -39,7 +39,8 @@ void lump_masses(Scene& part) {
 namespace {
 
 [[noreturn]] void refuse_number(const char* what, std::uint32_t number) {
-  refuse(what, ' ', number, ": unknown, the scene does not have so many");
+  refuse(what, " ", number,
+         ": unknown: the scene does not have so many, or its method keeps them as they are");
 }
 
 }  // namespace

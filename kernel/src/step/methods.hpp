@@ -65,6 +65,11 @@ struct MethodRow {
   /// among the others.
   std::vector<MadeSolver> (*make)(const Scene& scene, const IslandSets& sets, const Settings& settings,
                                   StartReport& report) = nullptr;
+  /// Makes the solver of an island with bodies or joints, as a scene of its own with its movable particles
+  /// first. `particles` are their numbers in the scene. It is null for methods that leave such islands to the
+  /// contact solver, or do not move them.
+  MadeSolver (*make_jointed)(const Scene& island, std::span<const std::uint32_t> particles,
+                             const Settings& settings, StartReport& report) = nullptr;
 };
 
 /// Returns all methods in the order of Method. Those of plumb::reference are there once they are registered.

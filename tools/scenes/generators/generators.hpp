@@ -24,6 +24,16 @@ struct LineShape {
   double mass = 1;      ///< Mass of every movable particle, in kg.
 };
 
+/// A rope of massless rods hangs from a drum at the origin, straight at a slant of 45 degrees towards +x. Its
+/// first rod is the cable that a winch reels in.
+struct WinchShape {
+  std::uint32_t rods = 20;  ///< Rods behind the cable.
+  double cable = 1;         ///< Length of the first rod, in m.
+  double length = 0.1;      ///< Length of every other rod, in m.
+  double mass = 0.1;        ///< Mass of every movable particle but the last, in kg.
+  double load = 10;         ///< Mass of the last, in kg.
+};
+
 /// A square net in the x-y plane hangs from its two fixed upper corners. Particles are numbered row by row
 /// from the top left one at the origin. Rods are numbered first along x, then along y, within each particle.
 struct NetShape {
@@ -81,6 +91,7 @@ struct GraphShape {
 Scene make_chain(const ChainShape& shape);
 Scene make_chain(std::uint32_t links, double length = 0.1, double end_mass = 1, double mass = 1);
 Scene make_line(const LineShape& shape);
+Scene make_winch(const WinchShape& shape);
 Scene make_net(const NetShape& shape);
 Scene make_net(std::uint32_t width, std::uint32_t height, double spacing = 0.1);
 Scene make_ensemble(const EnsembleShape& shape);

@@ -102,6 +102,13 @@ void find_largest(const Frame& frame, RunResult& result) {
   }
 }
 
+void keep_worst(const Stretch& now, Stretch& worst) {
+  // It is written so that a value that is not a number wins and stays.
+  if (now.max <= worst.max || std::isnan(worst.max)) return;
+  worst.max = now.max;
+  worst.max_rod = now.max_rod;
+}
+
 void copy_state(const World& world, Frame& frame) {
   world.copy_positions(frame.positions);
   world.copy_velocities(frame.velocities);
@@ -113,6 +120,10 @@ void copy_state(const World& world, Frame& frame) {
 double RunResult::ns_per_rod_frame() const {
   if (info.rods == 0 || frames == 0) return std::numeric_limits<double>::quiet_NaN();
   return wall_s * 1e9 / (static_cast<double>(info.rods) * static_cast<double>(frames));
+}
+
+void set_lengths(World& world, const Scene& scene, std::span<const LengthRate> rates, double t) {
+  for (const auto& [rod, rate] : rates) world.set_length(rod, rod_length(scene, rod) + rate * t);
 }
 
 std::optional<std::uint64_t> frame_at(double t, double dt) {
@@ -170,19 +181,19 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
   double squares = 0;
   Clock::duration wall{};
   for (std::uint64_t number = 1; number <= frames; ++number) {
+    const double end = static_cast<double>(number) * plan.dt;
     const auto start = Clock::now();
+    set_lengths(world, scene, plan.rates, end);
     const StepReport step = world.step(plan.dt);
     wall += Clock::now() - start;
+    for (const auto& [rod, rate] : plan.rates)
+      measured.rods[rod].length = rod_length(scene, rod) + rate * end;
     if (step.broken_rods > 0) leave_out_broken(world, measured);
     result.total += step;
     visit(number);
     const Stretch stretch = measure_stretch(measured, now.positions);
     squares += stretch.rms * stretch.rms;
-    // It is written so that a value that is not a number wins and stays.
-    if (!(stretch.max <= result.stretch.max) && !std::isnan(result.stretch.max)) {
-      result.stretch.max = stretch.max;
-      result.stretch.max_rod = stretch.max_rod;
-    }
+    keep_worst(stretch, result.stretch);
     result.energy.final = energy_of(world, measured, now, mass);
     const double drift = std::abs(result.energy.final - result.energy.initial);
     if (!(drift <= result.energy.drift_max) && !std::isnan(result.energy.drift_max))

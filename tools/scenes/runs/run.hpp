@@ -11,6 +11,7 @@
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
 #include "scenes/files/forces.hpp"
+#include "scenes/basics/length_rate.hpp"
 #include "scenes/files/trajectory.hpp"
 
 namespace plumb::scenes {
@@ -18,8 +19,9 @@ namespace plumb::scenes {
 /// A plan is a stretch of simulated time in equal frames. World::step(dt) is called once for each.
 struct RunPlan {
   Settings settings{};
-  double duration = 1;   ///< Simulated time in s, a whole number of frames.
-  double dt = 1.0 / 60;  ///< Length of a frame in s, which Settings::substeps divides further.
+  double duration = 1;              ///< Simulated time in s, a whole number of frames.
+  double dt = 1.0 / 60;             ///< Length of a frame in s, which Settings::substeps divides further.
+  std::vector<LengthRate> rates{};  ///< Rods that are reeled in or paid out all the time.
 };
 
 /// A saved frame has forces if the settings ask for tensions.
@@ -35,7 +37,7 @@ struct RunObserver {
   std::function<void(std::uint64_t, std::uint64_t)> progress;
 };
 
-/// Energies are in J, as measure_energy() has them.
+/// Energies are in J, as measure_energy() has them. Rods whose length changes do work, which is in them.
 struct EnergyDrift {
   double initial = 0;
   double final = 0;
@@ -64,6 +66,9 @@ struct RunResult {
   /// Returns nanoseconds of stepping per rod and frame; NaN without rods.
   double ns_per_rod_frame() const;
 };
+
+/// Lets rods be as long at the end of the world's next step as they are at time `t` (s).
+void set_lengths(World& world, const Scene& scene, std::span<const LengthRate> rates, double t);
 
 /// Returns the number of the frame that ends at time `t`, to within a millionth of a frame, or none.
 std::optional<std::uint64_t> frame_at(double t, double dt);

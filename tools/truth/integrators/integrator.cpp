@@ -78,7 +78,7 @@ Real Integrator::project() {
       const ModelRod& rod = model_.rods[r];
       if (rod.elastic) continue;
       const Point d = state_.x[rod.b] - state_.x[rod.a];
-      const Real square = rod.length * rod.length;
+      const Real square = rod.length_at(time_) * rod.length_at(time_);
       c_[r] = (square - dot(d, d)) / 2;
       worst = std::max(worst, std::abs(c_[r]) / square);
     }
@@ -87,12 +87,13 @@ Real Integrator::project() {
     solver_.solve(none_, c_, change_, push_);
     for (std::size_t i = 0; i < change_.size(); ++i) state_.x[i] += change_[i];
   }
-  const WorstRod worst = worst_stretch(model_, state_.x);
+  const WorstRod worst = worst_stretch(model_, state_.x, time_);
   if (!(worst.stretch <= most_stretch)) refuse_stretch(worst);
   for (std::size_t r = 0; r < model_.rods.size(); ++r) {
     const ModelRod& rod = model_.rods[r];
     if (rod.elastic) continue;
-    c_[r] = -dot(state_.x[rod.b] - state_.x[rod.a], state_.v[rod.b] - state_.v[rod.a]);
+    c_[r] = rod.rate * rod.length_at(time_) -
+            dot(state_.x[rod.b] - state_.x[rod.a], state_.v[rod.b] - state_.v[rod.a]);
   }
   solver_.solve(none_, c_, change_, push_);
   Real most = 0;
@@ -105,7 +106,7 @@ Real Integrator::project() {
 
 void Integrator::expand() {
   solver_.factor(state_.x);
-  series_.expand(state_, solver_);
+  series_.expand(state_, time_, solver_);
 }
 
 void Integrator::add_pulls(Real by, std::vector<Real>& out) {
@@ -135,7 +136,7 @@ Real Integrator::shorten_step(Real h, Real most) {
   constexpr int most_halvings = 20, most_halvings_of_lengths = 10;
   for (int halvings = 0;; ++halvings) {
     series_.evaluate(h, next_);
-    const WorstRod worst = worst_stretch(model_, next_.x);
+    const WorstRod worst = worst_stretch(model_, next_.x, time_ + h);
     const bool lengths_hold = series_.lengths_hold(h, next_, most_length_error);
     if (worst.stretch <= most && lengths_hold) return h;
     // A series too short for its step gains order digits from every halving. A rod that was left out as
@@ -165,7 +166,7 @@ void Integrator::advance_to(Real t) {
       h = left / 2;  // Half of what is left avoids a short last step.
     }
     // Redundant rods that contradict each other by rounding may keep the strain that they had before.
-    h = shorten_step(h, allowed + 2 * worst_stretch(model_, state_.x).stretch);
+    h = shorten_step(h, allowed + 2 * worst_stretch(model_, state_.x, time_).stretch);
     if (h != left && !(h > 1e-12L * std::max(left, time_))) refuse_shrinking();
     const bool last = h == left;
     finish_step(h);

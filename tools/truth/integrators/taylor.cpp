@@ -65,6 +65,8 @@ void TaylorSeries::constrain(std::size_t k, std::size_t r) {
   // The drag is taken to the other side, see expand().
   const Real along = dx[0] * dx[k + 1] + dy[0] * dy[k + 1] + dz[0] * dz[k + 1];
   c_[r] = model_.drag * static_cast<Real>(k + 1) * along - both * sum;
+  // Half the square of a length that changes has a coefficient of t² alone beyond those of 1 and t.
+  if (k == 0) c_[r] += model_.rods[r].rate * model_.rods[r].rate;
 }
 
 /// Finds coefficient k of an elastic rod's length.
@@ -87,13 +89,16 @@ void TaylorSeries::expand_pull(std::size_t k, std::size_t r) {
   expand_length(k + 1, r);
   const Real* length = &length_[r * powers_];
   Real* mu = &mu_[r * powers_];
-  const Real excess = k == 0 ? length[0] - rod.length : length[k];
+  Real excess = length[k];
+  if (k == 0) excess -= rod.length_at(time_);
+  if (k == 1) excess -= rod.rate;
   Real sum = -rod.stiffness * excess - rod.damping * static_cast<Real>(k + 1) * length[k + 1];
   for (std::size_t j = 0; j < k; ++j) sum -= mu[j] * length[k - j];
   mu[k] = sum / length[0];
 }
 
-void TaylorSeries::expand(const State& state, ConstraintSolver& solver) {
+void TaylorSeries::expand(const State& state, Real t, ConstraintSolver& solver) {
+  time_ = t;
   const std::size_t n = model_.particles();
   std::fill(norm_.begin(), norm_.end(), Real{0});
   const auto set = [&](std::size_t power, std::size_t i, const Point& value) {

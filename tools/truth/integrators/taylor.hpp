@@ -14,14 +14,16 @@ namespace plumb::truth {
 /// first, the acceleration, needs. With d = x_b - x_a it says
 ///
 ///   (k+1)(k+2) M x_{k+2} - J_0ᵀ mu_k = [M g if k = 0] - drag (k+1) M x_{k+1} + sum_{j<k} mu_j d_{k-j},
-///   J_0 x_{k+2} = -1/2 sum_{j=1..k+1} d_j·d_{k+2-j}
+///   J_0 x_{k+2} = -1/2 sum_{j=1..k+1} d_j·d_{k+2-j} + [rate²/2 if k = 0]
 ///
 /// An elastic rod's mu_k is known beforehand and stands on the right. Its length l has a series too. It
-/// follows from l l = d·d, and mu from mu l = -stiffness (l - length) - damping dl/dt, one coefficient after
-/// the other:
+/// follows from l l = d·d, and mu from mu l = -stiffness (l - L) - damping dl/dt, one coefficient
+/// after the other:
 ///
 ///   l_0 l_k = 1/2 (sum_{j=0..k} d_j·d_{k-j} - sum_{j=1..k-1} l_j l_{k-j}),
-///   l_0 mu_k = -stiffness (l_k - [length if k = 0]) - damping (k+1) l_{k+1} - sum_{j<k} mu_j l_{k-j}
+///   l_0 mu_k = -stiffness (l_k - L_k) - damping (k+1) l_{k+1} - sum_{j<k} mu_j l_{k-j}
+///
+/// with L_0 its length at rest and L_1 the rate of that.
 ///
 /// Bends and twists push likewise, see BentSeries.
 ///
@@ -34,8 +36,9 @@ class TaylorSeries {
   /// that order.
   TaylorSeries(const Model& model, std::uint32_t order);
 
-  /// Expands around a state that keeps its rods, for which `solver` has been factored. It costs O(n order²).
-  void expand(const State& state, ConstraintSolver& solver);
+  /// Expands around a state at time t (s) that keeps its rods, for which `solver` has been factored. It costs
+  /// O(n order²).
+  void expand(const State& state, Real t, ConstraintSolver& solver);
 
   /// Returns the seconds in which the last three coefficients add at most `tolerance`. Positions are relative
   /// to the diagonal, and velocities to the speed of the model. Jorba and Zou (Experimental Mathematics 14,
@@ -65,6 +68,7 @@ class TaylorSeries {
   const Model& model_;
   std::size_t powers_;  ///< Powers of t that are kept: order + 2.
   BentSeries bent_;
+  Real time_ = 0;  ///< Time of the expansion, in s.
   // An item's powers lie side by side, because convolutions run along them.
   std::vector<Real> x_, y_, z_;     ///< Coefficients of particles.
   std::vector<Real> dx_, dy_, dz_;  ///< Coefficients of rods, from a to b.

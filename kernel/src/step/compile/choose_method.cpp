@@ -30,14 +30,16 @@ Method choose_method(const Scene& scene, IslandShape shape, std::span<const std:
 Gradient choose_gradient(const Scene& scene, IslandShape shape, std::span<const std::uint32_t> rods,
                          const Settings& settings) {
   if (settings.gradient) return *settings.gradient;
-  const bool has_loops = shape != IslandShape::tree;
+  const bool has_mass = carries_mass(scene, rods, mass_model_of(settings));
   if (!settings.accuracy) {
-    const bool is_plain = !carries_mass(scene, rods, mass_model_of(settings)) && !has_laws(scene, rods);
-    return has_loops && shape != IslandShape::thin && is_plain ? Gradient::new_ : Gradient::mid;
+    const bool is_wide = shape == IslandShape::wide || shape == IslandShape::vast;
+    return is_wide && !has_mass && !has_laws(scene, rods) ? Gradient::new_ : Gradient::mid;
   }
+  const bool has_order_4 =
+      is_tree(shape) && choose_time_order(scene, Gradient::old, true, rods, settings) == 4;
   // Steps of gradient old cost a fraction of mid's where multipliers are the only unknowns, else as much. A
   // net of rods with mass, drawn straight between its corners, takes 130 times as many steps with old.
-  return !has_loops || !carries_mass(scene, rods, mass_model_of(settings)) ? Gradient::old : Gradient::mid;
+  return shape == IslandShape::tree || !has_mass || has_order_4 ? Gradient::old : Gradient::mid;
 }
 
 std::uint32_t choose_time_order(const Scene& scene, Gradient gradient, bool is_tree,

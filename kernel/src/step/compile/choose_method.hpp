@@ -9,8 +9,12 @@
 
 namespace plumb::detail {
 
-/// Islands are trees, or have loops and are thin, wide or vast (see island_shape.hpp).
-enum class IslandShape : std::uint8_t { tree, thin, wide, vast };
+/// Islands are trees, or have loops and are thin, wide or vast (see island_shape.hpp). A tied tree closes
+/// loops through anchors, of which it hangs from two or more.
+enum class IslandShape : std::uint8_t { tree, tied, thin, wide, vast };
+inline bool is_tree(IslandShape shape) {
+  return shape == IslandShape::tree || shape == IslandShape::tied;
+}
 
 /// Returns what method automatic takes for an island. Ten sweeps let a net of 64 x 64 particles stretch to
 /// three times its size, so direct takes what it can. Relax takes vast islands, whose factorisation would
@@ -25,7 +29,9 @@ Method choose_method(const Scene& scene, IslandShape shape, std::span<const std:
 /// % slack takes 43 Newton steps a frame with mid and 4 with new.
 ///
 /// With an accuracy the gradient is old, but mid for loops of rods with mass. Trees may then change to mid
-/// and back (see make_direct_simulation).
+/// and back (see make_direct_simulation). In tied trees with mass, old must pay by its order 4. In steps that
+/// change it lets energy drift: 40 four-bars at an accuracy of 1e-4 are 400 times nearer to the truth after
+/// 20 s with mid, by as many steps.
 Gradient choose_gradient(const Scene& scene, IslandShape shape, std::span<const std::uint32_t> rods,
                          const Settings& settings);
 

@@ -40,7 +40,8 @@ Choice choose_with_elements(const Settings& settings) {
 }
 
 IslandShape shape_of(const layouts::Graph& island) {
-  if (layouts::find_tree(island)) return IslandShape::tree;
+  if (const auto tree = layouts::find_tree(island))
+    return tree->ties.size() > 1 ? IslandShape::tied : IslandShape::tree;
   return is_thin(island) ? IslandShape::thin : is_vast(island) ? IslandShape::vast : IslandShape::wide;
 }
 
@@ -52,8 +53,7 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
   Choice out{choose_method(scene, shape, rods, settings), {}};
   if (out.method != Method::direct) return out;
   out.direct.gradient = choose_gradient(scene, shape, rods, settings);
-  out.direct.time_order =
-      choose_time_order(scene, out.direct.gradient, shape == IslandShape::tree, rods, settings);
+  out.direct.time_order = choose_time_order(scene, out.direct.gradient, is_tree(shape), rods, settings);
   out.direct.bounds_frames = !settings.accuracy && !settings.gradient;
   out.direct.changes_gradient = settings.accuracy && !settings.gradient &&
                                 out.direct.gradient == Gradient::old && out.direct.time_order == 2;
@@ -98,6 +98,7 @@ class Compiler {
   /// Makes the contact solver, and finds which particles belong to islands that it alone can move.
   void make_contact() {
     const SceneParts parts(scene_);
+    if (method_row(settings_.method).make_jointed) return make_jointed(parts);
     contact_ = std::make_unique<ContactSolver>(scene_, parts, settings_);
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
       if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
@@ -113,6 +114,21 @@ class Compiler {
     out_.info.direct_gradient = Gradient::old;
   }
 
+  /// Makes solvers for islands with bodies or joints by a method that needs no contact solver for them.
+  void make_jointed(const SceneParts& parts) {
+    for (std::uint32_t p = 0; p < parts.count(); ++p) {
+      if (!parts.part(p).capsules.empty())
+        refuse("particle ", parts.particles(p).front(), ": its island has shapes, and method ",
+               to_string(settings_.method), " lets nothing touch; relax, direct and auto do");
+      if (is_plain(parts.part(p))) continue;
+      require_no_elements(parts.particles(p));
+      ++out_.info.islands;
+      for (const std::uint32_t particle : parts.particles(p))
+        if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
+      add(method_row(settings_.method).make_jointed(parts.part(p), parts.particles(p), settings_, start_));
+    }
+  }
+
   /// Refuses rods that may break in an island with joints, springs or shapes.
   static void require_unbreakable(const Scene& part, std::uint32_t particle) {
     if (std::any_of(part.rods.begin(), part.rods.end(),
@@ -124,7 +140,7 @@ class Compiler {
 
   /// Refuses springs and torsions where the method does not know them.
   void require_springs_moved() const {
-    if (method_row(settings_.method).moves_joints) return;
+    if (method_row(settings_.method).moves_joints || method_row(settings_.method).make_jointed) return;
     const char* const what = !scene_.springs.empty() ? "spring" : !scene_.torsions.empty() ? "torsion" : "";
     if (*what != 0)
       refuse(what, " 0: method ", to_string(settings_.method), " moves no ", what, "s; direct and auto do");
