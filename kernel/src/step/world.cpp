@@ -149,9 +149,10 @@ void World::set_tackle_length(std::uint32_t tackle, double target) {
 void World::set_reel(std::uint32_t reel, double out) {
   impl_->require_reel(reel);
   require_length("reel ", reel, out);
-  if (out > impl_->chains[reel])
-    refuse("reel ", reel, ": ", out, " m cannot be out of a chain of ", impl_->chains[reel], " m");
-  impl_->step->set_length(impl_->rods + impl_->tackles + reel, out);
+  const double whole = impl_->chains[reel];
+  if (detail::exceeds_chain(out, whole))
+    refuse("reel ", reel, ": ", out, " m cannot be out of a chain of ", whole, " m");
+  impl_->step->set_length(impl_->rods + impl_->tackles + reel, std::min(out, whole));
 }
 double World::reel_out(std::uint32_t reel) const {
   impl_->require_reel(reel);

@@ -14,7 +14,7 @@ struct LoopElements {
   std::vector<LoopBend> bends;
   std::vector<LoopTackle> tackles;
   std::vector<LoopTwist> twists;
-  std::vector<LoopReel> reels;
+  std::vector<LoopReel> reels{};
 
   bool any() const { return !bends.empty() || !tackles.empty() || !twists.empty() || !reels.empty(); }
   friend bool operator==(const LoopElements&, const LoopElements&) = default;

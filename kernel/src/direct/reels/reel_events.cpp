@@ -110,21 +110,18 @@ bool free_carried(LoopState& state, std::size_t i) {
   return jolts;
 }
 
-/// Returns the length (m) at which the rod beyond particle `first` goes on as the rod that leaves the drum,
-/// when its end is `distance` (m) from the drum. It pulls as before.
+/// Returns the length (m) at which the rod beyond the first free particle goes on as the rod that leaves the
+/// drum, when its end is `distance` (m) from the drum. It is as taut as before: both less the corner.
 double joined_length(const ReelView& reel, double distance) {
   const std::uint32_t first = reel.motion.first, outer = reel.shape.rods[first];
   const auto& law = reel.numbers.laws[first];
   const double whole = reel.length() + reel.numbers.length[first];
-  const bool is_one_sided = law[3] != 0;
-  if (law[2] != 0) {
-    const bool is_taut = !is_one_sided || (reel.state.mu[reel.rod()] < 0 && reel.state.mu[outer] < 0);
-    return is_taut ? distance : std::max(distance, whole);
-  }
-  const Vec3 way = reel.state.position(reel.shape.vertices[first + 1]) - reel.state.position(reel.free());
-  const double excess = norm(way) - reel.numbers.length[first];
-  if (law[0] == 0 || (is_one_sided && excess <= 0)) return whole;
-  return distance * reel.numbers.length[first] / (reel.numbers.length[first] + excess);
+  if (law[3] != 0 && (reel.state.mu[reel.rod()] >= 0 || reel.state.mu[outer] >= 0))
+    return std::max(whole, law[2] != 0 ? distance : 0);  // it is slack
+  if (law[2] != 0) return distance;
+  const Vec3 place = reel.state.position(reel.free());
+  return whole + distance - norm(place - reel.state.position(reel.drum())) -
+         norm(reel.state.position(reel.shape.vertices[first + 1]) - place);
 }
 
 /// Lets the first free particle be carried. Returns whether velocities do not fit.

@@ -8,7 +8,7 @@ namespace {
 
 /// No part of a substep that ends where a particle becomes free or carried is a smaller share of it. Rounding
 /// of places would show in the velocities of shorter ones.
-constexpr double least_part = 1e-6;
+constexpr double least_part = 1e-4;
 
 }  // namespace
 

@@ -52,7 +52,8 @@ void validate_out(const Scene& scene, const RodTable& rods, std::size_t i) {
   const double out = scene.reels[i].out, whole = chain_length(scene, rods, scene.reels[i]);
   if (!(out >= 0 && std::isfinite(out)))
     refuse("reel ", i, ": what is out must be positive and finite, got ", out, " m");
-  if (out > whole) refuse("reel ", i, ": ", out, " m are out, but its chain is ", whole, " m long");
+  if (exceeds_chain(out, whole))
+    refuse("reel ", i, ": ", out, " m are out, but its chain is ", whole, " m long");
 }
 
 /// Refuses what holds a particle that may be wound, which stays outside of the drum.
@@ -119,7 +120,7 @@ ReelStart start_of(const Scene& scene, const RodTable& rods, const Reel& reel) {
   ReelStart start{std::vector<double>(chain.size() + 1), reel.out, 1};
   for (std::size_t k = chain.size(); k-- > 0;)
     start.behind[k] = start.behind[k + 1] + rod_length(scene, chain[k]);
-  if (reel.out == 0) start.out = start.behind.front();
+  if (reel.out == 0 || reel.out > start.behind.front()) start.out = start.behind.front();
   // A particle is free from half a rod before the drum on.
   while (start.first < chain.size() && start.leaving() < rod_length(scene, chain[start.first - 1]) / 2)
     ++start.first;

@@ -16,6 +16,10 @@ void validate_reels(const Scene& scene);
 std::vector<std::uint32_t> rods_of(const RodTable& rods, const Reel& reel);
 /// Returns the length of a reel's chain, in m.
 double chain_length(const Scene& scene, const RodTable& rods, const Reel& reel);
+/// Says whether more (m) would be out than a chain of `whole` (m) has, but for rounding of their sums.
+inline bool exceeds_chain(double out, double whole) {
+  return out > (1 + 1e-12) * whole;
+}
 
 /// This is how a reel starts.
 struct ReelStart {
