@@ -228,6 +228,22 @@ TEST(Reels, DrumsHoldWhatChangesTheMomentum) {
   }
 }
 
+TEST(Reels, WhatHangsFollowsADrumThatTurnsSmoothly) {
+  for (const std::uint32_t substeps : {1u, 2u, 3u}) {
+    World world(make_reeled({.rods = 1, .length = 2, .mass = 3, .out = 1}), direct(Gradient::mid, substeps));
+    double out = 1, rate = 0;
+    for (int i = 1; i <= 100; ++i) {
+      const double next = 1 + 0.5 * std::sin(0.05 * i), last = rate;
+      rate = (next - out) / 0.01;
+      out = next;
+      world.set_reel(0, out);
+      world.step(0.01);
+      ASSERT_NEAR(world.velocity(1).y, -rate, 1e-11) << substeps << " at " << i;
+      ASSERT_NEAR(world.reaction(0).y, 3 * (g - (rate - last) / 0.01), 1e-8) << substeps << " at " << i;
+    }
+  }
+}
+
 TEST(Reels, ARopeThatGoesInAndOutAHundredTimesIsWhereItWas) {
   // A rope from the drum to an anchor, which hangs in a bow.
   Scene scene = make_reeled({.rods = 8, .length = 0.25, .direction = slanted(1.2)});

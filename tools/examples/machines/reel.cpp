@@ -9,12 +9,12 @@ int main() {
   constexpr unsigned rods = 40;
   constexpr double length = 0.25, least = 1;  // m
   plumb::Scene scene;
-  scene.drag = 0.1;
+  scene.drag = 0.2;
   scene.particles = {{.position = {0, 0, 0}, .fixed = true}};  // the drum, with most of the rope
   plumb::Reel reel{.particles = {0}, .out = least};
   for (unsigned i = 1; i <= rods; ++i) {
     const double out = std::max(0.0, least - (rods - i) * length);
-    scene.particles.push_back({.position = {0.6 * out, -0.8 * out, 0}, .mass = i < rods ? 0.5 : 100});
+    scene.particles.push_back({.position = {0.28 * out, -0.96 * out, 0}, .mass = i < rods ? 0.5 : 100});
     scene.rods.push_back({.a = i - 1, .b = i, .length = length});
     reel.particles.push_back(i);
   }

@@ -15,6 +15,12 @@ namespace {
 /// more, the shorter substeps are.
 constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
 
+/// Says whether a drum turns at another rate (m/s), but for rounding. Then velocities are projected onto it,
+/// and what that pulls is counted. Gradient mid would swing about the rate for ever.
+bool turns_otherwise(double before, double after) {
+  return std::abs(after - before) > 1e-6 * std::max(std::abs(before), std::abs(after));
+}
+
 }  // namespace
 
 void LoopRules::set_stop_rule(const StopRule& rule) {
@@ -237,7 +243,7 @@ bool LoopSolver::is_broken(Slot rod) const {
 void LoopSolver::set_length(Slot cord, double length, double rate) {
   if (is_reel(cord)) {
     const auto number = static_cast<std::uint32_t>(cord - first_reel());
-    lengths_changed_ = lengths_changed_ || rate_jumps(state_.reels[number].rate, rate);
+    lengths_changed_ = lengths_changed_ || turns_otherwise(state_.reels[number].rate, rate);
     set_reel(state_, number, length, rate);
     return;
   }
