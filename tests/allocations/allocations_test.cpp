@@ -16,6 +16,7 @@
 #include "scenes/spec.hpp"
 #include "support/executors.hpp"
 #include "support/mechanisms.hpp"
+#include "support/reeled_chain.hpp"
 #include "support/sanitizers.hpp"
 #include "support/worlds.hpp"
 
@@ -261,6 +262,23 @@ TEST_F(Allocations, AreNoneInStepsWithLoadsTacklesAndReactions) {
     };
     step();
     EXPECT_EQ(allocations_in([&] { step(); }), 0u);
+  }
+}
+
+TEST_F(Allocations, AreNoneInStepsThatReel) {
+  for (const Gradient gradient : {Gradient::mid, Gradient::new_}) {
+    World world(test::make_reeled({.direction = {0.6, -0.8, 0}}),
+                {.method = Method::direct, .gradient = gradient, .tensions = true});
+    const auto reel = [&](double rate) {
+      for (int i = 0; i < 40; ++i) {
+        world.set_reel(0, world.reel_out(0) + rate / 60);
+        world.step(1.0 / 60);
+        (void)world.reaction(0);
+      }
+    };
+    reel(-1);
+    EXPECT_EQ(allocations_in([&] { reel(0.9); }), 0u);
+    EXPECT_EQ(allocations_in([&] { reel(-1); }), 0u);
   }
 }
 

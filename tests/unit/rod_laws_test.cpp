@@ -216,9 +216,9 @@ TEST(RodJudge, LeavesOutWhatMayBeOffItsLength) {
   const RodJudge judge(scene);
   std::vector<Problem> found;
   const auto squeezed = [&](std::uint32_t i) { return 0.5 * scene.particles[i].position; };
-  const auto length = [](std::uint32_t) { return 0.1; };
+  const auto strain = [](std::uint32_t, double distance) { return distance / 0.1 - 1; };
   judge.judge(
-      0.01, squeezed, length, [](std::uint32_t rod) { return rod == 3; }, found);
+      0.01, squeezed, strain, [](std::uint32_t rod) { return rod == 3; }, found);
   ASSERT_EQ(found.size(), 1u) << "elastic, slack and broken rods are left out";
   EXPECT_EQ(found[0].rod, 0u);
   EXPECT_EQ(found[0].particle, 1u);

@@ -156,7 +156,8 @@ Model make_model(const Scene& scene, MassModel mass, std::span<const scenes::Len
   straight.twists.clear();
   if (has_more_than_rods(straight))
     throw InputError(
-        "a truth is of particles, rods, bends and twists alone: this scene has tackles, bodies, joints, "
+        "a truth is of particles, rods, bends and twists alone: this scene has tackles, reels, bodies, "
+        "joints, "
         "springs, shapes, ground, drag of joints or of rods, or sleepers");
   Model model;
   Real fastest = 0;

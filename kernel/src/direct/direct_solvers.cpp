@@ -8,6 +8,7 @@
 #include "direct/trees/tree_solver.hpp"
 #include "interface/island_shape.hpp"
 #include "plumb/layouts/trees.hpp"
+#include "scene/reels/reels.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -46,6 +47,16 @@ LoopElements local_elements(const Scene& scene, const IslandSets& sets, std::uin
     LoopTwist& twist = out.twists.emplace_back();
     for (const std::uint32_t particle : scene.twists[i].particles) twist.vertices.push_back(place(particle));
   }
+  if (sets.elements.reels_of(island).empty()) return out;
+  const RodTable rods(scene);
+  const auto edges = sets.islands.edges(island);
+  for (const std::uint32_t i : sets.elements.reels_of(island)) {
+    LoopReel& reel = out.reels.emplace_back();
+    for (const std::uint32_t particle : scene.reels[i].particles) reel.vertices.push_back(place(particle));
+    for (const std::uint32_t rod : rods_of(rods, scene.reels[i]))
+      reel.rods.push_back(
+          static_cast<std::uint32_t>(std::lower_bound(edges.begin(), edges.end(), rod) - edges.begin()));
+  }
   return out;
 }
 
@@ -62,7 +73,13 @@ class Maker {
  public:
   Maker(const Scene& scene, const IslandSets& sets, const Settings& settings, const DirectRules& rules,
         StartReport& report)
-      : scene_(scene), sets_(sets), settings_(settings), rules_(rules), report_(report), bends_(scene) {}
+      : scene_(scene),
+        sets_(sets),
+        settings_(settings),
+        rules_(rules),
+        report_(report),
+        bends_(scene),
+        reeled_(reeled_rods(scene)) {}
 
   std::vector<MadeSolver> make() {
     for (const std::vector<std::uint32_t>& alike : sets_.sets) {
@@ -98,24 +115,45 @@ class Maker {
     if (std::any_of(tackles.begin(), tackles.end(),
                     [&](std::uint32_t i) { return is_off(scene_.tackles[i]); }))
       return true;
+    const auto reels = sets_.elements.reels_of(island);
+    if (std::any_of(reels.begin(), reels.end(), [&](std::uint32_t i) { return is_off(scene_.reels[i]); }))
+      return true;
     const auto rods = sets_.islands.edges(island);
     return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
+      if (!reeled_.empty() && reeled_[i] != 0) return false;
       const Rod& rod = scene_.rods[i];
-      const double length = rod_length(scene_, i);
-      const double now = norm(scene_.particles[rod.b].position - scene_.particles[rod.a].position);
-      if (rod.law.is_elastic() || (rod.law.one_sided && now < length)) return false;
-      return std::abs(now - length) > least_gap * length;
+      return is_off(rod.law, distance(rod.a, rod.b), rod_length(scene_, i));
     });
+  }
+
+  static bool is_off(const RodLaw& law, double now, double length) {
+    if (law.is_elastic() || (law.one_sided && now < length)) return false;
+    return std::abs(now - length) > least_gap * length;
+  }
+
+  double distance(std::uint32_t a, std::uint32_t b) const {
+    return norm(scene_.particles[b].position - scene_.particles[a].position);
   }
 
   bool is_off(const Tackle& tackle) const {
     double now = 0;
     for (std::size_t k = 1; k < tackle.particles.size(); ++k)
-      now += norm(scene_.particles[tackle.particles[k]].position -
-                  scene_.particles[tackle.particles[k - 1]].position);
-    if (tackle.length == 0 || tackle.law.is_elastic() || (tackle.law.one_sided && now < tackle.length))
-      return false;
-    return std::abs(now - tackle.length) > least_gap * tackle.length;
+      now += distance(tackle.particles[k - 1], tackle.particles[k]);
+    return tackle.length != 0 && is_off(tackle.law, now, tackle.length);
+  }
+
+  /// Of a chain that is what is out.
+  bool is_off(const Reel& reel) const {
+    const RodTable table(scene_);
+    const ReelStart start = start_of(scene_, table, reel);
+    const std::vector<std::uint32_t> rods = rods_of(table, reel);
+    const auto& particles = reel.particles;
+    bool off = is_off(scene_.rods[rods[start.first - 1]].law,
+                      distance(particles.front(), particles[start.first]), start.leaving());
+    for (std::size_t k = start.first; k < rods.size(); ++k)
+      off = off || is_off(scene_.rods[rods[k]].law, distance(particles[k], particles[k + 1]),
+                          rod_length(scene_, rods[k]));
+    return off;
   }
 
   template <class T>
@@ -205,6 +243,9 @@ class Maker {
       for (const std::uint32_t rod : rods) made.cords.push_back({rod, cord++});
       for (const std::uint32_t tackle : sets_.elements.tackles_of(island))
         made.cords.push_back({static_cast<std::uint32_t>(scene_.rods.size()) + tackle, cord++});
+      for (const std::uint32_t reel : sets_.elements.reels_of(island))
+        made.cords.push_back(
+            {static_cast<std::uint32_t>(scene_.rods.size() + scene_.tackles.size()) + reel, cord++});
       LoopState state(topology, scene_, model(), vertices, sets_.islands.edges(island));
       if (elements.any()) load_elements(state, island, made);
       auto solver = std::make_unique<LoopSolver>(loop_rules_, std::move(state));
@@ -221,6 +262,7 @@ class Maker {
     load_bends(state, bends_, rods, sets_.elements.bends_of(island));
     load_tackles(state, scene_, sets_.elements.tackles_of(island));
     load_twists(state, bends_, rods, sets_.elements.twists_of(island));
+    load_reels(state, scene_, sets_.elements.reels_of(island));
     for (const std::uint32_t twist : sets_.elements.twists_of(island))
       made.twists.emplace_back(twist, static_cast<Slot>(made.twists.size()));
   }
@@ -249,6 +291,7 @@ class Maker {
   const DirectRules& rules_;
   StartReport& report_;
   const BendTable bends_;
+  const std::vector<std::uint8_t> reeled_;
   std::shared_ptr<LoopRules> loop_rules_;
   std::vector<MadeSolver> made_;
 };

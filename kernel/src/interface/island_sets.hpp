@@ -15,7 +15,7 @@ struct IslandSets {
   layouts::Graph graph;                          ///< of the whole scene
   const layouts::Islands& islands;               ///< of the whole scene
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers
-  IslandElements elements{};                     ///< bends, tackles and twists
+  IslandElements elements{};                     ///< bends, tackles, twists and reels
 };
 
 }  // namespace plumb::detail

@@ -15,9 +15,9 @@ struct MadeSolver {
     std::uint32_t particle;  ///< the scene's number
     Slot slot;
   };
-  /// A rod or a tackle has a slot where its solver can say how it pulls and change its length.
+  /// A rod, a tackle or a reel has a slot where its solver can say how it pulls and change its length.
   struct CordPlace {
-    std::uint32_t cord;  ///< the scene's number of a rod, or that of a tackle after all rods
+    std::uint32_t cord;  ///< the scene's number of a rod, then those of tackles, then those of reels
     Slot slot;
   };
   std::unique_ptr<Solver> solver;

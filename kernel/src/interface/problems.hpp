@@ -23,14 +23,14 @@ class RodJudge {
   std::uint32_t end(std::uint32_t rod) const { return rods_[rod].first_movable; }
 
   /// Appends a problem for every rod that is not elastic nor broken and whose strain is above `most_strain`.
-  /// position(particle), length(rod) and is_broken(rod) say how they are.
-  template <class Position, class Length, class IsBroken>
-  void judge(double most_strain, Position&& position, Length&& length, IsBroken&& is_broken,
+  /// position(particle), strain(rod, distance of its ends) and is_broken(rod) say how they are.
+  template <class Position, class Strain, class IsBroken>
+  void judge(double most_strain, Position&& position, Strain&& strain_at, IsBroken&& is_broken,
              std::vector<Problem>& out) const {
     for (std::uint32_t i = 0; i < rods_.size(); ++i) {
       const auto& [a, b, first_movable, is_elastic, one_sided] = rods_[i];
       if (is_elastic) continue;
-      const double strain = norm(position(b) - position(a)) / length(i) - 1;
+      const double strain = strain_at(i, norm(position(b) - position(a)));
       if ((one_sided ? strain : std::abs(strain)) <= most_strain || is_broken(i)) continue;
       out.push_back({Problem::Kind::stretched, first_movable, i, strain});
     }

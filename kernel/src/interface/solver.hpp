@@ -148,7 +148,7 @@ class Solver {
   /// Returns whether all islands of a piece are left out.
   virtual bool is_away(std::uint32_t piece) const = 0;
 
-  // --- Rods and tackles, by slots of their own; of solvers that have them (MadeSolver::cords)
+  // --- Rods, tackles and reels, by slots of their own; of solvers that have them (MadeSolver::cords)
 
   /// Adds up how cords pull from now on.
   virtual void count_pulls() {}
@@ -158,8 +158,10 @@ class Solver {
   /// Returns the pull (N) of a cord, averaged over the last step of `dt` (s).
   virtual double pull(Slot, double /*dt*/) const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual bool is_broken(Slot) const { return false; }
-  /// Sets the length (m) of a cord, and its rate (m/s) in the next step. All cords of a step get theirs
-  /// before begin_piece().
+  /// Returns the strain of a rod that reads `strain` by the places of its ends.
+  virtual double strain(Slot, double strain) const { return strain; }
+  /// Sets the length (m) of a cord, or what is out of a reel, and its rate (m/s) in the next step. All cords
+  /// of a step get theirs before begin_piece().
   virtual void set_length(Slot, double /*length*/, double /*rate*/) {}
 
   // --- Twists, by slots of their own; of solvers that have them (MadeSolver::twists)

@@ -6,6 +6,7 @@
 #include "plumb/error.hpp"
 #include "scene/bends/bends.hpp"
 #include "scene/bends/twists.hpp"
+#include "scene/reels/reels.hpp"
 #include "scene/springs/springs.hpp"
 #include "scene/tackles/tackles.hpp"
 
@@ -60,7 +61,9 @@ Stretch measure_stretch(const Scene& scene, std::span<const Vec3> positions) {
   require_size("positions", positions.size(), scene.particles.size());
   Stretch result;
   double sum_of_squares = 0;
+  const std::vector<std::uint8_t> at_drums = detail::rods_at_drums(scene, positions);
   for (std::size_t i = 0; i < scene.rods.size(); ++i) {
+    if (!at_drums.empty() && at_drums[i] != 0) continue;
     const double length = rod_length(scene, i);
     const double strain = excess_length(scene, i, positions) / length;
     sum_of_squares += strain * strain;

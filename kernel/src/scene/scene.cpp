@@ -9,6 +9,7 @@
 #include "scene/barycentric.hpp"
 #include "scene/bends/bends.hpp"
 #include "scene/bends/twists.hpp"
+#include "scene/reels/reels.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
 #include "scene/springs/springs.hpp"
@@ -115,6 +116,7 @@ void validate(const Scene& scene) {
   detail::validate_bends(scene);
   detail::validate_twists(scene);
   detail::validate_tackles(scene);
+  detail::validate_reels(scene);
   detail::validate_bodies(scene);
   validate_lumped_masses(scene);
   detail::validate_joints(scene);
@@ -124,9 +126,10 @@ void validate(const Scene& scene) {
 
 bool has_more_than_rods(const Scene& scene) {
   const bool plain = scene.bends.empty() && scene.twists.empty() && scene.tackles.empty() &&
-                     scene.bodies.empty() && scene.pins.empty() && scene.alignments.empty() &&
-                     scene.angles.empty() && scene.springs.empty() && scene.torsions.empty() &&
-                     scene.capsules.empty() && scene.planes.empty() && scene.boxes.empty();
+                     scene.reels.empty() && scene.bodies.empty() && scene.pins.empty() &&
+                     scene.alignments.empty() && scene.angles.empty() && scene.springs.empty() &&
+                     scene.torsions.empty() && scene.capsules.empty() && scene.planes.empty() &&
+                     scene.boxes.empty();
   const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
                                   [](const Particle& particle) { return particle.asleep; });
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {

@@ -58,7 +58,7 @@ struct MethodRow {
   Reads reads;
   bool moves_joints = false;    ///< bodies, joints, air, shapes that touch
   bool moves_laws = false;      ///< rods that are not rigid
-  bool moves_elements = false;  ///< bends, tackles and twists
+  bool moves_elements = false;  ///< bends, tackles, twists and reels
   /// Refuses settings that make no sense together. It may be null.
   void (*validate)(const Settings& settings) = nullptr;
   /// Makes the solvers of a scene's islands of particles and rods. It is null for automatic, which chooses

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "scene/reels/reels.hpp"
+
 namespace plumb::detail {
 
 Reactions::Reactions(const Scene& scene, const Settings& settings) : gravity_(scene.gravity) {
@@ -14,7 +16,9 @@ Reactions::Reactions(const Scene& scene, const Settings& settings) : gravity_(sc
 }
 
 void Reactions::add_rods(const Scene& scene, MassModel model) {
+  const std::vector<std::uint8_t> reeled = reeled_rods(scene);
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
+    if (!reeled.empty() && reeled[i] != 0) continue;  // what is out pulls as its solver says
     const auto [a, b] = std::pair{scene.rods[i].a, scene.rods[i].b};
     const bool from_a = scene.particles[a].fixed;
     if (!from_a && !scene.particles[b].fixed) continue;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "scene/reels/reels.hpp"
 #include "scene/refuse.hpp"
 #include "step/methods.hpp"
 
@@ -39,6 +40,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       compiled_(compile(scene, with_threads(settings, workers_.size()))),
       anchors_(scene, compiled_.solvers.size()),
       lengths_(scene),
+      reeled_(reeled_rods(scene)),
       loads_(scene),
       reactions_(scene, settings),
       rods_(scene),
@@ -226,6 +228,8 @@ void Step::set_length(std::uint32_t cord, double target) {
     refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");
   if (is_visiting(cord))
     refuse("rod ", cord, ": its length cannot change, since its island has shapes that may touch");
+  if (cord < reeled_.size() && reeled_[cord] != 0)
+    refuse("rod ", cord, ": its length cannot change by itself, since it is on a reel");
   lengths_.set_target(cord, target);
 }
 
@@ -317,7 +321,11 @@ std::vector<Problem> Step::problems(double most_strain) const {
   }
   rods_.judge(
       most_strain, [&](std::uint32_t particle) { return position(particle); },
-      [&](std::uint32_t rod) { return lengths_.length(rod); },
+      [&](std::uint32_t rod, double distance) {
+        const double strain = distance / lengths_.length(rod) - 1;
+        const auto places = compiled_.cords.of(rod);
+        return places.empty() ? strain : solver(places.front()).strain(places.front().slot, strain);
+      },
       [&](std::uint32_t rod) { return is_broken(rod); }, out);
   return out;
 }

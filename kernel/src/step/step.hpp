@@ -35,7 +35,8 @@ class Step {
   void set_force(std::uint32_t particle, Vec3 force);
   void set_load(Load load) { loads_.set(std::move(load)); }
   void move_anchor(std::uint32_t particle, Vec3 target);
-  /// Throws InputError if no solver can change the length of this cord. Cords are rods, then tackles.
+  /// Throws InputError if no solver can change the length of this cord. Cords are rods, then tackles,
+  /// then reels.
   void set_length(std::uint32_t cord, double target);
 
   /// Changes a spring, a torsion or an angle. Throws InputError on an unknown one, and on a change that needs
@@ -50,6 +51,7 @@ class Step {
     return compiled_.contact->torsion_angle(number);
   }
 
+  double length(std::uint32_t cord) const { return lengths_.length(cord); }
   /// Returns NaN where no solver knows the pull (N) of a cord in the last step.
   double pull(std::uint32_t cord) const;
   /// Copies the pulls of the first cords, which are faster to read together.
@@ -102,6 +104,7 @@ class Step {
   Compiled compiled_;
   Anchors anchors_;
   Lengths lengths_;
+  std::vector<std::uint8_t> reeled_;  ///< by rod: it is on a reel; empty if there are none
   Loads loads_;
   Reactions reactions_;
   RodJudge rods_;

@@ -5,6 +5,7 @@
 
 #include "plumb/executor.hpp"
 #include "relax/plan.hpp"
+#include "scene/reels/reels.hpp"
 #include "scene/refuse.hpp"
 #include "scene/springs/springs.hpp"
 #include "step/step.hpp"
@@ -38,6 +39,7 @@ struct World::Impl {
   std::uint32_t substeps = 1;
   std::uint32_t rods = 0, tackles = 0, twists = 0;
   std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, capsules = 0;
+  std::vector<double> chains;  ///< Lengths of the chains of reels, in m.
   bool tensions = false;
   double time = 0;
 
@@ -55,6 +57,9 @@ struct World::Impl {
   }
   void require_tackle(std::uint32_t tackle) const {
     if (tackle >= tackles) refuse("tackle ", tackle, ": unknown, the scene has ", tackles, " tackles");
+  }
+  void require_reel(std::uint32_t reel) const {
+    if (reel >= chains.size()) refuse("reel ", reel, ": unknown, the scene has ", chains.size(), " reels");
   }
   void require_twist(std::uint32_t twist) const {
     if (twist >= twists) refuse("twist ", twist, ": unknown, the scene has ", twists, " twists");
@@ -97,6 +102,9 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->springs = static_cast<std::uint32_t>(scene.springs.size());
   impl_->torsions = static_cast<std::uint32_t>(scene.torsions.size());
   impl_->capsules = static_cast<std::uint32_t>(scene.capsules.size());
+  if (scene.reels.empty()) return;
+  const detail::RodTable rods(scene);
+  for (const Reel& reel : scene.reels) impl_->chains.push_back(detail::chain_length(scene, rods, reel));
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -152,6 +160,19 @@ void World::set_tackle_length(std::uint32_t tackle, double target) {
   impl_->require_tackle(tackle);
   require_length("tackle ", tackle, target);
   impl_->step->set_length(impl_->rods + tackle, target);
+}
+
+void World::set_reel(std::uint32_t reel, double out) {
+  impl_->require_reel(reel);
+  require_length("reel ", reel, out);
+  const double whole = impl_->chains[reel];
+  if (detail::exceeds_chain(out, whole))
+    refuse("reel ", reel, ": ", out, " m cannot be out of a chain of ", whole, " m");
+  impl_->step->set_length(impl_->rods + impl_->tackles + reel, std::min(out, whole));
+}
+double World::reel_out(std::uint32_t reel) const {
+  impl_->require_reel(reel);
+  return impl_->step->length(impl_->rods + impl_->tackles + reel);
 }
 
 void World::set_twist(std::uint32_t twist, double angle) {

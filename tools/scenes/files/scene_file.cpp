@@ -102,11 +102,24 @@ void read_tackles(const Object& top, Scene& scene) {
   }
 }
 
+void read_reels(const Object& top, Scene& scene) {
+  if (!top.find("reels")) return;
+  const Array list(top, "reels");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Object item(list[i], list.path_of(i), {"particles", "out"});
+    const Array particles(item, "particles");
+    Reel& reel = scene.reels.emplace_back();
+    for (std::size_t k = 0; k < particles.size(); ++k)
+      reel.particles.push_back(particle_id(particles[k], particles.path_of(k)));
+    reel.out = number_or(item, "out", 0);
+  }
+}
+
 Scene scene_of(const json& root) {
   const Object top(
       root, "",
-      {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "twists", "tackles", "bodies",
-       "pins", "alignments", "angles", "springs", "torsions", "capsules", "planes", "boxes"});
+      {"plumb", "gravity", "drag", "joint_drag", "particles", "rods", "bends", "twists", "tackles", "reels",
+       "bodies", "pins", "alignments", "angles", "springs", "torsions", "capsules", "planes", "boxes"});
   require_version(top, "plumb", 1);
   Scene scene;
   scene.gravity = vector_or(top, "gravity", scene.gravity);
@@ -117,6 +130,7 @@ Scene scene_of(const json& root) {
   read_bends(top, scene);
   read_twists(top, scene);
   read_tackles(top, scene);
+  read_reels(top, scene);
   read_limbs(top, scene);
   return scene;
 }
@@ -189,6 +203,12 @@ std::string format_scene(const Scene& scene) {
       Json object{{"particles", Json::array_of(tackle.particles)}};
       if (tackle.length != 0) object["length"] = tackle.length;
       write_law(tackle.law, object);
+      return object;
+    });
+  if (!scene.reels.empty())
+    append_list(out, "reels", scene.reels, [](const Reel& reel) {
+      Json object{{"particles", Json::array_of(reel.particles)}};
+      if (reel.out != 0) object["out"] = reel.out;
       return object;
     });
   append_limbs(out, scene);

@@ -18,6 +18,7 @@
 ///    "twists": [{"particles": [0, 1, 2], "stiffness": N m², "angle": 0}, ...],
 ///    "tackles": [{"particles": [0, 1, 2], "length": 1, "stiffness": N/m, "damping": N s/m,
 ///                 "one_sided": false}, ...],
+///    "reels": [{"particles": [0, 1, 2], "out": 1}, ...],
 ///    "bodies": [{"particles": [0, 1, 2, 3], "mass": 1, "center": [x, y, z],
 ///                "inertia": {"xx": 1, "yy": 1, "zz": 1, "xy": 0, "xz": 0, "yz": 0}}, ...],
 ///    "pins": [{"a": point, "b": point}, ...],
@@ -33,7 +34,7 @@
 /// each. A direction is {"from": point, "to": point}.
 ///
 /// "plumb", "particles" with "position", and "rods" with "a" and "b" must be there. Items of the other lists
-/// must have their particles (a bend "a", "b" and "c", a twist and a tackle "particles"), points and
+/// must have their particles (a bend "a", "b" and "c", a twist, a tackle and a reel "particles"), points and
 /// directions, "radius", "normal", "center" and "half_size". A twist must have its "stiffness". A body must
 /// have its "mass", "center" and "inertia", but not its products. A capsule without "b" is a sphere. All else
 /// defaults as in Scene, and units are those of Scene: m, kg, s and rad. Any other key is an error.

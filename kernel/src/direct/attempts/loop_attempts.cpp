@@ -119,7 +119,7 @@ bool LoopStepper::advance_wide(LoopState& state, double h, Attempts& attempts, L
   return advance_pieces(state, h, 1, attempts, work, counters);
 }
 
-double LoopStepper::advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
+double LoopStepper::advance_whole(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
   const std::uint64_t before = counters.newton;
   const double error = try_advance(state, h, work, counters);
   state.effort.took(counters.newton - before);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "direct/loops/loop_state.hpp"
+#include "direct/loops/loop_vectors.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -124,6 +125,11 @@ bool locks_hold(const LoopState& state) {
 
 Vec3 locked_velocity(const LoopState& state, std::uint32_t node) {
   return state.fixed_velocity[state.locks.anchors[node] - state.topology->nodes];
+}
+
+void move_locked(const LoopState& state, double time, std::span<double> displacements) {
+  for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
+    if (state.locks.has(i)) put(&displacements[3 * std::size_t{i}], time * locked_velocity(state, i));
 }
 
 }  // namespace plumb::detail

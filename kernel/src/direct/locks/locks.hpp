@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct LoopState;
 /// Nodes are locked where rigid rods lie in a straight line between anchors that are as far apart as the line
 /// is long, or between other locked nodes. No motion is left to them, and no finite pull holds them there, so
 /// that equations for their rods have no solution. They move as their anchors do, like anchors themselves.
+/// So do particles that are wound on the drums of reels.
 struct Locks {
   static constexpr std::uint32_t none = 0xffffffff;
 
@@ -32,5 +34,8 @@ bool locks_hold(const LoopState& state);
 
 /// Returns the velocity of a locked node, in m/s.
 Vec3 locked_velocity(const LoopState& state, std::uint32_t node);
+
+/// Sets the displacements of locked nodes in a time, as their anchors move.
+void move_locked(const LoopState& state, double time, std::span<double> displacements);
 
 }  // namespace plumb::detail

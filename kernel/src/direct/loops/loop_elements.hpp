@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "direct/bends/loop_bend.hpp"
+#include "direct/reels/loop_reel.hpp"
 #include "direct/tackles/loop_tackle.hpp"
 #include "direct/twists/loop_twist.hpp"
 
@@ -13,8 +14,9 @@ struct LoopElements {
   std::vector<LoopBend> bends{};
   std::vector<LoopTackle> tackles{};
   std::vector<LoopTwist> twists{};
+  std::vector<LoopReel> reels{};
 
-  bool any() const { return !bends.empty() || !tackles.empty() || !twists.empty(); }
+  bool any() const { return !bends.empty() || !tackles.empty() || !twists.empty() || !reels.empty(); }
   friend bool operator==(const LoopElements&, const LoopElements&) = default;
   friend auto operator<=>(const LoopElements&, const LoopElements&) = default;
 };

@@ -15,6 +15,12 @@ namespace {
 /// more, the shorter substeps are.
 constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
 
+/// Says whether a drum turns at another rate (m/s), but for rounding. Then velocities are projected onto it,
+/// and what that pulls is counted. Gradient mid would swing about the rate for ever.
+bool turns_otherwise(double before, double after) {
+  return std::abs(after - before) > 1e-6 * std::max(std::abs(before), std::abs(after));
+}
+
 }  // namespace
 
 void LoopRules::set_stop_rule(const StopRule& rule) {
@@ -51,12 +57,14 @@ void LoopSolver::project_velocities() {
   if (!locks_known_) lock(find_locks(state_));
   const bool rests = std::all_of(state_.u.begin(), state_.u.end(), [](double u) { return u == 0; });
   if (!rests) rules_->stepper.project_velocities(state_, work_);
+  begin_reels(state_);
 }
 
 // --- Steps
 
 void LoopSolver::lock(Locks locks) {
   locks_known_ = true;
+  if (!state_.reels.empty()) return;  // they lock what is wound, and that alone
   if (!state_.locks.any() && !locks.any()) return;
   state_.locks = std::move(locks);
   work_.take_locks(state_);
@@ -70,16 +78,7 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
   if (!anchors_changed(0) || rules_->gradient != Gradient::mid) return;
   rules_->stepper.project_velocities(state_, work_);
-  count_blows();
-}
-
-/// Adds what a projection of velocities did to how cords pulled and anchors held in this step.
-void LoopSolver::count_blows() {
-  const LoopTopology& shape = *state_.topology;
-  if (!state_.laws.pulls || work_.lines) return;
-  for (std::size_t k = 0; k < shape.rods.size(); ++k)
-    state_.laws.impulse[k] -= work_.blows[k] * std::sqrt(state_.length2[k]) * state_.mass_unit;
-  hold_blows(state_, work_);
+  count_blows(state_, work_);
 }
 
 double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {
@@ -103,6 +102,7 @@ void LoopSolver::save(std::uint32_t, Saved which) {
 
 void LoopSolver::restore(std::uint32_t, Saved which) {
   state_.motion() = saved_[static_cast<int>(which)];
+  restore_reels(state_);
   if (!work_.lines) return;
   if (which == Saved::window)
     work_.lines->take_history_back();
@@ -140,8 +140,7 @@ double LoopSolver::size(std::uint32_t) const {
 Vec3 LoopSolver::velocity(Slot slot) const {
   if (slot >= state_.topology->nodes) return {};
   find_velocities();
-  const double* v = velocity_.data() + 3 * std::size_t{slot};
-  return {v[0], v[1], v[2]};
+  return reeled_velocity(state_, slot, velocity_);
 }
 
 void LoopSolver::find_velocities() const {
@@ -219,9 +218,10 @@ void LoopSolver::place_anchor(Slot slot, Vec3 target) {
   x[0] = target.x;
   x[1] = target.y;
   x[2] = target.z;
+  place_wound(state_);
 }
 
-// --- Rods and tackles
+// --- Rods, tackles and reels
 
 void LoopSolver::count_pulls() {
   state_.laws.make(state_.length2);
@@ -238,10 +238,16 @@ double LoopSolver::pull(Slot cord, double dt) const {
 }
 
 bool LoopSolver::is_broken(Slot rod) const {
-  return state_.laws.any() && state_.laws.is_broken(rod);
+  return state_.laws.any() && state_.laws.is_broken(rod) && !is_wound(state_, rod);
 }
 
 void LoopSolver::set_length(Slot cord, double length, double rate) {
+  if (is_reel(cord)) {
+    const auto number = static_cast<std::uint32_t>(cord - first_reel());
+    lengths_changed_ = lengths_changed_ || turns_otherwise(state_.reels[number].rate, rate);
+    set_reel(state_, number, length, rate);
+    return;
+  }
   if (is_tackle(cord)) {
     lengths_changed_ = lengths_changed_ || rate_jumps(tackle(cord).rate, rate);
     tackle(cord).length = length;

@@ -69,7 +69,7 @@ class LoopSolver final : public Solver {
   void rest(std::uint32_t) override;
   double size(std::uint32_t) const override;
 
-  Vec3 position(Slot slot) const override { return state_.position(slot); }
+  Vec3 position(Slot slot) const override { return reeled_position(state_, slot); }
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
@@ -84,9 +84,10 @@ class LoopSolver final : public Solver {
 
   void count_pulls() override;
   Vec3 hold(Slot slot, double dt) const override;
-  /// Tackles have the slots after those of rods.
+  /// Tackles have the slots after those of rods, and reels those after them.
   double pull(Slot cord, double dt) const override;
   bool is_broken(Slot rod) const override;
+  double strain(Slot rod, double strain) const override { return reeled_strain(state_, rod, strain); }
   void set_length(Slot cord, double length, double rate) override;
 
   void set_twist(Slot twist, double angle) override { state_.twists[twist].target = angle; }
@@ -96,9 +97,12 @@ class LoopSolver final : public Solver {
   void describe(WorldInfo& info) const override;
 
  private:
+  Slot first_reel() const {
+    return static_cast<Slot>(state_.topology->rods.size() + state_.topology->tackles.size());
+  }
+  bool is_reel(Slot cord) const { return cord >= first_reel(); }
   bool is_tackle(Slot cord) const { return cord >= state_.topology->rods.size(); }
   LoopTackleMotion& tackle(Slot cord) const { return state_.tackles[cord - state_.topology->rods.size()]; }
-  void count_blows();
   void find_velocities() const;
   void lock(Locks locks);
 

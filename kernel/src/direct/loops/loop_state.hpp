@@ -12,6 +12,7 @@
 #include "direct/loops/loop_elements.hpp"
 #include "direct/loops/loop_rod.hpp"
 #include "direct/nets/rod_lines.hpp"
+#include "direct/reels/loop_reels.hpp"
 #include "direct/tackles/loop_tackles.hpp"
 #include "direct/twists/loop_twists.hpp"
 #include "linear/sparse_ldu.hpp"
@@ -94,8 +95,9 @@ struct LoopMotion {
   std::vector<double> twisted;    ///< Chains are twisted so far, in rad.
   LoopLaws laws;
   std::vector<LoopTackleMotion> tackles;
+  std::vector<LoopReelMotion> reels;
   /// What is not a rod was held by fixed vertices with these impulses (N s) in this step. There is one each
-  /// if there are bends, tackles or twists.
+  /// if there are bends, tackles, twists or reels.
   std::vector<Vec3> hold;
   double u_step = 0;   ///< It is in s.
   double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
@@ -122,6 +124,7 @@ struct LoopState : LoopMotion {
   std::vector<LoopBendNumbers> bends;
   std::vector<TackleLaw> tackle_laws;
   std::vector<LoopTwistNumbers> twists;
+  std::vector<LoopReelNumbers> reel_numbers;
   Locks locks;
   bool anchors_move = false;
   double mass_unit = 1;  ///< It is in kg.

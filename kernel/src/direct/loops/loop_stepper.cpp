@@ -48,11 +48,6 @@ constexpr int most_stalls = 3;
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
-/// Sets the displacements of locked nodes in a time, as their anchors move.
-void move_locked(const LoopState& state, double time, std::span<double> displacements) {
-  for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
-    if (state.locks.has(i)) put(&displacements[3 * std::size_t{i}], time * locked_velocity(state, i));
-}
 
 }  // namespace
 
@@ -84,6 +79,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   const auto [ratio, kick] = coefficients(state, h, gradient);
   work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h, drag_);
   work.laws.is_mid = gradient == Gradient::mid;
+  set_reel_lengths(state, h);
   if (state.laws.moves) set_substep_lengths(state.laws, h, state.length2);
   set_tackle_lengths(state, h, work.tackles);
   start_twists(state, h, work);
@@ -105,6 +101,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i)
     put(&work.delta[3 * std::size_t{i}], h * state.fixed_velocity[i - shape.nodes]);
   move_locked(state, h, work.delta);
+  start_reels(state, {h, ratio, kick}, work);
 }
 
 /// Gradient mid keeps energy as far as rods keep their lengths. delta . (M delta - load) is what they did,
@@ -248,6 +245,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   // What follows in this step finds fixed vertices already on their way.
   if (state.anchors_move)
     std::copy(state.fixed_velocity.begin(), state.fixed_velocity.end(), state.fixed_last_velocity.begin());
+  end_reels(state, end, work);
   if (gradient == gradient_) return error;
   // u becomes a velocity, which every gradient can go on from.
   for (double& u : state.u) u /= h;
@@ -262,44 +260,6 @@ void LoopStepper::advance_elastic(LoopState& state, double h, LoopWorkspace& wor
   work.factor(true).h = 0;
   if (let_rods_give(state, work, counters)) accept(state, h, Gradient::new_, work, counters);
   std::fill(state.mu.begin(), state.mu.end(), 0.0);
-}
-
-void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {
-  const LoopTopology& shape = *state.topology;
-  for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
-    const Vec3 v = state.fixed_velocity[i - shape.nodes];
-    put(&work.delta[3 * std::size_t{i}], v);
-  }
-  move_locked(state, 1, work.delta);
-  if (work.lines) {
-    if (project_by_lines(state, kick, work)) return;
-    kick = 0;
-  }
-  work.laws.factors = LawFactors::of_projection(kick, state.u_step);
-  measure_rods(state, work);
-  if (work.net && project_net(state, kick, work)) return;
-  // The factor is its own, so that it changes nothing that a later substep starts from.
-  if (!shape.system && !work.projection)
-    work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
-  LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
-  project_delta(state, kick, work, factor);
-  factor.h = 0;
-}
-
-void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) const {
-  std::copy(state.u.begin(), state.u.end(), work.delta.begin());
-  project(state, 0, work);
-  std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
-}
-
-void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
-  const double step = state.u_step;
-  const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
-  for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
-  // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
-  // substep earlier.
-  if (step > 0)
-    project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
 }
 
 }  // namespace plumb::detail

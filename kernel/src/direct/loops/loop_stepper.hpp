@@ -57,6 +57,7 @@ struct LoopWorkspace {
   std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
   TackleWorkspace tackles;
   std::vector<TwistSubstep> twists;
+  std::vector<ReelSubstep> reels;
   std::vector<double> resists;  ///< Bends resist a node's displacement by so much; it has one per node.
   LawWorkspace laws;
   LoopMotion saved;
@@ -147,6 +148,9 @@ class LoopStepper {
  private:
   double try_advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
   struct Coefficients;
+  void pass_events(LoopState& state, double soon, LoopWorkspace& work) const;
+  /// Takes one substep in which no particle of a reel becomes free or carried.
+  double advance_whole(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
   Coefficients coefficients(const LoopState& state, double h, Gradient gradient) const;
   void begin(LoopState& state, double h, Gradient gradient, LoopWorkspace& work) const;
   /// Iterates with the factor of an earlier substep or not. If that does not converge, mu is as it was.
@@ -197,5 +201,8 @@ class LoopStepper {
   bool bounds_frames_ = false;
   double line_tolerance_ = finest_line_tolerance;
 };
+
+/// Adds what a projection of velocities did to how cords pulled and anchors held in this step.
+void count_blows(LoopState& state, const LoopWorkspace& work);
 
 }  // namespace plumb::detail

@@ -41,6 +41,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   for (const LoopBendNumbers& bend : state.bends) bends.push_back(bend.law);
   bend_starts.assign(bends.size(), {});
   twists.resize(state.twists.size());
+  reels.resize(state.reels.size());
   resists.assign(n, 0);
   for (const LoopTackle& tackle : topology->tackles)
     tackles.segments.resize(tackles.segments.size() + tackle.segments());

@@ -70,7 +70,7 @@ std::vector<double> bow_of(const LoopTopology& shape) {
 std::vector<double> bowed(const LoopState& state, const std::vector<double>& bow, Vec3 by) {
   std::vector<double> x = state.x;
   for (std::uint32_t i = 0; i < bow.size(); ++i)
-    put(x.data() + 3 * std::size_t{i}, state.position(i) + bow[i] * by);
+    if (!state.locks.has(i)) put(x.data() + 3 * std::size_t{i}, state.position(i) + bow[i] * by);
   return x;
 }
 

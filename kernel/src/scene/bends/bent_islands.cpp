@@ -36,7 +36,7 @@ std::vector<std::vector<std::uint32_t>> by_island(const Scene& scene, const layo
   return out;
 }
 
-/// Returns the particles of a tackle or a twist.
+/// Returns the particles of a tackle, a twist or a reel.
 constexpr auto particles_of_chain = [](const auto& element) -> const auto& {
   return element.particles;
 };
@@ -67,6 +67,7 @@ layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& gra
 IslandElements::IslandElements(const Scene& scene, const layouts::Islands& islands)
     : bends_(by_island(scene, islands, scene.bends, [](const Bend& bend) { return particles_of(bend); })),
       tackles_(by_island(scene, islands, scene.tackles, particles_of_chain)),
-      twists_(by_island(scene, islands, scene.twists, particles_of_chain)) {}
+      twists_(by_island(scene, islands, scene.twists, particles_of_chain)),
+      reels_(by_island(scene, islands, scene.reels, particles_of_chain)) {}
 
 }  // namespace plumb::detail

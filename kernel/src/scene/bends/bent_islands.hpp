@@ -14,7 +14,7 @@ namespace plumb::detail {
 /// layouts::find_islands().
 layouts::Islands find_bent_islands(const Scene& scene, const layouts::Graph& graph);
 
-/// Lists the bends, tackles and twists of every island of a scene.
+/// Lists the bends, tackles, twists and reels of every island of a scene.
 class IslandElements {
  public:
   IslandElements() = default;  ///< There are none.
@@ -24,8 +24,10 @@ class IslandElements {
   std::span<const std::uint32_t> bends_of(std::uint32_t island) const { return of(bends_, island); }
   std::span<const std::uint32_t> tackles_of(std::uint32_t island) const { return of(tackles_, island); }
   std::span<const std::uint32_t> twists_of(std::uint32_t island) const { return of(twists_, island); }
+  std::span<const std::uint32_t> reels_of(std::uint32_t island) const { return of(reels_, island); }
   bool any_of(std::uint32_t island) const {
-    return !bends_of(island).empty() || !tackles_of(island).empty() || !twists_of(island).empty();
+    return !bends_of(island).empty() || !tackles_of(island).empty() || !twists_of(island).empty() ||
+           !reels_of(island).empty();
   }
 
  private:
@@ -35,7 +37,7 @@ class IslandElements {
     return lists[island];
   }
 
-  Lists bends_, tackles_, twists_;
+  Lists bends_, tackles_, twists_, reels_;
 };
 
 }  // namespace plumb::detail

@@ -148,7 +148,8 @@ class Compiler {
 
   /// Refuses elements in an island with joints or shapes.
   void require_no_elements(std::span<const std::uint32_t> particles) {
-    if (scene_.bends.empty() && scene_.tackles.empty() && scene_.twists.empty()) return;
+    if (scene_.bends.empty() && scene_.tackles.empty() && scene_.twists.empty() && scene_.reels.empty())
+      return;
     if (element_at_.empty()) find_elements();
     for (const std::uint32_t particle : particles)
       if (!scene_.particles[particle].fixed && element_at_[particle].name)
@@ -164,6 +165,7 @@ class Compiler {
     for (std::size_t i = 0; i < scene_.bends.size(); ++i) mark("bend", i, particles_of(scene_.bends[i]));
     for (std::size_t i = 0; i < scene_.tackles.size(); ++i) mark("tackle", i, scene_.tackles[i].particles);
     for (std::size_t i = 0; i < scene_.twists.size(); ++i) mark("twist", i, scene_.twists[i].particles);
+    for (std::size_t i = 0; i < scene_.reels.size(); ++i) mark("reel", i, scene_.reels[i].particles);
   }
 
   /// Refuses elements where the method or the gradient does not know them.
@@ -172,6 +174,7 @@ class Compiler {
     if (!scene_.bends.empty()) require_moved("bend", straight);
     if (!scene_.tackles.empty()) require_moved("tackle", "");
     if (!scene_.twists.empty()) require_moved("twist", straight);
+    if (!scene_.reels.empty()) require_moved("reel", "");
   }
   void require_moved(const char* name, const char* why) const {
     if (!method_row(settings_.method).moves_elements)
@@ -303,7 +306,8 @@ class Compiler {
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       for (const auto& [particle, slot] : slots_[s]) entries.push_back({particle, {s, slot}});
     out_.places = Places(static_cast<std::uint32_t>(scene_.particles.size()), entries);
-    out_.cords = Places(static_cast<std::uint32_t>(scene_.rods.size() + scene_.tackles.size()), cords_);
+    out_.cords = Places(
+        static_cast<std::uint32_t>(scene_.rods.size() + scene_.tackles.size() + scene_.reels.size()), cords_);
     out_.twists = Places(static_cast<std::uint32_t>(scene_.twists.size()), twists_);
   }
 

@@ -14,7 +14,7 @@ namespace plumb::detail {
 struct Compiled {
   std::vector<std::unique_ptr<Solver>> solvers;
   Places places;
-  Places cords;                      ///< where rods, then tackles, are that can be asked how they pull
+  Places cords;                      ///< where rods, tackles and reels are that can be asked how they pull
   Places twists;                     ///< where twists are
   ContactSolver* contact = nullptr;  ///< one of the solvers, if anything may touch or has joints
   WorldInfo info;

@@ -1,10 +1,17 @@
 #include "step/inputs/lengths.hpp"
 
+#include "scene/reels/reels.hpp"
+
 namespace plumb::detail {
 
-Lengths::Lengths(const Scene& scene) : is_moving_(scene.rods.size() + scene.tackles.size(), 0) {
+Lengths::Lengths(const Scene& scene)
+    : is_moving_(scene.rods.size() + scene.tackles.size() + scene.reels.size(), 0) {
   for (std::size_t i = 0; i < scene.rods.size(); ++i) lengths_.push_back(rod_length(scene, i));
   for (std::size_t i = 0; i < scene.tackles.size(); ++i) lengths_.push_back(tackle_length(scene, i));
+  if (!scene.reels.empty()) {
+    const RodTable rods(scene);
+    for (const Reel& reel : scene.reels) lengths_.push_back(start_of(scene, rods, reel).out);
+  }
   targets_ = lengths_;
 }
 

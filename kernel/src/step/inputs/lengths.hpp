@@ -11,7 +11,8 @@
 
 namespace plumb::detail {
 
-/// Knows how long cords are, and how long they will be after the next step. Cords are rods, then tackles.
+/// Knows how long cords are, and how long they will be after the next step. Cords are rods, then tackles,
+/// then reels, whose length is what is out.
 class Lengths {
  public:
   explicit Lengths(const Scene& scene);

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+#include "direct/laws/loop_laws.hpp"
+#include "plumb/vec3.hpp"
+
+namespace plumb::detail {
+
+/// The drum of a reel is the first of these vertices, and rod j of the chain joins the vertices j and j + 1.
+struct LoopReel {
+  std::vector<std::uint32_t> vertices, rods;
+
+  friend bool operator==(const LoopReel&, const LoopReel&) = default;
+  friend auto operator<=>(const LoopReel&, const LoopReel&) = default;
+};
+
+/// These numbers of a chain never change. They are by vertex, or by rod.
+struct LoopReelNumbers {
+  std::vector<double> mass;    ///< Masses of vertices, in units of the island's.
+  std::vector<double> behind;  ///< Lengths of the chain beyond vertices, in m.
+  std::vector<double> length;  ///< Nominal lengths of rods, in m.
+  std::vector<LoopLaws::Numbers> laws;
+};
+
+/// Steps change these numbers of a reel.
+///
+/// The rod that leaves the drum is shorter than what is out of it by a corner that a particle cut when it
+/// came in. That goes from `corner` (m), at the slope `corner_slope`, to 0 while the drum turns by `span`
+/// (m), and it has turned by `turned` (m) since.
+struct LoopReelMotion {
+  double out, rate = 0;     ///< Length that is out, in m, and its rate, in m/s.
+  std::uint32_t first = 1;  ///< The first particle of the chain that is free.
+  double corner = 0, corner_slope = 0, span = 0, turned = 0;
+  Vec3 aside{};     ///< Where the line of a carried particle ends, from the first free one, in m.
+  Vec3 momentum{};  ///< That of wound and carried particles, in kg m/s.
+};
+
+/// A substep makes this of a reel. The carried particle pulls its free neighbour by `push` - `added` times
+/// its displacement.
+struct ReelSubstep {
+  Vec3 push;
+  double added;
+  Vec3 before;  ///< Velocity of that neighbour before a blow, in m/s.
+};
+
+}  // namespace plumb::detail

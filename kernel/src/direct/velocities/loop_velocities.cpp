@@ -1,0 +1,59 @@
+#include <algorithm>
+#include <cmath>
+
+#include "direct/loops/loop_newton.hpp"
+#include "direct/loops/loop_stepper.hpp"
+#include "direct/loops/loop_vectors.hpp"
+#include "math/elementary.hpp"
+#include "time/verlet.hpp"
+
+namespace plumb::detail {
+
+void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {
+  const LoopTopology& shape = *state.topology;
+  for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
+    const Vec3 v = state.fixed_velocity[i - shape.nodes];
+    put(&work.delta[3 * std::size_t{i}], v);
+  }
+  move_locked(state, 1, work.delta);
+  if (work.lines) {
+    if (project_by_lines(state, kick, work)) return;
+    kick = 0;
+  }
+  work.laws.factors = LawFactors::of_projection(kick, state.u_step);
+  measure_rods(state, work);
+  if (work.net && project_net(state, kick, work)) return;
+  // The factor is its own, so that it changes nothing that a later substep starts from.
+  if (!shape.system && !work.projection)
+    work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
+  LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
+  project_delta(state, kick, work, factor);
+  factor.h = 0;
+}
+
+void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) const {
+  note_reel_blows(state, work);
+  std::copy(state.u.begin(), state.u.end(), work.delta.begin());
+  project(state, 0, work);
+  std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
+}
+
+void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
+  const double step = state.u_step;
+  const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
+  for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
+  // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
+  // substep earlier.
+  if (step > 0)
+    project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
+}
+
+void count_blows(LoopState& state, const LoopWorkspace& work) {
+  if (!state.laws.pulls || work.lines) return;
+  for (std::size_t k = 0; k < state.topology->rods.size(); ++k)
+    state.laws.impulse[k] -= work.blows[k] * std::sqrt(state.length2[k]) * state.mass_unit;
+  hold_blows(state, work);
+  hold_reel_blows(state, work);
+}
+
+}  // namespace plumb::detail
