@@ -35,5 +35,19 @@ TEST(DirectFloat, IsAsGoodFarAwayAsAtTheOrigin) {
   EXPECT_LE(stretch_after_a_second(Gradient::mid, 1000), 2 * stretch_after_a_second(Gradient::mid, 0));
 }
 
+// A line whose segments are not all of the same length: none of its substeps is halved, and it moves as in
+// double, to the rounding of 480 displacements of up to 5 mm.
+TEST(DirectFloat, ElasticLinesAreSolvedInSegments) {
+  Scene scene = scenes::make_chain(200, 0.1, 10);
+  for (Rod& rod : scene.rods) rod.law.stiffness = 1e5;
+  Settings settings = test::direct(Gradient::old, 16);
+  World exact(scene, settings);
+  settings.precision = Precision::single;
+  World world(scene, settings);
+  EXPECT_EQ(test::run(world, 1.0 / 60, 30).halvings, 0u);
+  test::run(exact, 1.0 / 60, 30);
+  EXPECT_LT(rms_distance(test::positions_of(world), test::positions_of(exact)), 1e-4);
+}
+
 }  // namespace
 }  // namespace plumb

@@ -62,7 +62,7 @@ TEST(CablePull, IsTheChangeOfEnergyOverThatOfLength) {
   for (const double before : {-0.2, -0.01, 0.0, 0.03, 0.3})
     for (const double after : {-0.25, -0.02, 0.01, 0.2, 0.3}) {
       const double half = stiffness / 2, taut = std::max(before, 0.0);
-      const simd::LawStart<double> start{1, half * (before + taut), before};
+      const simd::LawStart<double> start{1, half * (before + taut), before, 0};
       const auto pull = simd::cable_pull(half, start, after, true);
       EXPECT_NEAR(pull.psi * (after - before), energy(after) - energy(before), 1e-15) << before << after;
       const double step = 1e-7;

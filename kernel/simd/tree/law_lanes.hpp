@@ -34,7 +34,7 @@ PLUMB_INLINE LawNumbers<V> law_numbers(const At& at, const T* laws, std::size_t 
 template <class V, class T, class At>
 PLUMB_INLINE LawStart<V> law_start(const At& at, const T* starts, std::size_t i) {
   const std::size_t f = i * tree_fields::law_start;
-  return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2)};
+  return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2), at.get(starts, f + 3)};
 }
 template <class V, class T, class At>
 PLUMB_INLINE LawStep<V> law_step(const At& at, const T* steps, std::size_t i) {

@@ -59,6 +59,7 @@ struct LawStart {
   V length;  ///< l0, in m.
   V before;  ///< W/2L^2, in 1/m.
   V excess;  ///< c0, in m.
+  V left;    ///< What `before` has of the last substep's kick, of gradient old, in 1/m.
 };
 
 /// Returns how much of a rod's own swing a substep of gradient old resolves: all of it up to h omega = 1, and
@@ -92,7 +93,7 @@ PLUMB_INLINE LawStart<V> start_law(const LawStep<V>& step, const V& length2, con
   const V length = root(length2);
   // C = (l^2 - L^2)/2 = (l - L)(l + L)/2
   const V excess = (violation + violation) / (length + step.length);
-  return {length, step.weight * excess, excess};
+  return {length, step.weight * excess, excess, V(0)};
 }
 /// A cable takes of c0 the positive part into account.
 template <class V>
@@ -100,7 +101,14 @@ PLUMB_INLINE LawStart<V> start_cable(const LawNumbers<V>& law, const LawStep<V>&
                                      const LawStart<V>& start) {
   const V taut = larger(start.excess, V(0)), past = step.weight - step.slope;
   const V cable = step.slope * start.excess + past * taut;
-  return {start.length, select_nonzero(law.one_sided, cable, start.before), start.excess};
+  return {start.length, select_nonzero(law.one_sided, cable, start.before), start.excess, start.left};
+}
+
+/// Adds what the last substep has left of its kick, with gradient old.
+template <class V>
+PLUMB_INLINE void add_kick(const LawStep<V>& step, const V& left, LawStart<V>& start) {
+  start.left = step.give * left;
+  start.before = start.before + start.left;
 }
 
 /// Returns the half of a kick that a rod with the multiplier mu leaves for the end of a substep of gradient
@@ -124,7 +132,8 @@ struct LawRow {
   V use, soft, c;
 };
 
-/// Returns psi and its derivative for a cable, both times Q/2L^2.
+/// Returns psi and its derivative for a cable, both times Q/2L^2. A cable never pushes. But where composed
+/// substeps turn back, what the last one has left acts the other way, and must not be lost.
 template <class V>
 struct Pull {
   V psi, slope;
@@ -133,8 +142,9 @@ template <class V>
 PLUMB_INLINE Pull<V> cable_pull(const V& step_slope, const LawStart<V>& start, const V& excess, bool is_mid) {
   const V zero(0), one(1);
   const V taut = larger(excess, zero), taut_before = larger(start.excess, zero);
-  const V pull = larger(step_slope * taut + (start.before - step_slope * start.excess), zero);
-  const V slope = select_positive(pull, select_positive(excess, step_slope, zero), zero);
+  const V least = start.left - larger(start.left, zero);
+  const V pull = larger(step_slope * taut + (start.before - step_slope * start.excess), least);
+  const V slope = select_positive(pull - least, select_positive(excess, step_slope, zero), zero);
   if (!is_mid) return {pull, slope};
   const V change = excess - start.excess;
   const V over = one / select_nonzero(change, change, one);

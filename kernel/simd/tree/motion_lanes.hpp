@@ -54,12 +54,13 @@ PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* ro
   LawStart<V> start = start_law(step, dot(d, d), at.get(rods, i * tree_fields::rod + 3));
   if (tree.has_cables) start = start_cable(law_numbers<V>(at, arrays.law, i), step, start);
   if (tree.keeps_half_kicks)
-    start.before = start.before + step.give * (at.get(tree.law_factors, law_factors::kick_before) *
-                                               at.get(arrays.half_kick, i));
+    add_kick(step, at.get(tree.law_factors, law_factors::kick_before) * at.get(arrays.half_kick, i), start);
   const std::size_t f = i * tree_fields::law_start;
   at.put(arrays.start, f, start.length);
   at.put(arrays.start, f + 1, start.before);
-  if (tree.has_cables) at.put(arrays.start, f + 2, start.excess);
+  if (!tree.has_cables) return;
+  at.put(arrays.start, f + 2, start.excess);
+  at.put(arrays.start, f + 3, start.left);
 }
 /// Keeps what is left of the kicks of all rods for the next substep.
 template <class V, std::size_t lanes, class T>

@@ -25,7 +25,7 @@ inline constexpr std::uint32_t tie_elimination =
 /// frequency (1/s^2); strength divided by the unit of mass, or 0 if it never breaks. A broken rod has zeros.
 inline constexpr std::uint32_t law = 6;
 inline constexpr std::uint32_t law_step = 5;   ///< See LawStep in simd/tree/law_math.hpp.
-inline constexpr std::uint32_t law_start = 3;  ///< See LawStart there.
+inline constexpr std::uint32_t law_start = 4;  ///< See LawStart there.
 inline constexpr std::uint32_t below = 13;     ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
 

@@ -25,8 +25,8 @@ simd::LawStep<double> step_of(const std::array<double, simd::tree_fields::law_st
   return {slope, give, weight, length, kept};
 }
 simd::LawStart<double> start_of(const std::array<double, simd::tree_fields::law_start>& numbers) {
-  const auto [length, before, excess] = numbers;
-  return {length, before, excess};
+  const auto [length, before, excess, left] = numbers;
+  return {length, before, excess, left};
 }
 
 }  // namespace
@@ -42,9 +42,9 @@ void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double vio
   const auto law = numbers_of(laws, k);
   const auto step = simd::law_step(law, factors_of(work), length2 - 2 * violation);
   auto start = simd::start_cable(law, step, simd::start_law(step, length2, violation));
-  start.before += step.give * (work.factors.kick_before * laws.half_kick[k]);
+  simd::add_kick(step, work.factors.kick_before * laws.half_kick[k], start);
   work.starts[k] = {{step.slope, step.give, step.weight, step.length, step.kept},
-                    {start.length, start.before, start.excess}};
+                    {start.length, start.before, start.excess, start.left}};
 }
 
 RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, const RodIterate& iterate,
