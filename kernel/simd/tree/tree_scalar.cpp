@@ -5,7 +5,8 @@
 // The loops need what the file above defines.
 #include "simd/tree/tree_lanes.hpp"
 
-// Motion needs what the file above defines.
+// Bent lines and motion need what the file above defines.
+#include "simd/tree/bent_lanes.hpp"
 #include "simd/tree/motion_lanes.hpp"
 
 // Lines and segments need what the files above define.
@@ -26,8 +27,16 @@ void newton_with(const TreeView<T>& tree, T theta) {
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
     newton_lanes<laws, T, logical_width<T>>(tree, lane, theta);
 }
+template <bool laws, class T>
+void newton_bent_with(const TreeView<T>& tree, T theta) {
+  if (tree.lanes == 1) return newton_bent_lanes<laws, T, 1>(tree, 0, theta);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
+    newton_bent_lanes<laws, T, logical_width<T>>(tree, lane, theta);
+}
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {
+  if (tree.has_bends)
+    return tree.has_laws ? newton_bent_with<true>(tree, theta) : newton_bent_with<false>(tree, theta);
   return tree.has_laws ? newton_with<true>(tree, theta) : newton_with<false>(tree, theta);
 }
 template <bool laws, class T>

@@ -33,7 +33,7 @@ struct TreeKind {
     unsigned threads;
   };
 
-  TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules);
+  TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules, LineBends bends = {});
 
   /// Substeps estimate errors of second order by themselves. Others show when substeps are compared.
   bool estimates() const {

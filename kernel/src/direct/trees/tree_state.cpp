@@ -40,15 +40,17 @@ void copy_laws(TreeState<T>& to, const TreeState<T>& from, Copy&& copy) {
 
 }  // namespace
 
-TreeTopology::TreeTopology(const layouts::Tree& tree)
-    : nodes(tree.nodes()),
-      ties(static_cast<std::uint32_t>(tree.ties.size())),
+TreeTopology::TreeTopology(const layouts::Tree& tree, LineBends of)
+    : bends(std::move(of)),
+      nodes(tree.nodes()),
+      ties(static_cast<std::uint32_t>(tree.ties.size() + bends.clamps.size())),
       parent(tree.parent),
       tie_begin(tree.tie_begin),
       below_slot(nodes, no_slot),
       holds_ties(nodes, 0) {
-  const std::uint32_t first_ties = tie_begin[1], last_ties = nodes > 1 ? ties - tie_begin[nodes - 1] : 0;
-  is_line = first_ties <= 1 && last_ties <= 1 && first_ties + last_ties == ties;
+  const std::uint32_t first_ties = tie_begin[1],
+                      last_ties = nodes > 1 ? tie_begin[nodes] - tie_begin[nodes - 1] : 0;
+  is_line = first_ties <= 1 && last_ties <= 1 && first_ties + last_ties == tie_begin[nodes];
   for (std::uint32_t i = 1; i < nodes; ++i) is_line = is_line && parent[i] + 1 == i;
   for (std::uint32_t i = nodes; i-- > 0;) {
     if (tie_begin[i] != tie_begin[i + 1]) holds_ties[i] = 1;
@@ -79,6 +81,10 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   x = AlignedBuffer<double>(3 * n);
   tie_x = AlignedBuffer<double>(3 * p);
   weight = AlignedBuffer<double>(3 * n);
+  if (topology->bends.any()) {
+    bends.law = AlignedBuffer<T>(tree_fields::bend * (n + 2 * std::size_t{lanes}));
+    bends.hold.assign(p, {});
+  }
   mass_unit.assign(lanes, 1);
   scale2.assign(lanes, 1);
   tie_velocity.assign(p, {});
@@ -148,7 +154,10 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   double sum = 0;
   for (std::uint32_t i = 1; i < nodes; ++i) sum += length2[at(i, lane)];
   for (std::uint32_t k = 0; k < topology->ties; ++k) sum += tie_length2[at(k, lane)];
-  const std::uint32_t rods = nodes - 1 + topology->ties;
+  const auto& clamps = topology->bends.clamps;
+  for (std::uint32_t c = 0; c < clamps.size(); ++c)
+    put(tie_x, 3 * (tree.tie_begin[nodes] + c), lane, scene.particles[members.vertices[clamps[c]]].position);
+  const std::uint32_t rods = topology->rods();
   scale2[lane] = rods > 0 ? sum / rods : 1;
   write_masses(lane, masses, scene.gravity);
   fill_laws(lane, scene, tree, members);
@@ -228,6 +237,9 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(tie_last_velocity, from.tie_last_velocity);
   copy(mass_unit, from.mass_unit);
   copy(scale2, from.scale2);
+  copy(bends.law, from.bends.law);
+  copy(bends.hold, from.bends.hold);
+  bends.damped = from.bends.damped;
   ties_move = from.ties_move;
   is_coupled = from.is_coupled;
   copy_laws(*this, from, copy);
@@ -261,6 +273,8 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(tie_x, from.tie_x);
   copy(tie_last_velocity, from.tie_last_velocity);
   copy_laws(*this, from, copy);
+  copy(bends.law, from.bends.law);
+  copy(bends.hold, from.bends.hold);
   frequency2 = from.frequency2;
 }
 
@@ -290,6 +304,11 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
     *buffer = AlignedBuffer<T>(lanes);
   failed.assign(lanes, 0);
   first.assign(lanes, 0);
+  if (!topology.bends.any()) return;
+  bend_start = AlignedBuffer<T>(3 * (n + 2 * std::size_t{lanes}));
+  bend_rate = AlignedBuffer<T>(lanes);
+  bent_elimination =
+      AlignedBuffer<T>(tree_fields::bent_elimination * n + tree_fields::bent_tip * std::size_t{lanes});
 }
 
 template <class T>
@@ -300,11 +319,18 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
                          .parent = shape.parent.data(),
                          .tie_begin = shape.tie_begin.data(),
                          .is_coupled = state.is_coupled,
-                         .is_plain = !state.is_coupled && shape.ties <= 1,
+                         .is_plain = !state.is_coupled && shape.tie_begin[shape.nodes] <= 1,
                          .node = state.node.data(),
                          .tie = state.tie.data(),
                          .length2 = state.length2.data(),
                          .tie_length2 = state.tie_length2.data(),
+                         .has_bends = shape.bends.any(),
+                         .has_bend_damping = state.bends.damped,
+                         .bend_ends = shape.bends.ends.data(),
+                         .bend = state.bends.law.data(),
+                         .bend_start = bend_start.data(),
+                         .bend_rate = bend_rate.data(),
+                         .bent_elimination = bent_elimination.data(),
                          .x = state.x.data(),
                          .u = state.u.data(),
                          .force = state.force.data(),
