@@ -8,9 +8,10 @@
 #include "simd/tree/tree_lanes.hpp"
 #include "simd/tree/law_lanes.hpp"
 #include "simd/inline.hpp"
+#include "simd/tree/lines/bent_lanes.hpp"
 #include "simd/tree/motion_lanes.hpp"
-#include "simd/tree/line_lanes.hpp"
-#include "simd/tree/segment_lanes.hpp"
+#include "simd/tree/lines/line_lanes.hpp"
+#include "simd/tree/lines/segment_lanes.hpp"
 // clang-format on
 
 #include "scenes/generators/generators.hpp"

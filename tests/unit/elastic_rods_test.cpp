@@ -9,10 +9,10 @@
 #include <limits>
 #include <memory>
 
+#include "direct/attempts/elastic_tree.hpp"
 #include "direct/displacements/displacement_newton.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/settle.hpp"
-#include "direct/trees/elastic_tree.hpp"
 #include "plumb/layouts/trees.hpp"
 
 namespace plumb::detail {

@@ -55,8 +55,6 @@ TEST(Tackles, BadOnesAreRefusedWithTheirNumber) {
             "tackle 1: length must be positive and finite, got -1 m");
   EXPECT_EQ(refused({.particles = {0, 1}, .law = {.stiffness = 1, .strength = 5}}),
             "tackle 1: has a strength, but cords do not break");
-  EXPECT_EQ(refused({.particles = {0, 1}, .friction = 0.1}),
-            "tackle 1: has friction at its pulleys, which nothing moves yet");
   EXPECT_EQ(refused({.particles = {0, 1}, .law = {.stiffness = -1}}),
             "tackle 1: stiffness must be 0 or more, got -1 N/m");
   EXPECT_EQ(refused({.particles = {0, 1, 0, 1, 2}}), "");

@@ -54,10 +54,9 @@ struct Truth {
 };
 
 /// Solves a plan. Throws InputError for a scene or plan that makes no sense, or rods that start off their
-/// length, for tensions of rods that are redundant, for rods whose pull is not smooth, see make_model(), and for
-/// those that are reeled in to nothing.
-/// Throws Unreachable if the two solutions differ by more than the tolerance or one cannot be continued. Its
-/// message says what was reached and until when.
+/// length, for tensions of rods that are redundant, for rods whose pull is not smooth, see make_model(), and
+/// for those that are reeled in to nothing. Throws Unreachable if the two solutions differ by more than the
+/// tolerance or one cannot be continued. Its message says what was reached and until when.
 Truth solve(const Scene& scene, const Plan& plan);
 
 }  // namespace plumb::truth

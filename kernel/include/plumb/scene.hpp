@@ -115,15 +115,12 @@ struct Twist {
 /// This is a massless cord that runs through particles in their order, as over pulleys. The sum of the
 /// distances between neighbours is its length, and its pull is the same everywhere.
 ///
-/// Particles that it runs through are blocks of no size. Where one is fixed, a pulley hangs
+/// Particles that it runs through are blocks of no size, without friction. Where one is fixed, a pulley hangs
 /// from the ceiling. A cord may run through a particle more than once, as through a block of several sheaves.
 struct Tackle {
   std::vector<std::uint32_t> particles{};  ///< Indices into Scene::particles; neighbours differ.
   double length = 0;                       ///< Length in m; 0 means that of the scene as it stands.
   RodLaw law{};  ///< How it answers to what pulls on it, as a rod does. It has no strength.
-  /// Coulomb's coefficient at its pulleys. The pulls on both sides of one differ by at most the factor
-  /// exp(friction angle), with the angle by which the cord turns there, in rad (Euler 1769, Eytelwein 1808).
-  double friction = 0;
 };
 
 /// Pays out and takes in a chain of particles through one place, as a winch's drum does with a rope.
@@ -304,6 +301,12 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// Of tackles it refuses:
 /// - fewer than two particles, an unknown one, neighbours that are the same, fixed particles alone;
 /// - a length that is not positive and finite, laws that it refuses of rods, and a strength.
+///
+/// Of reels it refuses:
+/// - fewer than two particles, an unknown one, the same one twice, a drum that is not fixed, another that is;
+/// - rods that are not there, or that have mass or a strength;
+/// - anything else that holds a particle that may be wound;
+/// - a length out that is negative, not finite, or more than the chain has.
 ///
 /// Of bodies, joints and shapes it refuses:
 /// - a body whose particles lie in one plane (their volume is below 1e-9 of their size cubed) or lack a rod;

@@ -1,5 +1,5 @@
 // These loops come before and after Newton's method in a substep of trees. This file is included after
-// tree_lanes.hpp.
+// tree_lanes.hpp and bent_lanes.hpp.
 
 namespace plumb::simd {
 namespace {
@@ -120,6 +120,7 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
 
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
+  if (tree.has_bends) prepare_bends<V, lanes>(tree, lane);
   if (tree.is_coupled)
     prepare_nodes<true, V, lanes>(tree, lane);
   else

@@ -26,6 +26,11 @@ inline constexpr std::uint32_t tie_elimination =
 inline constexpr std::uint32_t law = 6;
 inline constexpr std::uint32_t law_step = 5;   ///< See LawStep in simd/tree/law_math.hpp.
 inline constexpr std::uint32_t law_start = 4;  ///< See LawStart there.
+/// Weights of a bend's particles in w, from the root on (1/m); stiffness, curvature at rest, damping.
+inline constexpr std::uint32_t bend = 6;
+inline constexpr std::uint32_t bent_elimination =
+    28;  ///< delta_i = P delta_p + Q delta_g + q; mu_i = rho + n.delta_p + m.delta_g
+inline constexpr std::uint32_t bent_tip = 21;  ///< Of a tip with a tie: a; what couples it to p; to g.
 inline constexpr std::uint32_t below = 13;     ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
 
@@ -83,6 +88,17 @@ struct TreeView {
   T* half_kick = nullptr;
   T* tie_half_kick = nullptr;      ///< The same per tie.
   const T* law_factors = nullptr;  ///< law_factors::count numbers per lane.
+
+  // These are of lines with bends (plumb::Bend). Others have none.
+  bool has_bends = false;         ///< Whether there are bends.
+  bool has_bend_damping = false;  ///< Whether some of them are damped.
+  /// Ties that hold what is fixed beyond the ends, or no_slot: the root's clamp and anchor, the tip's anchor
+  /// and clamp.
+  const std::uint32_t* bend_ends = nullptr;
+  const T* bend = nullptr;        ///< tree_fields::bend numbers per place where a bend may end, nodes + 2.
+  T* bend_start = nullptr;        ///< w of every bend where the substep starts, 3 per place; of prepare().
+  const T* bend_rate = nullptr;   ///< 1 over the substep (1/s), per lane.
+  T* bent_elimination = nullptr;  ///< tree_fields::bent_elimination numbers per node, then bent_tip.
 
   double* x =
       nullptr;     ///< Positions, 3 per node, in double, so that a float solve keeps its digits anywhere.
@@ -143,7 +159,8 @@ template <class T>
 struct TreeKernels {
   /// Begins a substep: computes load = ratio M u + kick force, guesses delta and mu, and prepares the rods.
   void (*prepare)(const TreeView<T>&);
-  /// Takes one Newton step on M delta = load + sum mu (d + theta B delta), C(delta) = 0.
+  /// Takes one Newton step on M delta = load + sum mu (d + theta B delta), C(delta) = 0. Bends add their
+  /// pulls to the right-hand side.
   void (*newton)(const TreeView<T>&, T theta);
   /// The same for lines with lumped masses and theta 0, in a fraction of the time.
   void (*newton_line)(const TreeView<T>&);

@@ -5,12 +5,13 @@
 // The loops need what the file above defines.
 #include "simd/tree/tree_lanes.hpp"
 
-// Motion needs what the file above defines.
+// Bent lines and motion need what the file above defines.
+#include "simd/tree/lines/bent_lanes.hpp"
 #include "simd/tree/motion_lanes.hpp"
 
 // Lines and segments need what the files above define.
-#include "simd/tree/line_lanes.hpp"
-#include "simd/tree/segment_lanes.hpp"
+#include "simd/tree/lines/line_lanes.hpp"
+#include "simd/tree/lines/segment_lanes.hpp"
 
 namespace plumb::simd {
 namespace {
@@ -22,9 +23,9 @@ void prepare(const TreeView<T>& tree) {
 }
 template <bool laws, class T>
 void newton_with(const TreeView<T>& tree, T theta) {
-  if (tree.lanes == 1) return newton_lanes<laws, T, 1>(tree, 0, theta);
+  if (tree.lanes == 1) return newton_any_lanes<laws, T, 1>(tree, 0, theta);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
-    newton_lanes<laws, T, logical_width<T>>(tree, lane, theta);
+    newton_any_lanes<laws, T, logical_width<T>>(tree, lane, theta);
 }
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "direct/loops/loop_solver.hpp"
@@ -90,9 +91,7 @@ class Maker {
           others[elements].push_back(island);
         else
           equal.push_back(island);
-      for (const auto& [elements, islands] : others)
-        add_loops(islands, layouts::local_graph(sets_.graph, sets_.islands, islands.front()).view(),
-                  elements);
+      for (const auto& [elements, islands] : others) add_with_elements(islands, elements);
       if (equal.empty()) continue;
       const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
@@ -156,16 +155,35 @@ class Maker {
     return off;
   }
 
+  /// Adds equal islands with elements. Lines with bends alone are trees, in double.
+  void add_with_elements(const std::vector<std::uint32_t>& equal, const LoopElements& elements) {
+    const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
+    const bool may_break = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
+      const auto rods = sets_.islands.edges(island);
+      return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
+        return scene_.rods[i].law.strength < std::numeric_limits<double>::infinity();
+      });
+    });
+    const auto tree = may_break ? std::nullopt : layouts::find_tree(local.view());
+    const auto bends = tree ? find_line_bends(*tree, elements) : std::nullopt;
+    if (bends)
+      add_trees<double>(equal, *tree, *bends);
+    else
+      add_loops(equal, local.view(), elements);
+  }
+
   template <class T>
-  void add_trees(const std::vector<std::uint32_t>& equal, const layouts::Tree& tree) {
+  void add_trees(const std::vector<std::uint32_t>& equal, const layouts::Tree& tree,
+                 const LineBends& bends = {}) {
     const auto count = static_cast<std::uint32_t>(equal.size());
     // With fewer trees than this a whole vector would cost more than one tree after the other.
     const std::uint32_t lanes = count * 4 >= lane_width<T> ? lane_width<T> : 1;
     const auto kind = std::make_shared<TreeKind<T>>(
         tree, lanes,
         typename TreeKind<T>::Rules{rules_.gradient, rules_.time_order, settings_.accuracy.has_value(),
-                                    rules_.changes_gradient, rules_.bounds_frames, scene_.drag, isa(),
-                                    settings_.threads});
+                                    rules_.changes_gradient, rules_.bounds_frames && !bends.any(),
+                                    scene_.drag, isa(), settings_.threads},
+        bends);
     for (std::uint32_t first = 0; first < count; first += lanes)
       add_lane_group<T>(kind, tree, std::span(equal).subspan(first, std::min(lanes, count - first)));
   }
@@ -181,6 +199,9 @@ class Maker {
     };
     for (std::uint32_t lane = 0; lane < kind->lanes; ++lane)
       solver->fill_lane(lane, scene_, model(), tree, members_of(lane));
+    const LineBends& bends = kind->topology->bends;
+    for (std::uint32_t lane = 0; bends.any() && lane < kind->lanes; ++lane)
+      solver->fill_bends(lane, bends_, sets_.elements.bends_of(equal[std::min(lane, trees - 1)]));
     solver->finish_layout();
     MadeSolver made;
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
@@ -194,6 +215,9 @@ class Maker {
         made.places.push_back({vertices[tree.ties[k].vertex], solver->tie_slot(k, lane)});
         made.cords.push_back({rods[tree.ties[k].edge], solver->tie_slot(k, lane)});
       }
+      for (std::uint32_t c = 0; c < bends.clamps.size(); ++c)
+        made.places.push_back({vertices[bends.clamps[c]],
+                               solver->tie_slot(static_cast<std::uint32_t>(tree.ties.size()) + c, lane)});
     }
     start(*solver, equal, made);
     if (settings_.tensions) solver->count_pulls();

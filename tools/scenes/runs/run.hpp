@@ -10,8 +10,8 @@
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
-#include "scenes/files/forces.hpp"
 #include "scenes/basics/length_rate.hpp"
+#include "scenes/files/forces.hpp"
 #include "scenes/files/trajectory.hpp"
 
 namespace plumb::scenes {

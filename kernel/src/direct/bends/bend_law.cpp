@@ -8,11 +8,6 @@
 namespace plumb::detail {
 namespace {
 
-/// In substeps that pass the straight line w at theta can be zero, and has no direction there. This share of
-/// the square of the change is added to its square. Damping of an oscillator then is of second order; with
-/// 1e-2 it would be of first order.
-constexpr double no_direction = 1e-6;
-
 /// Adds scale u v^T + diagonal 1 to a matrix.
 void add(std::array<double, 9>& to, double diagonal, Vec3 u, Vec3 v) {
   const double a[3] = {u.x, u.y, u.z}, b[3] = {v.x, v.y, v.z};
@@ -49,16 +44,17 @@ Vec3 curvature_gradient(Vec3 end, double q, double curvature) {
   return curvature > 0 ? curvature_slope(q) / curvature * end : Vec3{};
 }
 
-/// Adds damping (see bend_pull()): D w s/m f with w at theta, s = w . change, m = w.w + no_direction
+/// Adds damping (see bend_pull()): D w s/m f with w at theta, s = w . change, m = w.w + no_bend_direction
 /// change.change and f = 1/(1 - q/4), the square of d phi/d|w|.
 void add_damping(double damping, double theta, Vec3 start, Vec3 change, BendPull& out) {
   const Vec3 w = start + theta * change;
-  const double q = dot(w, w), s = dot(w, change), m = q + no_direction * dot(change, change);
-  if (m == 0) return add(out.slope, damping * theta * theta / (theta * theta + no_direction), {}, {});
+  const double q = dot(w, w), s = dot(w, change), m = q + no_bend_direction * dot(change, change);
+  if (m == 0) return add(out.slope, damping * theta * theta / (theta * theta + no_bend_direction), {}, {});
   const bool is_folded = q >= folded;
   const double f = 1 / (1 - (is_folded ? folded : q) / 4), share = s / m;
   out.pull += damping * f * share * w;
-  const Vec3 of_share = 1 / m * (theta * change + w - share * (2 * theta * w + 2 * no_direction * change));
+  const Vec3 of_share =
+      1 / m * (theta * change + w - share * (2 * theta * w + 2 * no_bend_direction * change));
   const Vec3 of_f = is_folded ? Vec3{} : 0.5 * f * theta * w;
   add(out.slope, damping * f * share * theta, damping * f * w, of_share + share * of_f);
 }

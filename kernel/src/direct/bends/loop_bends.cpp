@@ -27,10 +27,6 @@ BendPull pull_of(const LoopState& state, std::uint32_t k, double theta, bool giv
   return bend_pull(numbers, {kick, kick * work.laws.factors.rate, theta}, work.bend_starts[k], change);
 }
 
-std::array<double, 3> weights_of(double first, double second) {
-  return {-1 / first, 1 / first + 1 / second, -1 / second};
-}
-
 /// Returns the numbers of a bend whose rods may have other lengths than in the scene, or be broken.
 BendNumbers present_numbers(const LoopState& state, const LoopBendNumbers& bend) {
   BendNumbers out = bend.law;
@@ -41,7 +37,7 @@ BendNumbers present_numbers(const LoopState& state, const LoopBendNumbers& bend)
     if (state.laws.is_broken(rod)) return {out.weights, 0, out.curvature, 0};
     if (state.laws.moves) lengths[side] = std::sqrt(state.length2[rod]);
   }
-  if (state.laws.moves) out.weights = weights_of(lengths[0], lengths[1]);
+  if (state.laws.moves) out.weights = bend_weights(lengths[0], lengths[1]);
   return out;
 }
 
@@ -59,7 +55,7 @@ void load_bends(LoopState& state, const BendTable& table, const IslandRods& rods
     const Bend& bend = table.scene.bends[bends[k]];
     const auto [first, second] = table.lengths[bends[k]];
     const auto [a, b, c] = state.topology->bends[k].vertices;
-    state.bends.push_back({{weights_of(first, second), bend.stiffness / state.mass_unit,
+    state.bends.push_back({{bend_weights(first, second), bend.stiffness / state.mass_unit,
                             curvature_of_angle(bend.angle), bend.damping / state.mass_unit},
                            {rods.find(a, b), rods.find(b, c)}});
   }

@@ -23,6 +23,11 @@ struct LoopBendNumbers {
   std::array<std::uint32_t, 2> rods;  ///< The island's rods from a to b and from b to c, or IslandRods::none.
 };
 
+/// Returns the weights of a bend's particles in w (1/m), of rods of these lengths (m).
+inline std::array<double, 3> bend_weights(double first, double second) {
+  return {-1 / first, 1 / first + 1 / second, -1 / second};
+}
+
 /// A scene's bends and twists, as solvers of islands take them.
 struct BendTable {
   explicit BendTable(const Scene& scene);

@@ -43,6 +43,7 @@ template <class T>
 void TreeSolver<T>::clear_pulls() {
   for (auto* const each : {&state_.laws.impulse.rods, &state_.laws.impulse.ties})
     std::fill_n(each->data(), each->size(), 0.0);
+  std::fill(state_.bends.hold.begin(), state_.bends.hold.end(), Vec3{});
 }
 
 template <class T>

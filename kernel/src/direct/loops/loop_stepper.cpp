@@ -48,7 +48,6 @@ constexpr int most_stalls = 3;
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
-
 }  // namespace
 
 /// u goes into a substep so many times, and force so many times (s^2).

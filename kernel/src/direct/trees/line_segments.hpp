@@ -5,8 +5,8 @@
 namespace plumb::detail {
 
 /// Cuts one long line that hangs from a fixed particle into segments of equal length that lie side by side in
-/// lanes. Node i is entry i mod s of lane i / s. See simd/tree/segment_lanes.hpp. What happens rarely is done
-/// on the line as a whole, a tree alone.
+/// lanes. Node i is entry i mod s of lane i / s. See simd/tree/lines/segment_lanes.hpp. What happens rarely
+/// is done on the line as a whole, a tree alone.
 class LineSegments {
  public:
   /// Says whether a tree is such a line and long enough for segments to pay.

@@ -9,6 +9,8 @@
 namespace plumb::detail::tree_limits {
 
 inline constexpr int most_iterations = 12;
+/// Bends that start far from rest need more, as in other islands.
+inline constexpr int most_bent_iterations = 30;
 /// A substep is cut into so many pieces at most, or into fewer once a step's work is spent. A piece that
 /// fails is halved, and halves of composed substeps are of second order.
 inline constexpr std::uint32_t most_pieces = 1024, most_spent_pieces = 64;

@@ -1,11 +1,13 @@
 #include "direct/trees/tree_kind.hpp"
 
+#include <utility>
+
 namespace plumb::detail {
 
 template <class T>
-TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rules& of)
+TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rules& of, LineBends bends)
     : rules(of),
-      topology(std::make_shared<const TreeTopology>(tree)),
+      topology(std::make_shared<const TreeTopology>(tree, std::move(bends))),
       lanes(width),
       stepper(of.gradient, of.drag, estimates(), of.isa, of.time_order) {
   if (rules.bounds_frames && topology->ties > 1) stepper.bound_frames();

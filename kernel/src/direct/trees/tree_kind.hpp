@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "direct/trees/elastic_tree.hpp"
+#include "direct/attempts/elastic_tree.hpp"
 #include "direct/trees/tree_stepper.hpp"
 
 namespace plumb::detail {
@@ -34,7 +34,7 @@ struct TreeKind {
     unsigned threads;
   };
 
-  TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules);
+  TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules, LineBends bends = {});
 
   /// Substeps estimate errors of second order by themselves. Others show when substeps are compared.
   bool estimates() const {

@@ -388,7 +388,7 @@ void TreeSolver<T>::place_anchor(Slot slot, Vec3 target) {
 template <class T>
 void TreeSolver<T>::describe(WorldInfo& info) const {
   const TreeTopology& tree = line_ ? *line_->whole.topology : *state_.topology;
-  info.direct_rods += (line_ ? 1 : state_.trees) * (tree.nodes - 1 + tree.ties);
+  info.direct_rods += (line_ ? 1 : state_.trees) * tree.rods();
   info.changes_gradient = info.changes_gradient || (kind_->calm_stepper && !line_);
 }
 

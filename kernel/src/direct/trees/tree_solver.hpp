@@ -22,6 +22,8 @@ class TreeSolver final : public Solver {
   /// Puts a tree of the scene into a lane, at rest. Lanes without a tree of their own repeat the last one.
   void fill_lane(std::uint32_t lane, const Scene& scene, MassModel model, const layouts::Tree& tree,
                  const TreeMembers& members);
+  /// Gives a lane its bends, in the order of its topology.
+  void fill_bends(std::uint32_t lane, const BendTable& table, std::span<const std::uint32_t> bends);
   /// Cuts a long line, and allocates what an accuracy needs. It is called once all lanes are filled.
   void finish_layout();
   Slot node_slot(std::uint32_t node, std::uint32_t lane) const;
@@ -76,6 +78,7 @@ class TreeSolver final : public Solver {
   Slot rod_slot(std::uint32_t node, std::uint32_t lane) const;
   void count_pulls() override;
   double pull(Slot rod, double dt) const override;
+  Vec3 hold(Slot slot, double dt) const override;
   bool is_broken(Slot rod) const override;
   void set_length(Slot rod, double length, double rate) override;
 

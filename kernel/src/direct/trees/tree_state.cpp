@@ -40,15 +40,17 @@ void copy_laws(TreeState<T>& to, const TreeState<T>& from, Copy&& copy) {
 
 }  // namespace
 
-TreeTopology::TreeTopology(const layouts::Tree& tree)
-    : nodes(tree.nodes()),
-      ties(static_cast<std::uint32_t>(tree.ties.size())),
+TreeTopology::TreeTopology(const layouts::Tree& tree, LineBends of)
+    : bends(std::move(of)),
+      nodes(tree.nodes()),
+      ties(static_cast<std::uint32_t>(tree.ties.size() + bends.clamps.size())),
       parent(tree.parent),
       tie_begin(tree.tie_begin),
       below_slot(nodes, no_slot),
       holds_ties(nodes, 0) {
-  const std::uint32_t first_ties = tie_begin[1], last_ties = nodes > 1 ? ties - tie_begin[nodes - 1] : 0;
-  is_line = first_ties <= 1 && last_ties <= 1 && first_ties + last_ties == ties;
+  const std::uint32_t first_ties = tie_begin[1],
+                      last_ties = nodes > 1 ? tie_begin[nodes] - tie_begin[nodes - 1] : 0;
+  is_line = first_ties <= 1 && last_ties <= 1 && first_ties + last_ties == tie_begin[nodes];
   for (std::uint32_t i = 1; i < nodes; ++i) is_line = is_line && parent[i] + 1 == i;
   for (std::uint32_t i = nodes; i-- > 0;) {
     if (tie_begin[i] != tie_begin[i + 1]) holds_ties[i] = 1;
@@ -79,6 +81,10 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   x = AlignedBuffer<double>(3 * n);
   tie_x = AlignedBuffer<double>(3 * p);
   weight = AlignedBuffer<double>(3 * n);
+  if (topology->bends.any()) {
+    bends.law = AlignedBuffer<T>(tree_fields::bend * (n + 2 * std::size_t{lanes}));
+    bends.hold.assign(p, {});
+  }
   mass_unit.assign(lanes, 1);
   scale2.assign(lanes, 1);
   tie_velocity.assign(p, {});
@@ -149,7 +155,10 @@ void TreeState<T>::fill_lane(std::uint32_t lane, const Scene& scene, MassModel m
   double sum = 0;
   for (std::uint32_t i = 1; i < nodes; ++i) sum += length2[at(i, lane)];
   for (std::uint32_t k = 0; k < topology->ties; ++k) sum += tie_length2[at(k, lane)];
-  const std::uint32_t rods = nodes - 1 + topology->ties;
+  const auto& clamps = topology->bends.clamps;
+  for (std::uint32_t c = 0; c < clamps.size(); ++c)
+    put(tie_x, 3 * (tree.tie_begin[nodes] + c), lane, scene.particles[members.vertices[clamps[c]]].position);
+  const std::uint32_t rods = topology->rods();
   scale2[lane] = rods > 0 ? sum / rods : 1;
   write_masses(lane, masses, scene.gravity);
   fill_laws(lane, scene, tree, members);
@@ -229,6 +238,9 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(tie_last_velocity, from.tie_last_velocity);
   copy(mass_unit, from.mass_unit);
   copy(scale2, from.scale2);
+  copy(bends.law, from.bends.law);
+  copy(bends.hold, from.bends.hold);
+  bends.damped = from.bends.damped;
   ties_move = from.ties_move;
   is_coupled = from.is_coupled;
   copy_laws(*this, from, copy);
@@ -262,6 +274,8 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(tie_x, from.tie_x);
   copy(tie_last_velocity, from.tie_last_velocity);
   copy_laws(*this, from, copy);
+  copy(bends.law, from.bends.law);
+  copy(bends.hold, from.bends.hold);
   frequency2 = from.frequency2;
 }
 
@@ -277,107 +291,7 @@ void TreeState<T>::set_force(std::uint32_t i, std::uint32_t lane, Vec3 newton) {
     force[at(3 * i + c, lane)] = static_cast<T>((weight[at(3 * i + c, lane)] + f[c]) / mass_unit[lane]);
 }
 
-template <class T>
-TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes) {
-  const std::size_t n = std::size_t{topology.nodes} * lanes, p = std::size_t{topology.ties} * lanes;
-  for (auto* buffer : {&delta, &velocity, &load}) *buffer = AlignedBuffer<T>(3 * n);
-  rod = AlignedBuffer<T>(tree_fields::rod * n);
-  tie_rod = AlignedBuffer<T>(tree_fields::rod * p);
-  elimination = AlignedBuffer<T>(tree_fields::elimination * n);
-  tie_elimination = AlignedBuffer<T>(tree_fields::tie_elimination * p);
-  below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
-  for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
-                       &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})
-    *buffer = AlignedBuffer<T>(lanes);
-  failed.assign(lanes, 0);
-  iterations.assign(lanes, 0);
-  first.assign(lanes, 0);
-}
-
-template <class T>
-simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
-  const TreeTopology& shape = *state.topology;
-  simd::TreeView<T> view{.nodes = shape.nodes,
-                         .lanes = state.lanes,
-                         .parent = shape.parent.data(),
-                         .tie_begin = shape.tie_begin.data(),
-                         .is_coupled = state.is_coupled,
-                         .is_plain = !state.is_coupled && shape.ties <= 1,
-                         .node = state.node.data(),
-                         .tie = state.tie.data(),
-                         .length2 = state.length2.data(),
-                         .tie_length2 = state.tie_length2.data(),
-                         .x = state.x.data(),
-                         .u = state.u.data(),
-                         .force = state.force.data(),
-                         .tie_x = state.tie_x.data(),
-                         .tie_delta = state.tie_delta.data(),
-                         .tie_u = state.tie_u.data(),
-                         .guesses = guesses,
-                         .keeps_acceleration = keeps_acceleration,
-                         .acceleration_before = state.acceleration_before.data(),
-                         .acceleration = state.acceleration.data(),
-                         .ratio = ratio.data(),
-                         .kick = kick.data(),
-                         .guess = guess.data(),
-                         .guess_before = guess_before.data(),
-                         .mu_scale = mu_scale.data(),
-                         .mu_scale_before = mu_scale_before.data(),
-                         .u_delta = u_delta.data(),
-                         .u_before = u_before.data(),
-                         .inverse_kick = inverse_kick.data(),
-                         .active = active.data(),
-                         .change = change.data(),
-                         .stiffness = stiffness.data(),
-                         .residual = residual.data(),
-                         .push = push.data(),
-                         .jolt = jolt.data(),
-                         .delta = delta.data(),
-                         .mu = state.mu.data(),
-                         .tie_mu = state.tie_mu.data(),
-                         .mu_before = state.mu_before.data(),
-                         .tie_mu_before = state.tie_mu_before.data(),
-                         .load = load.data(),
-                         .rod = rod.data(),
-                         .tie_rod = tie_rod.data(),
-                         .elimination = elimination.data(),
-                         .tie_elimination = tie_elimination.data(),
-                         .below_slot = shape.below_slot.data(),
-                         .below_slots = shape.below_slots,
-                         .below = below.data()};
-  if (state.laws.gives) add_laws(state.laws, state.mu.size(), state.tie_mu.size(), view);
-  return view;
-}
-
-template <class T>
-void TreeWorkspace<T>::add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t ties,
-                                simd::TreeView<T>& to) {
-  if (law_start.size() == 0) {  // only trees with laws need it
-    law_start = AlignedBuffer<T>(tree_fields::law_start * rods);
-    tie_law_start = AlignedBuffer<T>(tree_fields::law_start * ties);
-    projection_factors = AlignedBuffer<T>(law_factors::count * kick.size());
-  }
-  to.has_laws = true;
-  to.has_cables = laws.cables;
-  to.is_mid = is_mid;
-  to.law = laws.law.rods.data();
-  to.tie_law = laws.law.ties.data();
-  to.makes_law_steps = laws.steps_are_old;
-  to.law_step = laws.step.rods.data();
-  to.tie_law_step = laws.step.ties.data();
-  to.law_start = law_start.data();
-  to.tie_law_start = tie_law_start.data();
-  to.half_kick = laws.half_kick.rods.data();
-  to.tie_half_kick = laws.half_kick.ties.data();
-  to.length_rate = laws.rate.rods.data();
-  to.tie_length_rate = laws.rate.ties.data();
-  to.law_factors = laws.factor_numbers.data();
-  to.keeps_half_kicks = keeps_half_kicks;
-}
-
 template struct TreeState<float>;
 template struct TreeState<double>;
-template struct TreeWorkspace<float>;
-template struct TreeWorkspace<double>;
 
 }  // namespace plumb::detail

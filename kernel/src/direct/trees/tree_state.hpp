@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "direct/bends/line_bends.hpp"
+#include "direct/bends/tree_bends.hpp"
 #include "direct/laws/tree_laws.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/trees.hpp"
@@ -16,11 +18,13 @@ namespace plumb::detail {
 
 /// Equal trees share who hangs from whom.
 struct TreeTopology {
-  explicit TreeTopology(const layouts::Tree& tree);
+  explicit TreeTopology(const layouts::Tree& tree, LineBends bends = {});
 
-  std::uint32_t nodes, ties;
+  LineBends bends;            ///< Lines may have some.
+  std::uint32_t nodes, ties;  ///< Ties without rods, which bends have, come last.
   std::vector<std::uint32_t> parent, tie_begin, below_slot;
   std::uint32_t below_slots = 0;
+  std::uint32_t rods() const { return nodes - 1 + tie_begin[nodes]; }
   bool is_line = false;                  ///< One node follows the other, with at most one tie at either end.
   std::vector<std::uint8_t> holds_ties;  ///< They say per node whether it or something below it is tied.
 };
@@ -80,6 +84,7 @@ struct TreeState {
   std::vector<std::uint8_t>
       known;  ///< Each lane has taken so many substeps, up to the two that accelerations are from.
   TreeLaws<T> laws;
+  TreeBends<T> bends;
   bool ties_move = false;
   bool is_coupled = false;  ///< Some rod's mass acts on both its ends at once.
   double frequency2 = 0;  ///< It is of the fastest transverse wave of all lanes, squared, in 1/s^2; gradient
@@ -143,11 +148,13 @@ struct TreeWorkspace {
   TreeWorkspace(const TreeTopology& topology, std::uint32_t lanes);
 
   simd::TreeView<T> view(TreeState<T>& state);
+  void add_bends(TreeState<T>& state, simd::TreeView<T>& to);
   void add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t ties, simd::TreeView<T>& to);
 
   layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
-      u_before, inverse_kick, push, jolt, projection_factors, law_start, tie_law_start;
+      u_before, inverse_kick, push, jolt, projection_factors, law_start, tie_law_start, bend_start, bend_rate,
+      bent_elimination;
   bool is_mid = false;            ///< The substep is of gradient mid.
   bool keeps_half_kicks = false;  ///< The gradient is old, though a substep may be of another.
   bool guesses = true;  ///< Displacements are guessed from accelerations; lines find theirs from multipliers.

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "direct/attempts/elastic_tree.hpp"
 #include "direct/laws/tree_rods.hpp"
-#include "direct/trees/elastic_tree.hpp"
 #include "direct/trees/newton_guess.hpp"
 #include "direct/trees/newton_limits.hpp"
 #include "math/elementary.hpp"
@@ -81,6 +81,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
   work.keeps_half_kicks = gradient_ == Gradient::old;
   if (state.ties_move) set_tie_displacements(state, h, work);
   if (state.laws.moves) set_substep_lengths(state, h);
+  if (state.bends.any()) begin_bends(state, h, work);
   work.guesses = !is_line(state, gradient);
   work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
@@ -120,7 +121,8 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
   std::uint64_t iterations = 0;
   std::uint32_t left = state.trees;
   bool all = true;
-  for (int i = 0; i < most_iterations && left > 0; ++i) {
+  const int most = state.bends.any() ? most_bent_iterations : most_iterations;
+  for (int i = 0; i < most && left > 0; ++i) {
     if (line) {
       run.newton_line(view);
     } else {
@@ -131,7 +133,7 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
       if (work.active[lane] == 0) continue;
       const double scale2 = state.scale2[lane], change2 = work.change[lane] / nodes;
       const bool converged = has_converged<T>(change2, work.residual[lane], scale2, gradient);
-      if (!converged && !is_hopeless(change2, scale2) && i + 1 < most_iterations) continue;
+      if (!converged && !is_hopeless(change2, scale2) && i + 1 < most) continue;
       work.active[lane] = 0;
       work.failed[lane] = !converged;
       work.iterations[lane] = static_cast<std::uint32_t>(i + 1);
@@ -164,6 +166,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
   kernels(state).advance(work.view(state));
   if (const auto& laws = state.laws; laws.moves || laws.pulls || laws.breaks)
     counters.broken_rods += end_rods(state, h, theta_of(gradient), work);
+  if (state.bends.any() && state.laws.pulls) hold_bends(state, h, theta_of(gradient), work);
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
     if (!state.idle[lane] && !work.failed[lane] && work.keeps_acceleration)
       state.smooth[lane] = work.jolt[lane] < 4 * smooth_jolt * work.push[lane];

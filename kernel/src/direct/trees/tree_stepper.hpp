@@ -66,7 +66,7 @@ class TreeStepper {
   /// old fit the rods (RATTLE, Andersen 1983).
   void find_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
-  /// Says whether multipliers alone are unknown, see simd/tree/line_lanes.hpp.
+  /// Says whether multipliers alone are unknown, see simd/tree/lines/line_lanes.hpp.
   static bool is_line(const TreeState<T>& state, Gradient gradient) {
     return gradient == Gradient::old && state.topology->is_line && !state.is_coupled;
   }

@@ -15,6 +15,10 @@ inline constexpr double folded_slope = 4096;  ///< It is g' there: 1/(1 - q/4)^2
 /// Beyond 165.6 degrees the law is a tangent, so steep that Newton's method finds no rest on it. In rad.
 inline constexpr double largest_rest_angle = 2.89;
 
+/// Where a damped bend passes the straight line, w has no direction. This share of the square of the change
+/// is added to its square. Damping of an oscillator then is of second order; with 1e-2 it would be of first.
+inline constexpr double no_bend_direction = 1e-6;
+
 /// Returns g(q), the square of the discrete curvature.
 inline double squared_curvature(double q) {
   return q < folded ? q / (1 - q / 4) : folded * 64 + folded_slope * (q - folded);

@@ -29,7 +29,6 @@ void validate_tackle(const Scene& scene, std::size_t i) {
   const Tackle& tackle = scene.tackles[i];
   validate_law(tackle.law, "tackle ", i);
   if (std::isfinite(tackle.law.strength)) refuse("tackle ", i, ": has a strength, but cords do not break");
-  if (tackle.friction != 0) refuse("tackle ", i, ": has friction at its pulleys, which nothing moves yet");
   const double length = tackle_length(scene, i);
   if (!(length > 0 && std::isfinite(length)))
     refuse("tackle ", i, ": length must be positive and finite, got ", length, " m");

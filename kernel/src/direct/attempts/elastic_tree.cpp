@@ -1,4 +1,4 @@
-#include "direct/trees/elastic_tree.hpp"
+#include "direct/attempts/elastic_tree.hpp"
 
 #include <algorithm>
 
@@ -17,7 +17,26 @@ std::shared_ptr<const LoopTopology> as_loops(const TreeTopology& tree) {
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
       rods.push_back({i, tree.nodes + k});
   auto out = std::make_shared<LoopTopology>(tree.nodes, tree.nodes + tree.ties, std::move(rods));
-  out->system = std::make_unique<LoopSystem>(out->rods, out->nodes, true);
+  for (const std::uint32_t slot : tree.bends.slots) {
+    const auto vertex = [&](std::int64_t place) {
+      const bool is_node = place >= 0 && place < tree.nodes;
+      return is_node ? static_cast<std::uint32_t>(place) : tree.nodes + tree.bends.end(place, tree.nodes);
+    };
+    out->bends.push_back({{vertex(std::int64_t{slot} - 2), vertex(std::int64_t{slot} - 1), vertex(slot)}});
+  }
+  out->system = std::make_unique<LoopSystem>(out->rods, out->nodes, true, *out);
+  return out;
+}
+
+/// Returns the tree as an island, whose numbers are not known yet.
+LoopState island_of(const TreeTopology& tree) {
+  LoopState out(as_loops(tree));
+  const IslandRods rods(out.topology->rods);
+  for (const LoopBend& bend : out.topology->bends) {
+    const auto [a, b, c] = bend.vertices;
+    out.bends.push_back({{}, {rods.find(a, b), rods.find(b, c)}});
+  }
+  if (tree.bends.any()) out.hold.resize(out.fixed_velocity.size());
   return out;
 }
 
@@ -32,7 +51,7 @@ template <class T, class F>
 void for_rods(const TreeState<T>& tree, F&& f) {
   const std::size_t nodes = tree.topology->nodes;
   for (std::size_t i = 1; i < nodes; ++i) f(i - 1, i, false);
-  for (std::size_t k = 0; k < tree.topology->ties; ++k) f(nodes - 1 + k, k, true);
+  for (std::size_t k = 0; k < tree.topology->tie_begin[nodes]; ++k) f(nodes - 1 + k, k, true);
 }
 
 /// Copies what rods do besides keeping their lengths, of a tree alone. Half kicks are forgotten.
@@ -72,7 +91,8 @@ void store_laws(const LoopState& island, TreeState<T>& tree) {
 
 template <class T>
 ElasticTree<T>::Island::Island(const TreeTopology& tree, Isa isa)
-    : state(as_loops(tree)), work(state, Gradient::mid, isa) {}  // it projects no velocities, as mid does not
+    : state(island_of(tree)),
+      work(state, Gradient::mid, isa) {}  // it projects no velocities, as mid does not
 
 template <class T>
 auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
@@ -93,7 +113,7 @@ auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
     island.coupling[i - 1] = static_cast<double>(tree.node[simd::tree_fields::node * i + 1]);
     island.length2[i - 1] = tree.length2[i];
   }
-  for (std::uint32_t k = 0; k < ties; ++k) {
+  for (std::uint32_t k = 0; k < tree.topology->tie_begin[nodes]; ++k) {
     island.coupling[nodes - 1 + k] = static_cast<double>(tree.tie[simd::tree_fields::tie * k]);
     island.length2[nodes - 1 + k] = tree.tie_length2[k];
   }
@@ -101,6 +121,9 @@ auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
     load_laws(tree, island);
   else
     island.laws = {};
+  for (std::size_t k = 0; k < island.bends.size(); ++k)
+    island_->work.bends[k] = island.bends[k].law = bend_numbers(tree, tree.topology->bends.slots[k], 0);
+  island.hold = tree.bends.hold;
   island.fixed_velocity = tree.tie_velocity;
   island.fixed_last_velocity = tree.tie_last_velocity;
   island.anchors_move = tree.ties_move;
@@ -119,6 +142,7 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
   }
   for (std::size_t i = 0; i < tree.tie_x.size(); ++i) tree.tie_x[i] = island.x[3 * nodes + i];
   if (tree.ties_move) tree.tie_last_velocity = tree.tie_velocity;
+  tree.bends.hold = island.hold;
   tree.u_step[0] = island.u_step;
   tree.u_step_before[0] = 0;
   for (auto* const each : {&tree.mu, &tree.tie_mu, &tree.mu_before, &tree.tie_mu_before})
