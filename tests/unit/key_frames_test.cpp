@@ -110,11 +110,11 @@ TEST(ElasticStep, TakesTheMeanOfWhatItResolves) {
   EXPECT_DOUBLE_EQ(step.soft, 4 / (8 * 0.1 * 0.1));
   EXPECT_DOUBLE_EQ(step.before, 0.5);
   step.acts = true;
-  EXPECT_LT(step.soft_at_end(1), 0) << "nothing holds velocities";
+  EXPECT_LT(step.soft_at_end(), 0) << "nothing holds velocities";
   step.begin({.rest = 1, .stiffness = 8e8}, 1, 0.1);
   EXPECT_NEAR(step.soft, 2 / (8e8 * 0.1 * 0.1), 1e-12);
   EXPECT_NEAR(step.before, 0, 1e-6);
-  EXPECT_NEAR(step.soft_at_end(1), 0, 1e-6) << "velocities are held as by a rod";
+  EXPECT_NEAR(step.soft_at_end(), 0, 1e-6) << "velocities are held as by a rod";
 }
 
 TEST(Turn, KnowsAllFourQuadrants) {

@@ -39,8 +39,8 @@ TEST(ReelScenes, BadOnesAreRefusedWithTheirNumber) {
   EXPECT_EQ(with({{0, 1, 0}}), "reel 0: has particle 0 twice");
   EXPECT_EQ(with({{1, 2, 3}}), "reel 0: its drum, particle 1, is not fixed");
   EXPECT_EQ(with({{0, 2, 3}}), "reel 0: no rod joins particles 0 and 2");
-  EXPECT_EQ(with({{0, 1, 2}, -1}), "reel 0: what is out must be positive and finite, got -1 m");
-  EXPECT_EQ(with({{0, 1, 2}, NAN}), "reel 0: what is out must be positive and finite, got nan m");
+  EXPECT_EQ(with({{0, 1, 2}, -1}), "reel 0: what is out must be finite and not negative, got -1 m");
+  EXPECT_EQ(with({{0, 1, 2}, NAN}), "reel 0: what is out must be finite and not negative, got nan m");
   EXPECT_EQ(with({{0, 1, 2}, 1.5}), "reel 0: 1.5 m are out, but its chain is 1 m long");
   EXPECT_EQ(with({{0, 1, 2, 3, 4}}), "");
   EXPECT_EQ(refused([](Scene& s) { s.particles[4].fixed = true; }),
@@ -96,8 +96,8 @@ TEST(ReelScenes, MethodsThatDoNotMoveThemRefuseThem) {
 
 TEST(ReelScenes, AWorldRefusesUnknownOnesAndBadLengths) {
   World world(make_reeled({.rods = 4, .length = 0.5}));
-  EXPECT_EQ(refusal([&] { world.set_reel(1, 1); }), "reel 1: unknown, the scene has 1 reels");
-  EXPECT_EQ(refusal([&] { (void)world.reel_out(1); }), "reel 1: unknown, the scene has 1 reels");
+  EXPECT_EQ(refusal([&] { world.set_reel(1, 1); }), "reel 1: unknown, the scene has 1 reel");
+  EXPECT_EQ(refusal([&] { (void)world.reel_out(1); }), "reel 1: unknown, the scene has 1 reel");
   EXPECT_EQ(refusal([&] { world.set_reel(0, 0); }), "reel 0: a length must be positive and finite, got 0 m");
   EXPECT_EQ(refusal([&] { world.set_reel(0, 2.1); }), "reel 0: 2.1 m cannot be out of a chain of 2 m");
   EXPECT_EQ(refusal([&] { world.set_length(2, 0.4); }),

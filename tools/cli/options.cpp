@@ -1,6 +1,7 @@
 #include "cli/options.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "plumb/error.hpp"
@@ -15,6 +16,12 @@ using scenes::append_item;
 
 /// This is the cap on sweeps where a tolerance or a budget is to stop them.
 constexpr std::uint32_t sweeps_when_stopped_otherwise = 10000;
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  using std::filesystem::absolute;
+  using std::filesystem::weakly_canonical;
+  return !b.empty() && weakly_canonical(absolute(a)) == weakly_canonical(absolute(b));
+}
 
 Option add_number(Command& command, const std::string& name, const std::string& unit,
                   std::function<void(double)> take, const std::string& help) {
@@ -150,7 +157,7 @@ Option add_positive(Command& command, const std::string& name, double& target, c
   return add_positive_of("T", command, name, target, help);
 }
 
-Option add_reels(Command& command, std::vector<scenes::LengthRate>& rates) {
+Option add_winches(Command& command, std::vector<scenes::LengthRate>& rates) {
   const auto take = [&rates](const std::string& text) {
     rates.clear();
     for (const std::string& item : scenes::split_list(text)) {
@@ -163,7 +170,7 @@ Option add_reels(Command& command, std::vector<scenes::LengthRate>& rates) {
     }
   };
   return command.add_option(
-      "--reel", "ROD:RATE,...", take,
+      "--winch", "ROD:RATE,...", take,
       "Rods whose length changes all the time, at rates in m/s; below 0 they become shorter");
 }
 
@@ -239,6 +246,14 @@ std::string generators_help() {
            help.summary + "\n";
   }
   return out;
+}
+
+void require_different_files(const std::vector<std::pair<std::string, std::string>>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i)
+    for (std::size_t j = i + 1; j < files.size(); ++j)
+      if (!files[i].second.empty() && same_file(files[i].second, files[j].second))
+        throw InputError(files[i].first + " and " + files[j].first + " name the same file, " +
+                         files[j].second);
 }
 
 }  // namespace plumb::tools

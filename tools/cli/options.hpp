@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cli/command_line.hpp"
@@ -64,8 +65,11 @@ Option add_positive(Command& command, const std::string& name, double& target, c
 /// Adds --save-at, which takes times in seconds, separated by commas.
 Option add_save_at(Command& command, std::vector<double>& times, const std::string& help);
 
-/// Adds --reel, which takes rods and the rates of their lengths.
-Option add_reels(Command& command, std::vector<scenes::LengthRate>& rates);
+/// Adds --winch, which takes rods and the rates of their lengths.
+Option add_winches(Command& command, std::vector<scenes::LengthRate>& rates);
+
+/// Refuses two options that name the same file to write, with both of their names. Empty names are none.
+void require_different_files(const std::vector<std::pair<std::string, std::string>>& files);
 
 /// Adds --layout, --precision, --threads and --isa, which say how a scene lies in memory and what works on
 /// it.

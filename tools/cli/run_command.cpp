@@ -32,12 +32,6 @@ struct RunOptions {
   bool quiet = false;
 };
 
-bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-  using std::filesystem::absolute;
-  using std::filesystem::weakly_canonical;
-  return !b.empty() && weakly_canonical(absolute(a)) == weakly_canonical(absolute(b));
-}
-
 /// Writes every file that a run fills frame by frame. All are opened before the work, since a folder that
 /// cannot be written is better known then.
 class SavedFrames {
@@ -94,25 +88,16 @@ class SavedFrames {
   std::optional<GltfAnimation> gltf_;
 };
 
-void require_different_files(const RunOptions& options) {
-  const std::pair<const char*, const std::string*> files[] = {{"--trajectory", &options.trajectory},
-                                                              {"--tensions", &options.tensions},
-                                                              {"--forces", &options.forces},
-                                                              {"--report", &options.report},
-                                                              {"--gltf", &options.gltf}};
-  for (const auto& a : files)
-    for (const auto& b : files) {
-      if (&a >= &b || a.second->empty() || !same_file(*a.second, *b.second)) continue;
-      throw InputError(std::string(a.first) + " and " + b.first + " name the same file, " + *b.second);
-    }
-}
-
 int run(const RunOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
   std::vector<Frame> truth;
   if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
   if (!options.truth_tensions.empty()) scenes::read_tensions(options.truth_tensions, truth);
-  require_different_files(options);
+  require_different_files({{"--trajectory", options.trajectory},
+                           {"--tensions", options.tensions},
+                           {"--forces", options.forces},
+                           {"--report", options.report},
+                           {"--gltf", options.gltf}});
   SavedFrames saved(options, scene);
   std::optional<scenes::OutputFile> report;
   if (!options.report.empty()) report.emplace(options.report);
@@ -151,7 +136,7 @@ void add_run_command(Command& plumb) {
   add_scene(command, o.scene);
   add_seconds(command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
   add_seconds(command, "--dt", o.plan.dt, "Length of a frame [1/60]");
-  add_reels(command, o.plan.rates);
+  add_winches(command, o.plan.rates);
   add_solver_options(command, o.plan.settings);
   add_layout_options(command, o.plan.settings);
   add_save_at(
@@ -190,7 +175,7 @@ void add_run_command(Command& plumb) {
   command.set_footer(
       "Examples:\n"
       "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
-      "  plumb run winch --reel 0:-0.5 --substeps 4 --trajectory hauled.csv\n"
+      "  plumb run winch --winch 0:-0.5 --substeps 4 --trajectory hauled.csv\n"
       "  plumb run thesis5 --method relax --sweeps 1000\n"
       "  plumb run chain:end_mass=10 --substeps 8 --truth tools/scenes/truth/chain_N20_r10.csv\n"
       "  plumb run chain:end_mass=10 --method relax --substeps 8 --gradient mid --tolerance 1e-6 --report "

@@ -66,6 +66,7 @@ void print_summary(const TruthOptions& options, const Scene& scene, const truth:
 
 int truth_of(const TruthOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
+  require_different_files({{"--out", options.out}, {"--tensions", options.tensions}});
   scenes::OutputFile out(options.out);
   std::optional<scenes::OutputFile> tensions;
   if (!options.tensions.empty()) tensions.emplace(options.tensions);
@@ -114,7 +115,7 @@ void add_truth_command(Command& plumb) {
                      "Write t,rod,tension to this file: pulls of rods in N, averaged over --mean");
   add_seconds(command, "--mean", o.plan.mean_over,
               "Time before each one saved that tensions are averaged over [1/60]");
-  add_reels(command, o.plan.rates);
+  add_winches(command, o.plan.rates);
   add_choice(command, "--mass", o.plan.mass, {MassModel::lumped, MassModel::consistent},
              "How a rod's own mass acts: as points at its ends, or exactly; the same if rods have none");
   add_positive(command, "--tolerance", o.plan.tolerance,
@@ -138,7 +139,7 @@ void add_truth_command(Command& plumb) {
       "  plumb run chain:links=20,end_mass=10 --substeps 8 --truth truth.csv\n"
       "  plumb truth chain --save-at 0.5,1 --out truth.csv --tensions pulls.csv\n"
       "  plumb run chain --truth truth.csv --truth-tensions pulls.csv --report r.json\n"
-      "  plumb truth winch --reel 0:-0.5 --save-at 1 --out winch.csv\n"
+      "  plumb truth winch --winch 0:-0.5 --save-at 1 --out winch.csv\n"
       "  plumb truth rods.json --mass lumped --save-at 1 --tolerance 1e-12 --out lumped.csv\n\n" +
       generators_help());
   command.set_action([options] { return truth_of(*options); });

@@ -18,7 +18,7 @@ struct Problem {
   bool is_tree = true;
   bool is_net = false;  ///< Whether it is wide, so that method direct solves it by its lines.
   double patience = 1;  ///< Factor on Limits::path_s: large scenes take long for a point.
-  std::vector<scenes::LengthRate> rates{};  ///< Rods that are reeled in or paid out all the time.
+  std::vector<scenes::LengthRate> rates{};  ///< Rods whose length changes all the time.
 
   Scene scene{};
   std::vector<Frame> truth{};  ///< One frame, at the end.

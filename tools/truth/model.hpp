@@ -13,7 +13,7 @@
 ///
 ///   M a = M g - drag M v + J^T mu,   (|x_b - x_a|^2 - L^2) / 2 = 0 for every rigid rod,
 ///
-/// L = length + rate t is constant but for rods that are reeled in or paid out. J holds the gradients of the
+/// L = length + rate t is constant but for rods that a winch works on. J holds the gradients of the
 /// rods, which are x_b - x_a at b and its opposite at a. mu, in N/m, is a rod's push divided by its length l
 /// = |x_b - x_a|. An elastic rod is no constraint, because its push is known:
 ///

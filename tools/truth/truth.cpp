@@ -50,7 +50,7 @@ void require_sense(const Scene& scene, const Plan& plan) {
   for (const auto& [rod, rate] : plan.rates)
     if (rod < scene.rods.size() && !(rod_length(scene, rod) + rate * plan.save_at.back() > 0))
       throw InputError("rod " + std::to_string(rod) +
-                       " is reeled in to nothing before the last time to save");
+                       " is hauled in to nothing before the last time to save");
   if (!(plan.tolerance >= 1e-15) || !(plan.tolerance < 1)) {
     throw InputError("the tolerance must be at least 1e-15, what the digits of a file hold, and less than 1");
   }

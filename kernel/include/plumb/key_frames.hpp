@@ -14,10 +14,10 @@ struct KeyFrame {
   std::vector<double> pose;  ///< Targets, in rad, such as those of AngleControl::target or Torsion::angle.
 };
 
-/// Leads from pose to pose on cubic curves (Catmull and Rom 1974), whose rates do not jump.
+/// Leads from pose to pose on cubic curves (Catmull, Rom 1974) without jumps of rates, from rest to rest.
 ///
-/// A program reads the pose at World::time() before every step and hands it to World::set_angle() or
-/// World::set_torsion(). Drives then seek it as far as their stiffness, loads and contacts let them.
+/// A program reads the pose of a step's middle, World::time() + dt/2, and hands it to World::set_angle() or
+/// set_torsion() before that step. Drives seek it as far as their stiffness, loads and contacts let them.
 class PLUMB_API KeyFrames {
  public:
   /// Takes poses in the order of time. Throws InputError unless there is one at least, all are of one size,

@@ -274,12 +274,12 @@ struct Scene {
   std::vector<Box> boxes{};             ///< Solid boxes that do not move.
 };
 
-/// Returns whether a scene has more than particles and rods: bends, twists, tackles, shapes, ground, bodies,
-/// joints, springs, air on rods or sleepers.
+/// Returns whether a scene has more than particles and rods: bends, twists, tackles, reels, shapes, ground,
+/// bodies, joints, springs, air on rods or sleepers.
 PLUMB_API bool has_more_than_rods(const Scene& scene);
 
 /// Refuses a scene that cannot be simulated. Throws InputError with the number of the particle, rod, bend,
-/// twist, tackle, body, joint or shape, and the reason.
+/// twist, tackle, reel, body, joint, spring, torsion or shape, and the reason.
 ///
 /// Of particles and rods it refuses:
 /// - numbers that are not finite, negative mass or drag, a movable particle without mass;

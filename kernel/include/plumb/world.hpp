@@ -200,8 +200,8 @@ class PLUMB_API World {
   double torsion_angle(std::uint32_t number) const;
 
   /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. Throws
-  /// InputError on an unknown rod, a length that is not positive and finite, and a rod that is relaxed or
-  /// whose island has joints or shapes.
+  /// InputError on an unknown rod and a length that is not positive and finite. It refuses rods that are
+  /// relaxed, of a reel or twisted, and those of islands with joints or shapes.
   void set_length(std::uint32_t rod, double target);
 
   /// Turns the last cross section of a twist (Scene::twists) against the first, at a constant rate during the
@@ -234,10 +234,10 @@ class PLUMB_API World {
   /// Returns how much of a reel's rope is out, in m. Throws InputError on an unknown reel.
   double reel_out(std::uint32_t reel) const;
 
-  /// Returns the force in N that holds an anchor, averaged over the last step. With gravity and other forces,
-  /// the reactions of all anchors make the change of momentum, that of rods' mass at anchors included. It
-  /// counts joints, springs and contacts, too. It is NaN where a pull is (see tension()). Throws InputError
-  /// on an unknown or movable particle, or without Settings::tensions.
+  /// Returns the force in N that holds an anchor against all there is, averaged over the last step. With
+  /// other forces the reactions make the change of momentum, rods' mass at anchors included: to rounding for
+  /// one substep of gradient mid, else to the order in the step. It is NaN where a pull is (see tension()).
+  /// Throws InputError on an unknown or movable particle, or without Settings::tensions.
   Vec3 reaction(std::uint32_t particle) const;
   /// Copies the reactions (N) at all particles into `out`; those of movable ones are zero. Throws InputError
   /// unless it has particle_count() elements, or without Settings::tensions.

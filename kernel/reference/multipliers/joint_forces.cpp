@@ -2,29 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "reference/multipliers/small_matrices.hpp"
+#include "scene/springs/turn.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// Two directions as they are seen along a unit axis.
-struct Seen {
-  Vec3 axis, u, v;
-
-  Seen(Vec3 along, Vec3 one, Vec3 other)
-      : axis((1 / norm(along)) * along), u(one - dot(one, axis) * axis), v(other - dot(other, axis) * axis) {}
-  /// Returns the angle from u to v (rad); of all turns the one nearest to `near`.
-  double angle(double near) const {
-    constexpr double whole = 2 * std::numbers::pi;
-    const double turn = std::atan2(dot(axis, cross(u, v)), dot(u, v));
-    return turn + whole * std::round((near - turn) / whole);
-  }
-};
-
-}  // namespace
-
 JointForces::JointForces(const Scene& island, std::uint32_t movable) : movable_(movable) {
   for (const Spring& each : island.springs) ties_.push_back({way(each.a, each.b), each});
   for (const Torsion& each : island.torsions)
@@ -42,7 +24,7 @@ void JointForces::push(const WeightedSum& at, Vec3 force, Eigen::VectorXd& f) co
 
 void JointForces::follow(std::span<const Vec3> x) {
   for (Turning& each : torsions_)
-    each.angle = Seen(each.axis.of(x), each.u.of(x), each.v.of(x)).angle(each.angle);
+    each.angle = Across(each.axis.of(x), each.u.of(x), each.v.of(x)).turn_near(each.angle);
 }
 
 void JointForces::add(std::span<const Vec3> x, std::span<const Vec3> v, Eigen::VectorXd& f) const {
@@ -70,14 +52,14 @@ void JointForces::turn(const Turning& torsion, std::span<const Vec3> x, std::spa
                        Eigen::VectorXd& f) const {
   const Torsion& law = torsion.law;
   const Vec3 axis = torsion.axis.of(x), one = torsion.u.of(x), other = torsion.v.of(x);
-  const Seen seen(axis, one, other);
+  const Across seen(axis, one, other);
   const Vec3 by_u = (-1 / dot(seen.u, seen.u)) * cross(seen.axis, seen.u),
              by_v = (1 / dot(seen.v, seen.v)) * cross(seen.axis, seen.v),
              by_axis = (1 / dot(axis, axis)) * cross(axis, cross(one, by_u) + cross(other, by_v));
   const double rate =
       dot(by_u, torsion.u.of(v)) + dot(by_v, torsion.v.of(v)) + dot(by_axis, torsion.axis.of(v));
   const double torque =
-      law.stiffness * (law.angle - seen.angle(torsion.angle)) - law.damping * rate + law.torque;
+      law.stiffness * (law.angle - seen.turn_near(torsion.angle)) - law.damping * rate + law.torque;
   push(torsion.u, torque * by_u, f);
   push(torsion.v, torque * by_v, f);
   push(torsion.axis, torque * by_axis, f);
@@ -93,7 +75,7 @@ void JointForces::drive(const Driven& angle, std::span<const Vec3> x, std::span<
   const Vec3 by_u = (-1 / dot(one, one)) * cross(normal, one),
              by_v = (1 / dot(other, other)) * cross(normal, other);
   const double rate = dot(by_u, angle.u.of(v)) + dot(by_v, angle.v.of(v));
-  const double torque = law.stiffness * (law.target - std::atan2(sine, cosine)) - law.damping * rate;
+  const double torque = law.stiffness * (law.target - angle_of(cosine, sine)) - law.damping * rate;
   push(angle.u, torque * by_u, f);
   push(angle.v, torque * by_v, f);
 }

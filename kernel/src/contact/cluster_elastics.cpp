@@ -13,6 +13,7 @@ using namespace contact_limits;
 void ClusterStepper::begin_elastics(Island& island, double h) const {
   LinkageState& state = *island.state;
   const std::span<const Elastic> elastics = state.linkage->elastics();
+  state.find_gives();
   for (std::size_t i = 0; i < elastics.size(); ++i) {
     const ElasticLaw& law = state.laws[i];
     ElasticStep& step = island.elastics[i];
@@ -22,7 +23,7 @@ void ClusterStepper::begin_elastics(Island& island, double h) const {
       const double there = state.linkage->number(elastics[i], island.there, step.start);
       step.acts = step.acts && (keeps_slack_ ? was_taut : std::max(there, step.start) > law.rest);
     }
-    if (step.acts) step.begin(law, elastics[i].give, h);
+    if (step.acts) step.begin(law, state.gives[i], h);
   }
   state.factor_with_elastics([&](std::size_t i) {
     const ElasticStep& step = island.elastics[i];
@@ -46,7 +47,7 @@ void ClusterStepper::aim_elastics(Island& island) {
 }
 
 /// Writes by how much rows of elastics are missed at Island::there, times -1. Returns the largest share of
-/// lengths, or angle, by which that moves something.
+/// lengths, or angle.
 double ClusterStepper::elastic_misfit(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
@@ -59,8 +60,7 @@ double ClusterStepper::elastic_misfit(Island& island) {
     const double miss = off + step.soft * step.p + step.before;
     island.right()[linkage.plan().position(elastic.row)] = -miss;
     const bool is_length = elastic.kind == Elastic::Kind::distance || elastic.kind == Elastic::Kind::along;
-    const double moves = elastic.give / (elastic.give + step.soft);
-    worst = std::max(worst, std::abs(miss) * moves / (is_length ? linkage.size() : 1));
+    worst = std::max(worst, std::abs(miss) / (is_length ? linkage.size() : 1));
   }
   return std::isfinite(worst) ? worst : INFINITY;
 }
@@ -86,8 +86,7 @@ void ClusterStepper::end_elastics(Island& island, double h) {
     // What is damped goes on as it goes. What is stiff has come to rest.
     step.end_rate = step.damped / h * (linkage.number(elastic, state.x, step.start) - step.start);
   }
-  state.factor_with_elastics(
-      [&](std::size_t i) { return island.elastics[i].soft_at_end(linkage.elastics()[i].give); });
+  state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_at_end(); });
 }
 
 /// Writes the rates to which elastics hold velocities, beside anchors that move.
@@ -97,7 +96,7 @@ void ClusterStepper::hold_elastics(Island& island) {
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
     const Elastic& elastic = linkage.elastics()[i];
     const ElasticStep& step = island.elastics[i];
-    if (step.soft_at_end(elastic.give) < 0) continue;
+    if (step.soft_at_end() < 0) continue;
     island.right()[linkage.plan().position(elastic.row)] =
         step.end_rate -
         Linkage::rate(elastic, linkage.slope(elastic, state.x), state.v, linkage.fixed_ones());

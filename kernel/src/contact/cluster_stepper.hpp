@@ -36,10 +36,12 @@ struct ClusterRules {
 /// that islands with them take two factorisations.
 ///
 /// Contacts act through what the linkage makes of a push, G = Jc P Jcᵀ, which takes one solve a row. Their
-/// pushes are found by projected Gauss-Seidel on G (Moreau 1988; Jean 1999).
+/// pushes are found by projected Gauss-Seidel on G (Moreau 1988; Jean 1999). An island that touches ground in
+/// many places holds those contacts in its own matrix instead, see GroundContacts.
 ///
-/// Energy never rises. What a substep would gain is taken from the motion that is not that of a rigid whole,
-/// which keeps momentum and angular momentum. In free flight what a substep would lose is given back.
+/// Without elastics energy does not rise. What a substep would gain is taken from the motion that is not that
+/// of a rigid whole, which keeps momentum and angular momentum. In free flight what it would lose is given
+/// back.
 class ClusterStepper {
  public:
   /// The settings are scaled already (scaled()).

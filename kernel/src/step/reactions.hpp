@@ -27,7 +27,7 @@ class Reactions {
     Vec3 anchor_velocity{};  ///< m/s, of the anchor in the last step
     Vec3 anchor_change{};    ///< m/s, from that of the step before
   };
-  /// Returns the rods at an anchor.
+  /// Returns what hangs from an anchor.
   std::span<const Held> at(std::uint32_t anchor) const;
 
   /// Begins a step. position(particle), velocity(particle) and path(anchor) are those of its start.

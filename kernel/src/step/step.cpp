@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "scene/bends/twists.hpp"
 #include "scene/reels/reels.hpp"
 #include "scene/refuse.hpp"
 #include "step/methods.hpp"
@@ -41,6 +42,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       anchors_(scene, compiled_.solvers.size()),
       lengths_(scene),
       reeled_(reeled_rods(scene)),
+      twisted_(twisted_rods(scene)),
       loads_(scene),
       reactions_(scene, settings),
       rods_(scene),
@@ -230,6 +232,8 @@ void Step::set_length(std::uint32_t cord, double target) {
     refuse("rod ", cord, ": its length cannot change, since its island has shapes that may touch");
   if (cord < reeled_.size() && reeled_[cord] != 0)
     refuse("rod ", cord, ": its length cannot change by itself, since it is on a reel");
+  if (cord < twisted_.size() && twisted_[cord] != 0)
+    refuse("rod ", cord, ": its length cannot change, since its chain is twisted");
   lengths_.set_target(cord, target);
 }
 

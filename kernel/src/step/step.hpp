@@ -104,7 +104,8 @@ class Step {
   Compiled compiled_;
   Anchors anchors_;
   Lengths lengths_;
-  std::vector<std::uint8_t> reeled_;  ///< by rod: it is on a reel; empty if there are none
+  std::vector<std::uint8_t> reeled_;   ///< by rod: it is on a reel; empty if there are none
+  std::vector<std::uint8_t> twisted_;  ///< by rod: it is of a twisted chain; empty if there are none
   Loads loads_;
   Reactions reactions_;
   RodJudge rods_;

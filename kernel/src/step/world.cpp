@@ -52,21 +52,16 @@ struct World::Impl {
     if ((fixed[particle] != 0) != want_fixed)
       refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
   }
-  void require_rod(std::uint32_t rod) const {
-    if (rod >= rods) refuse("rod ", rod, ": unknown, the scene has ", rods, " rods");
-  }
-  void require_tackle(std::uint32_t tackle) const {
-    if (tackle >= tackles) refuse("tackle ", tackle, ": unknown, the scene has ", tackles, " tackles");
-  }
+  void require_rod(std::uint32_t rod) const { require_one_of(rods, "rod", rod); }
+  void require_tackle(std::uint32_t tackle) const { require_one_of(tackles, "tackle", tackle); }
   void require_reel(std::uint32_t reel) const {
-    if (reel >= chains.size()) refuse("reel ", reel, ": unknown, the scene has ", chains.size(), " reels");
+    require_one_of(static_cast<std::uint32_t>(chains.size()), "reel", reel);
   }
-  void require_twist(std::uint32_t twist) const {
-    if (twist >= twists) refuse("twist ", twist, ": unknown, the scene has ", twists, " twists");
-  }
+  void require_twist(std::uint32_t twist) const { require_one_of(twists, "twist", twist); }
   /// Refuses a number that the scene does not have. `what` is one of them, `all` how many it has.
   static void require_one_of(std::uint32_t all, const char* what, std::uint32_t number) {
-    if (number >= all) refuse(what, ' ', number, ": unknown, the scene has ", all);
+    if (number >= all)
+      refuse(what, ' ', number, ": unknown, the scene has ", all, ' ', what, all == 1 ? "" : "s");
   }
   /// Returns what knows the forces of joints and contacts, for one that the scene has.
   const detail::ContactSolver& contact(std::uint32_t all, const char* what, std::uint32_t number) const {
@@ -102,9 +97,10 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->springs = static_cast<std::uint32_t>(scene.springs.size());
   impl_->torsions = static_cast<std::uint32_t>(scene.torsions.size());
   impl_->capsules = static_cast<std::uint32_t>(scene.capsules.size());
-  if (scene.reels.empty()) return;
-  const detail::RodTable rods(scene);
-  for (const Reel& reel : scene.reels) impl_->chains.push_back(detail::chain_length(scene, rods, reel));
+  if (!scene.reels.empty()) {
+    const detail::RodTable rods(scene);
+    for (const Reel& reel : scene.reels) impl_->chains.push_back(detail::chain_length(scene, rods, reel));
+  }
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -235,7 +231,7 @@ void World::copy_reactions(std::span<Vec3> out) const {
 }
 
 Vec3 World::pin_force(std::uint32_t pin) const {
-  return impl_->contact(impl_->pins, "ball joint", pin).pin_force(pin);
+  return impl_->contact(impl_->pins, "pin", pin).pin_force(pin);
 }
 double World::angle_torque(std::uint32_t angle) const {
   return impl_->contact(impl_->angles, "angle", angle).angle_torque(angle);

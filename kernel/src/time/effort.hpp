@@ -10,10 +10,13 @@ namespace plumb::detail {
 /// A blow can need any number of cuts, and each of them fails a few times. So that no frame stands out, a
 /// substep gets so many times what substeps usually take.
 struct Effort {
-  static constexpr double least_usual = 4, most_usual = 1e6;
+  /// The usual number changes by this share after every substep, within these bounds.
+  static constexpr double adapts = 0.1, least_usual = 4, most_usual = 1e6;
+  /// A substep may take this many times the usual Newton steps, and never fewer than `least`. Larger ones
+  /// make fallbacks rarer and the worst frames dearer.
+  static constexpr double times = 8;
   static constexpr std::uint64_t least = 64;
   static constexpr std::uint64_t endless = std::uint64_t{1} << 62;
-  static constexpr double times = 8, adapts = 0.1;
 
   std::uint64_t most() const { return std::max(least, static_cast<std::uint64_t>(times * usual)); }
   /// Takes note of what a substep took. The usual number goes up or down by a tenth, so that it tends to the

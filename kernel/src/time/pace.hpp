@@ -13,7 +13,7 @@ namespace plumb::detail {
 /// shortest half. Once a few pieces in a row were taken whole, the next is twice as long. Where that was too
 /// early, twice as many must be taken before the next time.
 struct Pace {
-  static constexpr int most_cuts = 6;  ///< A piece is this power of two of a substep at the least.
+  static constexpr int most_cuts = 6;  ///< The shortest piece is 1/2^most_cuts of a substep.
   static constexpr std::uint32_t least_patience = 2, most_patience = 64;
 
   /// Returns how often a length of h (s) is halved before it is tried.

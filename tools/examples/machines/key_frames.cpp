@@ -25,7 +25,7 @@ int main() {
   std::vector<double> pose(2);
   double farthest = 0;
   for (int frame = 0; frame < 240; ++frame) {
-    wave.pose_at(world.time(), pose);
+    wave.pose_at(world.time() + 0.5 / 60, pose);
     const double strength = world.time() < 2 ? 1 : 0;
     for (unsigned i = 0; i < 2; ++i) {
       world.set_torsion(i, {.angle = pose[i], .stiffness = 400 * strength, .damping = 1 + 30 * strength});

@@ -35,7 +35,8 @@ double resolved_share(double square) {
 
 }  // namespace
 
-void ElasticStep::begin(const ElasticLaw& law, double give, double h) {
+void ElasticStep::begin(const ElasticLaw& law, double gives, double h) {
+  give = gives;
   const bool is_rigid = std::isinf(law.stiffness);
   resolved = is_rigid ? 0 : resolved_share(swing(law, give, h));
   kick = 0.5 * h * h;
@@ -51,7 +52,7 @@ void ElasticStep::begin(const ElasticLaw& law, double give, double h) {
   before = (law.stiffness * (1 - share) - damps) / slope * taut;
 }
 
-double ElasticStep::soft_at_end(double give) const {
+double ElasticStep::soft_at_end() const {
   return acts && resolved < 1 ? resolved / (1 - resolved) * give : -1;
 }
 

@@ -1,4 +1,4 @@
-// What islands do that touch ground in many places.
+// This file moves islands that touch ground in many places.
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,8 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   linkage.plan().solve(state.factors, island.unknowns);
   island.step.assign(state.x.size(), Vec3{});
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.step[k] = linkage.taken(right, k);
-  const double share = island.ground.share_of(island.step, 2 * linkage.kinetic(island.step));
+  island.ground.aim(island.step);
+  const double share = island.ground.share_of(2 * linkage.kinetic(island.step));
   island.ground.take(share);
   island.take_pulls(island.pulls, 1, share);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
@@ -72,9 +73,8 @@ void ClusterStepper::find_velocities_on_ground(Island& island) {
     island.step.assign(state.x.size(), Vec3{});
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)
       island.step[k] = linkage.taken(right, k) - island.v[k];
-    const double share =
-        step == 0 ? 1 : island.ground.share_of(island.step, 2 * linkage.kinetic(island.step));
-    if (step == 0) island.ground.share_of(island.step, 0);
+    island.ground.aim(island.step);
+    const double share = step == 0 ? 1 : island.ground.share_of(2 * linkage.kinetic(island.step));
     island.ground.take(share);
     island.take_pulls(island.end_pulls, 1 - share, share);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] += share * island.step[k];

@@ -20,6 +20,12 @@ constexpr double stale = 0.05;
 constexpr double residual_rounding = 1e-13;
 /// A correction is taken whole if it leaves pushes to lack no more than this share of what they did.
 constexpr double better = 0.7;
+/// Pushes count as lacking by this share until the grip is whole, so that no looser one is taken for a
+/// solution.
+constexpr double loose_lack = 1e-3;
+/// A search is worth its while if the slope at the end of a correction is this share of that at its start,
+/// and ends where it is below this share.
+constexpr double worth_search = 0.5, flat_enough = 0.2;
 /// A search along a correction ends after so many cuts.
 constexpr int most_shortenings = 12;
 
@@ -90,12 +96,16 @@ void GroundContacts::grip() {
   }
 }
 
-void GroundContacts::begin_positions() {
+void GroundContacts::begin_grip() {
   const bool all_held =
       std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.contact.is_held; });
   ease_ = all_held ? 1 : 1 / grip_over_mass;
   lack_ = 1;
   grip();
+}
+
+void GroundContacts::begin_positions() {
+  begin_grip();
   for (Row& row : rows_) {
     row.position = {};
     begin(row, row.contact.gap, row.contact.held, false);
@@ -103,11 +113,7 @@ void GroundContacts::begin_positions() {
 }
 
 void GroundContacts::begin_velocities() {
-  const bool all_held =
-      std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.contact.is_held; });
-  ease_ = all_held ? 1 : 1 / grip_over_mass;
-  lack_ = 1;
-  grip();
+  begin_grip();
   for (Row& row : rows_) {
     row.position = row.push;
     begin(row, -row.contact.bounce, row.contact.held_end, row.position == Vec3{});
@@ -141,7 +147,7 @@ void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, 
   }
   const double least = residual_rounding * linkage.size() * stiffest;
   lack_ = most_lack <= least ? 0 : most_lack / std::max(most, most_lack);
-  if (ease_ < 1) lack_ = std::max(lack_, 1e-3);
+  if (ease_ < 1) lack_ = std::max(lack_, loose_lack);
 }
 
 bool GroundContacts::factor(LinkageState& state) {
@@ -180,8 +186,11 @@ void GroundContacts::follow(std::span<const Vec3> motion, bool from_law) {
   }
 }
 
-double GroundContacts::share_of(std::span<const Vec3> correction, double inertia) {
+void GroundContacts::aim(std::span<const Vec3> correction) {
   for (Row& row : rows_) row.correction = row.contact.at.of(correction);
+}
+
+double GroundContacts::share_of(double inertia) const {
   double now = 0, then = 0;
   for (const Row& row : rows_) {
     const Vec3 whole = row.law - row.slope * row.correction;
@@ -199,12 +208,12 @@ double GroundContacts::share_of(std::span<const Vec3> correction, double inertia
   const double at_start = slope(0);
   if (!(at_start < 0)) return 1;
   double low = 0, high = 1, at_low = at_start, at_high = slope(1);
-  if (!(at_high > 0.5 * std::abs(at_start))) return 1;
+  if (!(at_high > worth_search * std::abs(at_start))) return 1;
   for (int cut = 0; cut < most_shortenings; ++cut) {
     const double middle =
         cut % 2 == 0 ? low - at_low * (high - low) / (at_high - at_low) : 0.5 * (low + high);
     const double there = slope(middle);
-    if (std::abs(there) <= 0.2 * std::abs(at_start)) return middle;
+    if (std::abs(there) <= flat_enough * std::abs(at_start)) return middle;
     (there < 0 ? low : high) = middle;
     (there < 0 ? at_low : at_high) = there;
   }

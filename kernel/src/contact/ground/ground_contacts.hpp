@@ -61,10 +61,12 @@ class GroundContacts {
   void follow_solution(std::span<const Vec3> motion) { follow(motion, true); }
   /// Takes in how other pushes changed the solution, through the same matrix.
   void follow_change(std::span<const Vec3> motion) { follow(motion, false); }
-  /// Returns the share of a correction to take, from 0 to 1. `inertia` is the correction's product with the
-  /// mass matrix and itself.
-  double share_of(std::span<const Vec3> correction, double inertia);
-  /// Takes in this share of the correction of share_of().
+  /// Takes note of a correction.
+  void aim(std::span<const Vec3> correction);
+  /// Returns the share of that correction to take, from 0 to 1. `inertia` is the correction's product with
+  /// the mass matrix and itself.
+  double share_of(double inertia) const;
+  /// Takes in this share of that correction.
   void take(double share);
 
   std::size_t count_pushes() const;
@@ -113,6 +115,7 @@ class GroundContacts {
     bool is_stale() const;
   };
   void grip();
+  void begin_grip();
   void begin(Row& row, double gap, Vec3 held, bool is_open);
   void follow(std::span<const Vec3> motion, bool from_law);
   /// Calls push(row) for every row and adds what it returns to the particles of the row's place.

@@ -70,7 +70,6 @@ Linkage::Linkage(const Scene& part, Isa isa)
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
   plan(isa);
   hold_constraints(x);
-  find_gives(x);
 }
 
 void Linkage::add_rods(const Scene& part, std::uint32_t& row) {

@@ -217,8 +217,6 @@ class Linkage {
   void plan(Isa isa);
   void place_constraints();
   void hold_constraints(std::span<const Vec3> x);
-  /// Finds how far a pull of one moves each elastic at `x`.
-  void find_gives(std::span<const Vec3> x);
 
   std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;
   KktPlan plan_;

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "contact/linkage/linkage.hpp"
 #include "scene/springs/turn.hpp"
 
 namespace plumb::detail {
 namespace {
-
-/// A rigid cable gets this share of its own response on the diagonal.
-constexpr double least_soft = 1e-11;
 
 Across across_of(const Elastic& elastic, std::span<const Vec3> x) {
   return {elastic.sums[2].of(x), elastic.sums[0].of(x), elastic.sums[1].of(x)};
@@ -75,25 +71,6 @@ void Linkage::add_elastics(const Scene& part) {
   }
 }
 
-void Linkage::find_gives(std::span<const Vec3> x) {
-  if (elastics_.empty()) return;
-  std::vector<simd::Block> factors(plan_.blocks());
-  assemble(x, factors);
-  if (!plan_.factor(factors)) return;
-  std::vector<Vec3> push(movable_);
-  for (Elastic& each : elastics_) {
-    std::vector<simd::Quad> unknowns(plan_.columns(), simd::Quad{});
-    const std::span<double> right = detail::numbers(unknowns);
-    const ElasticSlope along = slope(each, x);
-    std::fill(push.begin(), push.end(), Vec3{});
-    push_along(each, along, 1, push);
-    put(push, right);
-    plan_.solve(factors, unknowns);
-    for (std::uint32_t i = 0; i < movable_; ++i) each.give += dot(push[i], taken(right, i));
-    each.give = std::max(each.give, 0.0);
-  }
-}
-
 double Linkage::number(const Elastic& elastic, std::span<const Vec3> x, double near) const {
   switch (elastic.kind) {
     case Elastic::Kind::distance:
@@ -105,9 +82,7 @@ double Linkage::number(const Elastic& elastic, std::span<const Vec3> x, double n
     case Elastic::Kind::turn:
       break;
   }
-  const double turn = across_of(elastic, x).turn();
-  constexpr double whole = 2 * std::numbers::pi;
-  return turn + whole * std::round((near - turn) / whole);
+  return across_of(elastic, x).turn_near(near);
 }
 
 ElasticSlope Linkage::slope(const Elastic& elastic, std::span<const Vec3> x) const {
@@ -159,7 +134,7 @@ void Linkage::couple(const Elastic& elastic, const ElasticSlope& slope, double s
   const std::span<double> values{matrix.front().of, matrix.size() * (sizeof(simd::Block) / sizeof(double))};
   for (std::size_t s = 0; s < slope.size(); ++s)
     add_gradient(elastic.sums[s], slope[s], elastic.touched, elastic.places, values);
-  values[plan_.place(elastic.row, elastic.row)] = -std::max(soft, least_soft * elastic.give);
+  values[plan_.place(elastic.row, elastic.row)] = -soft;
 }
 
 }  // namespace plumb::detail

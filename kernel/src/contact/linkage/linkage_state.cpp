@@ -75,9 +75,31 @@ double LinkageState::elastic_pull(std::size_t i) const {
   return law.stiffness * off + law.damping * Linkage::rate(elastic, slope, v, linkage->all());
 }
 
-bool LinkageState::can_follow_elastics(double h) const {
+void LinkageState::find_gives() {
+  gives.resize(laws.size());
+  if (laws.empty() || !factor()) return;
+  unknowns_.resize(linkage->plan().columns());
+  push_.resize(linkage->movable());
+  const std::span<double> right = detail::numbers(unknowns_);
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    gives[i] = 0;
+    if (laws[i].stiffness == 0 && laws[i].damping == 0) continue;
+    const Elastic& elastic = linkage->elastics()[i];
+    std::fill(push_.begin(), push_.end(), Vec3{});
+    std::fill(right.begin(), right.end(), 0.0);
+    linkage->push_along(elastic, linkage->slope(elastic, x), 1, push_);
+    linkage->put(push_, right);
+    linkage->plan().solve(factors, unknowns_);
+    for (std::uint32_t k = 0; k < linkage->movable(); ++k)
+      gives[i] += dot(push_[k], linkage->taken(right, k));
+    gives[i] = std::max(gives[i], 0.0);
+  }
+}
+
+bool LinkageState::can_follow_elastics(double h) {
+  find_gives();
   for (std::size_t i = 0; i < laws.size(); ++i)
-    if (laws[i].one_sided || !(swing(laws[i], linkage->elastics()[i].give, h) <= most_swing)) return false;
+    if (laws[i].one_sided || !(swing(laws[i], gives[i], h) <= most_swing)) return false;
   return true;
 }
 

@@ -51,6 +51,8 @@ struct LinkageState : LinkageMotion {
   std::vector<std::uint32_t> particles;  ///< the scene's numbers
   std::vector<Vec3> force;               ///< N, constant, on movable particles
   std::vector<ElasticLaw> laws;          ///< of elastics
+  /// How a pull of one moves each elastic where find_gives() was called last, in 1/kg or 1/(kg m²).
+  std::vector<double> gives;
   std::vector<Linkage::AngleRule> angle_rules;
   std::vector<simd::Block> factors;  ///< of the matrix at x
   std::uint32_t number;              ///< the island's number
@@ -70,7 +72,7 @@ struct LinkageState : LinkageMotion {
     const std::span<const Elastic> elastics = linkage->elastics();
     for (std::size_t i = 0; i < elastics.size(); ++i)
       if (const double own = soft(i); own >= 0)
-        linkage->couple(elastics[i], linkage->slope(elastics[i], x), own, factors);
+        linkage->couple(elastics[i], linkage->slope(elastics[i], x), std::max(own, least_soft(i)), factors);
     factored = false;
     return linkage->plan().factor(factors);
   }
@@ -78,6 +80,9 @@ struct LinkageState : LinkageMotion {
   /// adds its multipliers to those that are given, if any.
   void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
                           std::span<double> multipliers = {}) const;
+  /// Finds the gives of elastics at x, and factorises the matrix there without them. They change as things
+  /// turn: a spring over its dead centre has none.
+  void find_gives();
   /// Finds the elastics' numbers at x.
   void follow_elastics();
   /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
@@ -97,13 +102,18 @@ struct LinkageState : LinkageMotion {
     }
   }
   /// Returns whether a step of h (s) that is not implicit can follow all elastics.
-  bool can_follow_elastics(double h) const;
+  bool can_follow_elastics(double h);
 
  private:
+  /// A rigid cable has this share of its own response on the diagonal, or something where it cannot move.
+  double least_soft(std::size_t i) const { return gives[i] > 0 ? 1e-11 * gives[i] : 1; }
   void assemble() {
     factors.resize(linkage->plan().blocks());
     linkage->assemble(x, factors);
   }
+
+  std::vector<simd::Quad> unknowns_;
+  std::vector<Vec3> push_;
 };
 
 /// Returns a box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable

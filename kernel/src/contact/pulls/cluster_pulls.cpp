@@ -15,7 +15,7 @@ void ClusterStepper::count_pulls(Island& island, double h) const {
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
     const ElasticStep& step = island.elastics[i];
     if (!step.acts) continue;
-    const bool is_held = step.soft_at_end(linkage.elastics()[i].give) >= 0;
+    const bool is_held = step.soft_at_end() >= 0;
     const double end = is_held ? island.end_pulls[linkage.constraints() + i] : 0;
     linkage.count_pull(i, island.there, -step.p / h, state.pulls);
     linkage.count_pull(i, state.x, end - step.end_kick(h), state.pulls);

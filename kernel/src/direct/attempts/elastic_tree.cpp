@@ -162,6 +162,18 @@ void ElasticTree<T>::advance(TreeState<T>& tree, double h, Tally& counters) {
 }
 
 template <class T>
+void ElasticTree<T>::advance_as_island(TreeState<T>& tree, double h, Tally& counters) {
+  Island& island = load(tree);
+  // What other trees left there must not matter.
+  island.state.damped = island.state.next_damped = 0;
+  island.state.pace = {};
+  island.state.effort = {};
+  island.work.factor(true).h = 0;
+  stepper_.advance(island.state, h, island.work, counters);
+  store(tree);
+}
+
+template <class T>
 std::uint32_t ElasticTree<T>::settle(TreeState<T>& trees, TreeState<T>& alone) {
   std::uint32_t unsettled = 0;
   for (std::uint32_t lane = 0; lane < trees.lanes; ++lane) {

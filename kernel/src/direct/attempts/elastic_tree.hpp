@@ -21,6 +21,8 @@ class ElasticTree {
 
   /// Takes one substep of a tree alone (LoopStepper::advance_elastic()). Multipliers are forgotten.
   void advance(TreeState<T>& tree, double h, Tally& counters);
+  /// Takes one substep of a tree alone as an island of any shape would, in halves where that helps.
+  void advance_as_island(TreeState<T>& tree, double h, Tally& counters);
 
   /// Brings every tree that starts off its lengths to the place of detail::settle(), in `alone`. Returns how
   /// many do not fit there.

@@ -1,11 +1,11 @@
+// A substep of an island is tried whole, in pieces and in halves, and then in ways that damp.
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "direct/loops/loop_stepper.hpp"
 #include "time/composition.hpp"
-
-// A substep of an island is tried whole, in pieces and in halves, and then in ways that damp.
 
 namespace plumb::detail {
 namespace {
@@ -17,13 +17,23 @@ constexpr int probed_depth = 1;
 /// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts.
 /// There is little hope that what did not work then works now. Each time it does not, twice as many follow.
 constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
-constexpr int damped_halvings = 1;
+struct Limits {
+  int halvings, attempts;
+};
+constexpr Limits undamped{most_halvings, most_attempts}, damped{1, 3};
+/// Islands with elements hardly ever fail, and are worth more halves.
+constexpr Limits damped_elements{5, 63};
 
 /// Substeps that lines need in more pieces are factorised as a whole. Lines are tried again when regrowth has
 /// made such a piece of this share of a substep, which takes 30 substeps. On nets that fall, with 5 % and 30
 /// % slack, 4 pieces took less time than 8.
 constexpr std::uint32_t most_line_pieces = 4;
 constexpr double line_pause = 64, regrowth = 1.1;
+
+const Limits& limits_of(const LoopState& state) {
+  if (state.damped == 0) return undamped;
+  return state.topology->any() ? damped_elements : damped;
+}
 
 }  // namespace
 
@@ -46,7 +56,7 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
   }
   if (depth == attempts.halvings || counters.is_spent() || counters.newton >= attempts.most_newton)
     return false;
-  if (depth == probed_depth && !attempts.probed) {
+  if (depth == probed_depth && !attempts.probed && !state.topology->any()) {
     attempts.probed = true;
     if (!solve(state, std::ldexp(h, depth - attempts.halvings), gradient, attempts.by_lines, work, counters))
       return false;
@@ -74,7 +84,7 @@ bool LoopStepper::advance_pieces(LoopState& state, double h, std::uint32_t count
 bool LoopStepper::advance_piece(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
                                 Tally& counters) const {
   for (const double share : shares_) {
-    attempts.left = state.damped > 0 ? 3 * damped_halvings : most_attempts;
+    attempts.left = limits_of(state).attempts;
     if (!advance_part(state, share * h, 0, attempts, work, counters)) return false;
   }
   return true;
@@ -83,6 +93,8 @@ bool LoopStepper::advance_piece(LoopState& state, double h, Attempts& attempts, 
 bool LoopStepper::advance_at_pace(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
                                   Tally& counters) const {
   const std::uint32_t whole = 1u << Pace::most_cuts;
+  // Pieces nest as halves do: one begins only where its own length divides what is done, so that the next can
+  // be twice as long.
   for (std::uint32_t done = 0; done < whole;) {
     const int cuts = state.damped > 0 ? 0 : state.pace.cuts(largest_share_ * h);
     const std::uint32_t piece = std::min(whole >> cuts, done == 0 ? whole : done & (0 - done));
@@ -129,15 +141,14 @@ double LoopStepper::advance_whole(LoopState& state, double h, LoopWorkspace& wor
 double LoopStepper::try_advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
   work.saved = state.motion();
   const bool was_damped = state.damped > 0;
-  for (const bool damped : {false, true}) {
-    if (damped) {
+  for (const bool again : {false, true}) {
+    if (again) {
       if (was_damped || gradient_ == Gradient::new_) break;
       damp(state);
       work.saved = state.motion();
     }
-    const bool is_damped = state.damped > 0;
     Attempts attempts{
-        .halvings = is_damped ? damped_halvings : most_halvings,
+        .halvings = limits_of(state).halvings,
         .left = 0,
         .by_lines = work.is_wide(),
         .most_newton = counters.newton + (is_bounded(state) ? state.effort.most() : Effort::endless)};

@@ -11,9 +11,11 @@ namespace plumb::detail {
 namespace {
 
 constexpr int most_iterations = 30;
-/// One solution leaves this share of what is left, since the next one's directions are better.
+/// One solution of a Newton step leaves this share of what is left, since the next one's directions are
+/// better. A projection is solved once, to rounding.
 constexpr double coarse = 1e-3, projected = 1e-12;
-constexpr int most_gradients = 400;
+/// A solution takes at most so many iterations of conjugate gradients.
+constexpr int most_conjugate_iterations = 400;
 /// The last change, RMS over nodes relative to a rod, leaves this by its rate. Where a change this small does
 /// not fall any more, it is rounding.
 constexpr double converged_rest = 1e-14, rounding = 1e-9, lost_rate = 0.7;
@@ -38,11 +40,11 @@ void assemble(const LoopState& state, double theta, const LoopWorkspace& work, N
 
 NetMatrix::Outcome solve(const LoopState& state, NetWorkspace& net) {
   net.matrix.set(state.mass, net.parts);
-  auto outcome = net.matrix.solve(net.right, coarse, most_gradients, net.change);
+  auto outcome = net.matrix.solve(net.right, coarse, most_conjugate_iterations, net.change);
   if (outcome != NetMatrix::Outcome::indefinite) return outcome;
   for (NetMatrix::RodPart& rod : net.parts) rod.across = std::max(rod.across, 0.0);
   net.matrix.set(state.mass, net.parts);
-  return net.matrix.solve(net.right, coarse, most_gradients, net.change);
+  return net.matrix.solve(net.right, coarse, most_conjugate_iterations, net.change);
 }
 
 /// Makes `scale` times the change.
@@ -103,7 +105,8 @@ bool project_net(const LoopState& state, double kick, LoopWorkspace& work) {
     net.parts[k] = {d, row.use / row.soft, 0};
   }
   net.matrix.set(state.mass, net.parts);
-  if (net.matrix.solve(net.right, projected, most_gradients, net.change) != NetMatrix::Outcome::solved)
+  if (net.matrix.solve(net.right, projected, most_conjugate_iterations, net.change) !=
+      NetMatrix::Outcome::solved)
     return false;
   for (std::uint32_t i = 0; i < shape.nodes; ++i)
     put(work.delta.data() + 3 * std::size_t{i}, at(work.delta, i) + net.change[i]);

@@ -187,17 +187,15 @@ class LoopStepper {
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     Tally& counters) const;
   void project(LoopState& state, double kick, LoopWorkspace& work) const;
+  /// Elements take many Newton steps each, and hardly ever fail. Nets solved by lines have shorter ways.
+  bool is_bounded(const LoopState& state) const {
+    return bounds_frames_ && !state.topology->any() && !state.topology->lines;
+  }
 
   Gradient gradient_;
   double drag_;
   std::span<const double> shares_;
   double largest_share_;
-  /// Bends, twists and tackles take many Newton steps each, and hardly ever fail. Nets solved by lines have
-  /// shorter ways.
-  bool is_bounded(const LoopState& state) const {
-    return bounds_frames_ && !state.topology->any() && !state.topology->lines;
-  }
-
   bool bounds_frames_ = false;
   double line_tolerance_ = finest_line_tolerance;
 };

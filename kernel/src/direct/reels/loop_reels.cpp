@@ -132,8 +132,12 @@ void start_reels(LoopState& state, const SubstepStart& start, LoopWorkspace& wor
     work.reels[i] = {};
     if (!reel.may_carry()) return;
     const Vec3 still = reel.drum_velocity(), free = reel.velocity(reel.free());
-    const ReelLine from = reel.line(reel.length(), reel.length_rate(0));
-    const ReelLine to = reel.line(reel.length() + h * state.laws.rate[reel.rod()], reel.length_rate(h));
+    ReelLine from = reel.line(reel.length(), reel.length_rate(0));
+    ReelLine to = reel.line(reel.length() + h * state.laws.rate[reel.rod()], reel.length_rate(h));
+    // One that is carried for a part of the substep alone takes all of its jump from the drum, and none from
+    // its neighbour. Otherwise elastic ropes would be of first order.
+    if (from.share == 0 && to.share > 0) from.share_rate = reel.length_rate(0) / reel.made_length();
+    if (to.share == 0 && from.share > 0) to.share_rate = reel.length_rate(h) / reel.made_length();
     const Vec3 before = ReelView::velocity_on(from, still, free);
     // The neighbour moves by delta. Then M delta - load of the carried particle is mass (gain delta + known).
     double gain = to.share;

@@ -234,6 +234,10 @@ template <class Load>
 auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, Load&& load) const -> Rescue {
   TreeState<T>& alone = crew.alone;
   load();
+  if (alone.bends.any() && crew.elastic != nullptr) {  // bends may start far from where they end
+    crew.elastic->advance_as_island(alone, h, counters);
+    return Rescue::halves;
+  }
   if (alone.elastic[0] == 0) {
     ++counters.halvings;
     Attempts attempts{most_attempts,

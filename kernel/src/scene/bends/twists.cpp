@@ -54,4 +54,14 @@ double twist_length(const Scene& scene, const RodTable& rods, const Twist& twist
   return length;
 }
 
+std::vector<std::uint8_t> twisted_rods(const Scene& scene) {
+  if (scene.twists.empty()) return {};
+  const RodTable rods(scene);
+  std::vector<std::uint8_t> out(scene.rods.size(), 0);
+  for (const Twist& twist : scene.twists)
+    for (std::size_t k = 1; k < twist.particles.size(); ++k)
+      if (const auto rod = rods.find(twist.particles[k - 1], twist.particles[k])) out[*rod] = 1;
+  return out;
+}
+
 }  // namespace plumb::detail

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "plumb/scene.hpp"
 #include "scene/bends/rod_table.hpp"
 
@@ -10,5 +13,8 @@ void validate_twists(const Scene& scene);
 
 /// Returns the length of a twisted chain of a valid scene, in m. What clamps its ends does not count.
 double twist_length(const Scene& scene, const RodTable& rods, const Twist& twist);
+
+/// Says by rod whether it is twisted. It is empty if nothing is.
+std::vector<std::uint8_t> twisted_rods(const Scene& scene);
 
 }  // namespace plumb::detail

@@ -51,7 +51,7 @@ void validate_rods(const Scene& scene, const RodTable& rods, std::size_t i) {
 void validate_out(const Scene& scene, const RodTable& rods, std::size_t i) {
   const double out = scene.reels[i].out, whole = chain_length(scene, rods, scene.reels[i]);
   if (!(out >= 0 && std::isfinite(out)))
-    refuse("reel ", i, ": what is out must be positive and finite, got ", out, " m");
+    refuse("reel ", i, ": what is out must be finite and not negative, got ", out, " m");
   if (exceeds_chain(out, whole))
     refuse("reel ", i, ": ", out, " m are out, but its chain is ", whole, " m long");
 }

@@ -38,6 +38,12 @@ struct Across {
   }
   /// Returns the angle from u to v in (-pi, pi] rad.
   double turn() const { return angle_of(dot(u, v), dot(axis, cross(u, v))); }
+  /// Returns that angle, of all turns the one nearest to `near` (rad).
+  double turn_near(double near) const {
+    constexpr double whole = 2 * std::numbers::pi;
+    const double turned = turn();
+    return turned + whole * std::round((near - turned) / whole);
+  }
 };
 
 }  // namespace plumb::detail

@@ -31,8 +31,8 @@ struct Share {
   std::vector<std::vector<std::uint32_t>> sets;  ///< island numbers; islands of equal graphs share a set
 };
 
-/// An island with elements is solved directly, with gradient mid if none is set: trees and gradient old do
-/// not know them yet.
+/// An island with elements is solved directly, with gradient mid if none is set: gradient old knows no
+/// elements.
 Choice choose_with_elements(const Settings& settings) {
   if (settings.method != Method::automatic)
     return {settings.method, {gradient_of(settings), settings.time_order, false}};
