@@ -9,7 +9,6 @@
 namespace plumb::detail {
 namespace {
 
-using simd::no_slot;
 using simd::tree_fields::bend;
 
 template <class T>

@@ -127,7 +127,7 @@ void set_reel_lengths(LoopState& state, double h) {
 }
 
 void start_reels(LoopState& state, const SubstepStart& start, LoopWorkspace& work) {
-  const auto [h, ratio, kick] = start;
+  const double h = start.h, ratio = start.ratio, kick = start.kick;  // clang 14 lets no lambda take bindings
   for_reels(state, [&](const ReelView& reel, std::size_t i) {
     work.reels[i] = {};
     if (!reel.may_carry()) return;
