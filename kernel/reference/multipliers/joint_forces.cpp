@@ -2,11 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "reference/multipliers/small_matrices.hpp"
 #include "scene/springs/turn.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// Returns the angle from u to v (rad); of all turns the one nearest to `near`. A shared kernel hides its own
+/// arc cosine from this library.
+double turn_near(const Across& seen, double near) {
+  constexpr double whole = 2 * std::numbers::pi;
+  const double turned = std::atan2(dot(seen.axis, cross(seen.u, seen.v)), dot(seen.u, seen.v));
+  return turned + whole * std::round((near - turned) / whole);
+}
+
+}  // namespace
 JointForces::JointForces(const Scene& island, std::uint32_t movable) : movable_(movable) {
   for (const Spring& each : island.springs) ties_.push_back({way(each.a, each.b), each});
   for (const Torsion& each : island.torsions)
@@ -24,7 +36,7 @@ void JointForces::push(const WeightedSum& at, Vec3 force, Eigen::VectorXd& f) co
 
 void JointForces::follow(std::span<const Vec3> x) {
   for (Turning& each : torsions_)
-    each.angle = Across(each.axis.of(x), each.u.of(x), each.v.of(x)).turn_near(each.angle);
+    each.angle = turn_near(Across(each.axis.of(x), each.u.of(x), each.v.of(x)), each.angle);
 }
 
 void JointForces::add(std::span<const Vec3> x, std::span<const Vec3> v, Eigen::VectorXd& f) const {
@@ -59,7 +71,7 @@ void JointForces::turn(const Turning& torsion, std::span<const Vec3> x, std::spa
   const double rate =
       dot(by_u, torsion.u.of(v)) + dot(by_v, torsion.v.of(v)) + dot(by_axis, torsion.axis.of(v));
   const double torque =
-      law.stiffness * (law.angle - seen.turn_near(torsion.angle)) - law.damping * rate + law.torque;
+      law.stiffness * (law.angle - turn_near(seen, torsion.angle)) - law.damping * rate + law.torque;
   push(torsion.u, torque * by_u, f);
   push(torsion.v, torque * by_v, f);
   push(torsion.axis, torque * by_axis, f);
@@ -75,7 +87,7 @@ void JointForces::drive(const Driven& angle, std::span<const Vec3> x, std::span<
   const Vec3 by_u = (-1 / dot(one, one)) * cross(normal, one),
              by_v = (1 / dot(other, other)) * cross(normal, other);
   const double rate = dot(by_u, angle.u.of(v)) + dot(by_v, angle.v.of(v));
-  const double torque = law.stiffness * (law.target - angle_of(cosine, sine)) - law.damping * rate;
+  const double torque = law.stiffness * (law.target - std::atan2(sine, cosine)) - law.damping * rate;
   push(angle.u, torque * by_u, f);
   push(angle.v, torque * by_v, f);
 }

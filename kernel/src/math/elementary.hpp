@@ -2,8 +2,6 @@
 
 #include <cstdint>
 
-#include "plumb/export.hpp"
-
 /// These elementary functions have the same bits on every machine. Those of the C library pick a variant by
 /// the processor, with or without fused multiply-add. They also differ from one library to the next in the
 /// last bit.
@@ -20,9 +18,8 @@ double exp(double x);
 /// Returns eˣ − 1 for any x, within 2 ulp; also near zero, where exp(x) − 1 cancels.
 double expm1(double x);
 
-/// Returns the angle in [0, π] rad whose cosine is x, within 1 ulp. It is NaN unless −1 <= x <= 1. The
-/// library plumb::reference calls it, too.
-PLUMB_API double acos(double x);
+/// Returns the angle in [0, π] rad whose cosine is x, within 1 ulp. It is NaN unless −1 <= x <= 1.
+double acos(double x);
 
 /// Returns the real cube root of any x, within 1 ulp.
 double cbrt(double x);
