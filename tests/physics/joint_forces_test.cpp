@@ -11,6 +11,7 @@
 
 #include "contact/pulls/linkage_pulls.hpp"
 #include "support/bodies.hpp"
+#include "support/reactions.hpp"
 #include "support/refusals.hpp"
 
 namespace plumb {
@@ -18,6 +19,7 @@ namespace {
 
 using test::earth;
 using test::frame;
+using test::sum_of_reactions;
 
 constexpr double pi = std::numbers::pi;
 
@@ -27,13 +29,6 @@ Settings counting(std::uint32_t substeps = 1) {
   return settings;
 }
 
-Vec3 sum_of_reactions(const World& world) {
-  std::vector<Vec3> all(world.particle_count());
-  world.copy_reactions(all);
-  Vec3 sum;
-  for (const Vec3 each : all) sum += each;
-  return sum;
-}
 Vec3 sum_of_contacts(const Scene& scene, const World& world) {
   std::vector<Vec3> all(scene.capsules.size());
   world.copy_contact_forces(all);

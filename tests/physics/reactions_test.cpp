@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "support/reactions.hpp"
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 
 using test::fixed;
 using test::movable;
+using test::sum_of_reactions;
 
 constexpr double g = 9.81;
 
@@ -30,14 +32,6 @@ Scene hammock(std::uint32_t rods, double mass) {
     if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .mass = mass});
   }
   return scene;
-}
-
-Vec3 sum_of_reactions(const World& world) {
-  std::vector<Vec3> all(world.particle_count());
-  world.copy_reactions(all);
-  Vec3 sum;
-  for (const Vec3 each : all) sum += each;
-  return sum;
 }
 
 TEST(Reactions, CarryTheWholeWeightAtRest) {

@@ -29,15 +29,20 @@ struct BendPull {
   Mat<V> slope;
 };
 
+template <class V>
+PLUMB_INLINE void add_to_diagonal(Mat<V>& to, const V& kappa) {
+  to.v0.x = to.v0.x + kappa;
+  to.v1.y = to.v1.y + kappa;
+  to.v2.z = to.v2.z + kappa;
+}
+
 /// Adds diagonal 1 + u v^T to a matrix given by columns.
 template <class V>
 PLUMB_INLINE void add_product(Mat<V>& to, const V& diagonal, const Vec<V>& u, const Vec<V>& v) {
   to.v0 = to.v0 + v.x * u;
   to.v1 = to.v1 + v.y * u;
   to.v2 = to.v2 + v.z * u;
-  to.v0.x = to.v0.x + diagonal;
-  to.v1.y = to.v1.y + diagonal;
-  to.v2.z = to.v2.z + diagonal;
+  add_to_diagonal(to, diagonal);
 }
 
 /// The squared curvature g at q and what its derivatives are made of.

@@ -143,13 +143,6 @@ PLUMB_INLINE NodeBlock<V> as_node(const BentBlock<V>& block) {
   return {{{m.v0.x, m.v1.x, m.v2.x}, {m.v0.y, m.v1.y, m.v2.y}, {m.v0.z, m.v1.z, m.v2.z}}, block.r, V(0)};
 }
 
-template <class V>
-PLUMB_INLINE void add_to_diagonal(Mat<V>& to, const V& kappa) {
-  to.v0.x = to.v0.x + kappa;
-  to.v1.y = to.v1.y + kappa;
-  to.v2.z = to.v2.z + kappa;
-}
-
 template <class T, class At, class V>
 PLUMB_INLINE void put_matrix(const At& at, T* to, std::size_t f, const Mat<V>& m) {
   at.put3(to, f, m.v0);

@@ -97,9 +97,11 @@ void LinkageState::find_gives() {
 }
 
 bool LinkageState::can_follow_elastics(double h) {
+  if (std::any_of(laws.begin(), laws.end(), [](const ElasticLaw& law) { return law.one_sided; }))
+    return false;
   find_gives();
   for (std::size_t i = 0; i < laws.size(); ++i)
-    if (laws[i].one_sided || !(swing(laws[i], gives[i], h) <= most_swing)) return false;
+    if (!(swing(laws[i], gives[i], h) <= most_swing)) return false;
   return true;
 }
 

@@ -10,8 +10,8 @@
 namespace plumb::detail {
 
 /// Takes substeps of trees whose rods do not fit together, as a line between anchors that are too far apart.
-/// The tree is an island for the solver of loops then, whose rods may give. That island is made when a tree
-/// first needs it, since most never do.
+/// The tree is an island for the solver of loops then, whose rods may give. A line with bends that fails is
+/// one, too. That island is made when a tree first needs it, since most never do.
 template <class T>
 class ElasticTree {
  public:

@@ -39,7 +39,7 @@ struct TreeCrew {
 /// Where Newton fails, the tree is put back and takes two steps of half the length, and so on. What still
 /// fails at the shortest length is tried with theta 1, which is the hardest to break. If even that fails the
 /// tree takes the whole substep with elastic rods (ElasticTree), and is counted. For a while it is not halved
-/// then, where it fails again.
+/// then, where it fails again. A line with bends that fails takes the substep as an island of any shape does.
 template <class T>
 class TreeStepper {
  public:

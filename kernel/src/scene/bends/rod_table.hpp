@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,9 @@ class RodTable {
 
   std::vector<std::pair<std::uint64_t, std::size_t>> rods_;
 };
+
+/// Sets to 1, by rod, what joins particles that follow each other in a chain.
+void mark_rods(const RodTable& rods, std::span<const std::uint32_t> chain, std::vector<std::uint8_t>& out);
 
 /// Refuses a bend or a twist, by its name and number, where no rod joins two of its particles that follow
 /// each other. Fixed particles in different places need none.

@@ -58,9 +58,7 @@ std::vector<std::uint8_t> twisted_rods(const Scene& scene) {
   if (scene.twists.empty()) return {};
   const RodTable rods(scene);
   std::vector<std::uint8_t> out(scene.rods.size(), 0);
-  for (const Twist& twist : scene.twists)
-    for (std::size_t k = 1; k < twist.particles.size(); ++k)
-      if (const auto rod = rods.find(twist.particles[k - 1], twist.particles[k])) out[*rod] = 1;
+  for (const Twist& twist : scene.twists) mark_rods(rods, twist.particles, out);
   return out;
 }
 

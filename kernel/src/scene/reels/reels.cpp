@@ -131,8 +131,7 @@ std::vector<std::uint8_t> reeled_rods(const Scene& scene) {
   if (scene.reels.empty()) return {};
   const RodTable rods(scene);
   std::vector<std::uint8_t> out(scene.rods.size(), 0);
-  for (const Reel& reel : scene.reels)
-    for (const std::uint32_t rod : rods_of(rods, reel)) out[rod] = 1;
+  for (const Reel& reel : scene.reels) mark_rods(rods, reel.particles, out);
   return out;
 }
 
