@@ -60,6 +60,8 @@ class Solver {
   /// Returns how many islands a piece has, for counting.
   virtual std::uint32_t islands(std::uint32_t piece) const = 0;
   virtual std::uint32_t piece_of(Slot) const { return 0; }
+  /// Returns which of the solver's islands has a particle.
+  virtual std::uint32_t island_of(Slot) const { return 0; }
 
   /// Returns whether begin_step() forms pieces anew. Islands then sleep as the solver decides.
   virtual bool has_changing_pieces() const { return false; }
@@ -143,6 +145,9 @@ class Solver {
   /// Sets position (m) and velocity (m/s) of a movable particle. All particles of an island get theirs at
   /// once.
   virtual void set_motion(Slot, Vec3 position, Vec3 velocity) = 0;
+  /// Says that all motion which was set is that after substeps of `h` (s). A velocity of gradient new is the
+  /// mean of the last one.
+  virtual void go_on(double /*h*/) {}
   /// Leaves the island of a particle out of steps while another solver moves it, or takes it in again.
   virtual void set_away(Slot, bool away) = 0;
   /// Returns whether all islands of a piece are left out.

@@ -28,6 +28,23 @@ class Places {
   /// Sorts the entries by particle in linear time. The places of a particle keep the order of `entries`.
   Places(std::uint32_t particles, std::span<const Entry> entries);
 
+  /// Returns places of which those of `others` replace all that are gone. Theirs are at `numbers` here, and
+  /// their solvers at `solvers`. is_gone(number, place) says which of these go.
+  template <class IsGone>
+  Places replaced(IsGone&& is_gone, const Places& others, std::span<const std::uint32_t> numbers,
+                  std::span<const std::uint32_t> solvers) const {
+    std::vector<Entry> entries;
+    for (std::uint32_t i = 0; i < count(); ++i)
+      for (const Place& place : of(i))
+        if (!is_gone(i, place)) entries.push_back({i, place});
+    for (std::uint32_t i = 0; i < numbers.size(); ++i)
+      for (const Place& place : others.of(i))
+        entries.push_back({numbers[i], {solvers[place.solver], place.slot}});
+    return Places(count(), entries);
+  }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(begin_.size() - 1); }  ///< of particles
+  std::span<const Place> all() const { return places_; }
+
   /// Returns all places of a particle.
   std::span<const Place> of(std::uint32_t particle) const {
     return std::span(places_).subspan(begin_[particle], begin_[particle + std::size_t{1}] - begin_[particle]);

@@ -20,6 +20,9 @@ struct Task {
   double dt = 0;          ///< s, of the last step that it took awake
 };
 
+/// Says what became of the solver of a number: it stays, another one took its place, or nothing needs it.
+enum class Seat : std::uint8_t { kept, taken, free };
+
 /// Decides which pieces stand still. A piece sleeps once its particles have moved by rounding only for
 /// Settings::sleep_time. Its velocities are then zero, and a step would lead back to where it is, so it is
 /// not computed. A force, an anchor that moves, or new settings wake it.
@@ -28,6 +31,9 @@ struct Task {
 class Sleep {
  public:
   void start(std::span<const std::unique_ptr<Solver>> solvers, const Settings& settings);
+
+  /// Goes on with other solvers. Those that took a place start awake.
+  void exchange(std::span<const std::unique_ptr<Solver>> solvers, std::span<const Seat> seats);
 
   std::span<Task> tasks() { return tasks_; }
   std::span<const Task> tasks() const { return tasks_; }

@@ -14,6 +14,7 @@ namespace plumb::detail {
 // The list says what one step of the world does. Predicting, projecting or solving, and correcting velocities
 // belong to the solvers, since each does them on its own numbers. They are part of `solve` here.
 //
+// - split: Islands that rods broke apart in the last step go on as the islands that they are now.
 // - wake: Anchors that will move wake what hangs from them, and get their velocities.
 // - collide: Islands that may touch within the step become clusters. The rest stay with their solvers.
 // - solve: Every piece that is awake goes through the step by equal substeps, or by as many as its estimated
@@ -21,8 +22,8 @@ namespace plumb::detail {
 // - sleep: Pieces that have only moved by rounding for long enough stand still from now on.
 // - measure: What was done and what was skipped is added up. Anchors stand where they were sent.
 const Step::Stage Step::all_stages[] = {
-    {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact}, {&Step::solve, &Step::always},
-    {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
+    {&Step::split, &Step::may_break}, {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact},
+    {&Step::solve, &Step::always},    {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
 };
 
 namespace {
@@ -45,6 +46,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       twisted_(twisted_rods(scene)),
       loads_(scene),
       reactions_(scene, settings),
+      breaks_(scene, settings),
       rods_(scene),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
@@ -66,6 +68,7 @@ StepReport Step::run(double dt) {
   report.substeps = settings_.substeps;
   dt_ = dt;
   for (const Stage& stage : stages_) (this->*stage.run)(report);
+  has_broken_ = report.broken_rods > 0;
   return report;
 }
 
@@ -192,6 +195,7 @@ void Step::set_weights(Weights weights) {
   bool is_read = false;
   for (const auto& solver : compiled_.solvers) is_read = solver->set_weights(weights) || is_read;
   if (!is_read) refuse("no island of this world reads weights: none is relaxed");
+  settings_.weights = weights;
   sleep_.wake_all(compiled_.solvers);
   WorldInfo& info = compiled_.info;
   info.relaxed_rods = info.direct_rods = 0;
@@ -225,6 +229,7 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 }
 
 void Step::set_length(std::uint32_t cord, double target) {
+  if (is_broken(cord)) return;  // it has no length any more
   const auto places = compiled_.cords.of(cord);
   if (places.empty() || solver(places.front()).sweeps())
     refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");
@@ -247,8 +252,8 @@ void Step::set_twist(std::uint32_t twist, double angle) {
 // --- Reading
 
 double Step::twist(std::uint32_t twist) const {
-  const Place place = compiled_.twists.of(twist).front();
-  return solver(place).twist(place.slot);
+  const auto places = compiled_.twists.of(twist);
+  return places.empty() ? 0 : solver(places.front()).twist(places.front().slot);
 }
 
 /// Returns whether a rod belongs to an island that the contact solver may move.
@@ -267,6 +272,7 @@ bool Step::is_held_by_contact(std::uint32_t cord) const {
 double Step::pull(std::uint32_t cord) const {
   if (is_held_by_contact(cord)) return compiled_.contact->pull_of_rod(cord);
   const auto places = compiled_.cords.of(cord);
+  if (places.empty() && breaks_.is_broken(cord)) return 0;
   const auto task = sleep_.task_of(compiled_.solvers, places.front());
   const double dt = task ? sleep_.tasks()[*task].dt : 0;
   if (dt == 0) return std::numeric_limits<double>::quiet_NaN();
@@ -299,6 +305,7 @@ Vec3 Step::reaction(std::uint32_t particle) const {
 }
 
 bool Step::is_broken(std::uint32_t rod) const {
+  if (breaks_.is_broken(rod)) return true;
   const auto places = compiled_.cords.of(rod);
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
 }

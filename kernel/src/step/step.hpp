@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "step/breaks/breaks.hpp"
 #include "step/compile/compiled.hpp"
 #include "step/inputs/anchors.hpp"
 #include "step/inputs/lengths.hpp"
@@ -83,12 +84,16 @@ class Step {
   bool always() const { return true; }
   bool has_contact() const { return compiled_.contact != nullptr; }
 
+  bool may_break() const { return breaks_.may_any(); }
+
+  void split(StepReport& report);
   void wake(StepReport& report);
   void collide(StepReport& report);
   void solve(StepReport& report);
   void sleep(StepReport& report);
   void measure(StepReport& report);
 
+  void exchange(const Fallen& fallen, Compiled made);
   void advance(Solver& solver, std::uint32_t piece, unsigned part);
   void advance(Task& task, unsigned part);
   bool uses_threads() const;
@@ -108,6 +113,8 @@ class Step {
   std::vector<std::uint8_t> twisted_;  ///< by rod: it is of a twisted chain; empty if there are none
   Loads loads_;
   Reactions reactions_;
+  Breaks breaks_;
+  bool has_broken_ = false;  ///< some rod did in the last step
   RodJudge rods_;
   Sleep sleep_;
   TimeRules rules_;

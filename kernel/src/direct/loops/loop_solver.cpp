@@ -190,6 +190,12 @@ void LoopSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
   if (work_.lines) work_.lines->forget();
 }
 
+void LoopSolver::go_on(double h) {
+  if (rules_->gradient != Gradient::new_) return;
+  for (double& u : state_.u) u *= h;
+  state_.u_step = h;
+}
+
 // --- Anchors
 
 void LoopSolver::move_anchor(Slot slot, const AnchorMove& move) {

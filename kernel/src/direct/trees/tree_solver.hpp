@@ -38,6 +38,7 @@ class TreeSolver final : public Solver {
   void project_velocities();
 
   std::uint32_t islands(std::uint32_t) const override { return line_ ? 1 : state_.trees; }
+  std::uint32_t island_of(Slot slot) const override { return line_ ? 0 : place_of(slot).lane; }
   void begin_piece(std::uint32_t, unsigned part) override;
   double advance(std::uint32_t, double h, std::uint32_t count, unsigned part, Tally& report) override;
   void end_step(StepReport&) override { velocities_known_ = lengths_changed_ = false; }
@@ -66,6 +67,9 @@ class TreeSolver final : public Solver {
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
+  void go_on(double h) override {
+    if (kind_->rules.gradient == Gradient::new_) state_.displace(h);
+  }
   void set_away(Slot slot, bool away) override;
   bool is_away(std::uint32_t) const override { return away_ || state_.trees == 0; }
 

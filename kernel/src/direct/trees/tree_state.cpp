@@ -253,6 +253,12 @@ void TreeState<T>::set_idle(std::uint32_t lane, bool is_idle) {
 }
 
 template <class T>
+void TreeState<T>::displace(double h) {
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] *= static_cast<T>(h);
+  std::fill(u_step.begin(), u_step.end(), h);
+}
+
+template <class T>
 void TreeState<T>::set_velocities(std::uint32_t lane, const AlignedBuffer<T>& velocity) {
   for (std::size_t i = lane; i < u.size(); i += lanes) u[i] = velocity[i];
   u_step[lane] = 0;

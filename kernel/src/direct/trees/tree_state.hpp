@@ -63,6 +63,8 @@ struct TreeState {
   /// Sets whether a lane is left out of steps. It then has no tree of its own, or its tree is moved
   /// elsewhere.
   void set_idle(std::uint32_t lane, bool is_idle);
+  /// Makes displacements of a substep of h (s) of all velocities.
+  void displace(double h);
 
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;

@@ -87,12 +87,13 @@ class Compiler {
     require_laws_moved();
     require_springs_moved();
     if (needs_contact_stage(scene_)) make_contact();
-    add_islands();
-    if (contact_) add_contact();
-    place_particles();
-    fill_info();
-    return std::move(out_);
+    require_elements_moved();
+    const std::vector<Share> shares = shares_of(islands_);
+    if (settings_.method == Method::automatic) require_settings_read(shares);
+    return make_from(shares);
   }
+
+  Compiled make_parts() { return make_from(shares_of(islands_)); }
 
  private:
   /// Makes the contact solver, and finds which particles belong to islands that it alone can move.
@@ -229,11 +230,16 @@ class Compiler {
                ": method auto solves every island of this scene directly; method relax reads it");
   }
 
-  void add_islands() {
-    require_elements_moved();
+  Compiled make_from(std::span<const Share> shares) {
+    add_islands(shares);
+    if (contact_) add_contact();
+    place_particles();
+    fill_info();
+    return std::move(out_);
+  }
+
+  void add_islands(std::span<const Share> shares) {
     bool is_first = true;
-    const std::vector<Share> shares = shares_of(islands_);
-    if (settings_.method == Method::automatic) require_settings_read(shares);
     for (const Share& share : shares) {
       const IslandSets sets{graph_, islands_, share.sets, elements_};
       if (share.choice.method != Method::direct) {
@@ -347,6 +353,10 @@ class Compiler {
 
 Compiled compile(const Scene& scene, const Settings& settings) {
   return Compiler(scene, settings).make();
+}
+
+Compiled compile_parts(const Scene& parts, const Settings& settings) {
+  return Compiler(parts, settings).make_parts();
 }
 
 }  // namespace plumb::detail

@@ -24,4 +24,8 @@ struct Compiled {
 /// the number of threads that steps will have.
 Compiled compile(const Scene& scene, const Settings& settings);
 
+/// Does so with islands of rods and elements that were part of a scene compiled before. What refuses a scene
+/// was asked then.
+Compiled compile_parts(const Scene& parts, const Settings& settings);
+
 }  // namespace plumb::detail

@@ -24,6 +24,8 @@ class Anchors {
   bool any_paths() const { return !moving_.empty() || !settling_.empty() || !concerned_.empty(); }
 
   void set_target(std::uint32_t particle, Vec3 target);
+  /// Takes another number of solvers.
+  void resize(std::size_t solvers) { is_concerned_.resize(solvers, 0); }
 
   /// Calls f(place) for every place of an anchor that will leave where it is.
   template <class F>

@@ -18,6 +18,8 @@ class Loads {
 
   /// Sets the constant force (N) on a particle, and returns the force that acts on it from now on.
   Vec3 set_force(std::uint32_t particle, Vec3 force);
+  /// Returns all of the force (N) that acts on a particle.
+  Vec3 force(std::uint32_t particle) const { return constant_[particle] + loaded(particle); }
   /// Returns the force (N) that a load puts on a particle, a fixed one too.
   Vec3 loaded(std::uint32_t particle) const { return loaded_.empty() ? Vec3{} : loaded_[particle]; }
 
