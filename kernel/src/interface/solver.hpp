@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "interface/place.hpp"
 #include "interface/state_hash.hpp"
 #include "interface/tally.hpp"
 #include "plumb/settings.hpp"
@@ -162,6 +163,10 @@ class Solver {
   virtual Vec3 hold(Slot, double /*dt*/) const { return {}; }
   /// Returns the pull (N) of a cord, averaged over the last step of `dt` (s).
   virtual double pull(Slot, double /*dt*/) const { return std::numeric_limits<double>::quiet_NaN(); }
+  /// Reads the pulls of many cords of this solver into `out`, one after the other.
+  virtual void read_pulls(std::span<const Place> cords, double dt, double* out) const {
+    for (const Place& cord : cords) *out++ = pull(cord.slot, dt);
+  }
   virtual bool is_broken(Slot) const { return false; }
   /// Returns the strain of a rod that reads `strain` by the places of its ends.
   virtual double strain(Slot, double strain) const { return strain; }

@@ -4,15 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "interface/place.hpp"
+
 namespace plumb::detail {
-
-/// Says where the numbers of a particle or a rod are: the solver, and the slot in it.
-struct Place {
-  std::uint32_t solver;
-  std::uint32_t slot;
-
-  friend bool operator==(const Place&, const Place&) = default;
-};
 
 /// Leads from particles, or from rods, to places. A fixed particle has a place in every island that hangs
 /// from it, and none if nothing does. A movable particle has at least one; lanes that repeat an island add
@@ -48,6 +42,20 @@ class Places {
   /// Returns all places of a particle.
   std::span<const Place> of(std::uint32_t particle) const {
     return std::span(places_).subspan(begin_[particle], begin_[particle + std::size_t{1}] - begin_[particle]);
+  }
+
+  /// Calls f(first, count, places) for all numbers below `end`, in runs from `first` on. In a run of several
+  /// each has one place, all of one solver; else `places` are those of `first` alone.
+  template <class F>
+  void for_runs(std::uint32_t end, F&& f) const {
+    const auto is_single = [&](std::uint32_t i) { return begin_[i + std::size_t{1}] == begin_[i] + 1; };
+    for (std::uint32_t first = 0, next = 0; first < end; first = next) {
+      next = first + 1;
+      if (is_single(first))
+        while (next < end && is_single(next) && places_[begin_[next]].solver == places_[begin_[first]].solver)
+          ++next;
+      f(first, next - first, std::span(places_).subspan(begin_[first], begin_[next] - begin_[first]));
+    }
   }
 
  private:

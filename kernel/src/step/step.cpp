@@ -285,11 +285,13 @@ void Step::copy_pulls(std::span<double> out) {
     double& dt = last_dt_[task.solver];
     dt = dt < 0 || dt == task.dt ? task.dt : 0;
   }
-  for (std::uint32_t cord = 0; cord < out.size(); ++cord) {
-    const auto places = compiled_.cords.of(cord);
-    const double dt = places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
-    out[cord] = dt > 0 ? solver(places.front()).pull(places.front().slot, dt) : pull(cord);
-  }
+  compiled_.cords.for_runs(
+      static_cast<std::uint32_t>(out.size()),
+      [&](std::uint32_t first, std::uint32_t count, std::span<const Place> places) {
+        const double dt = places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
+        if (dt > 0) return solver(places.front()).read_pulls(places.first(count), dt, &out[first]);
+        for (std::uint32_t cord = first; cord < first + count; ++cord) out[cord] = pull(cord);
+      });
 }
 
 Vec3 Step::reaction(std::uint32_t particle) const {

@@ -82,6 +82,7 @@ class TreeSolver final : public Solver {
   Slot rod_slot(std::uint32_t node, std::uint32_t lane) const;
   void count_pulls() override;
   double pull(Slot rod, double dt) const override;
+  void read_pulls(std::span<const detail::Place> rods, double dt, double* out) const override;
   Vec3 hold(Slot slot, double dt) const override;
   bool is_broken(Slot rod) const override;
   void set_length(Slot rod, double length, double rate) override;
