@@ -70,6 +70,7 @@ class RelaxSolver final : public Solver {
 
   void count_pulls() override;
   double pull(Slot lane, double dt) const override { return block_.pulls()[lane] / dt; }
+  bool is_broken(Slot lane) const override { return block_.is_broken(lane); }
 
   bool sweeps() const override { return true; }
   bool set_stop_rule(const StopRule& rule) override;
@@ -85,6 +86,7 @@ class RelaxSolver final : public Solver {
   struct Motion {
     layouts::AlignedBuffer<T> x, last, before, half_kick;
     std::vector<double> pulls;
+    typename Block<T>::SavedRods rods;
     double h = 0;
     bool has_moved = false;
   };
