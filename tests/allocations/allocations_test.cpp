@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -389,6 +390,23 @@ TEST_F(Allocations, AreNoneWherePullsCount) {
     for (int i = 0; i < 60; ++i) step();
     EXPECT_EQ(allocations_in([&] { step(); }), 0u);
   }
+}
+
+TEST_F(Allocations, AreNoneWhereRodsBreak) {
+  Scene scene = scenes::make_chain(10), touching;
+  scene.rods[4].law.strength = 200;
+  touching = scene;
+  touching.capsules = {{.a = point_at(10), .b = point_at(10), .radius = 0.1}};
+  for (const Method method : {Method::relax, Method::direct})
+    for (const std::optional<double> accuracy : {std::optional<double>{}, std::optional{1e-2}}) {
+      Settings settings{.method = method, .threads = 1};
+      settings.accuracy = accuracy;
+      World world(method == Method::relax ? scene : touching, settings);
+      test::run(world, 1.0 / 60, 30);
+      world.set_force(10, {0, -1000, 0});
+      EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 10); }), 0u) << to_string(method);
+      EXPECT_TRUE(world.is_broken(4));
+    }
 }
 
 // A governor has springs, dampers, alignments and a body. Its spring is changed before every step.

@@ -2,6 +2,7 @@
 
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumb/plumb.hpp"
@@ -24,6 +25,14 @@ inline Scene with_law(Scene scene, const RodLaw& law) {
   return scene;
 }
 
+/// Rods of many strengths, of which some break under a scene's weight.
+inline Scene torn(Scene scene, const RodLaw& law) {
+  scene = with_law(std::move(scene), law);
+  for (std::size_t i = 0; i < scene.rods.size(); ++i)
+    scene.rods[i].law.strength *= 0.1 + static_cast<double>(i * 37 % 101) / 101;
+  return scene;
+}
+
 inline std::vector<SharedScene> shared_scenes() {
   return {
       {"chain", [] { return scenes::make_chain(5000, 0.1, 10); }, 4},
@@ -32,6 +41,13 @@ inline std::vector<SharedScene> shared_scenes() {
       {"graph", [] { return scenes::make_graph({.particles = 2000, .degree = 5}); }, 5},
       {"net_of_cables",
        [] { return with_law(scenes::make_net(64, 48), {.stiffness = 1e4, .damping = 5, .one_sided = true}); },
+       4},
+      {"torn_net", [] { return torn(scenes::make_net(64, 48), {.strength = 60}); }, 4},
+      {"torn_ensemble",
+       [] {
+         return torn(scenes::make_ensemble({.chains = 200, .links = 32}),
+                     {.stiffness = 1e4, .one_sided = true, .strength = 60});
+       },
        4},
       {"elastic_ensemble",
        [] { return with_law(scenes::make_ensemble({.chains = 200, .links = 32}), {.stiffness = 1e4}); }, 4},

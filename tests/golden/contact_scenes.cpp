@@ -141,4 +141,22 @@ Scene make_rope() {
   return scene;
 }
 
+/// Planks on cables and rigid rods that break under a ball.
+Scene make_bridge() {
+  Scene scene;
+  scene.planes.push_back({.offset = -1, .surface = rough});
+  for (std::uint32_t i = 0; i <= 10; ++i) {
+    const Vec3 at{0.3 * i, -0.02 * i * (10.0 - i), 0};
+    scene.particles.push_back(i % 10 == 0 ? test::fixed(at) : test::movable(at, 0.5));
+    if (i == 0) continue;
+    scene.rods.push_back({.a = i - 1, .b = i});
+    scene.rods.back().law = i % 3 == 0   ? RodLaw{.strength = 150}
+                            : i % 3 == 1 ? RodLaw{.stiffness = 2e4, .damping = 10, .strength = 250}
+                                         : RodLaw{.stiffness = 1e5, .one_sided = true, .strength = 350};
+    scene.capsules.push_back({.a = point_at(i - 1), .b = point_at(i), .radius = 0.04, .surface = rough});
+  }
+  test::add_ball(scene, {1.6, 0, 0.02}, 0.2, 20, {0.3, -5, 0}, rough);
+  return scene;
+}
+
 }  // namespace plumb::golden

@@ -12,5 +12,6 @@ Scene make_mechanism();
 Scene make_springs();
 Scene make_pool();
 Scene make_rope();
+Scene make_bridge();
 
 }  // namespace plumb::golden

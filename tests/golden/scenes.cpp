@@ -67,7 +67,7 @@ const std::map<std::string, Maker>& makers() {
       {"forest", make_forest}, {"mixed", make_mixed},         {"random_tree", make_random_tree},
       {"ladder", make_ladder}, {"tower", make_tower},         {"slide", make_slide},
       {"pool", make_pool},     {"mechanism", make_mechanism}, {"springs", make_springs},
-      {"rope", make_rope},
+      {"rope", make_rope},     {"bridge", make_bridge},
   };
   return all;
 }

@@ -82,11 +82,17 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
       left -= h;
       continue;
     }
+    const double first = h;
     while (!substep(surroundings, h, report)) {
       if (std::exchange(try_tighter_, false)) continue;
+      if (h == first) find_overload(h);
       h /= 2;
       ++report.halvings;
       if (h >= least / 16) continue;
+      if (break_overload(report)) {
+        h = first;
+        continue;
+      }
       // Nothing more can be done: what cannot be solved stays where it is.
       ++report.unsolved;
       for (std::uint32_t i = 0; i < count_; ++i)
@@ -134,7 +140,7 @@ double ClusterStepper::longest_substep(double most, double turn) const {
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& a = islands_[i];
     if (a.awake) {
-      const double turning = a.state->linkage->turning(a.state->v);
+      const double turning = a.state->linkage->turning(a.state->v, a.state->broken);
       if (turning * out > turn) out = turn / turning;
     }
     if (count_ == 1) break;
@@ -175,7 +181,7 @@ void ClusterStepper::start(Island& island, double h) {
   island.force.resize(movable);
   // The last island's numbers may not be finite, nor zero where no unknown is.
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
-  if (state.pulls.counts) {
+  if (state.pulls.counts || linkage.breaks()) {
     island.pulls.assign(linkage.constraints() + linkage.elastics().size(), 0);
     island.end_pulls.assign(island.pulls.size(), 0);
   } else {
@@ -270,6 +276,8 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   keep_contacts(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
   report.contacts = std::max<std::uint64_t>(
       report.contacts, count_pushes() + static_cast<std::uint64_t>(
                                             std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -221,6 +222,14 @@ class ClusterStepper {
   double find_rigid_motion();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
+  static std::array<double, 2> impulses_of(const Island& island, std::size_t elastic, double h);
+  /// Breaks rods that pulled too much in the substep that has ended. Returns how many.
+  static std::uint32_t break_rods(Island& island, double h);
+  /// Remembers the rod that is pulled farthest beyond its strength in a substep that is not solved. If
+  /// shorter ones are not either, rods do not fit together, and break_overload() breaks it. Returns whether
+  /// there was one.
+  void find_overload(double h);
+  bool break_overload(Tally& report);
   void count_pulls(Island& island, double h) const;
   void count_pushes(const Row& row, double h);
   void count_pushes(double h);
@@ -228,6 +237,10 @@ class ClusterStepper {
   const simd::KktKernels* kernels_;
   ContactSettings settings_;
   std::vector<Island> islands_;
+  struct Overload {
+    LinkageState* state = nullptr;
+    std::size_t rod = 0;
+  } overload_{};
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;

@@ -91,8 +91,8 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   own(parts.springs(), springs_);
   own(parts.torsions(), torsions_);
   own(parts.angles(), angles_);
+  own(parts.rods(), rods_);
   if (settings.tensions) {
-    own(parts.rods(), rods_);
     own(parts.pins(), pins_);
     own(parts.capsules(), capsules_);
   }
@@ -212,10 +212,8 @@ void ContactSolver::save(std::uint32_t piece, Saved which) {
 }
 
 void ContactSolver::restore(std::uint32_t piece, Saved which) {
-  for (LinkageState* const state : cluster(piece)) {
-    state->motion() = histories_[state->number].saved[static_cast<int>(which)];
-    state->factored = false;
-  }
+  for (LinkageState* const state : cluster(piece))
+    state->return_to(histories_[state->number].saved[static_cast<int>(which)]);
 }
 
 void ContactSolver::mark(std::uint32_t piece) {

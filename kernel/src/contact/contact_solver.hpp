@@ -67,8 +67,11 @@ class ContactSolver final : public Solver {
 
   /// Returns whether this solver moves a rod now, rather than a home, and knows how it pulls.
   bool has_pull(std::uint32_t rod) const {
-    return !rods_.empty() && rods_[rod].island != no_island && !visitors_[rods_[rod].island].is_at_home();
+    const std::uint32_t island = rods_[rod].island;
+    return island != no_island && states_[island].pulls.counts && !visitors_[island].is_at_home();
   }
+  /// Returns whether a rod of the scene has broken here.
+  bool is_broken(std::uint32_t rod) const;
   /// Returns the mean pull (N) of a rod of the scene in the last step. All means are NaN before the first.
   double pull_of_rod(std::uint32_t rod) const;
   /// See World::pin_force() and its like.
@@ -162,7 +165,7 @@ class ContactSolver final : public Solver {
   std::vector<Slot> first_slot_;                    ///< by island's number
   std::vector<std::uint32_t> island_of_;            ///< the island of each slot
   std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
-  std::vector<Owner> rods_, pins_, capsules_;       ///< likewise, if pulls count
+  std::vector<Owner> rods_, pins_, capsules_;       ///< likewise; the last two if pulls count
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
   std::vector<Return> returned_;

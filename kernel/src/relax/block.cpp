@@ -66,7 +66,7 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
   for (std::size_t i = 0; i < packing_.lane_edge.size(); ++i) {
     T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
     const std::uint32_t edge = packing_.lane_edge[i];
-    if (edge == none) {
+    if (edge == none || is_broken(i)) {
       switch_off(i);
       continue;
     }
@@ -81,6 +81,7 @@ void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrd
     if (!mass_of_move_.empty()) {
       const double split = sum / (wa + wb), give = constants.inverse_mass[a] + constants.inverse_mass[b];
       mass_of_move_[i] = (gives_ ? 1 : omega / 4) / (split * give);
+      if (breaks()) set_bound(i);
     }
     if (gives_) {
       write_law(i, constants.laws[edge], std::sqrt(constants.length2[edge]),
@@ -120,6 +121,7 @@ void Block<T>::make_laws(const Constants& constants) {
   law_start_ = make(simd::law_fields::start);
   shift_ = make(simd::law_fields::shift);
   half_kick_ = make(1);
+  make_strengths(constants);
 }
 
 template <class T>
@@ -136,46 +138,6 @@ void Block<T>::write_law(std::size_t lane, const RodLaw& law, double length, dou
   const std::size_t lanes = packing_.lanes,
                     first = lane / lanes * simd::law_fields::rod * lanes + lane % lanes;
   for (std::size_t c = 0; c < std::size(fields); ++c) law_[first + c * lanes] = static_cast<T>(fields[c]);
-}
-
-template <class T>
-void Block<T>::count_pulls() {
-  const std::size_t lanes = std::size_t{packing_.vectors()} * packing_.lanes;
-  if (!gives_) moved_ = layouts::AlignedBuffer<T>(lanes * simd::moved_fields);
-  pulls_.assign(lanes, 0);
-  mass_of_move_.assign(lanes, 0);
-}
-
-template <class T>
-void Block<T>::begin_pulls(std::uint32_t q0, std::uint32_t q1) {
-  if (pulls_.empty()) return;
-  const std::size_t size = std::size_t{packing_.position_vectors} * packing_.lanes;
-  std::fill(pulls_.begin() + static_cast<std::ptrdiff_t>(q0 * size),
-            pulls_.begin() + static_cast<std::ptrdiff_t>(q1 * size), 0.0);
-}
-
-template <class T>
-void Block<T>::begin_moves(simd::Range range) {
-  if (gives_) return;  // preparing rods that give forgets their moves
-  const std::size_t size = std::size_t{simd::moved_fields} * packing_.lanes;
-  std::fill(moved_.data() + range.begin * size, moved_.data() + range.end * size, T(0));
-}
-
-template <class T>
-void Block<T>::count_moves(simd::Range range, double by) {
-  const std::size_t lanes = packing_.lanes;
-  const T* const moved = gives_ ? shift_.data() : moved_.data();
-  static_assert(simd::law_fields::shift == simd::moved_fields);
-  const auto vector_of = [lanes](const T* fields, std::size_t lane) {
-    return Vec3{fields[lane], fields[lanes + lane], fields[2 * lanes + lane]};
-  };
-  for (std::size_t v = range.begin; v < range.end; ++v)
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const Vec3 move = vector_of(moved + v * simd::moved_fields * lanes, lane);
-      const double size = by * mass_of_move_[v * lanes + lane] * norm(move);
-      const bool pulls = dot(move, vector_of(rod_.data() + v * simd::rod_fields * lanes, lane)) > 0;
-      pulls_[v * lanes + lane] += pulls ? size : -size;
-    }
 }
 
 template <class T>

@@ -55,6 +55,22 @@ class Block {
   /// Adds the impulses of a substep in which sweeps moved these rods. A move (m) times `by` (1/s), over what
   /// its ends give (1/kg), is one.
   void count_moves(simd::Range range, double by);
+
+  /// Says whether some rod may break.
+  bool breaks() const { return !strengths_.empty(); }
+  bool is_broken(std::size_t lane) const { return breaks() && broken_[lane] != 0; }
+  /// Breaks the rods of a range whose mean pull over a substep of `h` (s) was more than they hold. They
+  /// correct nothing from now on. `by` is that of count_moves(). Returns how many there are.
+  std::uint32_t break_rods(simd::Range range, double by, double h);
+  /// Holds what breaking changes.
+  struct SavedRods {
+    std::vector<T> weight, law;
+    std::vector<double> mass_of_move;
+    std::vector<std::uint8_t> broken;
+  };
+  void save_rods(SavedRods& to) const;
+  void restore_rods(const SavedRods& from);
+
   /// Returns the impulses (N s) of rods' pulls in a step, by lane; none unless they count.
   std::vector<double>& pulls() { return pulls_; }
   const std::vector<double>& pulls() const { return pulls_; }
@@ -112,6 +128,14 @@ class Block {
   /// Turns a rod in a lane into padding, which pulls nothing.
   void switch_off(std::size_t lane);
   void make_laws(const Constants& constants);
+  void make_strengths(const Constants& constants);
+  /// Tells may_break() of a rod's strength and mass.
+  void set_bound(std::size_t lane);
+  /// Returns whether a rod of a vector of rods may have pulled more than it holds. `square` is that of what
+  /// makes moves (m) of accelerations (m/s²).
+  bool may_break(std::size_t v, double square) const;
+  /// Returns the impulse (N s) with which a rod has pulled in a substep, see count_moves().
+  double impulse_of(std::size_t lane, double by) const;
   /// Writes how a rod gives whose ends give way by `give` (1/kg). Its shares are of `split` times that.
   void write_law(std::size_t lane, const RodLaw& law, double length, double give, double split);
   std::uint32_t distinct_rods(std::uint32_t begin, std::uint32_t end) const;
@@ -121,8 +145,16 @@ class Block {
   layouts::AlignedBuffer<T> x_, displacements_[2], kick_, accumulator_, rod_, weight_;
   layouts::AlignedBuffer<T> law_, law_start_, shift_, half_kick_;  ///< Blocks of rigid rods have none.
   bool gives_ = false;
-  layouts::AlignedBuffer<T> moved_;           ///< what counting sweeps have moved rigid rods by
-  std::vector<double> pulls_, mass_of_move_;  ///< by lane, N s and kg; none unless pulls count
+  layouts::AlignedBuffer<T> moved_;   ///< what counting sweeps have moved rigid rods by
+  std::vector<double> pulls_;         ///< by lane, N s; none unless pulls count
+  std::vector<double> mass_of_move_;  ///< by lane, kg; none unless pulls count or rods may break
+  struct Strength {
+    double strength;  ///< N
+    bool counts;      ///< no lane before has the same rod
+  };
+  std::vector<Strength> strengths_;    ///< by lane; none if no rod may break
+  std::vector<double> square_bounds_;  ///< likewise, (strength / mass of move)²
+  std::vector<std::uint8_t> broken_;   ///< likewise
   T omega_ = 1;
   unsigned newest_ = 0;
   std::vector<std::uint8_t> uniform_;  ///< It has an entry per position and stage.

@@ -186,6 +186,16 @@ class Substep {
       });
     });
     block_.rest_anchors(p_, q0_, q1_);
+    if (block_.breaks()) break_rods();
+  }
+
+  void break_rods() {
+    std::array<std::uint32_t, Team::max_size> broken{};
+    crew_.for_parts([&](unsigned part) {
+      for_rods(part,
+               [&](simd::Range range) { broken[part] += block_.break_rods(range, pull_, settings_.h); });
+    });
+    for (unsigned part = 0; part < crew_.parts(); ++part) report_.broken_rods += broken[part];
   }
 
   // --- Sweeps

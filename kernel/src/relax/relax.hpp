@@ -23,8 +23,9 @@ struct RelaxSettings {
   /// Rods that give need the first for the first substep, which may follow one of another length, and the
   /// second for the others.
   simd::LawTerms<T> first_terms{}, terms{};
-  /// Make impulses of what sweeps moved rods by, in 1/s, see Block::count_moves(); 0 if pulls do not count.
+  /// Make impulses of what sweeps moved rods by, in 1/s, see Block::count_moves(); 0 if nobody asks.
   double first_pull = 0, pull = 0;
+  double h = 0;  ///< substep, in s
 };
 
 /// Advances positions [q0, q1) of a block by all substeps on the calling thread. The positions must not

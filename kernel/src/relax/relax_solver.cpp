@@ -129,7 +129,8 @@ RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) const {
           law_terms(last_h_),
           law_terms(h_),
           pull_of_moves(last_h_),
-          pull_of_moves(h_)};
+          pull_of_moves(h_),
+          h_};
 }
 
 /// A pull acts as gravity does, from the middle of the last substep to that of this one. Gradient mid begins
@@ -218,13 +219,18 @@ void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   const std::size_t n = block_.packing().elements;
   const layouts::AlignedBuffer<T>& half_kick = block_.half_kick();
   if (to.x.size() == 0)
-    to = {layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n), layouts::AlignedBuffer<T>(n),
-          layouts::AlignedBuffer<T>(half_kick.size()), block_.pulls()};
+    to = {layouts::AlignedBuffer<T>(n),
+          layouts::AlignedBuffer<T>(n),
+          layouts::AlignedBuffer<T>(n),
+          layouts::AlignedBuffer<T>(half_kick.size()),
+          block_.pulls(),
+          {}};
   std::copy_n(block_.x(), n, to.x.data());
   std::copy_n(block_.displacement(0), n, to.last.data());
   std::copy_n(block_.displacement(1), n, to.before.data());
   std::copy_n(half_kick.data(), half_kick.size(), to.half_kick.data());
   to.pulls = block_.pulls();
+  block_.save_rods(to.rods);
   to.h = h_;
   to.has_moved = has_moved_;
 }
@@ -238,6 +244,7 @@ void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
   std::copy_n(from.before.data(), n, block_.displacement(1));
   std::copy_n(from.half_kick.data(), from.half_kick.size(), block_.half_kick().data());
   block_.pulls() = from.pulls;
+  block_.restore_rods(from.rods);
   kicks_stale_ = kicks_stale_ || h_ != from.h;
   h_ = from.h;
   has_moved_ = from.has_moved;

@@ -35,6 +35,7 @@ class RelaxSolver final : public Solver {
 
   std::uint32_t pieces() const override { return pieces_; }
   std::uint32_t islands(std::uint32_t piece) const override { return islands_[piece]; }
+  std::uint32_t island_of(Slot slot) const override { return block_.packing().slot_island[slot]; }
   std::uint32_t piece_of(Slot slot) const override { return pieces_ > 1 ? block_.position_of(slot) : 0; }
 
   void begin_step(double dt, Team& team) override;
@@ -70,6 +71,7 @@ class RelaxSolver final : public Solver {
 
   void count_pulls() override;
   double pull(Slot lane, double dt) const override { return block_.pulls()[lane] / dt; }
+  bool is_broken(Slot lane) const override { return block_.is_broken(lane); }
 
   bool sweeps() const override { return true; }
   bool set_stop_rule(const StopRule& rule) override;
@@ -85,6 +87,7 @@ class RelaxSolver final : public Solver {
   struct Motion {
     layouts::AlignedBuffer<T> x, last, before, half_kick;
     std::vector<double> pulls;
+    typename Block<T>::SavedRods rods;
     double h = 0;
     bool has_moved = false;
   };

@@ -21,7 +21,7 @@ void RelaxSolver<T>::begin_pulls(std::uint32_t piece) {
 /// A pull acts as gravity does, see law_terms(). Its impulse is that of a substep.
 template <class T>
 double RelaxSolver<T>::pull_of_moves(double last) const {
-  if (block_.pulls().empty()) return 0;
+  if (block_.pulls().empty() && !block_.breaks()) return 0;
   if (rules_->verlet.gradient == Gradient::mid) return 2 / h_;
   const double between = (h_ + last) / 2;
   return 1 / (mean_decay(rules_->verlet.drag * between) * between);

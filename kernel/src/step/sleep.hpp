@@ -16,8 +16,9 @@ struct Task {
   double still_time = 0;  ///< s, for how long it has moved by rounding only
   bool is_still = false;  ///< after this step
   bool asleep = false;
-  Troubles troubles = 0;  ///< what went wrong in the last step
-  double dt = 0;          ///< s, of the last step that it took awake
+  bool has_broken = false;  ///< a rod broke in this step, so that what hangs from it is about to move
+  Troubles troubles = 0;    ///< what went wrong in the last step
+  double dt = 0;            ///< s, of the last step that it took awake
 };
 
 /// Says what became of the solver of a number: it stays, another one took its place, or nothing needs it.

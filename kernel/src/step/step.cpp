@@ -121,8 +121,7 @@ void Step::solve(StepReport& report) {
     Team& team = workers_.team();
     for (const std::uint32_t s : visited_) compiled_.solvers[s]->begin_step(dt_, team);
     for (const std::uint32_t s : visited_)
-      if (Solver& solver = *compiled_.solvers[s]; solver.wants_team())
-        solver.advance_with_team(dt_ / rules_.substeps, rules_.substeps, team, reports_[0]);
+      if (Solver& solver = *compiled_.solvers[s]; solver.wants_team()) advance_with_team(s, solver, team);
     const auto tasks = static_cast<std::uint32_t>(active_.size());
     team.for_each(tasks + clusters, [&](std::uint32_t i, unsigned part) {
       if (i < tasks)
@@ -136,6 +135,13 @@ void Step::solve(StepReport& report) {
   if (contact && contact->any_awake()) contact->end_step(report);
 }
 
+void Step::advance_with_team(std::uint32_t number, Solver& solver, Team& team) {
+  const std::uint64_t broken = reports_[0].broken_rods;
+  solver.advance_with_team(dt_ / rules_.substeps, rules_.substeps, team, reports_[0]);
+  for (Task& task : sleep_.tasks())
+    if (task.solver == number) task.has_broken = reports_[0].broken_rods > broken;
+}
+
 void Step::advance(Solver& solver, std::uint32_t piece, unsigned part) {
   advance_piece(solver, piece, dt_, rules_, part, reports_[part]);
   solver.end_piece(piece, dt_);
@@ -144,11 +150,13 @@ void Step::advance(Solver& solver, std::uint32_t piece, unsigned part) {
 void Step::advance(Task& task, unsigned part) {
   Solver& solver = *compiled_.solvers[task.solver];
   task.troubles = 0;
+  task.has_broken = false;
   if (solver.is_away(task.piece)) return;
   task.dt = dt_;
   const StepReport before = reports_[part];
   advance(solver, task.piece, part);
   task.troubles = troubles_between(before, reports_[part]);
+  task.has_broken = reports_[part].broken_rods > before.broken_rods;
 }
 
 void Step::sleep(StepReport& report) {
@@ -156,8 +164,8 @@ void Step::sleep(StepReport& report) {
   for (Task& task : sleep_.tasks()) {
     if (task.asleep) continue;
     const Solver& solver = *compiled_.solvers[task.solver];
-    task.is_still =
-        solver.can_rest() && solver.is_slower(task.piece, sleep_.rounding_speed(solver, task.piece));
+    task.is_still = !task.has_broken && solver.can_rest() &&
+                    solver.is_slower(task.piece, sleep_.rounding_speed(solver, task.piece));
   }
   report.fell_asleep += sleep_.settle(compiled_.solvers, dt_);
 }
@@ -285,13 +293,15 @@ void Step::copy_pulls(std::span<double> out) {
     double& dt = last_dt_[task.solver];
     dt = dt < 0 || dt == task.dt ? task.dt : 0;
   }
-  compiled_.cords.for_runs(
-      static_cast<std::uint32_t>(out.size()),
-      [&](std::uint32_t first, std::uint32_t count, std::span<const Place> places) {
-        const double dt = places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
-        if (dt > 0) return solver(places.front()).read_pulls(places.first(count), dt, &out[first]);
-        for (std::uint32_t cord = first; cord < first + count; ++cord) out[cord] = pull(cord);
-      });
+  compiled_.cords.for_runs(static_cast<std::uint32_t>(out.size()),
+                           [&](std::uint32_t first, std::uint32_t count, std::span<const Place> places) {
+                             const double dt =
+                                 places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
+                             if (dt > 0)
+                               return solver(places.front()).read_pulls(places.first(count), dt, &out[first]);
+                             for (std::uint32_t cord = first; cord < first + count; ++cord)
+                               out[cord] = pull(cord);
+                           });
 }
 
 Vec3 Step::reaction(std::uint32_t particle) const {
@@ -308,6 +318,7 @@ Vec3 Step::reaction(std::uint32_t particle) const {
 
 bool Step::is_broken(std::uint32_t rod) const {
   if (breaks_.is_broken(rod)) return true;
+  if (compiled_.contact && compiled_.contact->is_broken(rod)) return true;
   const auto places = compiled_.cords.of(rod);
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
 }

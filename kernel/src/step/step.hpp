@@ -94,6 +94,7 @@ class Step {
   void measure(StepReport& report);
 
   void exchange(const Fallen& fallen, Compiled made);
+  void advance_with_team(std::uint32_t number, Solver& solver, Team& team);
   void advance(Solver& solver, std::uint32_t piece, unsigned part);
   void advance(Task& task, unsigned part);
   bool uses_threads() const;

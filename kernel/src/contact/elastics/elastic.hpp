@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -11,11 +12,12 @@ namespace plumb::detail {
 
 /// Says how an elastic pulls. It changes while a world runs.
 struct ElasticLaw {
-  double rest = 0;         ///< m or rad
-  double stiffness = 0;    ///< N/m or N m/rad; infinity is rigid
-  double damping = 0;      ///< N s/m or N m s/rad
-  double force = 0;        ///< N or N m, a pull that is added
-  bool one_sided = false;  ///< It is slack below its rest.
+  double rest = 0;                                            ///< m or rad
+  double stiffness = 0;                                       ///< N/m or N m/rad; infinity is rigid
+  double damping = 0;                                         ///< N s/m or N m s/rad
+  double force = 0;                                           ///< N or N m, a pull that is added
+  bool one_sided = false;                                     ///< It is slack below its rest.
+  double strength = std::numeric_limits<double>::infinity();  ///< N; a rod that pulls more breaks
 };
 
 /// Write how springs, torsions and angles pull into the laws of their elastics. A spring of length 0 has

@@ -70,6 +70,7 @@ void Flight::accelerate(LinkageState& state, Stage& stage, double time) {
   linkage.put(force_, right);
   linkage.plan().solve(state.factors, unknowns_);
   if (state.pulls.counts) count_pulls(state, stage, time);
+  for (std::size_t i = 0; i < state.broken.size(); ++i) rod_impulses_[i] += time * state.elastic_pull(i);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) stage.a[k] = linkage.taken(right, k);
 }
 
@@ -125,6 +126,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
   before_x_ = state.x;
   before_v_ = state.v;
   if (state.pulls.counts) before_pulls_ = state.pulls;
+  rod_impulses_.assign(state.broken.size(), 0);
   force_.resize(linkage.movable());
   unknowns_.assign(linkage.plan().columns(), simd::Quad{});
   const auto come = [&](const double* shares, std::size_t stages) {
@@ -164,6 +166,7 @@ bool Flight::step(LinkageState& state, std::uint32_t order, double h, Tally& rep
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)
       state.acceleration[k] = (1 / (h * h)) * (state.x[k] - before_x_[k] - h * before_v_[k]);
     state.follow_elastics();
+    report.broken_rods += state.break_rods([&](std::size_t i) { return rod_impulses_[i] / h; });
     return true;
   }
   state.x = before_x_;

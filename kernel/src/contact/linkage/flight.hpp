@@ -34,7 +34,8 @@ class Flight {
   std::array<Stage, most_stages> stages_;
   std::vector<Vec3> before_x_, before_v_, force_, rigid_, braked_, momentum_;
   std::vector<simd::Quad> unknowns_;
-  std::vector<double> pulls_;  ///< multipliers
+  std::vector<double> pulls_;         ///< multipliers
+  std::vector<double> rod_impulses_;  ///< N s, of rods that give in the step, if some may break
   LinkagePulls before_pulls_;
 };
 

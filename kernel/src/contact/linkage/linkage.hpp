@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -80,6 +81,12 @@ class Linkage {
   ElasticRange elastics_of_angle(std::uint32_t i) const { return of_angles_[i]; }
   ElasticRange elastics_of_spring(std::uint32_t i) const { return of_springs_[i]; }
   ElasticRange elastics_of_torsion(std::uint32_t i) const { return of_torsions_[i]; }
+  /// Returns whether some rod may break.
+  bool breaks() const { return breaks_; }
+  /// Returns how many rods give, which are the first elastics, and which of them the part's rod `number` is,
+  /// or none.
+  std::size_t giving_rods() const { return giving_rods_.size(); }
+  std::optional<std::size_t> elastic_of_rod(std::uint32_t number) const;
   /// Returns the number of an elastic, in m or rad. Of all turns it is the one nearest to `near`.
   double number(const Elastic& elastic, std::span<const Vec3> x, double near) const;
   /// Returns how that changes with the elastic's sums; nothing where it has no derivative.
@@ -155,8 +162,9 @@ class Linkage {
               std::span<Vec3> out) const;
   double kinetic(std::span<const Vec3> v) const;  ///< J, of movable particles
   double potential(std::span<const Vec3> x, std::span<const Vec3> constant) const;
-  /// Returns the fastest turn of a rod, in 1/s.
-  double turning(std::span<const Vec3> v) const;
+  /// Returns the fastest turn of a rod, in 1/s. Of rods that give, those with a number in `broken` are left
+  /// out.
+  double turning(std::span<const Vec3> v, std::span<const std::uint8_t> broken) const;
   /// Splits velocities into those of a rigid body, which go to `rigid`, and the rest. Returns the kinetic
   /// energy of the rest, in J. The linkage must have no fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
@@ -239,7 +247,7 @@ class Linkage {
   std::vector<RodRow> giving_rods_;
   Vec3 gravity_{};
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
-  bool has_air_ = false, is_redundant_ = false;
+  bool has_air_ = false, is_redundant_ = false, breaks_ = false;
 };
 
 }  // namespace plumb::detail

@@ -41,8 +41,10 @@ void Linkage::add_elastics(const Scene& part) {
     const Rod& rod = part.rods[i];
     if (rod.law.is_rigid()) continue;
     const Combination apart = difference(Point{{rod.b}, {1}}, Point{{rod.a}, {1}});
-    add_elastic({.kind = Kind::distance, .sums = {apart}},
-                {rod_length(part, i), rod.law.stiffness, rod.law.damping, 0, rod.law.one_sided});
+    add_elastic(
+        {.kind = Kind::distance, .sums = {apart}},
+        {rod_length(part, i), rod.law.stiffness, rod.law.damping, 0, rod.law.one_sided, rod.law.strength});
+    breaks_ = breaks_ || std::isfinite(rod.law.strength);
   }
   for (std::uint32_t i = 0; i < part.angles.size(); ++i) {
     const AngleControl& angle = part.angles[i];

@@ -233,13 +233,15 @@ double Linkage::potential(std::span<const Vec3> x, std::span<const Vec3> constan
   return sum;
 }
 
-double Linkage::turning(std::span<const Vec3> v) const {
+double Linkage::turning(std::span<const Vec3> v, std::span<const std::uint8_t> broken) const {
   double square = 0;
-  for (const std::vector<RodRow>* rods : {&rods_, &giving_rods_})
-    for (const RodRow& rod : *rods) {
-      const Vec3 d = v[rod.b] - v[rod.a];
-      square = std::max(square, rod.over2 * dot(d, d));
-    }
+  const auto see = [&](const RodRow& rod) {
+    const Vec3 d = v[rod.b] - v[rod.a];
+    square = std::max(square, rod.over2 * dot(d, d));
+  };
+  for (const RodRow& rod : rods_) see(rod);
+  for (std::size_t i = 0; i < giving_rods_.size(); ++i)
+    if (broken.empty() || broken[i] == 0) see(giving_rods_[i]);
   return std::sqrt(square);
 }
 

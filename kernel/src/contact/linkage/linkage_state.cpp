@@ -10,6 +10,8 @@ constexpr double most_swing = 0.25;
 /// Velocities of redundant constraints are corrected so often. One takes eight digits off what is left, or
 /// two where masses differ by 1e6.
 constexpr int velocity_corrections = 2;
+/// What hung from a rod has so many seconds (s) to become fast before it counts as slow.
+constexpr double awake_after_break = 0.5;
 
 }  // namespace
 
@@ -27,7 +29,30 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
     v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
   }
   elastic_numbers.assign(laws.size(), 0);
+  if (kind.breaks()) broken.assign(kind.giving_rods(), 0);
   follow_elastics();
+}
+
+void LinkageState::return_to(const LinkageMotion& motion) {
+  this->motion() = motion;
+  factored = false;
+  for (std::size_t i = 0; i < broken.size(); ++i)
+    laws[i] = broken[i] != 0 ? ElasticLaw{} : linkage->elastic_laws()[i];
+}
+
+void LinkageState::break_rod(std::size_t elastic) {
+  laws[elastic] = {};
+  broken[elastic] = 1;
+  energy.reset();
+  slow_time = -awake_after_break;
+}
+
+bool LinkageState::factor_with_rigid_rods() {
+  find_gives();
+  return factor_with_elastics([&](std::size_t i) {
+    const ElasticLaw& law = laws[i];
+    return std::isinf(law.stiffness) && !law.one_sided && std::isfinite(law.strength) ? 0.0 : -1.0;
+  });
 }
 
 void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -39,6 +40,8 @@ struct LinkageMotion {
   std::optional<double> energy{};       ///< energy that free flight keeps, J
   std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
   LinkagePulls pulls;                   ///< of the last step
+  /// It has 1 for rods that have broken, of those that give; none if no rod may.
+  std::vector<std::uint8_t> broken;
 };
 
 /// Holds one island of a linkage's kind, wherever it is.
@@ -59,6 +62,25 @@ struct LinkageState : LinkageMotion {
   bool factored = false;
 
   LinkageMotion& motion() { return *this; }
+  /// Goes on from a motion that was copied from motion().
+  void return_to(const LinkageMotion& motion);
+
+  /// Lets a rod pull nothing from now on.
+  void break_rod(std::size_t elastic);
+  /// Breaks the rods whose mean pull over a substep, pull_of(elastic) in N, is more than they hold. They pull
+  /// nothing from now on. Returns how many there are.
+  template <class PullOf>
+  std::uint32_t break_rods(PullOf&& pull_of) {
+    std::uint32_t count = 0;
+    for (std::size_t i = 0; i < broken.size(); ++i)
+      if (std::isfinite(laws[i].strength) && pull_of(i) > laws[i].strength) {
+        break_rod(i);
+        ++count;
+      }
+    return count;
+  }
+  /// Factorises the matrix at x with the rods that are rigid until they break.
+  bool factor_with_rigid_rods();
 
   /// Factorises the matrix at x, without elastics. Returns false if it has no factors.
   bool factor() {

@@ -65,7 +65,7 @@ class Likeness {
     for (std::size_t i = 0; i < part.rods.size(); ++i) {
       const Rod& rod = part.rods[i];
       add(rod.a, rod.b, rod_length(part, i), rod.mass, rod.center, rod.inertia.value_or(-1), rod.linear_drag,
-          rod.orthogonal_drag, rod.law.stiffness, rod.law.damping, rod.law.one_sided);
+          rod.orthogonal_drag, rod.law.stiffness, rod.law.damping, rod.law.one_sided, rod.law.strength);
     }
     add(part.bodies.size());
     for (std::size_t i = 0; i < part.bodies.size(); ++i) {

@@ -57,8 +57,11 @@ void project_positions(LinkageState& state, ProjectionWork& work) {
 
 double project_velocities(LinkageState& state, ProjectionWork& work) {
   const Linkage& linkage = *state.linkage;
-  if (linkage.constraints() == 0) return 0;
-  state.factor();
+  if (linkage.constraints() == 0 && !linkage.breaks()) return 0;
+  if (linkage.breaks())
+    state.factor_with_rigid_rods();
+  else
+    state.factor();
   work.momentum.resize(linkage.movable());
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);

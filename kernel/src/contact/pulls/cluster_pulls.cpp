@@ -1,10 +1,49 @@
 // This file adds up what holds and pushes a cluster's islands in a substep.
 
+#include <cmath>
 #include <utility>
 
 #include "contact/cluster_stepper.hpp"
 
 namespace plumb::detail {
+
+/// Returns the impulses (N s or N m s) with which an elastic that acts pulled at the start and at the end.
+std::array<double, 2> ClusterStepper::impulses_of(const Island& island, std::size_t elastic, double h) {
+  const ElasticStep& step = island.elastics[elastic];
+  const bool is_held = step.soft_at_end() >= 0;
+  const double end = is_held ? island.end_pulls[island.state->linkage->constraints() + elastic] : 0;
+  return {-step.p / h, end - step.end_kick(h)};
+}
+
+std::uint32_t ClusterStepper::break_rods(Island& island, double h) {
+  return island.state->break_rods([&](std::size_t i) {
+    const auto [start, end] = impulses_of(island, i, h);
+    return island.elastics[i].acts ? (start + end) / h : 0;
+  });
+}
+
+void ClusterStepper::find_overload(double h) {
+  overload_ = {};
+  double most = 1;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Island& island = islands_[i];
+    for (std::size_t k = 0; island.awake && k < island.state->broken.size(); ++k) {
+      const ElasticStep& step = island.elastics[k];
+      const double share = -2 * step.p / (h * h * island.state->laws[k].strength);
+      if (!step.acts || !std::isfinite(share) || share <= most) continue;
+      most = share;
+      overload_ = {island.state, k};
+    }
+  }
+}
+
+bool ClusterStepper::break_overload(Tally& report) {
+  if (overload_.state == nullptr) return false;
+  overload_.state->break_rod(overload_.rod);
+  overload_ = {};
+  ++report.broken_rods;
+  return true;
+}
 
 /// Adds what constraints and elastics pulled with. Island::there is where the substep began.
 void ClusterStepper::count_pulls(Island& island, double h) const {
@@ -13,12 +52,10 @@ void ClusterStepper::count_pulls(Island& island, double h) const {
   linkage.count_pulls(island.there, island.pulls, 1 / h, state.pulls);
   linkage.count_pulls(state.x, island.end_pulls, 1, state.pulls);
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
-    const ElasticStep& step = island.elastics[i];
-    if (!step.acts) continue;
-    const bool is_held = step.soft_at_end() >= 0;
-    const double end = is_held ? island.end_pulls[linkage.constraints() + i] : 0;
-    linkage.count_pull(i, island.there, -step.p / h, state.pulls);
-    linkage.count_pull(i, state.x, end - step.end_kick(h), state.pulls);
+    if (!island.elastics[i].acts) continue;
+    const auto [start, end] = impulses_of(island, i, h);
+    linkage.count_pull(i, island.there, start, state.pulls);
+    linkage.count_pull(i, state.x, end, state.pulls);
   }
   const auto near = [&](std::size_t i) { return island.elastics[i].start; };
   state.count_motors(0.5 * h, island.there, near);

@@ -16,6 +16,13 @@ double ContactSolver::pull_of_rod(std::uint32_t rod) const {
   return mean(pulls, pulls.rods[rods_[rod].number]);
 }
 
+bool ContactSolver::is_broken(std::uint32_t rod) const {
+  const auto [island, number] = rods_[rod];
+  if (island == no_island || states_[island].broken.empty()) return false;
+  const auto elastic = states_[island].linkage->elastic_of_rod(number);
+  return elastic && states_[island].broken[*elastic] != 0;
+}
+
 Vec3 ContactSolver::pin_force(std::uint32_t pin) const {
   const LinkagePulls& pulls = states_[pins_[pin].island].pulls;
   return mean(pulls, pulls.pins[pins_[pin].number]);

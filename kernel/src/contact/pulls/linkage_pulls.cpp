@@ -26,6 +26,13 @@ LinkagePulls Linkage::make_pulls() const {
           .fixed = std::vector<Vec3>(particles_ - movable_)};
 }
 
+std::optional<std::size_t> Linkage::elastic_of_rod(std::uint32_t number) const {
+  const auto at = std::lower_bound(giving_rods_.begin(), giving_rods_.end(), number,
+                                   [](const RodRow& rod, std::uint32_t than) { return rod.number < than; });
+  if (at == giving_rods_.end() || at->number != number) return std::nullopt;
+  return static_cast<std::size_t>(at - giving_rods_.begin());
+}
+
 void Linkage::take_multipliers(std::span<const double> solved, double by, std::span<double> out) const {
   for (std::uint32_t c = 0; c < out.size(); ++c) out[c] += by * solved[plan_.position(3 * movable_ + c)];
 }

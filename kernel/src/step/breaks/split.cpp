@@ -25,7 +25,10 @@ std::vector<std::uint32_t> take_seats(std::size_t count, std::vector<Seat>& seat
 void Step::split(StepReport&) {
   if (!has_broken_) return;
   has_broken_ = false;
-  Fallen fallen = breaks_.take_out([&](std::uint32_t rod) { return is_broken(rod); });
+  Fallen fallen = breaks_.take_out([&](std::uint32_t rod) {
+    const auto places = compiled_.cords.of(rod);  // The contact solver's islands stay whole.
+    return !places.empty() && solver(places.front()).is_broken(places.front().slot);
+  });
   if (!fallen.any()) return;
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
     Particle& particle = fallen.scene.particles[k];

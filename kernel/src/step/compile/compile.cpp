@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "direct/direct_solvers.hpp"
@@ -103,7 +102,6 @@ class Compiler {
     contact_ = std::make_unique<ContactSolver>(scene_, parts, settings_);
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
       if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
-      require_unbreakable(parts.part(p), parts.particles(p).front());
       require_no_elements(parts.particles(p));
       if (is_plain(parts.part(p))) continue;
       require_joints_moved(parts.particles(p).front());
@@ -128,15 +126,6 @@ class Compiler {
         if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
       add(method_row(settings_.method).make_jointed(parts.part(p), parts.particles(p), settings_, start_));
     }
-  }
-
-  /// Refuses rods that may break in an island with joints, springs or shapes.
-  static void require_unbreakable(const Scene& part, std::uint32_t particle) {
-    if (std::any_of(part.rods.begin(), part.rods.end(),
-                    [](const Rod& rod) { return std::isfinite(rod.law.strength); }))
-      refuse("particle ", particle,
-             ": its island has rods that may break, and joints, springs or shapes, which nothing moves "
-             "together yet");
   }
 
   /// Refuses springs and torsions where the method does not know them.
@@ -207,8 +196,6 @@ class Compiler {
       if (!moves)
         refuse("rod ", i, ": gives, which method ", to_string(settings_.method),
                " cannot move; relax, direct and auto can");
-      if (settings_.method == Method::relax && std::isfinite(scene_.rods[i].law.strength))
-        refuse("rod ", i, ": may break, which method relax does not see; direct and auto do");
       if (settings_.time_order > 2 && scene_.rods[i].law.damping > 0)
         refuse("rod ", i, ": is damped, which time order ", settings_.time_order,
                " cannot move, since it goes backwards in between; 2 can");
