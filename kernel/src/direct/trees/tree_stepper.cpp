@@ -85,6 +85,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
   work.guesses = !is_line(state, gradient);
   work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
+  if (state.laws.cables) draw_cables(state);
   state.laws.steps_are_old = false;
 }
 
