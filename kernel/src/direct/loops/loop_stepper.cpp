@@ -159,6 +159,11 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
     ++iterations;
     if (!(change <= hopeless_change) || (bounded && !progress.goes_on(change))) break;
     const double rate = last > 0 ? change / last : 1;
+    // What an old factor finds is not taken where it hardly falls. It would spoil what the last one found.
+    if (bounded && !fresh && rate > lost_rate && !(carried && factors == 0)) {
+      stale = true;
+      continue;
+    }
     const double made = state.laws.any() ? share.next(fresh ? rate : 0) : 1;
     apply_change(state, made, work, factor);
     converged = made == 1 && change <= converged_change && (fresh || change * rate <= converged_rest);
