@@ -9,7 +9,7 @@ namespace plumb::detail {
 /// what is slack. What has not halved the least change within a few iterations goes round in circles.
 class Progress {
  public:
-  explicit Progress(int patience) : patience_(patience) {}
+  explicit Progress(int patience = 1) : patience_(patience) {}
 
   /// Takes note of a change. Returns whether to go on.
   bool goes_on(double change) {

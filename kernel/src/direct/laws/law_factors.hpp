@@ -63,6 +63,11 @@ inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law,
           law.one_sided ? 1.0 : 0.0, law.stiffness * give, strength};
 }
 
+/// Rigid cables start Newton's method with a multiplier of at least this pull, in units of mass. A cable has
+/// the equation of taut ones then if its |C|/L^2 is less. Lines so come tight in few iterations. Otherwise
+/// each iteration finds but the next rod that is taut.
+inline constexpr double drawn_cable = 1e-4;
+
 /// Says whether the rate (m/s) of a rod's length jumps, as when a winch starts or stops. Then velocities are
 /// projected onto it. A rate that changes little by little is not, since the work of such impulses is not
 /// in what rods pull.

@@ -39,6 +39,19 @@ void set_substep_lengths(TreeState<T>& state, double h) {
   });
 }
 
+template <class T>
+void draw_cables(TreeState<T>& state) {
+  for_parts([&](auto part, bool ties) {
+    auto& mu = ties ? state.tie_mu : state.mu;
+    for (std::size_t i = 0; i < mu.size(); ++i) {
+      const T* const of =
+          part(state.laws.law).data() + law * state.lanes * (i / state.lanes) + i % state.lanes;
+      const bool is_rigid_cable = of[2 * state.lanes] != 0 && of[3 * state.lanes] != 0;
+      if (is_rigid_cable) mu[i] = std::min(mu[i], static_cast<T>(-drawn_cable));
+    }
+  });
+}
+
 namespace {
 
 /// They are numbers of all lanes.
@@ -140,6 +153,7 @@ std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWo
 
 #define PLUMB_INSTANTIATE(T)                                \
   template void set_substep_lengths(TreeState<T>&, double); \
+  template void draw_cables(TreeState<T>&);                 \
   template std::uint32_t end_rods(TreeState<T>&, double, double, const TreeWorkspace<T>&);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

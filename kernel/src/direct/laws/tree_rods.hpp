@@ -12,6 +12,10 @@ namespace plumb::detail {
 template <class T>
 void set_substep_lengths(TreeState<T>& state, double h);
 
+/// Lets rigid cables that are hardly slack begin Newton's method as taut ones (loops' draw_cables()).
+template <class T>
+void draw_cables(TreeState<T>& state);
+
 /// Ends a substep of `h` (s), with all of work.active: adds up lengths and pulls, and breaks rods that pulled
 /// more than they hold. `theta` is that of the substep's gradient. Returns how many have broken.
 template <class T>

@@ -124,6 +124,7 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
     factor.values[system.at(k)] = state.coupling[k] + theta * mu;
     const RodTerms rod = rod_terms(state, k, theta, soft, work);
     write_rod(&factor.values[system.at(k)], rod.force, rod.gradient, rod.soft);
+    if (state.laws.any()) factor.acts[k] = rod.use != 0;
     if (state.locks.any()) leave_out_locked(state, k, &factor.values[system.at(k)]);
   }
   for (std::uint32_t i = 0; i < state.locks.anchors.size(); ++i)
@@ -144,6 +145,15 @@ void factorize_newton(const LoopState& state, double theta, double soft, LoopWor
   }
   set_tackle_pivots(state, give, factor);
   factor.ldu.factorize(factor.values, factor.smallest);
+}
+
+bool has_same_cables(const LoopState& state, double theta, const LoopWorkspace& work,
+                     const LoopWorkspace::Factor& factor) {
+  if (!state.laws.any()) return true;
+  for (std::uint32_t k = 0; k < state.topology->rods.size(); ++k)
+    if (state.laws.is_one_sided(k) && (rod_terms(state, k, theta, 0, work).use != 0) != (factor.acts[k] != 0))
+      return false;
+  return true;
 }
 
 double find_newton_change(const LoopState& state, double theta, double soft, LoopWorkspace& work,

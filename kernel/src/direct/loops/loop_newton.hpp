@@ -26,6 +26,10 @@ VelocityRow projected_row(const LoopState& state, std::uint32_t k, const LoopWor
 void factorize_newton(const LoopState& state, double theta, double soft, LoopWorkspace& work,
                       LoopWorkspace::Factor& factor);
 
+/// Says whether the cables that are taut now were when the matrix was factorised. Otherwise it is of no use.
+bool has_same_cables(const LoopState& state, double theta, const LoopWorkspace& work,
+                     const LoopWorkspace::Factor& factor);
+
 /// Returns the compliance -C/mu of a rod, in m^2, for `soft` in units of 2 L^2.
 inline double softness(const LoopState& state, std::uint32_t k, double soft) {
   return 2 * soft * state.length2[k];

@@ -48,6 +48,13 @@ constexpr int most_stalls = 3;
 /// A change of many rod lengths does not lead back.
 constexpr double hopeless_change = 30;
 
+/// Lets rigid cables that are hardly slack begin as taut ones (drawn_cable).
+void draw_cables(LoopState& state) {
+  for (std::uint32_t k = 0; k < state.topology->rods.size(); ++k)
+    if (state.laws.is_rigid(k) && state.laws.is_one_sided(k))
+      state.mu[k] = std::min(state.mu[k], -drawn_cable);
+}
+
 }  // namespace
 
 /// u goes into a substep so many times, and force so many times (s^2).
@@ -85,6 +92,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
   const double scale = state.mu_kick != 0 ? kick / state.mu_kick : 0;
   for (double& mu : state.mu) mu *= scale;
+  if (state.laws.any()) draw_cables(state);
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     work.delta[i] = ratio * state.u[i];
     work.load[i] = state.mass[i / 3] * work.delta[i] + kick * state.force[i];
@@ -140,7 +148,7 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
   const bool bounded = is_bounded(state);
   measure_rods(state, work);
   for (int factors = 0; iterations < most_iterations;) {
-    const bool fresh = stale;
+    const bool fresh = stale || !has_same_cables(state, theta, work, factor);
     if (fresh) {
       if (factors++ == most_factors) break;
       factorize_newton(state, theta, 0, work, factor);
@@ -151,6 +159,11 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
     ++iterations;
     if (!(change <= hopeless_change) || (bounded && !progress.goes_on(change))) break;
     const double rate = last > 0 ? change / last : 1;
+    // What an old factor finds is not taken where it hardly falls. It would spoil what the last one found.
+    if (bounded && !fresh && rate > lost_rate && !(carried && factors == 0)) {
+      stale = true;
+      continue;
+    }
     const double made = state.laws.any() ? share.next(fresh ? rate : 0) : 1;
     apply_change(state, made, work, factor);
     converged = made == 1 && change <= converged_change && (fresh || change * rate <= converged_rest);

@@ -25,7 +25,8 @@ struct LoopWorkspace {
     const LoopSystem* system;
     SparseLdu ldu;
     std::vector<double> values, smallest, right;
-    bool worth_carrying() const;  ///< Says whether to keep it for the next substep.
+    std::vector<std::uint8_t> acts;  ///< By rod: it was in the equations; slack cables are not.
+    bool worth_carrying() const;     ///< Says whether to keep it for the next substep.
     double theta = 0, h = 0;  ///< They are of the substep it was made for; h is 0 if it is not worth keeping.
   };
   /// Prepares for the nodes that are locked from now on.

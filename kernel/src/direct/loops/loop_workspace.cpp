@@ -14,7 +14,8 @@ LoopWorkspace::Factor::Factor(const LoopSystem& of, Isa isa)
       ldu(of.analysis, isa),
       values(of.values()),
       smallest(of.analysis.size()),
-      right(of.analysis.size()) {}
+      right(of.analysis.size()),
+      acts(of.rods) {}
 
 bool LoopWorkspace::Factor::worth_carrying() const {
   return system->analysis.operations() > costly_factor * static_cast<double>(system->analysis.factor_size());

@@ -11,6 +11,12 @@ namespace plumb::detail::tree_limits {
 inline constexpr int most_iterations = 12;
 /// Bends that start far from rest need more, as in other islands.
 inline constexpr int most_bent_iterations = 30;
+/// Where frames are bounded, iterations go on for longer, as long as the change halves within so many of
+/// them. That takes fewer halves, and sooner ends what goes round in circles.
+inline constexpr int most_bounded_iterations = 20, bounded_patience = 8;
+/// There a part is halved only if each piece of the substep could take so many iterations, all as short as
+/// its halves.
+inline constexpr std::uint64_t least_for_piece = 3;
 /// A substep is cut into so many pieces at most, or into fewer once a step's work is spent. A piece that
 /// fails is halved, and halves of composed substeps are of second order.
 inline constexpr std::uint32_t most_pieces = 1024, most_spent_pieces = 64;

@@ -1,6 +1,7 @@
 #include "direct/trees/tree_stepper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +11,7 @@
 #include "direct/trees/newton_limits.hpp"
 #include "math/elementary.hpp"
 #include "time/composition.hpp"
+#include "time/progress.hpp"
 #include "time/verlet.hpp"
 
 namespace plumb::detail {
@@ -85,6 +87,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
   work.guesses = !is_line(state, gradient);
   work.keeps_acceleration = estimates_ || work.guesses;
   kernels(state).prepare(work.view(state));
+  if (state.laws.cables) draw_cables(state);
   state.laws.steps_are_old = false;
 }
 
@@ -121,7 +124,11 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
   std::uint64_t iterations = 0;
   std::uint32_t left = state.trees;
   bool all = true;
-  const int most = state.bends.any() ? most_bent_iterations : most_iterations;
+  const bool bounded = bounds_frames_ && !state.bends.any();
+  const int unbounded = state.bends.any() ? most_bent_iterations : most_iterations;
+  const int most = bounded ? most_bounded_iterations : unbounded;
+  std::array<Progress, simd::logical_width<float>> progress;
+  progress.fill(Progress(bounded ? bounded_patience : most));
   for (int i = 0; i < most && left > 0; ++i) {
     if (line) {
       run.newton_line(view);
@@ -133,7 +140,9 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
       if (work.active[lane] == 0) continue;
       const double scale2 = state.scale2[lane], change2 = work.change[lane] / nodes;
       const bool converged = has_converged<T>(change2, work.residual[lane], scale2, gradient);
-      if (!converged && !is_hopeless(change2, scale2) && i + 1 < most) continue;
+      if (!converged && !is_hopeless(change2, scale2) && i + 1 < most &&
+          progress[lane].goes_on(std::sqrt(change2)))
+        continue;
       work.active[lane] = 0;
       work.failed[lane] = !converged;
       work.iterations[lane] = static_cast<std::uint32_t>(i + 1);
@@ -200,7 +209,7 @@ bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Att
     ++counters.direct_substeps;
     return true;
   }
-  if (last) return false;
+  if (last || attempts.are_too_few_for_halves(counters.newton, depth)) return false;
   if (!attempts.probed) {
     attempts.probed = true;
     if (!try_alone(state, std::ldexp(h, depth - most_halvings), gradient_, work, counters)) return false;
@@ -249,8 +258,9 @@ auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, 
     alone.next_elastic[0] = std::min(2 * alone.elastic[0], most_elastic_substeps);
   }
   const std::uint32_t elastic = alone.elastic[0] - 1, next_elastic = alone.next_elastic[0];
+  const int damped = bounds_frames_ ? 0 : damped_halvings;
   Rescue rescued = Rescue::elastic;
-  if (gradient_ != Gradient::new_ && advance_damped(alone, h, damped_halvings, crew.alone_work, counters)) {
+  if (gradient_ != Gradient::new_ && advance_damped(alone, h, damped, crew.alone_work, counters)) {
     rescued = Rescue::halves;
   } else if (load(); crew.elastic != nullptr) {
     crew.elastic->advance(alone, h, counters);

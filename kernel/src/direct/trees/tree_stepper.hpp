@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "direct/trees/line_segments.hpp"
+#include "direct/trees/newton_limits.hpp"
 #include "direct/trees/tree_state.hpp"
 #include "interface/tally.hpp"
 #include "plumb/settings.hpp"
@@ -101,6 +102,11 @@ class TreeStepper {
     int left;
     std::uint64_t most_newton;  ///< They end where so many are counted.
     bool probed = false;        ///< The shortest part that may be has been tried.
+
+    /// Says whether the rest is too little for a substep of halves of a part that is as deep.
+    bool are_too_few_for_halves(std::uint64_t newton, int depth) const {
+      return newton + (tree_limits::least_for_piece << (depth + 1)) > most_newton;
+    }
   };
   bool advance_alone(TreeState<T>& state, double h, int depth, Attempts& attempts, TreeWorkspace<T>& work,
                      Tally& counters) const;
