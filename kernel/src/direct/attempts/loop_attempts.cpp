@@ -144,17 +144,18 @@ double LoopStepper::advance_whole(LoopState& state, double h, LoopWorkspace& wor
 double LoopStepper::try_advance(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {
   work.saved = state.motion();
   const bool was_damped = state.damped > 0;
+  // Nets that are solved without a factorisation take hundreds of steps in the time of one that gives way.
+  const bool gives_up = is_bounded(state) && !work.net;
   for (const bool again : {false, true}) {
     if (again) {
       if (was_damped || gradient_ == Gradient::new_) break;
       damp(state);
       work.saved = state.motion();
     }
-    Attempts attempts{
-        .halvings = limits_of(state).halvings,
-        .left = 0,
-        .by_lines = work.is_wide(),
-        .most_newton = counters.newton + (is_bounded(state) ? state.effort.most() : Effort::endless)};
+    Attempts attempts{.halvings = limits_of(state).halvings,
+                      .left = 0,
+                      .by_lines = work.is_wide(),
+                      .most_newton = counters.newton + (gives_up ? state.effort.most() : Effort::endless)};
     const bool solved = work.lines && gradient_ != Gradient::old
                             ? advance_wide(state, h, attempts, work, counters)
                             : advance_at_pace(state, h, attempts, work, counters);
