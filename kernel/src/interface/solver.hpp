@@ -157,6 +157,10 @@ class Solver {
   virtual Vec3 hold(Slot, double /*dt*/) const { return {}; }
   /// Returns the pull (N) of a cord, averaged over the last step of `dt` (s).
   virtual double pull(Slot, double /*dt*/) const { return std::numeric_limits<double>::quiet_NaN(); }
+  /// Returns that of a segment of a tackle.
+  virtual double segment_pull(Slot tackle, std::uint32_t /*segment*/, double dt) const {
+    return pull(tackle, dt);
+  }
   virtual bool is_broken(Slot) const { return false; }
   /// Returns the strain of a rod that reads `strain` by the places of its ends.
   virtual double strain(Slot, double strain) const { return strain; }
