@@ -249,7 +249,9 @@ TEST_F(Allocations, AreNoneInStepsWithLoadsTacklesAndReactions) {
                        test::movable({2, -1, 0})};
   machine.rods = {{.a = 2, .b = 3}};
   machine.tackles = {{.particles = {0, 1, 2}}};
-  for (const Scene& scene : {scenes::make_chain(20), machine}) {
+  Scene rubbing = machine;
+  rubbing.tackles[0].friction = 0.2;
+  for (const Scene& scene : {scenes::make_chain(20), machine, rubbing}) {
     World world(scene, {.method = Method::direct, .tensions = true});
     world.set_load([](const LoadState& state, std::span<Vec3> forces) {
       for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= state.time * state.velocities[i];
