@@ -250,7 +250,9 @@ TEST_F(Allocations, AreNoneInStepsWithLoadsTacklesAndReactions) {
                        test::movable({2, -1, 0})};
   machine.rods = {{.a = 2, .b = 3}};
   machine.tackles = {{.particles = {0, 1, 2}}};
-  for (const Scene& scene : {scenes::make_chain(20), machine}) {
+  Scene rubbing = machine;
+  rubbing.tackles[0].friction = 0.2;
+  for (const Scene& scene : {scenes::make_chain(20), machine, rubbing}) {
     World world(scene, {.method = Method::direct, .tensions = true});
     world.set_load([](const LoadState& state, std::span<Vec3> forces) {
       for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= state.time * state.velocities[i];
@@ -392,6 +394,8 @@ TEST_F(Allocations, AreNoneWherePullsCount) {
   }
 }
 
+// The step in which a rod breaks allocates nothing. The next one makes solvers of the parts where the island
+// falls apart, which one with shapes does not.
 TEST_F(Allocations, AreNoneWhereRodsBreak) {
   Scene scene = scenes::make_chain(10), touching;
   scene.rods[4].law.strength = 200;
@@ -404,8 +408,13 @@ TEST_F(Allocations, AreNoneWhereRodsBreak) {
       World world(method == Method::relax ? scene : touching, settings);
       test::run(world, 1.0 / 60, 30);
       world.set_force(10, {0, -1000, 0});
-      EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 10); }), 0u) << to_string(method);
+      const auto break_rod = [&] {
+        for (int i = 0; i < 10 && !world.is_broken(4); ++i) world.step(1.0 / 60);
+      };
+      EXPECT_EQ(allocations_in(break_rod), 0u) << to_string(method);
       EXPECT_TRUE(world.is_broken(4));
+      if (method == Method::relax) world.step(1.0 / 60);
+      EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 10); }), 0u) << to_string(method);
     }
 }
 

@@ -61,13 +61,25 @@ Scene make_ladder() {
   return scene;
 }
 
+Scene make_hoist() {
+  Scene scene;
+  scene.particles = {{.position = {-1, 0, 0}, .fixed = true},
+                     {.position = {1, 0.25, 0}, .fixed = true},
+                     {.position = {0, -2, 0}, .mass = 20},
+                     {.position = {1.5, -1, 0.5}, .mass = 8},
+                     {.position = {0, -2.5, 0}, .mass = 1}};
+  scene.rods = {{.a = 2, .b = 4}};
+  scene.tackles = {{.particles = {0, 2, 1, 3}}};
+  return scene;
+}
+
 using Maker = Scene (*)();
 const std::map<std::string, Maker>& makers() {
   static const std::map<std::string, Maker> all = {
       {"forest", make_forest}, {"mixed", make_mixed},         {"random_tree", make_random_tree},
       {"ladder", make_ladder}, {"tower", make_tower},         {"slide", make_slide},
       {"pool", make_pool},     {"mechanism", make_mechanism}, {"springs", make_springs},
-      {"rope", make_rope},     {"bridge", make_bridge},
+      {"rope", make_rope},     {"bridge", make_bridge},       {"hoist", make_hoist},
   };
   return all;
 }
@@ -118,6 +130,8 @@ void change(Scene& scene, const std::string& key, double value) {
     put_masses_off_the_middle(scene);
   } else if (key == "off_length") {
     put_off_length(scene, value);
+  } else if (key == "friction") {
+    for (Tackle& tackle : scene.tackles) tackle.friction = value;
   } else if (key == "velocity") {
     set_velocities(scene, value);
   } else if (key == "snap") {

@@ -23,6 +23,7 @@ namespace plumb::golden {
 ///   springs         the mechanism with springs, one of them slack at first, a torsion and an elastic rod
 ///   pool            a ball that rolls into sleeping balls and a sleeping rod
 ///   rope            a chain with capsules that falls over a box onto the ground
+///   hoist           a load in a block, from which a rod hangs, and a lighter one at the end of the cord
 ///
 /// The changes are:
 ///
@@ -31,6 +32,7 @@ namespace plumb::golden {
 ///   rod_mass=M           kg of every rod
 ///   uneven=1             rods with mass have it off the middle, with an inertia of its own
 ///   off_length=E         rods are longer and shorter by this share than the places of their ends, in turn
+///   friction=C           of every tackle
 ///   velocity=V           m/s, in directions that pull on rods
 ///   snap=1               coordinates are rounded to 2⁻⁴⁰ m: last bits of sine and cosine are gone
 ///   ball=V               a ball flies at the torso of a standing humanoid, m/s

@@ -68,7 +68,9 @@ TEST(BrokenIslands, KeepTheirMomentum) {
           last = now;
         }
         EXPECT_GT(after, 30);
-        if (method == Method::direct) EXPECT_TRUE(world.problems().empty());
+        if (method == Method::direct) {
+          EXPECT_TRUE(world.problems().empty());
+        }
       }
 }
 

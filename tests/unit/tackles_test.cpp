@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "direct/loops/loop_elements.hpp"
+#include "direct/tackles/cords.hpp"
+#include "direct/tackles/loop_pulleys.hpp"
 #include "direct/tackles/loop_tackle.hpp"
 #include "direct/tackles/loop_tackles.hpp"
 #include "direct/tackles/tackle_law.hpp"
@@ -57,6 +59,12 @@ TEST(Tackles, BadOnesAreRefusedWithTheirNumber) {
             "tackle 1: has a strength, but cords do not break");
   EXPECT_EQ(refused({.particles = {0, 1}, .law = {.stiffness = -1}}),
             "tackle 1: stiffness must be 0 or more, got -1 N/m");
+  EXPECT_EQ(refused({.particles = {0, 1}, .friction = -0.1}),
+            "tackle 1: friction must be finite and not negative, got -0.1");
+  EXPECT_EQ(refused({.particles = {0, 1}, .friction = std::numeric_limits<double>::infinity()}),
+            "tackle 1: friction must be finite and not negative, got inf");
+  EXPECT_EQ(refused({.particles = {0, 1}, .friction = std::numeric_limits<double>::quiet_NaN()}),
+            "tackle 1: friction must be finite and not negative, got nan");
   EXPECT_EQ(refused({.particles = {0, 1, 0, 1, 2}}), "");
 }
 
@@ -83,7 +91,9 @@ TEST(Tackles, AWorldRefusesUnknownOnesAndBadLengths) {
             "tensions are not known: Settings::tensions asks for them");
   World asked(hung_block(), {.tensions = true});
   EXPECT_EQ(refusal([&] { (void)asked.tackle_tension(2); }), "tackle 2: unknown, the scene has 1 tackle");
+  EXPECT_EQ(refusal([&] { (void)asked.tackle_tension(0, 2); }), "tackle 0: segment 2 is unknown, it has 2");
   EXPECT_TRUE(std::isnan(asked.tackle_tension(0)));
+  EXPECT_TRUE(std::isnan(asked.tackle_tension(0, 1)));
 }
 
 TEST(Tackles, JoinTheirParticlesIntoOneIsland) {
@@ -97,13 +107,16 @@ TEST(Tackles, JoinTheirParticlesIntoOneIsland) {
 TEST(Tackles, ASceneFileKeepsEveryBitOfThem) {
   Scene scene = hung_block();
   scene.tackles = {{.particles = {0, 1, 2}, .length = 13.0 / 3},
-                   {.particles = {0, 1}, .law = {.stiffness = 1e3 / 7, .damping = 0.1, .one_sided = true}}};
+                   {.particles = {0, 1},
+                    .law = {.stiffness = 1e3 / 7, .damping = 0.1, .one_sided = true},
+                    .friction = 0.1 / 3}};
   const Scene back = scenes::parse_scene(scenes::format_scene(scene), "f.json");
   ASSERT_EQ(back.tackles.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(back.tackles[i].particles, scene.tackles[i].particles);
     EXPECT_EQ(back.tackles[i].length, scene.tackles[i].length);
     EXPECT_EQ(back.tackles[i].law, scene.tackles[i].law);
+    EXPECT_EQ(back.tackles[i].friction, scene.tackles[i].friction);
   }
   const auto message = [](const std::string& tackle) {
     return refusal([&] {
@@ -180,6 +193,36 @@ TEST(LoopTackle, NumbersItsValuesInOrder) {
   EXPECT_EQ(tackle.values(), 18u + 36u + 1u);
   const std::array<double, 18> ends{1, 0, 0, 2, 0, 0, 0, 1, 0, 0, -3, 0, 0, 0, 1, 0, 0, 0};
   EXPECT_EQ(tackle_pivot(tackle, ends.data(), [](std::uint32_t v) { return v == 4 ? 1.0 : 0.5; }), 3.5);
+}
+
+TEST(LoopTackle, NumbersTheValuesOfItsPulleysInOrder) {
+  const detail::LoopTackle tackle{{4, 2, 4, 3}, 0, true, 0};
+  EXPECT_EQ(tackle.pulleys(), 2u);
+  EXPECT_EQ(tackle.at_pulley(0), 24u + 54u + 1u);
+  EXPECT_EQ(tackle.in_own(0), 6u + 9u) << "its row has the pulley's vertex and the two behind it";
+  EXPECT_EQ(tackle.at_pulley(1), tackle.at_pulley(0) + 17u);
+  EXPECT_EQ(tackle.values(), tackle.at_pulley(1) + 14u);
+  const detail::LoopElements both{.tackles = {tackle, {{0, 1, 2}}, {{0, 1, 2}, 3, true, 2}}};
+  EXPECT_EQ(both.pulleys(), 3u);
+}
+
+TEST(LoopPulleys, GoThroughABlowAsTheySlide) {
+  detail::TackleWorkspace work;
+  work.pulleys = {{2, detail::Slide::on}, {2, detail::Slide::sticks}, {2, detail::Slide::back}};
+  begin_blow(work);
+  EXPECT_EQ(work.pulleys[0].blow, detail::Slide::on);
+  EXPECT_EQ(work.pulleys[1].blow, detail::Slide::sticks);
+  EXPECT_EQ(work.pulleys[2].blow, detail::Slide::back);
+  end_blow(work);
+  for (const detail::Pulley& pulley : work.pulleys) EXPECT_EQ(pulley.blow, detail::Slide::even);
+}
+
+TEST(Cords, PullAlongTheMeanOfTheirWays) {
+  const detail::TackleWorkspace::Segment segment{{2, 0, 0}, 2};
+  const detail::Pull pull = detail::pull_along(segment, {0, 1.5, 0}, 0.5);
+  EXPECT_NEAR(pull.growth, 0.5, 1e-15);
+  EXPECT_NEAR(dot(pull.force, Vec3{0, 1.5, 0}), pull.growth, 1e-15) << "its work is that of the growth";
+  EXPECT_NEAR(norm(pull.gradient - Vec3{0.8, 0.6, 0}), 0, 1e-15);
 }
 
 TEST(LoopElements, TellApartIslandsThatHaveOthers) {

@@ -113,14 +113,22 @@ struct Twist {
 };
 
 /// This is a massless cord that runs through particles in their order, as over pulleys. The sum of the
-/// distances between neighbours is its length, and its pull is the same everywhere.
+/// distances between neighbours is its length, and without friction its pull is the same everywhere.
 ///
-/// Particles that it runs through are blocks of no size, without friction. Where one is fixed, a pulley hangs
-/// from the ceiling. A cord may run through a particle more than once, as through a block of several sheaves.
+/// Particles that it runs through are blocks of no size. Where one is fixed, a pulley hangs from the ceiling.
+/// A cord may run through a particle more than once, as through a block of several sheaves.
+///
+/// With friction the pulls on both sides of a block may differ by the factor exp(friction angle) (Euler and
+/// Eytelwein). The cord turns there by that angle: 0 where it goes straight on, pi where it returns. Pulls
+/// do differ by the factor while the cord slides, against its slide. Otherwise it sticks.
+///
+/// Such a cord is wound at its first particle, and stretches there. Its law says how the first segment pulls,
+/// and what lies behind slides as a cord that keeps its length.
 struct Tackle {
   std::vector<std::uint32_t> particles{};  ///< Indices into Scene::particles; neighbours differ.
   double length = 0;                       ///< Length in m; 0 means that of the scene as it stands.
-  RodLaw law{};  ///< How it answers to what pulls on it, as a rod does. It has no strength.
+  RodLaw law{};         ///< How it answers to what pulls on it, as a rod does. It has no strength.
+  double friction = 0;  ///< Coulomb's coefficient between the cord and all blocks on its way.
 };
 
 /// Pays out and takes in a chain of particles through one place, as a winch's drum does with a rope.
@@ -300,7 +308,8 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 ///
 /// Of tackles it refuses:
 /// - fewer than two particles, an unknown one, neighbours that are the same, fixed particles alone;
-/// - a length that is not positive and finite, laws that it refuses of rods, and a strength.
+/// - a length that is not positive and finite, laws that it refuses of rods, and a strength;
+/// - friction that is negative or not finite.
 ///
 /// Of reels it refuses:
 /// - fewer than two particles, an unknown one, the same one twice, a drum that is not fixed, another that is;

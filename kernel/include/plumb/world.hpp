@@ -224,9 +224,13 @@ class PLUMB_API World {
   /// Lets a tackle become `target` (m) long during the next step, at a constant rate. Throws InputError on an
   /// unknown tackle and a length that is not positive and finite.
   void set_tackle_length(std::uint32_t tackle, double target);
-  /// Returns the pull of a tackle's cord in N, averaged over the last step, or NaN before the first. Throws
-  /// InputError on an unknown tackle, or without Settings::tensions.
+  /// Returns the pull of a tackle's cord in N, averaged over the last step, or NaN before the first. With
+  /// friction it is that of the first segment. Throws InputError on an unknown tackle, or without
+  /// Settings::tensions.
   double tackle_tension(std::uint32_t tackle) const;
+  /// Returns the pull of a segment of a tackle's cord likewise. Segment 0 is between the first two particles.
+  /// Throws InputError on an unknown segment, too.
+  double tackle_tension(std::uint32_t tackle, std::uint32_t segment) const;
 
   /// Lets `out` metres of a reel's rope be out at the end of the next step, at a constant rate. Throws
   /// InputError on an unknown reel, and on a length that is not positive or more than the chain has.

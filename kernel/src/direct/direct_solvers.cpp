@@ -38,8 +38,11 @@ LoopElements local_elements(const Scene& scene, const IslandSets& sets, std::uin
   }
   std::uint32_t segments = 0;
   for (const std::uint32_t i : sets.elements.tackles_of(island)) {
+    const std::uint32_t pulleys = out.pulleys();
     LoopTackle& tackle = out.tackles.emplace_back();
     tackle.first = segments;
+    tackle.first_pulley = pulleys;
+    tackle.rubs = scene.tackles[i].friction > 0;
     for (const std::uint32_t particle : scene.tackles[i].particles)
       tackle.vertices.push_back(place(particle));
     segments += tackle.segments();

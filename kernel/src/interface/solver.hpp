@@ -167,6 +167,10 @@ class Solver {
   virtual void read_pulls(std::span<const Place> cords, double dt, double* out) const {
     for (const Place& cord : cords) *out++ = pull(cord.slot, dt);
   }
+  /// Returns that of a segment of a tackle.
+  virtual double segment_pull(Slot tackle, std::uint32_t /*segment*/, double dt) const {
+    return pull(tackle, dt);
+  }
   virtual bool is_broken(Slot) const { return false; }
   /// Returns the strain of a rod that reads `strain` by the places of its ends.
   virtual double strain(Slot, double strain) const { return strain; }

@@ -38,6 +38,7 @@ struct World::Impl {
   Precision precision = Precision::double_;
   std::uint32_t substeps = 1;
   std::uint32_t rods = 0, tackles = 0, twists = 0;
+  std::vector<std::size_t> tackle_segments;
   std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, capsules = 0;
   std::vector<double> chains;  ///< Lengths of the chains of reels, in m.
   bool tensions = false;
@@ -91,6 +92,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->tensions = settings.tensions;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
   impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
+  for (const Tackle& tackle : scene.tackles) impl_->tackle_segments.push_back(tackle.particles.size() - 1);
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());
   impl_->pins = static_cast<std::uint32_t>(scene.pins.size());
   impl_->angles = static_cast<std::uint32_t>(scene.angles.size());
@@ -216,6 +218,13 @@ double World::tackle_tension(std::uint32_t tackle) const {
   impl_->require_tackle(tackle);
   impl_->require_tensions();
   return impl_->step->pull(impl_->rods + tackle);
+}
+double World::tackle_tension(std::uint32_t tackle, std::uint32_t segment) const {
+  impl_->require_tackle(tackle);
+  impl_->require_tensions();
+  if (segment >= impl_->tackle_segments[tackle])
+    refuse("tackle ", tackle, ": segment ", segment, " is unknown, it has ", impl_->tackle_segments[tackle]);
+  return impl_->step->pull(impl_->rods + tackle, segment);
 }
 
 Vec3 World::reaction(std::uint32_t particle) const {

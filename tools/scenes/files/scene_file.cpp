@@ -92,13 +92,15 @@ void read_tackles(const Object& top, Scene& scene) {
   if (!top.find("tackles")) return;
   const Array list(top, "tackles");
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const Object item(list[i], list.path_of(i), {"particles", "length", "stiffness", "damping", "one_sided"});
+    const Object item(list[i], list.path_of(i),
+                      {"particles", "length", "stiffness", "damping", "one_sided", "friction"});
     const Array particles(item, "particles");
     Tackle& tackle = scene.tackles.emplace_back();
     for (std::size_t k = 0; k < particles.size(); ++k)
       tackle.particles.push_back(particle_id(particles[k], particles.path_of(k)));
     tackle.length = length_of(item, "the way through the particles");
     tackle.law = law_of(item);
+    tackle.friction = number_or(item, "friction", 0);
   }
 }
 
@@ -203,6 +205,7 @@ std::string format_scene(const Scene& scene) {
       Json object{{"particles", Json::array_of(tackle.particles)}};
       if (tackle.length != 0) object["length"] = tackle.length;
       write_law(tackle.law, object);
+      if (tackle.friction != 0) object["friction"] = tackle.friction;
       return object;
     });
   if (!scene.reels.empty())

@@ -17,7 +17,7 @@
 ///    "bends": [{"a": 0, "b": 1, "c": 2, "stiffness": N m, "angle": 0, "damping": N m s}, ...],
 ///    "twists": [{"particles": [0, 1, 2], "stiffness": N m², "angle": 0}, ...],
 ///    "tackles": [{"particles": [0, 1, 2], "length": 1, "stiffness": N/m, "damping": N s/m,
-///                 "one_sided": false}, ...],
+///                 "one_sided": false, "friction": 0}, ...],
 ///    "reels": [{"particles": [0, 1, 2], "out": 1}, ...],
 ///    "bodies": [{"particles": [0, 1, 2, 3], "mass": 1, "center": [x, y, z],
 ///                "inertia": {"xx": 1, "yy": 1, "zz": 1, "xy": 0, "xz": 0, "yz": 0}}, ...],

@@ -16,6 +16,13 @@ struct LoopElements {
   std::vector<LoopTwist> twists{};
   std::vector<LoopReel> reels{};
 
+  /// Returns how many pulleys have friction.
+  std::uint32_t pulleys() const {
+    std::uint32_t sum = 0;
+    for (const LoopTackle& tackle : tackles) sum += tackle.pulleys();
+    return sum;
+  }
+
   bool any() const { return !bends.empty() || !tackles.empty() || !twists.empty() || !reels.empty(); }
   friend bool operator==(const LoopElements&, const LoopElements&) = default;
   friend auto operator<=>(const LoopElements&, const LoopElements&) = default;

@@ -51,7 +51,7 @@ void leave_out_locked(const LoopState& state, std::uint32_t k, double* values) {
   if (is_b) std::fill(values + 10, values + 13, 0.0);
 }
 
-/// Sets below which pivot a tackle follows from other equations.
+/// Sets below which pivot a tackle follows from other equations. Pulleys never do.
 template <class Give>
 void set_tackle_pivots(const LoopState& state, Give&& give, LoopWorkspace::Factor& factor) {
   const LoopSystem& system = *factor.system;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "direct/loops/settle.hpp"
+#include "direct/tackles/loop_pulleys.hpp"
 #include "time/accuracy.hpp"
 
 namespace plumb::detail {
@@ -16,7 +17,8 @@ namespace {
 constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
 
 /// Says whether a drum turns at another rate (m/s), but for rounding. Then velocities are projected onto it,
-/// and what that pulls is counted. Gradient mid would swing about the rate for ever.
+/// and what that pulls is counted. Gradient mid would swing about the rate for ever, and a cord with friction
+/// would rub by what swings.
 bool turns_otherwise(double before, double after) {
   return std::abs(after - before) > 1e-6 * std::max(std::abs(before), std::abs(after));
 }
@@ -74,11 +76,19 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   velocity_known_ = false;
   if (state_.laws.pulls) std::fill(state_.laws.impulse.begin(), state_.laws.impulse.end(), 0.0);
   for (LoopTackleMotion& tackle : state_.tackles) tackle.impulse = 0;
+  std::fill(state_.pulley_impulses.begin(), state_.pulley_impulses.end(), 0.0);
   std::fill(state_.hold.begin(), state_.hold.end(), Vec3{});
   if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
   if (!anchors_changed(0) || rules_->gradient != Gradient::mid) return;
+  begin_blow(work_.tackles);
+  std::copy(state_.u.begin(), state_.u.end(), work_.start.begin());
   rules_->stepper.project_velocities(state_, work_);
+  if (breaks_loose(state_, work_)) {
+    std::copy_n(work_.start.begin(), state_.u.size(), state_.u.begin());
+    rules_->stepper.project_velocities(state_, work_);
+  }
   count_blows(state_, work_);
+  end_blow(work_.tackles);
 }
 
 double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {
@@ -243,6 +253,11 @@ double LoopSolver::pull(Slot cord, double dt) const {
   return (is_tackle(cord) ? tackle(cord).impulse : state_.laws.impulse[cord]) / dt;
 }
 
+double LoopSolver::segment_pull(Slot cord, std::uint32_t segment, double dt) const {
+  const LoopTackle& of = state_.topology->tackles[cord - state_.topology->rods.size()];
+  return of.rubs && segment > 0 ? state_.pulley_impulses[of.first_pulley + segment - 1] / dt : pull(cord, dt);
+}
+
 bool LoopSolver::is_broken(Slot rod) const {
   return state_.laws.any() && state_.laws.is_broken(rod) && !is_wound(state_, rod);
 }
@@ -255,7 +270,9 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
     return;
   }
   if (is_tackle(cord)) {
-    lengths_changed_ = lengths_changed_ || rate_jumps(tackle(cord).rate, rate);
+    const bool rubs = state_.topology->tackles[cord - state_.topology->rods.size()].rubs;
+    const double last = tackle(cord).rate;
+    lengths_changed_ = lengths_changed_ || (rubs ? turns_otherwise(last, rate) : rate_jumps(last, rate));
     tackle(cord).length = length;
     tackle(cord).rate = rate;
     return;

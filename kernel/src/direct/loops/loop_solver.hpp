@@ -87,6 +87,7 @@ class LoopSolver final : public Solver {
   Vec3 hold(Slot slot, double dt) const override;
   /// Tackles have the slots after those of rods, and reels those after them.
   double pull(Slot cord, double dt) const override;
+  double segment_pull(Slot cord, std::uint32_t segment, double dt) const override;
   bool is_broken(Slot rod) const override;
   double strain(Slot rod, double strain) const override { return reeled_strain(state_, rod, strain); }
   void set_length(Slot cord, double length, double rate) override;

@@ -32,7 +32,8 @@ namespace plumb::detail {
 /// has at b (3) and at a (3), what B has at a (3) and at b (3), and soft. Bends add 3 x 3 numbers to M for
 /// each pair of their particles. They are never rigid, so that a multiplier would only make the system
 /// larger. Every tackle has a row and a multiplier, after those of rods, and adds to Lambda (LoopTackle).
-/// Every twist adds its torque, after those: one for all of its chain, which keeps the rest sparse.
+/// Pulleys with friction have theirs after them. Every twist adds its torque, after those: one for all of its
+/// chain, which keeps the rest sparse.
 struct LoopSystem {
   LoopSystem(const std::vector<LoopRod>& rods, std::uint32_t nodes, bool couples,
              const LoopElements& elements = {});
@@ -44,9 +45,9 @@ struct LoopSystem {
   std::size_t at_twists() const { return at_tackles() + tackle_values; }
   std::size_t values() const { return at_twists() + twist_values; }
   /// Returns the variable of a twist's torque.
-  std::uint32_t torque(std::uint32_t twist) const { return nodes + rods + tackles + twist; }
+  std::uint32_t torque(std::uint32_t twist) const { return nodes + rods + tackles + pulleys + twist; }
 
-  std::uint32_t nodes, rods, bends, tackles;
+  std::uint32_t nodes, rods, bends, tackles, pulleys;
   std::size_t tackle_values = 0, twist_values = 0;
   bool couples;  ///< It says whether ends of a rod meet other than through it.
   SparseAnalysis analysis;
@@ -81,8 +82,9 @@ struct LoopTopology : LoopElements {
 /// `u` is a velocity (m/s) if `u_step` is 0, and otherwise the displacement of the last substep, of length
 /// u_step (s). Masses are in units of the mean one, multipliers in those units.
 struct LoopMotion {
-  std::vector<double> x;                  ///< Positions have 3 numbers per vertex, in m.
-  std::vector<double> u, mu;              ///< u has 3 numbers per node, and mu one per rod and tackle.
+  std::vector<double> x;  ///< Positions have 3 numbers per vertex, in m.
+  std::vector<double> u,
+      mu;  ///< u has 3 numbers per node, and mu one per rod, tackle and pulley with friction.
   std::vector<Vec3> fixed_last_velocity;  ///< There is one per fixed vertex, in m/s.
   /// Where errors are estimated, these are accelerations of the last two substeps, rods included: 3 per node,
   /// in m/s^2.
@@ -95,6 +97,8 @@ struct LoopMotion {
   std::vector<double> twisted;    ///< Chains are twisted so far, in rad.
   LoopLaws laws;
   std::vector<LoopTackleMotion> tackles;
+  std::vector<double>
+      pulley_impulses;  ///< Segments behind pulleys with friction pulled so in this step, N s.
   std::vector<LoopReelMotion> reels;
   /// What is not a rod was held by fixed vertices with these impulses (N s) in this step. There is one each
   /// if there are bends, tackles, twists or reels.

@@ -9,6 +9,7 @@
 #include "direct/laws/change_share.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_vectors.hpp"
+#include "direct/tackles/loop_pulleys.hpp"
 #include "math/elementary.hpp"
 #include "time/composition.hpp"
 #include "time/progress.hpp"
@@ -109,6 +110,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
     put(&work.delta[3 * std::size_t{i}], h * state.fixed_velocity[i - shape.nodes]);
   move_locked(state, h, work.delta);
   start_reels(state, {h, ratio, kick}, work);
+  start_pulleys(state, work);
 }
 
 /// Gradient mid keeps energy as far as rods keep their lengths. delta . (M delta - load) is what they did,
@@ -147,8 +149,9 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
   Progress progress(state.laws.any() ? patience_with_cables : patience);
   const bool bounded = is_bounded(state);
   measure_rods(state, work);
+  bool switched = set_slides(state, theta, work);
   for (int factors = 0; iterations < most_iterations;) {
-    const bool fresh = stale || !has_same_cables(state, theta, work, factor);
+    const bool fresh = stale || switched || !has_same_cables(state, theta, work, factor);
     if (fresh) {
       if (factors++ == most_factors) break;
       factorize_newton(state, theta, 0, work, factor);
@@ -166,7 +169,9 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
     }
     const double made = state.laws.any() ? share.next(fresh ? rate : 0) : 1;
     apply_change(state, made, work, factor);
-    converged = made == 1 && change <= converged_change && (fresh || change * rate <= converged_rest);
+    switched = set_slides(state, theta, work);
+    converged =
+        made == 1 && !switched && change <= converged_change && (fresh || change * rate <= converged_rest);
     if (converged) break;
     if (carried && factors == 0 && last > 0 && rate > lost_rate) break;
     stale = fresh ? change > slow_rate : last > 0 && rate > slow_rate;
@@ -258,11 +263,20 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   if (state.anchors_move)
     std::copy(state.fixed_velocity.begin(), state.fixed_velocity.end(), state.fixed_last_velocity.begin());
   end_reels(state, end, work);
+  if (gradient == Gradient::mid) stop_ringing(state, h, work);
   if (gradient == gradient_) return error;
   // u becomes a velocity, which every gradient can go on from.
   for (double& u : state.u) u /= h;
   state.u_step = 0;
   return error;
+}
+
+/// Gradient mid lets a velocity swing about zero where a cord begins to stick.
+void LoopStepper::stop_ringing(LoopState& state, double h, LoopWorkspace& work) const {
+  if (!begin_stop(state, h, work)) return;
+  project_velocities(state, work);
+  count_blows(state, work);
+  end_blow(work.tackles);
 }
 
 void LoopStepper::advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const {

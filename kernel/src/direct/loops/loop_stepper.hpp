@@ -162,6 +162,7 @@ class LoopStepper {
              Tally& counters) const;
   bool solve_by_lines(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
                       Tally& counters) const;
+  void stop_ringing(LoopState& state, double h, LoopWorkspace& work) const;
   /// Ends a substep and returns the estimate of its error.
   double accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work, Tally& counters) const;
   /// A part of a substep may try so much, and all parts so far came to the rest.

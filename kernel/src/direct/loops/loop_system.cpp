@@ -22,7 +22,8 @@ struct Parts {
   Index twist_count() const { return static_cast<Index>(elements.twists.size()); }
   /// These are the first variables of multipliers and of torques, and their end.
   Index first_tackle() const { return nodes + rod_count(); }
-  Index first_torque() const { return first_tackle() + tackle_count(); }
+  Index first_pulley() const { return first_tackle() + tackle_count(); }
+  Index first_torque() const { return first_pulley() + elements.pulleys(); }
   Index variables() const { return first_torque() + twist_count(); }
 };
 
@@ -52,8 +53,9 @@ std::vector<std::pair<Index, Index>> edges_of(const Parts& of) {
 }
 
 /// Puts nodes in the order given, and every rod or tackle right after the last of its nodes. Its pivot is
-/// then what all of them can yield, which is never zero but for those that others make redundant. Torques
-/// come last, since they meet all of a chain.
+/// then what all of them can yield, which is never zero but for those that others make redundant. Pulleys
+/// come before their tackle, since its first segment alone may yield nothing. Torques come last, since they
+/// meet all of a chain.
 std::vector<Index> with_rods(const std::vector<Index>& nodes, const Parts& of) {
   const std::vector<LoopRod>& rods = of.rods;
   const std::vector<LoopTackle>& tackles = of.elements.tackles;
@@ -67,6 +69,8 @@ std::vector<Index> with_rods(const std::vector<Index>& nodes, const Parts& of) {
     Index last = 0;
     for (const Index vertex : tackles[t].vertices)
       if (vertex < n) last = std::max(last, number[vertex]);
+    for (Index p = 0; p < tackles[t].pulleys(); ++p)
+      after[last].push_back(of.first_pulley() - n + tackles[t].first_pulley + p);
     after[last].push_back(static_cast<Index>(rods.size()) + t);
   }
   std::vector<Index> order;
@@ -90,6 +94,27 @@ void add_bend(const LoopBend& bend, Index nodes, Index at, SparsePattern& patter
         if (a != b) entries.push_back({b, row, a, column, at});
       }
     if (a < nodes && b < nodes && a != b) pattern.meet.emplace_back(a, b);
+  }
+}
+
+/// Adds what the pulleys of a tackle, the variable `row`, couple. Of that tackle's values `at` is the first.
+void add_pulleys(const Parts& of, const LoopTackle& tackle, Index row, Index at, SparsePattern& pattern,
+                 std::vector<SparseEntry>& entries) {
+  const Index first = of.first_pulley() + tackle.first_pulley;
+  for (Index p = 0; p < tackle.pulleys(); ++p) {
+    const Index own = first + p, before = p > 0 ? own - 1 : row, value = at + tackle.at_pulley(p);
+    for (Index o = p + 1; o <= tackle.segments(); ++o) {
+      const Index a = tackle.vertices[o], behind = o - p - 1;
+      if (a >= of.nodes) continue;
+      pattern.meet.emplace_back(a, own);
+      for (Index c = 0; c < 3; ++c) {
+        if (behind < 2) entries.push_back({a, c, own, 0, value + 3 * behind + c});
+        entries.push_back({own, 0, a, c, value + LoopTackle::in_pulley + 3 * behind + c});
+      }
+    }
+    pattern.meet.emplace_back(before, own);
+    entries.push_back({own, 0, own, 0, value + tackle.in_own(p)});
+    entries.push_back({own, 0, before, 0, value + tackle.in_own(p) + 1});
   }
 }
 
@@ -153,9 +178,11 @@ void add_elements(const Parts& of, Index at, SparsePattern& pattern, std::vector
   }
   Index row = of.first_tackle();
   for (const LoopTackle& tackle : of.elements.tackles) {
+    add_pulleys(of, tackle, row, at, pattern, entries);
     add_tackle(tackle, of.nodes, row++, at, pattern, entries);
     at += tackle.values();
   }
+  row = of.first_torque();
   for (const LoopTwist& twist : of.elements.twists) {
     add_twist(twist, of.nodes, row++, at, pattern, entries);
     at += twist.values();
@@ -207,6 +234,7 @@ LoopSystem::LoopSystem(const std::vector<LoopRod>& of, std::uint32_t count, bool
       rods(static_cast<std::uint32_t>(of.size())),
       bends(static_cast<std::uint32_t>(elements.bends.size())),
       tackles(static_cast<std::uint32_t>(elements.tackles.size())),
+      pulleys(elements.pulleys()),
       couples(coupled),
       analysis(analyse({of, elements, count}, coupled)) {
   for (const LoopTackle& tackle : elements.tackles) tackle_values += tackle.values();

@@ -48,6 +48,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
     tackles.segments.resize(tackles.segments.size() + tackle.segments());
   tackles.starts.assign(state.tackles.size(), 0);
   tackles.lengths = tackles.starts;
+  tackles.pulleys.assign(topology->pulleys(), {});
 }
 
 void LoopWorkspace::take_locks(const LoopState& state) {

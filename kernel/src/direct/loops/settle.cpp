@@ -129,6 +129,7 @@ bool settles(LoopState& state, LoopWorkspace& work, int elastic_steps) {
 
 bool settle(LoopState& state, LoopWorkspace& work) {
   LoopMotion start = state.motion();
+  work.tackles.are_smooth = true;
   // What gives way without a bow crumples, so that comes last.
   bool settled = settles(state, work, 0);
   if (!settled) {
@@ -140,6 +141,7 @@ bool settle(LoopState& state, LoopWorkspace& work) {
     state.motion() = start;
     settled = settles(state, work, most_elastic_steps);
   }
+  work.tackles.are_smooth = false;
   const bool is_finite =
       std::all_of(state.x.begin(), state.x.end(), [](double c) { return std::isfinite(c); });
   if (is_finite) std::swap(start.x, state.x);

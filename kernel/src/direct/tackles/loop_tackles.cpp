@@ -3,21 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "direct/loops/loop_newton.hpp"
-#include "direct/loops/loop_vectors.hpp"
+#include "direct/tackles/cords.hpp"
+#include "direct/tackles/loop_pulleys.hpp"
 
 namespace plumb::detail {
-namespace {
 
-/// A segment pulls its first end along -force, and its length grows along `gradient`. Both have no unit.
-/// `slope` is the derivative of force by what the ends come apart, but for force itself, in 1/m.
-struct Pull {
-  Vec3 force, gradient;
-  double slope, growth;  ///< growth of the length, in m
-};
-
-/// Returns that of a segment whose ends come apart by e. With theta 1/2 force . e is the growth, so that the
-/// work of a cord is its pull times that.
 Pull pull_along(const TackleWorkspace::Segment& segment, Vec3 e, double theta) {
   const auto& [way, length] = segment;
   const Vec3 end_way = way + e;
@@ -28,61 +18,20 @@ Pull pull_along(const TackleWorkspace::Segment& segment, Vec3 e, double theta) {
   return {1 / mean * (way + theta * e), end > 0 ? 1 / end * end_way : Vec3{}, theta / mean, growth};
 }
 
-/// Walks along the cords of an island at the present displacements.
-class Cords {
- public:
-  /// Unless the island moves, cords lie where the substep starts.
-  Cords(const LoopState& state, const LoopWorkspace& work, double theta, bool moves = true)
-      : state_(state), work_(work), theta_(theta), moves_(moves) {}
-
-  std::uint32_t count() const { return static_cast<std::uint32_t>(state_.topology->tackles.size()); }
-  const LoopTackle& tackle(std::uint32_t t) const { return state_.topology->tackles[t]; }
-  std::uint32_t multiplier(std::uint32_t t) const {
-    return static_cast<std::uint32_t>(state_.topology->rods.size()) + t;
-  }
-
-  /// Calls f(segment, first vertex, second vertex, pull) along tackle `t`.
-  template <class F>
-  void along(std::uint32_t t, F&& f) const {
-    const LoopTackle& of = tackle(t);
-    const auto* segment = work_.tackles.segments.data() + of.first;
-    for (std::uint32_t s = 0; s < of.segments(); ++s, ++segment) {
-      const std::uint32_t a = of.vertices[s], b = of.vertices[s + 1];
-      const Vec3 apart = moves_ ? at(work_.delta, a) - at(work_.delta, b) : Vec3{};
-      f(s, a, b, pull_along(*segment, apart, theta_));
-    }
-  }
-
-  TackleIterate iterate(std::uint32_t t) const {
-    const double start = work_.tackles.starts[t] - work_.tackles.lengths[t];
-    double growth = 0;
-    along(t, [&](std::uint32_t, std::uint32_t, std::uint32_t, const Pull& pull) { growth += pull.growth; });
-    return {start, start + growth, state_.mu[multiplier(t)]};
-  }
-  TackleRow row(std::uint32_t t, double soft) const {
-    const LawFactors& factors = work_.laws.factors;
-    if (soft > 0) return giving_tackle_row(state_.tackle_laws[t], factors.kick, 2 * soft, iterate(t));
-    return tackle_row(state_.tackle_laws[t], {factors.kick, factors.rate, theta_}, iterate(t));
-  }
-
- private:
-  const LoopState& state_;
-  const LoopWorkspace& work_;
-  double theta_;
-  bool moves_;
-};
+namespace {
 
 void add(double* to, Vec3 v) {
   put(to, Vec3{to[0], to[1], to[2]} + v);
 }
 
-/// Adds a segment to what -A^T and B have at its two vertices.
-void add_ends(double* first, const Pull& pull, double use) {
+/// Adds a segment to what B has at its two vertices, and to -A^T unless it has a multiplier of its own.
+void add_ends(double* first, const Pull& pull, double use, bool is_own) {
   double* const second = first + LoopTackle::per_vertex;
-  add(first, -1.0 * pull.force);
   add(first + 3, use * pull.gradient);
-  add(second, pull.force);
   add(second + 3, -use * pull.gradient);
+  if (is_own) return;
+  add(first, -1.0 * pull.force);
+  add(second, pull.force);
 }
 
 /// Writes `push` times the derivative of a segment's force by what its ends come apart.
@@ -104,15 +53,18 @@ void leave_out_locked(const LoopState& state, const LoopTackle& tackle, double* 
         std::fill_n(values + tackle.at_segments() + LoopTackle::per_segment * s, LoopTackle::per_segment,
                     0.0);
   }
+  leave_out_locked_pulleys(state, tackle, values);
 }
 
 /// Adds up the impulses (N s) with which cords pull by these multipliers, `scale` times as large.
 void add_impulses(LoopState& state, const Cords& cords, std::span<const double> multipliers, double scale) {
   const std::uint32_t nodes = state.topology->nodes;
   for (std::uint32_t t = 0; t < cords.count(); ++t) {
-    const double impulse = -scale * multipliers[cords.multiplier(t)];
-    state.tackles[t].impulse += impulse;
-    cords.along(t, [&](std::uint32_t, std::uint32_t a, std::uint32_t b, const Pull& pull) {
+    const LoopTackle& tackle = cords.tackle(t);
+    cords.along(t, [&](std::uint32_t s, std::uint32_t a, std::uint32_t b, const Pull& pull) {
+      const double impulse = -scale * multipliers[cords.multiplier(t, s)];
+      if (s == 0) state.tackles[t].impulse += impulse;
+      if (s > 0 && tackle.rubs) state.pulley_impulses[tackle.first_pulley + s - 1] += impulse;
       if (a >= nodes) state.hold[a - nodes] += impulse * pull.force;
       if (b >= nodes) state.hold[b - nodes] -= impulse * pull.force;
     });
@@ -133,7 +85,8 @@ void load_tackles(LoopState& state, const Scene& scene, std::span<const std::uin
     const RodLaw& law = scene.tackles[i].law;
     const double length = tackle_length(scene, i);
     const double stiffness = law.is_elastic() ? law.stiffness / state.mass_unit : 0;
-    state.tackle_laws.push_back({stiffness, law.damping / state.mass_unit, !law.is_elastic(), law.one_sided});
+    state.tackle_laws.push_back({stiffness, law.damping / state.mass_unit, !law.is_elastic(), law.one_sided,
+                                 scene.tackles[i].friction});
     state.tackles.push_back({length});
     const auto count = static_cast<double>(scene.tackles[i].particles.size() - 1);
     segments += count;
@@ -142,7 +95,8 @@ void load_tackles(LoopState& state, const Scene& scene, std::span<const std::uin
   if (tackles.empty()) return;
   const auto rods = static_cast<double>(state.topology->rods.size());
   state.scale2 = ((rods > 0 ? state.scale2 * rods : 0) + squares) / (rods + segments);
-  state.mu.resize(state.topology->rods.size() + tackles.size());
+  state.pulley_impulses.resize(state.topology->pulleys());
+  state.mu.resize(state.topology->rods.size() + tackles.size() + state.pulley_impulses.size());
 }
 
 void set_tackle_lengths(const LoopState& state, double h, TackleWorkspace& work) {
@@ -172,14 +126,15 @@ void write_tackles(const LoopState& state, double theta, double soft, const Loop
     const LoopTackle& tackle = cords.tackle(t);
     std::fill_n(to, tackle.values(), 0.0);
     const TackleRow row = cords.row(t, soft);
-    const double mu = state.mu[cords.multiplier(t)], push = soft > 0 ? std::min(mu, 0.0) : mu;
     cords.along(t, [&](std::uint32_t s, std::uint32_t, std::uint32_t, const Pull& pull) {
-      add_ends(to + LoopTackle::per_vertex * s, pull, row.use);
+      const double mu = state.mu[cords.multiplier(t, s)], push = soft > 0 ? std::min(mu, 0.0) : mu;
+      add_ends(to + LoopTackle::per_vertex * s, pull, row.use, s > 0 && tackle.rubs);
       double* const tile = to + tackle.at_segments() + LoopTackle::per_segment * s;
       write_slope(tile, pull, -push);
       write_slope(tile + 9, pull, push);
     });
     to[tackle.at_soft()] = row.soft;
+    if (tackle.rubs) write_pulleys(cords, t, soft > 0 ? nullptr : &Pulley::slide, work.tackles, to);
     if (state.locks.any()) leave_out_locked(state, tackle, to);
     to += tackle.values();
   }
@@ -191,12 +146,13 @@ void pull_by_tackles(const LoopState& state, double theta, double soft, const Lo
   const LoopTopology& shape = *state.topology;
   const SparseAnalysis& analysis = shape.system->analysis;
   for (std::uint32_t t = 0; t < cords.count(); ++t) {
-    const double mu = state.mu[cords.multiplier(t)];
-    cords.along(t, [&](std::uint32_t, std::uint32_t a, std::uint32_t b, const Pull& pull) {
+    cords.along(t, [&](std::uint32_t s, std::uint32_t a, std::uint32_t b, const Pull& pull) {
+      const double mu = state.mu[cords.multiplier(t, s)];
       if (a < shape.nodes) add(right.data() + analysis.position(a), mu * pull.force);
       if (b < shape.nodes) add(right.data() + analysis.position(b), -mu * pull.force);
     });
     right[analysis.position(shape.nodes + cords.multiplier(t))] = -cords.row(t, soft).c;
+    lack_of_pulleys(cords, t, soft > 0 ? nullptr : &Pulley::slide, {state, work}, right);
   }
 }
 
@@ -208,9 +164,10 @@ void write_projected_tackles(const LoopState& state, const LoopWorkspace& work, 
     const double use = holds(state, t, state.mu[cords.multiplier(t)]) ? 1 : 0;
     std::fill_n(to, tackle.values(), 0.0);
     cords.along(t, [&](std::uint32_t s, std::uint32_t, std::uint32_t, const Pull& pull) {
-      add_ends(to + LoopTackle::per_vertex * s, pull, use);
+      add_ends(to + LoopTackle::per_vertex * s, pull, use, s > 0 && tackle.rubs);
     });
     to[tackle.at_soft()] = 1 - use;
+    if (tackle.rubs) write_pulleys(cords, t, &Pulley::blow, work.tackles, to);
     if (state.locks.any()) leave_out_locked(state, tackle, to);
     to += tackle.values();
   }
@@ -222,6 +179,7 @@ void lack_of_projected_tackles(const LoopState& state, const LoopWorkspace& work
   for (std::uint32_t t = 0; t < cords.count(); ++t) {
     double& lack = right[shape.system->analysis.position(shape.nodes + cords.multiplier(t))];
     lack = 0;
+    lack_of_projected_pulleys(cords, t, {state, work}, right);
     if (!holds(state, t, state.mu[cords.multiplier(t)])) continue;
     lack = state.tackles[t].rate;
     cords.along(t, [&](std::uint32_t, std::uint32_t a, std::uint32_t b, const Pull& pull) {
@@ -240,6 +198,12 @@ double work_of_tackles(const LoopState& state, double theta, const LoopWorkspace
   double sum = 0;
   for (std::uint32_t t = 0; t < cords.count(); ++t) {
     const TackleLaw& law = state.tackle_laws[t];
+    if (cords.tackle(t).rubs) {
+      cords.along(t, [&](std::uint32_t s, std::uint32_t, std::uint32_t, const Pull& pull) {
+        sum += state.mu[cords.multiplier(t, s)] * pull.growth;
+      });
+      continue;
+    }
     if (law.is_rigid && !law.is_one_sided && state.tackles[t].rate == 0) continue;
     const auto [start, end, mu] = cords.iterate(t);
     sum += mu * (end - start);
@@ -258,9 +222,11 @@ double energy_of_tackles(const LoopState& state, double soft, const LoopWorkspac
 
 void set_elastic_tackles(LoopState& state, double soft, const LoopWorkspace& work) {
   const Cords cords(state, work, 1);
-  for (std::uint32_t t = 0; t < cords.count(); ++t)
-    state.mu[cords.multiplier(t)] =
+  for (std::uint32_t t = 0; t < cords.count(); ++t) {
+    const double mu =
         giving_tackle_pull(state.tackle_laws[t], work.laws.factors.kick, 2 * soft, cords.iterate(t).end).mu;
+    for (std::uint32_t s = 0; s <= cords.tackle(t).pulleys(); ++s) state.mu[cords.multiplier(t, s)] = mu;
+  }
 }
 
 void end_tackles(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work) {

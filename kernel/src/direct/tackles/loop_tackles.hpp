@@ -14,6 +14,17 @@ struct LoopState;
 struct LoopWorkspace;
 struct SubstepEnd;
 
+/// A cord slides over a pulley to the segment behind it, or back, or sticks to it. Where it does not press on
+/// the pulley, or is not turned by it, both segments pull alike.
+enum class Slide : std::uint8_t { even, sticks, on, back };
+
+/// A pulley with friction has these numbers while a substep is solved.
+struct Pulley {
+  double most = 1;  ///< Pulls on both sides have this ratio at most.
+  Slide slide = Slide::even;
+  Slide blow = Slide::even;  ///< This is how it takes part in a projection of velocities.
+};
+
 /// Steps change these numbers of a tackle. Its multiplier follows those of rods in LoopMotion::mu.
 struct LoopTackleMotion {
   double length;       ///< At the end of the last substep, in m.
@@ -31,6 +42,8 @@ struct TackleWorkspace {
   std::vector<Segment> segments;  ///< They are those at the start, of one tackle after the other.
   std::vector<double> starts;     ///< Sums of segments at the start of a substep, in m.
   std::vector<double> lengths;    ///< Lengths that hold in this substep, in m.
+  std::vector<Pulley> pulleys;    ///< Those with friction.
+  bool are_smooth = false;        ///< Leaves friction out.
 };
 
 /// Gives an island the numbers of its tackles, in the order of its topology.
@@ -58,7 +71,8 @@ template <class Give>
 double tackle_pivot(const LoopTackle& tackle, const double* values, Give&& give) {
   double sum = 0;
   for (const std::uint32_t vertex : tackle.vertices) {
-    const double along = values[0] * values[3] + values[1] * values[4] + values[2] * values[5];
+    const double* const force = tackle.rubs ? values + 3 : values;  // -A^T is not all there; it is alike
+    const double along = force[0] * values[3] + force[1] * values[4] + force[2] * values[5];
     sum += (along < 0 ? -along : along) * give(vertex);
     values += LoopTackle::per_vertex;
   }

@@ -6,6 +6,7 @@ namespace plumb::detail {
 struct TackleLaw {
   double stiffness, damping;
   bool is_rigid, is_one_sided;
+  double friction = 0;  ///< Coulomb's coefficient at its pulleys.
 };
 
 /// Forces of a substep act by `kick` (s²), and `rate` is 1/h (1/s). Theta is 1/2 for gradient mid, and 1 for

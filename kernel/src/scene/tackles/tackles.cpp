@@ -32,6 +32,8 @@ void validate_tackle(const Scene& scene, std::size_t i) {
   const double length = tackle_length(scene, i);
   if (!(length > 0 && std::isfinite(length)))
     refuse("tackle ", i, ": length must be positive and finite, got ", length, " m");
+  if (!(tackle.friction >= 0 && std::isfinite(tackle.friction)))
+    refuse("tackle ", i, ": friction must be finite and not negative, got ", tackle.friction);
 }
 
 double way_through(const Tackle& tackle, std::span<const Vec3> positions) {
