@@ -71,7 +71,7 @@ class ContactSolver final : public Solver {
     return island != no_island && states_[island].pulls.counts && !visitors_[island].is_at_home();
   }
   /// Returns whether a rod of the scene has broken here.
-  bool is_broken(std::uint32_t rod) const;
+  bool has_broken(std::uint32_t rod) const;
   /// Returns the mean pull (N) of a rod of the scene in the last step. All means are NaN before the first.
   double pull_of_rod(std::uint32_t rod) const;
   /// See World::pin_force() and its like.

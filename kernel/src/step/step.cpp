@@ -319,7 +319,7 @@ Vec3 Step::reaction(std::uint32_t particle) const {
 
 bool Step::is_broken(std::uint32_t rod) const {
   if (breaks_.is_broken(rod)) return true;
-  if (compiled_.contact && compiled_.contact->is_broken(rod)) return true;
+  if (compiled_.contact && compiled_.contact->has_broken(rod)) return true;
   const auto places = compiled_.cords.of(rod);
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
 }

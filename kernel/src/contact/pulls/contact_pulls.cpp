@@ -16,7 +16,7 @@ double ContactSolver::pull_of_rod(std::uint32_t rod) const {
   return mean(pulls, pulls.rods[rods_[rod].number]);
 }
 
-bool ContactSolver::is_broken(std::uint32_t rod) const {
+bool ContactSolver::has_broken(std::uint32_t rod) const {
   const auto [island, number] = rods_[rod];
   if (island == no_island || states_[island].broken.empty()) return false;
   const auto elastic = states_[island].linkage->elastic_of_rod(number);
