@@ -183,6 +183,70 @@ TEST(BrokenIslands, SleepByThemselves) {
   EXPECT_LT(world.velocity(6).y, -0.9 * g / 5);
 }
 
+// A twist holds its island together until one of its own rods breaks; then all parts go on by themselves.
+TEST(BrokenIslands, StayWholeWhileATwistHolds) {
+  Scene scene;
+  add_chain(scene, 0, 10, 4, 100);
+  scene.rods[7].law.strength = 2.9 * g;  // three particles hang from it
+  for (std::uint32_t i = 1; i <= 10; ++i) scene.particles[i].position = {0, -0.1 * i, 0};
+  for (std::uint32_t i = 1; i < 10; ++i)
+    scene.bends.push_back({.a = i - 1, .b = i, .c = i + 1, .stiffness = 0.1});
+  for (const bool holds : {true, false}) {
+    scene.twists = {
+        {.particles = holds ? std::vector<std::uint32_t>{0, 1, 2, 3} : std::vector<std::uint32_t>{3, 4, 5, 6},
+         .stiffness = 0.1,
+         .angle = 1}};
+    World world(scene, {.substeps = 4, .threads = 1});
+    EXPECT_EQ(test::run(world, frame, 10).broken_rods, 1u);
+    EXPECT_EQ(world.step(frame).awake_islands, 1u);
+    world.set_force(6, {0, -200, 0});
+    EXPECT_EQ(world.step(frame).broken_rods, 1u);
+    world.set_force(6, {});
+    EXPECT_EQ(world.step(frame).awake_islands, holds ? 1u : 3u);
+    if (!holds) {
+      EXPECT_EQ(world.twist(0), 0);
+    }
+  }
+}
+
+// What fell from a block of relaxed islands is not there any more: it does not break again, nor keep others
+// awake.
+TEST(BrokenIslands, LeaveTheirBlock) {
+  Scene scene;
+  add_chain(scene, 0, 6, 2, 3.5 * g);
+  add_chain(scene, 1, 6, 9, 0);
+  for (std::uint32_t i = 0; i < 7; ++i)
+    for (const std::uint32_t first : {0u, 7u}) scene.particles[first + i].position.x = first;
+  scene.drag = 5;
+  Settings settings{.method = Method::relax, .threads = 1};
+  settings.stop.sweeps = 200;
+  World world(scene, settings);
+  StepReport last;
+  std::uint64_t broken = 0;
+  for (int i = 0; i < 2400; ++i) broken += (last = world.step(frame)).broken_rods;
+  EXPECT_EQ(broken, 1u);
+  EXPECT_EQ(last.awake_islands, 1u);
+  EXPECT_EQ(world.velocity(13), Vec3{});
+  EXPECT_LT(world.velocity(6).y, -0.9 * g / 5);
+}
+
+// Gradient new's velocity is the mean of its last substep, which was another one than the next.
+TEST(BrokenIslands, FallFreelyWhereSubstepsChange) {
+  Scene scene;
+  add_chain(scene, 0, 12, 5, 8.5 * g);
+  World world(scene, {.method = Method::direct, .gradient = Gradient::new_, .substeps = 4, .threads = 1});
+  while (world.step(frame).broken_rods == 0) ASSERT_LT(world.time(), 2);
+  const auto height = [&] {
+    double sum = 0;
+    for (std::uint32_t i = 6; i < 13; ++i) sum += world.position(i).y;
+    return sum / 7;
+  };
+  const double before = height(), dt = frame / 2;
+  const double speed = momentum(scene, world, 6, 13).y / 7 - g * frame / 8;
+  world.step(dt);
+  EXPECT_NEAR(height(), before + speed * dt - g * dt * dt / 2, 1e-13);
+}
+
 // A rod with mass spread along it still joins its ends; where it is lumped they take it.
 TEST(BrokenIslands, StayWholeWhereTheMassOfARodJoinsThem) {
   for (const MassModel model : {MassModel::consistent, MassModel::lumped}) {
@@ -256,6 +320,33 @@ TEST(BrokenIslands, KeepMomentumOfATornNet) {
   const double scale = 0.1 * 144 * 3;
   EXPECT_LE(norm(both().first - sum), 1e-10 * scale);
   EXPECT_LE(norm(both().second - turn), 1e-9 * scale);
+}
+
+// A steady anchor is no blow to parts that go on from it: the pull is that of an island which a slack cable
+// keeps whole.
+TEST(BrokenIslands, KnowHowFastTheirAnchorsGo) {
+  for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_})
+    for (const bool has_mass : {false, true}) {
+      Scene scene;
+      add_chain(scene, 0, 6, 3, 20 * g);
+      for (std::uint32_t i = 1; i <= 6; ++i) scene.particles[i].position = {0, -0.1 * i, 0};
+      for (std::uint32_t i = 0; has_mass && i < 3; ++i) scene.rods[i].mass = 0.5;
+      Scene whole = scene;
+      whole.rods.push_back({.a = 1, .b = 5, .length = 100, .law = {.stiffness = 1, .one_sided = true}});
+      const Settings settings{
+          .method = Method::direct, .gradient = gradient, .substeps = 2, .tensions = true, .threads = 1};
+      World world(scene, settings), other(whole, settings);
+      for (int i = 1; i <= 40; ++i)
+        for (World* const each : {&world, &other}) {
+          each->move_anchor(0, {0, 0.02 * i, 0});
+          each->set_force(6, {0, i == 30 ? -30 * g : 0, 0});
+          each->step(0.01);
+        }
+      ASSERT_TRUE(world.is_broken(3) && other.is_broken(3));
+      EXPECT_NEAR(world.tension(0), other.tension(0), 1e-6 * other.tension(0))
+          << to_string(gradient) << has_mass;
+      EXPECT_NEAR(world.position(3).y, other.position(3).y, 1e-9) << to_string(gradient) << has_mass;
+    }
 }
 
 }  // namespace

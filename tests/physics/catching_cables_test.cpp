@@ -8,8 +8,10 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "support/direct.hpp"
+#include "support/worlds.hpp"
 
 namespace plumb {
 namespace {
@@ -149,6 +151,41 @@ TEST(CatchingCables, ComposedSubstepsComeToTheSameImpulse) {
       composed.time_order = order;
       EXPECT_LT(errors(drop, composed, 100).impulse, 1.2e-4) << drop.slack << " m, order " << order;
       EXPECT_LT(errors(drop, composed, 1000).impulse, 1.2e-6) << drop.slack << " m, order " << order;
+    }
+}
+
+// A hoist that stops lets its load fly on, since its cables do not push. Mid projects velocities there, which
+// must let go of them: as many rods as may be, of a tree or of an island with loops.
+TEST(CatchingCables, DoNotPushWhereAHoistStops) {
+  for (const bool has_loop : {false, true})
+    for (const bool sinks : {false, true}) {
+      Scene scene;
+      const RodLaw cable{.one_sided = true};
+      scene.particles.push_back(test::fixed({0, 0, 0}));
+      for (std::uint32_t i = 1; i <= 3; ++i) {
+        scene.particles.push_back(test::movable({0, -0.5 * i, 0}));
+        scene.rods.push_back({.a = i - 1, .b = i, .law = cable});
+      }
+      if (has_loop) {
+        scene.particles.push_back(test::movable({-0.05, -1.6, 0}));
+        scene.particles.push_back(test::movable({0.05, -1.6, 0}));
+        for (const auto& [a, b] : {std::pair{3u, 4u}, {4u, 5u}, {5u, 3u}})
+          scene.rods.push_back({.a = a, .b = b});
+      }
+      Settings settings = test::direct(Gradient::mid, 1);
+      settings.tensions = true;
+      World world(scene, settings);
+      const double speed = 2, dt = 0.01;
+      double height = 0;
+      for (int i = 0; i < 50; ++i) {
+        if (!sinks) world.move_anchor(0, {0, height += speed * dt, 0});
+        world.step(dt);
+      }
+      if (sinks) world.move_anchor(0, {0, height -= speed * dt, 0});  // else it stops
+      const double before = world.velocity(3).y;
+      world.step(dt);
+      EXPECT_NEAR(world.velocity(3).y - before, -gravity * dt, 0.02 * gravity * dt) << has_loop << sinks;
+      for (std::uint32_t rod = 0; rod < 3; ++rod) EXPECT_GE(world.tension(rod), -1e-6) << has_loop << sinks;
     }
 }
 

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "scenes/generators/generators.hpp"
 #include "support/direct.hpp"
+#include "support/worlds.hpp"
 
 namespace plumb {
 namespace {
@@ -115,6 +118,40 @@ TEST(DirectAnchors, AreExactlyWhereTheyWereSent) {
     world.step(1.0 / 60);
     ASSERT_EQ(world.position(0), target) << "step " << i;
     ASSERT_LE(test::stretch_of(scenes::make_chain(5), world).max, 1e-9);
+  }
+}
+
+// A net that is raised steadily goes as fast as its anchors, by its velocities, too; a force that is set then
+// does not jerk it.
+TEST(DirectAnchors, CarryIslandsWithLoops) {
+  for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
+    Scene scene;  // a ladder that hangs from two anchors
+    scene.gravity = {};
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      const Vec3 at{0.1 * (i % 2), -0.1 * (i / 2), 0};
+      scene.particles.push_back(i < 2 ? test::fixed(at) : test::movable(at));
+      if (i >= 2) scene.rods.push_back({.a = i - 2, .b = i});
+      if (i >= 2 && i % 2 == 1) scene.rods.push_back({.a = i - 1, .b = i});
+    }
+    Settings settings = test::direct(gradient, 2);
+    settings.tensions = true;
+    World world(scene, settings);
+    double most = 0;
+    for (int i = 1; i <= 60; ++i) {
+      for (std::uint32_t p = 0; p < scene.particles.size(); ++p)
+        if (scene.particles[p].fixed)
+          world.move_anchor(p, scene.particles[p].position + Vec3{0, 0.02 * i, 0});
+      if (i > 40) world.set_force(world.particle_count() - 1, {0, 1e-6 * i, 0});
+      world.step(0.01);
+      if (i > 42)
+        for (std::uint32_t rod = 0; rod < world.rod_count(); ++rod)
+          most = std::max(most, std::abs(world.tension(rod)));
+    }
+    for (std::uint32_t p = 0; p < scene.particles.size(); ++p)
+      if (!scene.particles[p].fixed) {
+        EXPECT_NEAR(world.velocity(p).y, 2, 1e-3) << to_string(gradient);
+      }
+    EXPECT_LT(most, 1) << to_string(gradient);
   }
 }
 

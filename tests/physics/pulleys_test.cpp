@@ -9,6 +9,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/reactions.hpp"
+#include "support/swinging_machine.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -108,38 +109,9 @@ TEST(Pulleys, AMachineThatComesToRestStaysWhereItStops) {
   EXPECT_LT(last, 2e-6);
 }
 
-/// Where the second mass of a machine is after t (s) while the cord slides towards it, by the equations of
-/// the swinging machine and Runge and Kutta's method. The pull behind the pulley is exp(friction (pi - phi))
-/// times that before it.
-Vec3 swung(double first, double second, double friction, double angle, double t) {
-  using State = std::array<double, 4>;  // r, phi and their rates
-  const auto slope = [&](const State& s) {
-    const auto [r, phi, r_rate, phi_rate] = s;
-    const double ratio = std::exp(friction * (pi - std::abs(phi)));
-    return State{r_rate, phi_rate,
-                 (second * (r * phi_rate * phi_rate + g * std::cos(phi)) - ratio * first * g) /
-                     (ratio * first + second),
-                 (-2 * r_rate * phi_rate - g * std::sin(phi)) / r};
-  };
-  const auto moved = [](const State& s, double by, const State& rate) {
-    State out = s;
-    for (std::size_t i = 0; i < 4; ++i) out[i] += by * rate[i];
-    return out;
-  };
-  State s{1, angle, 0, 0};
-  constexpr int steps = 4000;
-  const double h = t / steps;
-  for (int i = 0; i < steps; ++i) {
-    const State a = slope(s), b = slope(moved(s, h / 2, a)), c = slope(moved(s, h / 2, b)),
-                d = slope(moved(s, h, c));
-    for (std::size_t k = 0; k < 4; ++k) s[k] += h / 6 * (a[k] + 2 * b[k] + 2 * c[k] + d[k]);
-  }
-  return {s[0] * std::sin(s[1]), -s[0] * std::cos(s[1]), 0};
-}
-
 TEST(Pulleys, SwingingMachinesConvergeToTheTruthWithTheirOrder) {
   // It falls until 0.4 s, well before the cord is twice as long and phi passes zero.
-  const Vec3 truth = swung(0.3, 1, 0.2, 1, 0.35);
+  const Vec3 truth = test::swung(0.3, 1, 0.2, 1, 0.35);
   for (const auto& [gradient, order] : {std::pair{Gradient::mid, 2}, std::pair{Gradient::new_, 1}}) {
     const auto error = [&, gradient = gradient](int steps) {
       World world(atwood(0.3, 1, 0.2, 1), direct(gradient));

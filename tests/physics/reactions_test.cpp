@@ -147,5 +147,24 @@ TEST(Reactions, ALoadOnAnAnchorIsHeldThere) {
   EXPECT_LT(norm(other.reaction(0) - before - Vec3{0, 7, 0}), 1e-12);
 }
 
+// A chain without laws that lies in lanes beside one with laws is read as well as alone.
+TEST(Tensions, AreKnownBesideChainsWithLaws) {
+  for (const RodLaw& law : {RodLaw{.strength = 1e9}, RodLaw{.stiffness = 1e6}, RodLaw{.one_sided = true}}) {
+    Scene scene;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      scene.particles.push_back(fixed({1.0 * i, 0, 0}));
+      scene.particles.push_back(movable({1.0 * i, -1, 0}, 2));
+      scene.rods.push_back({.a = 2 * i, .b = 2 * i + 1});
+    }
+    scene.rods[1].law = law;
+    World world(scene, {.method = Method::direct, .gradient = Gradient::mid, .tensions = true, .threads = 1});
+    world.step(1.0 / 60);
+    for (const std::uint32_t i : {0u, 2u}) {
+      EXPECT_NEAR(world.tension(i), 2 * g, 1e-9);
+      EXPECT_NEAR(world.reaction(2 * i).y, 2 * g, 1e-9);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace plumb

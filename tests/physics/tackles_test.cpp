@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "support/swinging_machine.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -52,35 +53,8 @@ TEST(Tackles, AtwoodsMachineFallsAtItsRate) {
     }
 }
 
-/// Where the second mass of a machine is after t (s), by the equations of the swinging Atwood machine
-/// (Tufillaro 1984) and Runge and Kutta's method: (m + M) r'' = m r phi'^2 + g (m cos phi - M), and r phi'' =
-/// -2 r' phi' - g sin phi.
-Vec3 swung(double first, double second, double angle, double t) {
-  using State = std::array<double, 4>;  // r, phi and their rates
-  const auto slope = [&](const State& s) {
-    const auto [r, phi, r_rate, phi_rate] = s;
-    return State{r_rate, phi_rate,
-                 (second * r * phi_rate * phi_rate + g * (second * std::cos(phi) - first)) / (first + second),
-                 (-2 * r_rate * phi_rate - g * std::sin(phi)) / r};
-  };
-  const auto moved = [](const State& s, double by, const State& rate) {
-    State out = s;
-    for (std::size_t i = 0; i < 4; ++i) out[i] += by * rate[i];
-    return out;
-  };
-  State s{1, angle, 0, 0};
-  constexpr int steps = 4000;
-  const double h = t / steps;
-  for (int i = 0; i < steps; ++i) {
-    const State a = slope(s), b = slope(moved(s, h / 2, a)), c = slope(moved(s, h / 2, b)),
-                d = slope(moved(s, h, c));
-    for (std::size_t k = 0; k < 4; ++k) s[k] += h / 6 * (a[k] + 2 * b[k] + 2 * c[k] + d[k]);
-  }
-  return {s[0] * std::sin(s[1]), -s[0] * std::cos(s[1]), 0};
-}
-
 TEST(Tackles, SwingingMachinesConvergeToTheTruthWithTheirOrder) {
-  const Vec3 truth = swung(1.5, 1, 1.2, 0.5);
+  const Vec3 truth = test::swung(1.5, 1, 0, 1.2, 0.5);
   for (const auto& [gradient, order] : {std::pair{Gradient::mid, 2}, std::pair{Gradient::new_, 1}}) {
     const auto error = [&, gradient = gradient](int steps) {
       World world(atwood(1.5, 1, 1.2), direct(gradient));

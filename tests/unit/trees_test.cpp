@@ -91,6 +91,12 @@ TEST(Trees, CyclesAreNone) {
   EXPECT_FALSE(find_tree(hung.view()));
   const LocalGraph twice{{{0, 1}, {1, 0}}, {1, 1}};
   EXPECT_FALSE(find_tree(twice.view()));
+  // A tackle may hold together what rods do not. Here they have the number of a tree's.
+  for (const bool is_tied : {false, true}) {
+    LocalGraph parts{{{0, 1}, {1, 2}, {2, 0}, {3, 4}}, {1, 1, 1, 1, 1, 0}};
+    if (is_tied) parts.edges.push_back({0, 5});
+    EXPECT_FALSE(find_tree(parts.view()));
+  }
 }
 
 }  // namespace

@@ -112,13 +112,13 @@ struct Twist {
   double angle = 0;      ///< Angle by which the last cross section is turned against the first, in rad.
 };
 
-/// This is a massless cord that runs through particles in their order, as over pulleys. The sum of the
+/// This is a massless cord that runs over particles in their order, which are its pulleys. The sum of the
 /// distances between neighbours is its length, and without friction its pull is the same everywhere.
 ///
-/// Particles that it runs through are blocks of no size. Where one is fixed, a pulley hangs from the ceiling.
-/// A cord may run through a particle more than once, as through a block of several sheaves.
+/// Pulleys have no size. One that is fixed hangs from the ceiling. A cord may run over a particle more than
+/// once, as over several sheaves.
 ///
-/// With friction the pulls on both sides of a block may differ by the factor exp(friction angle) (Euler and
+/// With friction the pulls on both sides of a pulley may differ by the factor exp(friction angle) (Euler and
 /// Eytelwein). The cord turns there by that angle: 0 where it goes straight on, pi where it returns. Pulls
 /// do differ by the factor while the cord slides, against its slide. Otherwise it sticks.
 ///
@@ -128,7 +128,7 @@ struct Tackle {
   std::vector<std::uint32_t> particles{};  ///< Indices into Scene::particles; neighbours differ.
   double length = 0;                       ///< Length in m; 0 means that of the scene as it stands.
   RodLaw law{};         ///< How it answers to what pulls on it, as a rod does. It has no strength.
-  double friction = 0;  ///< Coulomb's coefficient between the cord and all blocks on its way.
+  double friction = 0;  ///< Coulomb's coefficient between the cord and all its pulleys.
 };
 
 /// Pays out and takes in a chain of particles through one place, as a winch's drum does with a rope.

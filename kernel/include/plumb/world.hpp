@@ -199,21 +199,22 @@ class PLUMB_API World {
   /// one.
   double torsion_angle(std::uint32_t number) const;
 
-  /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. Throws
-  /// InputError on an unknown rod and a length that is not positive and finite. It refuses rods that are
-  /// relaxed, of a reel or twisted, and those of islands with joints or shapes.
+  /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. A broken
+  /// one ignores it. Throws InputError on an unknown rod, a length that is not positive and finite, and rods
+  /// that are relaxed, of a reel, twisted, or of islands with joints or shapes.
   void set_length(std::uint32_t rod, double target);
 
   /// Turns the last cross section of a twist (Scene::twists) against the first, at a constant rate during the
   /// next step, as a motor at its end does. `angle` (rad) takes the place of Twist::angle. Throws InputError
   /// on an unknown twist or an angle that is not finite.
   void set_twist(std::uint32_t twist, double angle);
-  /// Returns how far a chain is twisted (Scene::twists), in rad. Throws InputError on an unknown twist.
+  /// Returns how far an unbroken chain (Scene::twists) is twisted, in rad. Throws InputError on an unknown
+  /// one.
   double twist(std::uint32_t twist) const;
 
-  /// Returns the pull of a rod in N, averaged over the last step; negative if it pushes. That of a relaxed
-  /// rod is what sweeps found. It is NaN before the first step. Throws InputError on an unknown rod, or
-  /// without Settings::tensions.
+  /// Returns the pull of a rod in N, averaged over the last step: negative if it pushes, and 0 after it
+  /// broke. That of a relaxed rod is what sweeps found. It is NaN before the first step. Throws InputError on
+  /// an unknown rod, or without Settings::tensions.
   double tension(std::uint32_t rod) const;
   /// Copies the pulls of all rods (N) into `out`. Throws InputError unless it has rod_count() elements, or
   /// without Settings::tensions.

@@ -266,15 +266,16 @@ PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
 
 /// Adds to the multipliers of a node's ties, the last eliminated first. `f` is the force from above.
 template <class V, class T, class At>
-PLUMB_INLINE void pull_ties(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active) {
+PLUMB_INLINE void pull_ties(const TreeView<T>& tree, const At& at, std::size_t i, Vec<V> f, const V& active,
+                            T* const to) {
   using namespace tree_fields;
   for (std::size_t k = tree.tie_begin[i + 1]; k-- > tree.tie_begin[i];) {
     const Vec<V> a = at.get3(tree.tie_elimination, k * tie_elimination);
     const Vec<V> y = at.get3(tree.tie_elimination, k * tie_elimination + 3);
     const V nu = at.get(tree.tie_elimination, k * tie_elimination + 6) - dot(y, f);
     f = f + nu * a;
-    const V mu = at.get(tree.tie_mu, k);
-    at.put(tree.tie_mu, k, select_nonzero(active, mu + nu, mu));
+    const V mu = at.get(to, k);
+    at.put(to, k, select_nonzero(active, mu + nu, mu));
   }
 }
 
@@ -290,7 +291,9 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
              select_nonzero(active, now.z, old.z)});
     at.put3(tree.elimination, i * elimination + 9, change);  // children that do not follow find it here
   };
-  if constexpr (!linear) pull_ties(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active);
+  T* const mus = linear ? tree.blow : tree.mu;
+  T* const tie_mus = linear ? tree.tie_blow : tree.tie_mu;
+  if (!linear || mus != nullptr) pull_ties(tree, at, 0, Vec<V>{V(0), V(0), V(0)}, active, tie_mus);
   update(0, root);
   V sum = dot(root, root);
   Vec<V> last = root;
@@ -300,17 +303,17 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
     const Mat<V> columns{at.get3(tree.elimination, f), at.get3(tree.elimination, f + 3),
                          at.get3(tree.elimination, f + 6)};
     const Vec<V> change = at.get3(tree.elimination, f + 9) + multiply(columns, above);
-    if constexpr (!linear) {
+    if (!linear || mus != nullptr) {
       const V nu = at.get(tree.elimination, f + 15) + dot(at.get3(tree.elimination, f + 12), above);
       if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
         const std::size_t first = tree.tie_begin[i] * tie_elimination;
         pull_ties(
             tree, at, i,
             nu * at.get3(tree.tie_elimination, first + 7) - at.get(tree.tie_elimination, first + 10) * above,
-            active);
+            active, tie_mus);
       }
-      const V mu = at.get(tree.mu, i);
-      at.put(tree.mu, i, select_nonzero(active, mu + nu, mu));
+      const V mu = at.get(mus, i);
+      at.put(mus, i, select_nonzero(active, mu + nu, mu));
     }
     sum = sum + dot(change, change);
     update(i, change);

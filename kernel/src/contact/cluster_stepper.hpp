@@ -226,9 +226,9 @@ class ClusterStepper {
   /// Breaks rods that pulled too much in the substep that has ended. Returns how many.
   static std::uint32_t break_rods(Island& island, double h);
   /// Remembers the rod that is pulled farthest beyond its strength in a substep that is not solved. If
-  /// shorter ones are not either, rods do not fit together, and break_overload() breaks it. Returns whether
-  /// there was one.
+  /// shorter ones are not either, rods do not fit together.
   void find_overload(double h);
+  /// Breaks that rod then. Returns whether there was one.
   bool break_overload(Tally& report);
   void count_pulls(Island& island, double h) const;
   void count_pushes(const Row& row, double h);
@@ -237,10 +237,12 @@ class ClusterStepper {
   const simd::KktKernels* kernels_;
   ContactSettings settings_;
   std::vector<Island> islands_;
+  /// A rod that is pulled beyond its strength in a substep that is not solved.
   struct Overload {
     LinkageState* state = nullptr;
     std::size_t rod = 0;
-  } overload_{};
+  };
+  Overload overload_{};
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;

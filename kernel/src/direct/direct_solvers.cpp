@@ -297,6 +297,7 @@ class Maker {
   /// Positions come first, before there are velocities.
   template <class AnySolver>
   void start(AnySolver& solver, std::span<const std::uint32_t> islands, const MadeSolver& made) {
+    if (report_.goes_on) return;
     if (std::any_of(islands.begin(), islands.end(), [&](std::uint32_t i) { return is_off_length(i); })) {
       report_.unprojected_islands += solver.project_positions();
       for (const auto& [particle, slot] : made.places)

@@ -28,8 +28,10 @@ struct MadeSolver {
 
 /// Says by how much a solver had to change the initial state (see WorldInfo).
 struct StartReport {
-  double projected_velocity = 0;          ///< m/s, the largest change
-  double projected_position = 0;          ///< m, the largest change
+  bool goes_on = false;            ///< Solvers are handed the state of others, so that they change nothing.
+  std::uint32_t relaxed_rods = 0;  ///< Rods of all of the world that share a budget, if that goes on.
+  double projected_velocity = 0;   ///< m/s, the largest change
+  double projected_position = 0;   ///< m, the largest change
   std::uint32_t unprojected_islands = 0;  ///< islands whose rods could not be brought to their lengths
 };
 

@@ -146,9 +146,13 @@ class Solver {
   /// Sets position (m) and velocity (m/s) of a movable particle. All particles of an island get theirs at
   /// once.
   virtual void set_motion(Slot, Vec3 position, Vec3 velocity) = 0;
-  /// Says that all motion which was set is that after substeps of `h` (s). A velocity of gradient new is the
-  /// mean of the last one.
-  virtual void go_on(double /*h*/) {}
+  /// Returns the length (s) of the last substep of a particle, or 0 if its velocity is that of now.
+  virtual double last_substep(Slot) const { return 0; }
+  /// Says that the motion which was set is that after a substep of `h` (s). A velocity of gradient new is the
+  /// mean of the last one. It is called once all motion is set.
+  virtual void go_on(Slot, double /*h*/) {}
+  /// Takes the island of a particle out for good, since another solver has it now.
+  virtual void remove(Slot slot) { set_away(slot, true); }
   /// Leaves the island of a particle out of steps while another solver moves it, or takes it in again.
   virtual void set_away(Slot, bool away) = 0;
   /// Returns whether all islands of a piece are left out.

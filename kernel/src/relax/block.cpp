@@ -284,6 +284,16 @@ void Block<T>::rest_anchors(T* field, std::uint32_t q0, std::uint32_t q1) const 
 }
 
 template <class T>
+void Block<T>::freeze_island(std::uint32_t island) {
+  for (std::uint32_t slot = 0; slot < packing_.slot_offset.size(); ++slot) {
+    if (packing_.slot_island[slot] != island) continue;
+    for (T* field : {displacement(0), displacement(1), kick()}) write(field, slot, {});
+    frozen_slots_[slot] = 1;
+  }
+  retire_frozen_rods(0, packing_.positions);
+}
+
+template <class T>
 std::uint32_t Block<T>::freeze_broken_islands(T* last, T* current, std::uint32_t q0,
                                               std::uint32_t q1) noexcept {
   const auto breaks = [&](std::uint32_t slot) {

@@ -110,6 +110,8 @@ class Block {
   /// from now on. Returns how many there were. It allocates, and ends the program if it cannot. It looks only
   /// at slots with numbers in positions [q0, q1).
   std::uint32_t freeze_broken_islands(T* last, T* current, std::uint32_t q0, std::uint32_t q1) noexcept;
+  /// Lets an island stand still for good, at no cost for its rods.
+  void freeze_island(std::uint32_t island);
   bool is_frozen(std::uint32_t slot) const { return frozen_slots_[slot] != 0; }
   /// Returns the position that a slot lies in, or 0 if positions depend on each other.
   std::uint32_t position_of(std::uint32_t slot) const {

@@ -66,6 +66,12 @@ class RelaxSolver final : public Solver {
   void end_anchors() override { anchors_.clear(); }
   void place_anchor(Slot slot, Vec3 target) override { block_.write(block_.x(), slot, target); }
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
+  /// Rods that sweeps left off their lengths do not start there.
+  void go_on(Slot, double) override { starts_off_length_ = false; }
+  void remove(Slot slot) override {
+    block_.freeze_island(island_of(slot));
+    --islands_[piece_of(slot)];
+  }
   void set_away(Slot slot, bool away) override;
   bool is_away(std::uint32_t piece) const override { return away_[piece] == islands_[piece]; }
 

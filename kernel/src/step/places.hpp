@@ -59,7 +59,7 @@ class Places {
   }
 
  private:
-  std::vector<std::size_t> begin_;  ///< particles + 1 entries, into places_
+  std::vector<std::size_t> begin_ = std::vector<std::size_t>(1);  ///< particles + 1 entries, into places_
   std::vector<Place> places_;
 };
 

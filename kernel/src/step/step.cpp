@@ -22,7 +22,7 @@ namespace plumb::detail {
 // - sleep: Pieces that have only moved by rounding for long enough stand still from now on.
 // - measure: What was done and what was skipped is added up. Anchors stand where they were sent.
 const Step::Stage Step::all_stages[] = {
-    {&Step::split, &Step::may_break}, {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact},
+    {&Step::split, &Step::may_split}, {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact},
     {&Step::solve, &Step::always},    {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
 };
 
@@ -57,10 +57,16 @@ Step::Step(const Scene& scene, const Settings& settings)
   sleep_.start(compiled_.solvers, settings);
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
+  seats_.assign(compiled_.solvers.size(), Seat::kept);
+  reserve();
+  compiled_.info.parallel = uses_threads();
+}
+
+/// Makes the space that steps need, so that they allocate nothing.
+void Step::reserve() {
   active_.reserve(sleep_.tasks().size());
   visited_.reserve(compiled_.solvers.size());
   last_dt_.reserve(compiled_.solvers.size());
-  compiled_.info.parallel = uses_threads();
 }
 
 StepReport Step::run(double dt) {
@@ -180,8 +186,9 @@ void Step::measure(StepReport& report) {
 bool Step::uses_threads() const {
   if (workers_.size() == 1) return false;
   std::uint32_t solved = 0;  // counts pieces that do not sweep
-  for (const auto& solver : compiled_.solvers)
-    if (solver->takes_accuracy() && !solver->has_changing_pieces() && !solver->sweeps()) ++solved;
+  for_solvers([&](const Solver& solver) {
+    if (solver.takes_accuracy() && !solver.has_changing_pieces() && !solver.sweeps()) ++solved;
+  });
   const double projections =
       double{1} * compiled_.info.relaxed_rods * settings_.stop.sweeps * settings_.substeps;
   return projections >= thresholds_.projections || solved > 1 ||
@@ -192,7 +199,7 @@ bool Step::uses_threads() const {
 
 void Step::set_stop_rule(const StopRule& rule) {
   bool is_read = false;
-  for (const auto& solver : compiled_.solvers) is_read = solver->set_stop_rule(rule) || is_read;
+  for_solvers([&](Solver& solver) { is_read = solver.set_stop_rule(rule) || is_read; });
   if (!is_read) refuse("no island of this world reads a stop rule: none is relaxed, nor solved by lines");
   settings_.stop = rule;
   sleep_.wake_all(compiled_.solvers);
@@ -201,15 +208,19 @@ void Step::set_stop_rule(const StopRule& rule) {
 
 void Step::set_weights(Weights weights) {
   bool is_read = false;
-  for (const auto& solver : compiled_.solvers) is_read = solver->set_weights(weights) || is_read;
+  for_solvers([&](Solver& solver) { is_read = solver.set_weights(weights) || is_read; });
   if (!is_read) refuse("no island of this world reads weights: none is relaxed");
   settings_.weights = weights;
   sleep_.wake_all(compiled_.solvers);
+  describe();
+}
+
+void Step::describe() {
   WorldInfo& info = compiled_.info;
   info.relaxed_rods = info.direct_rods = 0;
   info.skipped_per_rod_weights = 0;
   info.blocks.clear();
-  for (const auto& solver : compiled_.solvers) solver->describe(info);
+  for_solvers([&](const Solver& solver) { solver.describe(info); });
 }
 
 void Step::ask_load(double time, double dt) {
@@ -237,7 +248,7 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 }
 
 void Step::set_length(std::uint32_t cord, double target) {
-  if (is_broken(cord)) return;  // it has no length any more
+  if (cord < compiled_.info.rods && is_broken(cord)) return;  // it has no length any more
   const auto places = compiled_.cords.of(cord);
   if (places.empty() || solver(places.front()).sweeps())
     refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");

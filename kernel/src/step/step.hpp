@@ -84,7 +84,7 @@ class Step {
   bool always() const { return true; }
   bool has_contact() const { return compiled_.contact != nullptr; }
 
-  bool may_break() const { return breaks_.may_any(); }
+  bool may_split() const { return breaks_.any_may_break(); }
 
   void split(StepReport& report);
   void wake(StepReport& report);
@@ -93,7 +93,16 @@ class Step {
   void sleep(StepReport& report);
   void measure(StepReport& report);
 
+  void reserve();
+  void describe();
   void exchange(const Fallen& fallen, Compiled made);
+  void hand_over(const Fallen& fallen, std::span<const double> substeps);
+  /// Calls f(solver) for all solvers that move something.
+  template <class F>
+  void for_solvers(F&& f) const {
+    for (std::size_t s = 0; s < seats_.size(); ++s)
+      if (seats_[s] != Seat::free) f(*compiled_.solvers[s]);
+  }
   void advance_with_team(std::uint32_t number, Solver& solver, Team& team);
   void advance(Solver& solver, std::uint32_t piece, unsigned part);
   void advance(Task& task, unsigned part);
@@ -116,6 +125,7 @@ class Step {
   Reactions reactions_;
   Breaks breaks_;
   bool has_broken_ = false;  ///< some rod did in the last step
+  std::vector<Seat> seats_;  ///< by solver
   RodJudge rods_;
   Sleep sleep_;
   TimeRules rules_;

@@ -49,6 +49,7 @@ std::optional<Tree> find_tree(const Graph& graph) {
     const Visit visit = open.back();
     open.pop_back();
     const std::uint32_t node = tree.nodes();
+    if (node == static_cast<std::uint32_t>(movable)) return std::nullopt;  // a cycle, beside parts that are not
     tree.vertex.push_back(visit.vertex);
     tree.parent.push_back(visit.parent);
     tree.edge.push_back(visit.edge);
@@ -61,6 +62,7 @@ std::optional<Tree> find_tree(const Graph& graph) {
       if (!is_tie(graph, graph.edges[*e]) && (node == 0 || *e != visit.edge))
         open.push_back({other_end(graph.edges[*e], visit.vertex), node, *e});
   }
+  if (tree.nodes() != static_cast<std::uint32_t>(movable)) return std::nullopt;
   tree.tie_begin.push_back(static_cast<std::uint32_t>(tree.ties.size()));
   return tree;
 }

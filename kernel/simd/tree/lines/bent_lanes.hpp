@@ -245,7 +245,7 @@ PLUMB_INLINE void substitute_bent(const TreeView<T>& tree, const At& at, const V
              select_nonzero(active, now.z, old.z)});
   };
   Vec<V> above = root, before{zero, zero, zero};
-  pull_ties(tree, at, 0, before, active);
+  pull_ties(tree, at, 0, before, active, tree.tie_mu);
   update(0, root);
   V sum = dot(root, root);
   for (std::size_t i = 1; i < tree.nodes; ++i) {
@@ -260,7 +260,7 @@ PLUMB_INLINE void substitute_bent(const TreeView<T>& tree, const At& at, const V
       pull_ties(tree, at, i,
                 nu * at.get3(from, last) - (multiply(get_matrix<V>(at, from, last + 3), above) +
                                             multiply(get_matrix<V>(at, from, last + 12), before)),
-                active);
+                active, tree.tie_mu);
     }
     const V mu = at.get(tree.mu, i);
     at.put(tree.mu, i, select_nonzero(active, mu + nu, mu));

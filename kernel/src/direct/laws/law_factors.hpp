@@ -63,9 +63,9 @@ inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law,
           law.one_sided ? 1.0 : 0.0, law.stiffness * give, strength};
 }
 
-/// Rigid cables start Newton's method with a multiplier of at least this pull, in units of mass. A cable has
-/// the equation of taut ones then if its |C|/L^2 is less. Lines so come tight in few iterations. Otherwise
-/// each iteration finds but the next rod that is taut.
+/// Rigid cables start Newton's method with at least this multiplier, in units of mass. One whose |C|/L^2 is
+/// less than that starts as taut. Lines then come tight in few iterations, where each finds but the next taut
+/// rod otherwise. Of 1,000 random hangings equally many frames were dear with 1e-3, 1e-4 and 1e-8.
 inline constexpr double drawn_cable = 1e-4;
 
 /// Says whether the rate (m/s) of a rod's length jumps, as when a winch starts or stops. Then velocities are

@@ -12,7 +12,7 @@ namespace plumb::detail {
 template <class T>
 void set_substep_lengths(TreeState<T>& state, double h);
 
-/// Lets rigid cables that are hardly slack begin Newton's method as taut ones (loops' draw_cables()).
+/// Lets rigid cables that are hardly slack begin Newton's method as taut ones (drawn_cable).
 template <class T>
 void draw_cables(TreeState<T>& state);
 

@@ -52,8 +52,8 @@ double TreeSolver<T>::pull(Slot rod, double dt) const {
 }
 
 template <class T>
-void TreeSolver<T>::read_pulls(std::span<const detail::Place> rods, double dt, double* out) const {
-  for (const detail::Place& rod : rods) *out++ = number_of(state_.laws.impulse, rod.slot, ties_begin_) / dt;
+void TreeSolver<T>::read_pulls(std::span<const Place> rods, double dt, double* out) const {
+  for (const Place& rod : rods) *out++ = number_of(state_.laws.impulse, rod.slot, ties_begin_) / dt;
 }
 
 template <class T>
@@ -78,14 +78,14 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                      \
-  template Slot TreeSolver<T>::rod_slot(std::uint32_t, std::uint32_t) const;                      \
-  template void TreeSolver<T>::make_laws();                                                       \
-  template void TreeSolver<T>::clear_pulls();                                                     \
-  template void TreeSolver<T>::count_pulls();                                                     \
-  template double TreeSolver<T>::pull(Slot, double) const;                                        \
-  template void TreeSolver<T>::read_pulls(std::span<const detail::Place>, double, double*) const; \
-  template bool TreeSolver<T>::is_broken(Slot) const;                                             \
+#define PLUMB_INSTANTIATE(T)                                                              \
+  template Slot TreeSolver<T>::rod_slot(std::uint32_t, std::uint32_t) const;              \
+  template void TreeSolver<T>::make_laws();                                               \
+  template void TreeSolver<T>::clear_pulls();                                             \
+  template void TreeSolver<T>::count_pulls();                                             \
+  template double TreeSolver<T>::pull(Slot, double) const;                                \
+  template void TreeSolver<T>::read_pulls(std::span<const Place>, double, double*) const; \
+  template bool TreeSolver<T>::is_broken(Slot) const;                                     \
   template void TreeSolver<T>::set_length(Slot, double, double);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

@@ -200,9 +200,9 @@ void LoopSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
   if (work_.lines) work_.lines->forget();
 }
 
-void LoopSolver::go_on(double h) {
-  if (rules_->gradient != Gradient::new_) return;
-  for (double& u : state_.u) u *= h;
+void LoopSolver::go_on(Slot slot, double h) {
+  if (rules_->gradient != Gradient::new_ || h == 0) return;
+  for (std::size_t c = 0; c < 3; ++c) state_.u[3 * std::size_t{slot} + c] *= h;
   state_.u_step = h;
 }
 

@@ -79,7 +79,8 @@ class LoopSolver final : public Solver {
   void end_anchors() override;
   void place_anchor(Slot slot, Vec3 target) override;
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
-  void go_on(double h) override;
+  double last_substep(Slot) const override { return state_.u_step; }
+  void go_on(Slot slot, double h) override;
   void set_away(Slot, bool away) override { away_ = away; }
   bool is_away(std::uint32_t) const override { return away_; }
 

@@ -69,7 +69,7 @@ Slot TreeSolver<T>::tie_slot(std::uint32_t tie, std::uint32_t lane) const {
 }
 
 template <class T>
-auto TreeSolver<T>::place_of(Slot slot) const -> Place {
+auto TreeSolver<T>::place_of(Slot slot) const -> Entry {
   const Slot at = is_tie(slot) ? slot - ties_begin_ : slot;
   return {at / state_.lanes, at % state_.lanes};
 }
@@ -94,7 +94,7 @@ std::uint32_t TreeSolver<T>::project_positions() {
 
 template <class T>
 void TreeSolver<T>::set_velocity(Slot slot, Vec3 velocity) {
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   const double v[3] = {velocity.x, velocity.y, velocity.z};
   for (std::uint32_t c = 0; c < 3; ++c)
     state_.u[state_.at(3 * place.node + c, place.lane)] = static_cast<T>(v[c]);
@@ -249,7 +249,7 @@ double TreeSolver<T>::size(std::uint32_t) const {
 
 template <class T>
 Vec3 TreeSolver<T>::position(Slot slot) const {
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   if (!is_tie(slot)) return state_.position(place.node, place.lane);
   const auto at = [&](std::uint32_t c) { return state_.tie_x[state_.at(3 * place.node + c, place.lane)]; };
   return {at(0), at(1), at(2)};
@@ -259,7 +259,7 @@ template <class T>
 Vec3 TreeSolver<T>::velocity(Slot slot) const {
   if (is_tie(slot)) return {};
   find_velocities();
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   const auto at = [&](std::uint32_t c) {
     return static_cast<double>(velocity_[state_.at(3 * place.node + c, place.lane)]);
   };
@@ -270,7 +270,7 @@ template <class T>
 void TreeSolver<T>::add_to_hash(Slot slot, StateHash& hash) const {
   hash.add<double>(position(slot));
   if (is_tie(slot)) return;
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   for (std::uint32_t c = 0; c < 3; ++c)
     hash.add(static_cast<double>(state_.u[state_.at(3 * place.node + c, place.lane)]));
 }
@@ -305,7 +305,7 @@ template <class T>
 double TreeSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) const {
   double most = 0;  // it is the largest square of a speed
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    const Place place = place_of(slots[i]);
+    const Entry place = place_of(slots[i]);
     const std::size_t at = state_.at(3 * place.node, place.lane), lanes = state_.lanes;
     out[i] = {state_.x[at], state_.x[at + lanes], state_.x[at + 2 * lanes]};
     const double step = state_.u_step[place.lane], over = step != 0 ? 1 / step : 1;
@@ -318,14 +318,14 @@ double TreeSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) con
 
 template <class T>
 void TreeSolver<T>::set_force(Slot slot, Vec3 newton) {
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   if (kind_->rules.gradient == Gradient::old) keep_velocities(place.lane);
   state_.set_force(place.node, place.lane, newton);
 }
 
 template <class T>
 void TreeSolver<T>::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   const double x[3] = {position.x, position.y, position.z}, v[3] = {velocity.x, velocity.y, velocity.z};
   for (std::uint32_t l = line_ ? 0 : place.lane; l < (line_ ? state_.lanes : place.lane + 1); ++l)
     if (state_.u_step[l] != 0 || state_.known[l] != 0 || state_.mu_kick[l] != 0) {
@@ -351,7 +351,7 @@ void TreeSolver<T>::set_away(Slot slot, bool away) {
 
 template <class T>
 void TreeSolver<T>::move_anchor(Slot slot, const AnchorMove& move) {
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   state_.tie_velocity[state_.at(place.node, place.lane)] = move.velocity();
   state_.ties_move = true;
 }
@@ -378,7 +378,7 @@ void TreeSolver<T>::end_anchors() {
 
 template <class T>
 void TreeSolver<T>::place_anchor(Slot slot, Vec3 target) {
-  const Place place = place_of(slot);
+  const Entry place = place_of(slot);
   const double at[3] = {target.x, target.y, target.z};
   for (std::uint32_t c = 0; c < 3; ++c) state_.tie_x[state_.at(3 * place.node + c, place.lane)] = at[c];
 }

@@ -67,8 +67,10 @@ class TreeSolver final : public Solver {
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
-  void go_on(double h) override {
-    if (kind_->rules.gradient == Gradient::new_) state_.displace(h);
+  double last_substep(Slot slot) const override { return state_.u_step[place_of(slot).lane]; }
+  void go_on(Slot slot, double h) override {
+    const Entry at = place_of(slot);
+    if (kind_->rules.gradient == Gradient::new_ && h > 0) state_.displace(at.node, at.lane, h);
   }
   void set_away(Slot slot, bool away) override;
   bool is_away(std::uint32_t) const override { return away_ || state_.trees == 0; }
@@ -82,7 +84,7 @@ class TreeSolver final : public Solver {
   Slot rod_slot(std::uint32_t node, std::uint32_t lane) const;
   void count_pulls() override;
   double pull(Slot rod, double dt) const override;
-  void read_pulls(std::span<const detail::Place> rods, double dt, double* out) const override;
+  void read_pulls(std::span<const Place> rods, double dt, double* out) const override;
   Vec3 hold(Slot slot, double dt) const override;
   bool is_broken(Slot rod) const override;
   void set_length(Slot rod, double length, double rate) override;
@@ -96,13 +98,13 @@ class TreeSolver final : public Solver {
     TreeState<T> whole;
     TreeWorkspace<T> work;
   };
-  struct Place {
+  struct Entry {
     std::uint32_t node, lane;
   };
   void make_laws();
   void clear_pulls();
 
-  Place place_of(Slot slot) const;
+  Entry place_of(Slot slot) const;
   bool is_tie(Slot slot) const { return slot >= ties_begin_; }
   double advance_one(double h, unsigned part, Tally& report);
   void find_velocities() const;

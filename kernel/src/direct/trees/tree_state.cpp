@@ -173,12 +173,15 @@ void TreeState<T>::fill_laws(std::uint32_t lane, const Scene& scene, const layou
   const bool all_rigid = std::all_of(members.edges.begin(), members.edges.end(),
                                      [&](std::uint32_t rod) { return scene.rods[rod].law.is_rigid(); });
   if (all_rigid && !laws.any) return;
+  // The first lane with laws makes them for those before, too.
+  const std::size_t first_lane = laws.any ? lane : 0, stride = laws.any ? lanes : 1;
   laws.make(mu.size(), tie_mu.size(), lanes);
   const auto root_of = [](const AlignedBuffer<double>& squares, std::size_t i) {
     return std::sqrt(squares[i]);
   };
-  for (std::size_t i = lane; i < mu.size(); i += lanes) laws.length.rods[i] = root_of(length2, i);
-  for (std::size_t k = lane; k < tie_mu.size(); k += lanes) laws.length.ties[k] = root_of(tie_length2, k);
+  for (std::size_t i = first_lane; i < mu.size(); i += stride) laws.length.rods[i] = root_of(length2, i);
+  for (std::size_t k = first_lane; k < tie_mu.size(); k += stride)
+    laws.length.ties[k] = root_of(tie_length2, k);
   const double unit = mass_unit[lane];
   const auto give = [&](std::uint32_t i) {
     return static_cast<double>(node[at(tree_fields::node * i + 3, lane)]) / unit;
@@ -253,9 +256,9 @@ void TreeState<T>::set_idle(std::uint32_t lane, bool is_idle) {
 }
 
 template <class T>
-void TreeState<T>::displace(double h) {
-  for (std::size_t i = 0; i < u.size(); ++i) u[i] *= static_cast<T>(h);
-  std::fill(u_step.begin(), u_step.end(), h);
+void TreeState<T>::displace(std::uint32_t number, std::uint32_t lane, double h) {
+  for (std::uint32_t c = 0; c < 3; ++c) u[at(3 * number + c, lane)] *= static_cast<T>(h);
+  u_step[lane] = h;
 }
 
 template <class T>

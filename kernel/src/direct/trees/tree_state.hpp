@@ -63,8 +63,8 @@ struct TreeState {
   /// Sets whether a lane is left out of steps. It then has no tree of its own, or its tree is moved
   /// elsewhere.
   void set_idle(std::uint32_t lane, bool is_idle);
-  /// Makes displacements of a substep of h (s) of all velocities.
-  void displace(double h);
+  /// Makes the displacement of a substep of h (s) of a node's velocity, in a lane where all get theirs.
+  void displace(std::uint32_t number, std::uint32_t lane, double h);
 
   std::shared_ptr<const TreeTopology> topology;
   std::uint32_t lanes;
@@ -153,6 +153,7 @@ struct TreeWorkspace {
   void add_bends(TreeState<T>& state, simd::TreeView<T>& to);
   void add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t ties, simd::TreeView<T>& to);
 
+  layouts::AlignedBuffer<T> blow, tie_blow;  ///< They are multipliers of a projection, per rod.
   layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
       u_before, inverse_kick, push, jolt, projection_factors, law_start, tie_law_start, bend_start, bend_rate,

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "direct/trees/newton_limits.hpp"
 #include "direct/trees/tree_stepper.hpp"
@@ -18,6 +19,10 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_v
         .put(work.projection_factors.data() + lane, state.lanes);
   view.law_factors = work.projection_factors.data();
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
+  view.blow = work.blow.data();
+  view.tie_blow = work.tie_blow.data();
+  std::fill_n(work.blow.data(), work.blow.size(), T(0));
+  std::fill_n(work.tie_blow.data(), work.tie_blow.size(), T(0));
   for (std::size_t i = 0; i < tie_velocity.size(); ++i)
     put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
   view.has_laws = false;  // projections do not need what substeps of laws do
@@ -46,12 +51,40 @@ void TreeStepper<T>::take_sound(const TreeState<T>& state, const TreeWorkspace<T
   }
 }
 
+namespace {
+
+/// Lets go of cables that a projection would push with more than they pulled in the last substep, which they
+/// do not do. Returns whether there were any.
+template <class T>
+bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work) {
+  if (!state.laws.gives) return false;
+  const std::size_t lanes = state.lanes;
+  bool any = false;
+  const auto look = [&](const AlignedBuffer<T>& law, const AlignedBuffer<T>& blow, AlignedBuffer<T>& mu) {
+    for (std::size_t i = 0; i < mu.size(); ++i) {
+      const std::size_t lane = i % lanes;
+      const T one_sided = law[simd::tree_fields::law * (i - lane) + 3 * lanes + lane];
+      const double kick = state.mu_kick[lane];
+      if (one_sided == 0 || kick == 0 || !(mu[i] < 0)) continue;
+      if (!(kick * double{blow[i]} > -std::sqrt(2 * kick) * double{mu[i]})) continue;
+      mu[i] = 0;
+      any = true;
+    }
+  };
+  look(state.laws.law.rods, work.blow, state.mu);
+  look(state.laws.law.ties, work.tie_blow, state.tie_mu);
+  return any;
+}
+
+}  // namespace
+
 template <class T>
 void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
   std::fill_n(work.active.data(), work.active.size(), T(1));
-  project(state, state.tie_velocity, work);
+  do project(state, state.tie_velocity, work);
+  while (let_go(state, work));
   take_sound(state, work, state.u);
   state.tie_last_velocity = state.tie_velocity;
 }

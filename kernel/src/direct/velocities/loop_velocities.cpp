@@ -31,10 +31,37 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
   factor.h = 0;
 }
 
+namespace {
+
+/// Lets go of cables that a projection would push with more than they pulled in the last substep, which they
+/// do not do. Returns whether there were any.
+bool let_go(LoopState& state, const LoopWorkspace& work) {
+  if (work.lines || work.net || state.mu_kick == 0) return false;
+  const double substep = std::sqrt(2 * state.mu_kick);
+  const auto pushes = [&](std::size_t i) {
+    return state.mu[i] < 0 && state.mu_kick * work.blows[i] > -substep * state.mu[i];
+  };
+  bool any = false;
+  const auto release = [&](std::size_t i) {
+    state.mu[i] = 0;
+    any = true;
+  };
+  const std::size_t rods = state.topology->rods.size();
+  for (std::uint32_t k = 0; state.laws.any() && k < rods; ++k)
+    if (state.laws.is_one_sided(k) && pushes(k)) release(k);
+  for (std::size_t t = 0; t < state.tackle_laws.size(); ++t)
+    if (state.tackle_laws[t].is_one_sided && pushes(rods + t)) release(rods + t);
+  return any;
+}
+
+}  // namespace
+
 void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) const {
   note_reel_blows(state, work);
-  std::copy(state.u.begin(), state.u.end(), work.delta.begin());
-  project(state, 0, work);
+  do {
+    std::copy(state.u.begin(), state.u.end(), work.delta.begin());
+    project(state, 0, work);
+  } while (let_go(state, work));
   std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
 }
 
@@ -44,8 +71,10 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
   // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
   // substep earlier.
-  if (step > 0)
-    project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
+  if (step == 0) return;
+  std::swap(state.fixed_velocity, state.fixed_last_velocity);  // fixed vertices went like that
+  project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
+  std::swap(state.fixed_velocity, state.fixed_last_velocity);
 }
 
 void count_blows(LoopState& state, const LoopWorkspace& work) {

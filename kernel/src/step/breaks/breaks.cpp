@@ -13,15 +13,6 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffff;
 
-/// Returns the island of every movable particle, and none of fixed ones.
-std::vector<std::uint32_t> labels(const Scene& scene, const layouts::Islands& islands) {
-  std::vector<std::uint32_t> out(scene.particles.size(), none);
-  for (std::uint32_t i = 0; i < islands.count(); ++i)
-    for (const std::uint32_t particle : islands.vertices(i))
-      if (!scene.particles[particle].fixed) out[particle] = i;
-  return out;
-}
-
 /// Returns whether particles that follow each other in a chain, and are not both fixed, lack a rod.
 template <class Particles>
 bool lacks_rod(const Scene& scene, const RodTable& rods, const Particles& chain) {
@@ -43,6 +34,10 @@ Breaks::Breaks(const Scene& scene, const Settings& settings) : model_(mass_model
   std::iota(numbers_.begin(), numbers_.end(), 0u);
   is_leaving_.resize(scene.rods.size());
   broken_.assign(scene.rods.size(), 0);
+  whole_.assign(scene.particles.size(), none);
+  const layouts::Islands all = islands();
+  for (; wholes_ < all.count(); ++wholes_)
+    for (const std::uint32_t particle : all.vertices(wholes_)) whole_[particle] = wholes_;
 }
 
 layouts::Islands Breaks::islands() const {
@@ -50,10 +45,14 @@ layouts::Islands Breaks::islands() const {
 }
 
 Fallen Breaks::take_out_leaving() {
-  const layouts::Islands before = islands();
   remove_leaving();
-  const layouts::Islands after = islands();
-  return cut_out(after, apart(before, after));
+  const layouts::Islands now = islands();
+  const std::vector<std::uint32_t> parts = apart(now);
+  for (const std::uint32_t part : parts) {
+    for (const std::uint32_t particle : now.vertices(part)) whole_[particle] = wholes_;
+    ++wholes_;
+  }
+  return cut_out(now, parts);
 }
 
 void Breaks::remove_leaving() {
@@ -82,20 +81,18 @@ void Breaks::remove_leaving() {
   std::erase_if(scene_.twists, [&](const Twist& twist) { return lacks_rod(scene_, rods, twist.particles); });
 }
 
-/// Returns the islands that were parts of larger ones.
-std::vector<std::uint32_t> Breaks::apart(const layouts::Islands& before,
-                                         const layouts::Islands& after) const {
-  const std::vector<std::uint32_t> old = labels(scene_, before);
-  const IslandElements elements(scene_, after);
-  std::vector<std::uint32_t> parts(before.count(), 0);
-  std::vector<std::uint8_t> stays(before.count(), 0);
-  const auto whole = [&](std::uint32_t part) { return old[after.vertices(part).front()]; };
-  for (std::uint32_t part = 0; part < after.count(); ++part) {
+/// Returns the islands that are parts of a larger one, which nothing holds together.
+std::vector<std::uint32_t> Breaks::apart(const layouts::Islands& islands) const {
+  const IslandElements elements(scene_, islands);
+  std::vector<std::uint32_t> parts(wholes_, 0);
+  std::vector<std::uint8_t> stays(wholes_, 0);
+  const auto whole = [&](std::uint32_t part) { return whole_[islands.vertices(part).front()]; };
+  for (std::uint32_t part = 0; part < islands.count(); ++part) {
     ++parts[whole(part)];
     if (!elements.twists_of(part).empty() || !elements.reels_of(part).empty()) stays[whole(part)] = 1;
   }
   std::vector<std::uint32_t> out;
-  for (std::uint32_t part = 0; part < after.count(); ++part)
+  for (std::uint32_t part = 0; part < islands.count(); ++part)
     if (parts[whole(part)] > 1 && stays[whole(part)] == 0) out.push_back(part);
   return out;
 }
@@ -116,7 +113,6 @@ Fallen Breaks::cut_out(const layouts::Islands& islands, const std::vector<std::u
     }
     for (const std::uint32_t rod : islands.edges(island)) {
       Rod& made = out.scene.rods.emplace_back(scene_.rods[rod]);
-      made.length = rod_length(scene_, rod);
       made.a = place[made.a];
       made.b = place[made.b];
       out.rods.push_back(numbers_[rod]);

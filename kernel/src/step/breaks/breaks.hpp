@@ -9,12 +9,10 @@
 
 namespace plumb::detail {
 
-/// Holds islands that fell apart as a scene of their own, with the numbers that things have in the whole one.
-/// Tackles keep theirs.
+/// Holds islands that fell apart as a scene of their own.
 struct Fallen {
   Scene scene;
-  std::vector<std::uint32_t> particles, rods;  ///< by number in `scene`
-  std::vector<std::uint32_t> tackles;          ///< likewise
+  std::vector<std::uint32_t> particles, rods, tackles;  ///< by number in `scene`: that in the whole one
 
   bool any() const { return !particles.empty(); }
 };
@@ -29,7 +27,7 @@ class Breaks {
   /// Keeps nothing unless some rod may break.
   Breaks(const Scene& scene, const Settings& settings);
 
-  bool may_any() const { return !broken_.empty(); }
+  bool any_may_break() const { return !broken_.empty(); }
   bool is_broken(std::uint32_t rod) const { return rod < broken_.size() && broken_[rod] != 0; }
 
   /// Takes out the rods for which `has_broken` is true now. Returns what fell apart by that, where and as
@@ -50,13 +48,15 @@ class Breaks {
   layouts::Islands islands() const;
   Fallen take_out_leaving();
   void remove_leaving();
-  std::vector<std::uint32_t> apart(const layouts::Islands& before, const layouts::Islands& after) const;
+  std::vector<std::uint32_t> apart(const layouts::Islands& islands) const;
   Fallen cut_out(const layouts::Islands& islands, const std::vector<std::uint32_t>& numbers) const;
 
   MassModel model_;
   Scene scene_;                           ///< without broken rods
   std::vector<std::uint32_t> numbers_;    ///< of its rods in the whole scene
   std::vector<std::uint8_t> is_leaving_;  ///< by rod of scene_
+  std::vector<std::uint32_t> whole_;      ///< by movable particle: the island that one solver moves
+  std::uint32_t wholes_ = 0;              ///< so many such islands have been numbered
   std::vector<std::uint8_t> broken_;      ///< by rod of the whole scene; empty if none may break
 };
 

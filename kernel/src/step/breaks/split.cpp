@@ -41,7 +41,7 @@ void Step::split(StepReport&) {
     fallen.scene.tackles[k].length = lengths_.length(compiled_.info.rods + fallen.tackles[k]);
   Settings settings = settings_;
   settings.threads = workers_.size();
-  exchange(fallen, compile_parts(fallen.scene, settings));
+  exchange(fallen, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));
 }
 
 /// Lets new solvers move islands that fell apart, from where they are.
@@ -51,19 +51,23 @@ void Step::exchange(const Fallen& fallen, Compiled made) {
   const auto island_at = [&](const Place& place) {
     return IslandOfSolver{place.solver, solver(place).island_of(place.slot)};
   };
-  for (const std::uint32_t particle : fallen.particles)
-    if (!anchors_.is_fixed(particle))
-      for (const Place& place : compiled_.places.of(particle))
-        if (gone.insert(island_at(place)).second) solver(place).set_away(place.slot, true);
+  std::vector<double> substeps(fallen.particles.size(), 0);  // s, the last of each particle
+  for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
+    if (fallen.scene.particles[k].fixed) continue;
+    const auto places = compiled_.places.of(fallen.particles[k]);
+    substeps[k] = solver(places.front()).last_substep(places.front().slot);
+    for (const Place& place : places)
+      if (gone.insert(island_at(place)).second) solver(place).remove(place.slot);
+  }
   const auto leaves = [&](const Place& place) { return gone.count(island_at(place)) > 0; };
 
   // Numbers of solvers stay what they are, since others know them. New ones take those that nobody needs.
-  std::vector<Seat> seats(compiled_.solvers.size(), Seat::free);
-  for (std::size_t s = 0; s < seats.size(); ++s)
-    if (compiled_.solvers[s]->has_changing_pieces()) seats[s] = Seat::kept;
+  seats_.assign(compiled_.solvers.size(), Seat::free);
+  for (std::size_t s = 0; s < seats_.size(); ++s)
+    if (compiled_.solvers[s]->has_changing_pieces()) seats_[s] = Seat::kept;
   for (const Place& place : compiled_.places.all())
-    if (!leaves(place)) seats[place.solver] = Seat::kept;
-  const std::vector<std::uint32_t> numbers = take_seats(made.solvers.size(), seats);
+    if (!leaves(place)) seats_[place.solver] = Seat::kept;
+  const std::vector<std::uint32_t> numbers = take_seats(made.solvers.size(), seats_);
 
   std::vector<std::uint32_t> cords = fallen.rods;
   for (const std::uint32_t tackle : fallen.tackles) cords.push_back(compiled_.info.rods + tackle);
@@ -76,21 +80,41 @@ void Step::exchange(const Fallen& fallen, Compiled made) {
       [&](std::uint32_t cord, const Place&) { return changes[cord] != 0 || breaks_.is_broken(cord); },
       made.cords, cords, numbers);
 
-  compiled_.solvers.resize(seats.size());
+  compiled_.solvers.resize(seats_.size());
   for (std::size_t s = 0; s < numbers.size(); ++s) compiled_.solvers[numbers[s]] = std::move(made.solvers[s]);
-  anchors_.resize(seats.size());
-  sleep_.exchange(compiled_.solvers, seats);
-  for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
-    const Particle& particle = fallen.scene.particles[k];
-    if (particle.fixed) continue;
-    for (const Place& place : made.places.of(static_cast<std::uint32_t>(k))) {
-      Solver& to = *compiled_.solvers[numbers[place.solver]];
-      to.set_motion(place.slot, particle.position, particle.velocity);
-      if (const Vec3 force = loads_.force(fallen.particles[k]); force != Vec3{})
-        to.set_force(place.slot, force);
-    }
+  anchors_.resize(seats_.size());
+  sleep_.exchange(compiled_.solvers, seats_);
+  compiled_.info.islands += made.info.islands - static_cast<std::uint32_t>(gone.size());
+  describe();
+  compiled_.info.parallel = uses_threads();
+  reserve();
+  hand_over(fallen, substeps);
+}
+
+/// Gives new solvers the motion of islands that fell apart, and the forces on them.
+void Step::hand_over(const Fallen& fallen, std::span<const double> substeps) {
+  const auto for_movable = [&](auto&& f) {
+    for (std::size_t k = 0; k < fallen.particles.size(); ++k)
+      if (!fallen.scene.particles[k].fixed)
+        for (const Place& place : compiled_.places.of(fallen.particles[k])) f(k, solver(place), place.slot);
+  };
+  for_movable([&](std::size_t k, Solver& to, Slot slot) {
+    to.set_motion(slot, fallen.scene.particles[k].position, fallen.scene.particles[k].velocity);
+  });
+  for_movable([&](std::size_t k, Solver& to, Slot slot) {
+    to.go_on(slot, substeps[k]);
+    if (const Vec3 force = loads_.force(fallen.particles[k]); force != Vec3{}) to.set_force(slot, force);
+  });
+  // They know how fast anchors went, or a steady one would seem to jump.
+  anchors_.for_moved([&](std::uint32_t particle, const AnchorMove& path) {
+    for (const Place& place : compiled_.places.of(particle))
+      if (seats_[place.solver] == Seat::taken) solver(place).move_anchor(place.slot, path);
+  });
+  for (std::uint32_t s = 0; s < seats_.size(); ++s) {
+    if (seats_[s] != Seat::taken) continue;
+    compiled_.solvers[s]->end_anchors();
+    anchors_.settle(s);
   }
-  for (const std::uint32_t number : numbers) compiled_.solvers[number]->go_on(dt_ / rules_.substeps);
 }
 
 }  // namespace plumb::detail

@@ -92,7 +92,11 @@ class Compiler {
     return make_from(shares);
   }
 
-  Compiled make_parts() { return make_from(shares_of(islands_)); }
+  Compiled make_parts(std::uint32_t relaxed_rods) {
+    start_.goes_on = true;
+    start_.relaxed_rods = relaxed_rods;
+    return make_from(shares_of(islands_));
+  }
 
  private:
   /// Makes the contact solver, and finds which particles belong to islands that it alone can move.
@@ -342,8 +346,8 @@ Compiled compile(const Scene& scene, const Settings& settings) {
   return Compiler(scene, settings).make();
 }
 
-Compiled compile_parts(const Scene& parts, const Settings& settings) {
-  return Compiler(parts, settings).make_parts();
+Compiled compile_parts(const Scene& parts, const Settings& settings, std::uint32_t relaxed_rods) {
+  return Compiler(parts, settings).make_parts(relaxed_rods);
 }
 
 }  // namespace plumb::detail

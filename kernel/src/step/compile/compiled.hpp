@@ -25,7 +25,8 @@ struct Compiled {
 Compiled compile(const Scene& scene, const Settings& settings);
 
 /// Does so with islands of rods and elements that were part of a scene compiled before. What refuses a scene
-/// was asked then.
-Compiled compile_parts(const Scene& parts, const Settings& settings);
+/// was asked then. Solvers are not started: set_motion() hands them how islands move. The world relaxes so
+/// many rods in all.
+Compiled compile_parts(const Scene& parts, const Settings& settings, std::uint32_t relaxed_rods);
 
 }  // namespace plumb::detail

@@ -14,6 +14,7 @@ Anchors::Anchors(const Scene& scene, std::size_t solvers)
   targets_ = positions_;
   // The space is reserved here, so that steps that move anchors allocate nothing.
   moving_.reserve(static_cast<std::size_t>(std::count(fixed_.begin(), fixed_.end(), std::uint8_t{1})));
+  moved_.reserve(moving_.capacity());
   concerned_.reserve(solvers);
   settling_.reserve(solvers);
 }
@@ -32,6 +33,7 @@ void Anchors::set_target(std::uint32_t particle, Vec3 target) {
 }
 
 void Anchors::begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
+  dt_ = dt;
   for (const std::uint32_t solver : settling_) concern(solver);
   settling_.clear();
   for (const std::uint32_t particle : moving_)
@@ -46,7 +48,9 @@ void Anchors::end_step(const Places& places, std::span<const std::unique_ptr<Sol
   for (const std::uint32_t solver : concerned_) solvers[solver]->end_anchors();
   for (const std::uint32_t solver : concerned_) is_concerned_[solver] = 0;
   concerned_.clear();
+  moved_.clear();
   for (const std::uint32_t particle : moving_) {
+    moved_.push_back({particle, {positions_[particle], targets_[particle], dt_}});
     for (const Place place : places.of(particle)) {
       solvers[place.solver]->place_anchor(place.slot, targets_[particle]);
       concern(place.solver);

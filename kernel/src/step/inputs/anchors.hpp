@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "interface/solver.hpp"
@@ -24,8 +25,19 @@ class Anchors {
   bool any_paths() const { return !moving_.empty() || !settling_.empty() || !concerned_.empty(); }
 
   void set_target(std::uint32_t particle, Vec3 target);
+  /// Calls f(particle, path) for anchors that moved in the last step, with their paths then.
+  template <class F>
+  void for_moved(F&& f) const {
+    for (const auto& [particle, path] : moved_) f(particle, path);
+  }
+  /// Lets a solver learn of the next paths, as one that learned of the last.
+  void settle(std::uint32_t solver) { settling_.push_back(solver); }
   /// Takes another number of solvers.
-  void resize(std::size_t solvers) { is_concerned_.resize(solvers, 0); }
+  void resize(std::size_t solvers) {
+    is_concerned_.resize(solvers, 0);
+    concerned_.reserve(solvers);
+    settling_.reserve(solvers);
+  }
 
   /// Calls f(place) for every place of an anchor that will leave where it is.
   template <class F>
@@ -48,6 +60,8 @@ class Anchors {
   std::vector<std::uint32_t> moving_;     ///< particles with a target of their own
   std::vector<std::uint32_t> concerned_;  ///< solvers that learn of paths in this step
   std::vector<std::uint32_t> settling_;   ///< solvers that learned of paths in the last step
+  std::vector<std::pair<std::uint32_t, AnchorMove>> moved_;  ///< in the last step
+  double dt_ = 0;                                            ///< s, of that step
   std::vector<std::uint8_t> is_concerned_;
 };
 
