@@ -49,7 +49,8 @@ std::optional<Tree> find_tree(const Graph& graph) {
     const Visit visit = open.back();
     open.pop_back();
     const std::uint32_t node = tree.nodes();
-    if (node == static_cast<std::uint32_t>(movable)) return std::nullopt;  // a cycle, beside parts that are not
+    if (node == static_cast<std::uint32_t>(movable))
+      return std::nullopt;  // a cycle, beside parts that are not
     tree.vertex.push_back(visit.vertex);
     tree.parent.push_back(visit.parent);
     tree.edge.push_back(visit.edge);
