@@ -60,7 +60,8 @@ bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work) {
   if (!state.laws.gives) return false;
   const std::size_t lanes = state.lanes;
   bool any = false;
-  const auto look = [&](const AlignedBuffer<T>& law, const AlignedBuffer<T>& blow, AlignedBuffer<T>& mu) {
+  const auto look = [&](const layouts::AlignedBuffer<T>& law, const layouts::AlignedBuffer<T>& blow,
+                        layouts::AlignedBuffer<T>& mu) {
     for (std::size_t i = 0; i < mu.size(); ++i) {
       const std::size_t lane = i % lanes;
       const T one_sided = law[simd::tree_fields::law * (i - lane) + 3 * lanes + lane];
