@@ -19,10 +19,13 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_v
         .put(work.projection_factors.data() + lane, state.lanes);
   view.law_factors = work.projection_factors.data();
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
-  view.blow = work.blow.data();
-  view.tie_blow = work.tie_blow.data();
-  std::fill_n(work.blow.data(), work.blow.size(), T(0));
-  std::fill_n(work.tie_blow.data(), work.tie_blow.size(), T(0));
+  // Only of cables does it matter whether a blow pushes.
+  if (state.laws.cables) {
+    view.blow = work.blow.data();
+    view.tie_blow = work.tie_blow.data();
+    std::fill_n(work.blow.data(), work.blow.size(), T(0));
+    std::fill_n(work.tie_blow.data(), work.tie_blow.size(), T(0));
+  }
   for (std::size_t i = 0; i < tie_velocity.size(); ++i)
     put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
   view.has_laws = false;  // projections do not need what substeps of laws do
@@ -57,7 +60,7 @@ namespace {
 /// do not do. Returns whether there were any.
 template <class T>
 bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work) {
-  if (!state.laws.gives) return false;
+  if (!state.laws.cables) return false;
   const std::size_t lanes = state.lanes;
   bool any = false;
   const auto look = [&](const layouts::AlignedBuffer<T>& law, const layouts::AlignedBuffer<T>& blow,
