@@ -16,29 +16,18 @@ namespace plumb {
 namespace {
 
 using std::numbers::pi;
+using test::atwood;
+using test::direct_with_tensions;
 using test::fixed;
 using test::movable;
 
 constexpr double g = 9.81;
 
-Settings direct(Gradient gradient, std::uint32_t substeps = 1) {
-  return {.method = Method::direct, .gradient = gradient, .substeps = substeps, .tensions = true};
-}
-
-/// Two masses (kg) over a pulley at the origin. The second one hangs 1 m below, turned by `angle` (rad).
-Scene atwood(double first, double second, double friction, double angle = 0) {
-  Scene scene;
-  scene.particles = {movable({0, -2, 0}, first), fixed({}),
-                     movable({std::sin(angle), -std::cos(angle), 0}, second)};
-  scene.tackles = {{.particles = {0, 1, 2}, .friction = friction}};
-  return scene;
-}
-
 TEST(Pulleys, AtwoodsMachineSlidesAtItsRate) {
   const double ratio = std::exp(0.2 * pi);
   for (const Gradient gradient : {Gradient::mid, Gradient::new_})
     for (const bool goes_on : {false, true}) {
-      World world(goes_on ? atwood(1, 3, 0.2) : atwood(3, 1, 0.2), direct(gradient, 4));
+      World world(goes_on ? atwood({1, 3}, 0.2) : atwood({3, 1}, 0.2), direct_with_tensions(gradient, 4));
       const StepReport report = test::run(world, 0.01, 30);
       const double rate = g * (3 - ratio) / (3 + ratio), t = 0.3;
       const double light = world.position(goes_on ? 0 : 2).y, start = goes_on ? -2 : -1;
@@ -56,7 +45,7 @@ TEST(Pulleys, AtwoodsMachineStandsStillWhileFrictionHoldsIt) {
   const double ratio = std::exp(0.2 * pi);
   for (const Gradient gradient : {Gradient::mid, Gradient::new_})
     for (const double share : {0.999, 1.001}) {
-      World world(atwood(2, 2 * share * ratio, 0.2), direct(gradient));
+      World world(atwood({2, 2 * share * ratio}, 0.2), direct_with_tensions(gradient));
       test::run(world, 1.0 / 60, 600);
       if (share > 1) {
         EXPECT_LT(world.position(2).y, -1.1);
@@ -73,7 +62,7 @@ TEST(Pulleys, AtwoodsMachineStandsStillWhileFrictionHoldsIt) {
 TEST(Pulleys, AMachineInALiftThatAcceleratesWeighsMore) {
   const double ratio = std::exp(0.2 * pi), rate = 6, dt = 0.01;
   for (const double share : {0.95, 1.05}) {
-    World world(atwood(2, 2 * share * ratio, 0.2), direct(Gradient::mid));
+    World world(atwood({2, 2 * share * ratio}, 0.2), direct_with_tensions(Gradient::mid));
     world.step(dt);  // a blow in the very first step would find no friction yet
     for (int i = 1; i <= 50; ++i) {
       world.move_anchor(1, {0, rate / 2 * i * dt * i * dt, 0});
@@ -93,10 +82,10 @@ TEST(Pulleys, AMachineThatComesToRestStaysWhereItStops) {
   const double way = 1 / (2 * rate);
   double last = 0;
   for (const int steps : {100, 400, 1600}) {
-    Scene scene = atwood(2.5, 3, 0.2);
+    Scene scene = atwood({2.5, 3}, 0.2);
     scene.particles[0].velocity = {0, 1, 0};
     scene.particles[2].velocity = {0, -1, 0};
-    World world(scene, direct(Gradient::mid));
+    World world(scene, direct_with_tensions(Gradient::mid));
     const StepReport report = test::run(world, 1.0 / steps, steps);
     // Within the substep in which it stops it goes too far by less than that substep's way.
     const double error = std::abs(world.position(0).y + 2 - way);
@@ -114,7 +103,7 @@ TEST(Pulleys, SwingingMachinesConvergeToTheTruthWithTheirOrder) {
   const Vec3 truth = test::swung(0.3, 1, 0.2, 1, 0.35);
   for (const auto& [gradient, order] : {std::pair{Gradient::mid, 2}, std::pair{Gradient::new_, 1}}) {
     const auto error = [&, gradient = gradient](int steps) {
-      World world(atwood(0.3, 1, 0.2, 1), direct(gradient));
+      World world(atwood({0.3, 1}, 0.2, 1), direct_with_tensions(gradient));
       test::run(world, 0.35 / steps, steps);
       return norm(world.position(2) - truth);
     };
@@ -148,7 +137,7 @@ TEST(Pulleys, HoistsLiftAndLowerWithTheirRatio) {
   for (const std::uint32_t falls : {2u, 4u, 6u})
     for (const double way : {1.0, -1.0}) {
       const Scene scene = hoist(falls, 0.1);
-      World world(scene, direct(Gradient::mid, 4));
+      World world(scene, direct_with_tensions(Gradient::mid, 4));
       StepReport report;
       const double start = tackle_length(scene, 0), dt = 0.01;
       for (int i = 1; i <= 200; ++i) {
@@ -197,7 +186,7 @@ TEST(Pulleys, FrictionTakesEnergyAtEveryPulleyAndNothingElseDoes) {
   for (const double stiffness : {std::numeric_limits<double>::infinity(), 2000.0})
     for (const double friction : {0.02, 0.15, 0.5}) {
       const Scene scene = rig({.stiffness = stiffness}, friction);
-      World world(scene, direct(Gradient::mid));
+      World world(scene, direct_with_tensions(Gradient::mid));
       const auto energy = [&] { return test::energy_of(scene, world).total(); };
       const double range = energy_range(scene);
       double last = energy();
@@ -238,7 +227,7 @@ TEST(Pulleys, FrictionTakesEnergyAtEveryPulleyAndNothingElseDoes) {
 TEST(Pulleys, ReactionsMakeTheChangeOfMomentum) {
   for (const bool one_sided : {false, true}) {
     const Scene scene = rig({.one_sided = one_sided}, 0.2);
-    World world(scene, direct(Gradient::mid));
+    World world(scene, direct_with_tensions(Gradient::mid));
     const auto momentum = [&] {
       return measure_momentum(scene, test::positions_of(world), test::velocities_of(world)).linear;
     };
@@ -258,14 +247,14 @@ TEST(Pulleys, AStraightWayHasNoFrictionAndASlackCordNeither) {
   straight.gravity = {};
   straight.particles = {movable({0, 0, 0}, 1, {1, 0, 0}), fixed({1, 0, 0}), movable({2, 0, 0}, 2, {1, 0, 0})};
   straight.tackles = {{.particles = {0, 1, 2}, .friction = 2}};
-  World world(straight, direct(Gradient::mid));
+  World world(straight, direct_with_tensions(Gradient::mid));
   test::run(world, 0.01, 50);
   EXPECT_NEAR(world.velocity(2).x, 1, 1e-12);
 
-  Scene slack = atwood(1, 1, 0.5);
+  Scene slack = atwood({1, 1}, 0.5);
   slack.tackles[0].length = 5;
   slack.tackles[0].law.one_sided = true;
-  World falls(slack, direct(Gradient::mid));
+  World falls(slack, direct_with_tensions(Gradient::mid));
   test::run(falls, 0.01, 20);
   EXPECT_NEAR(falls.position(0).y, -2 - g / 2 * 0.04, 1e-12);
 }

@@ -15,33 +15,22 @@ namespace plumb {
 namespace {
 
 using std::numbers::pi;
+using test::atwood;
+using test::direct_with_tensions;
 using test::fixed;
 using test::movable;
 
 constexpr double g = 9.81;
 
-Settings direct(Gradient gradient, std::uint32_t substeps = 1) {
-  return {.method = Method::direct, .gradient = gradient, .substeps = substeps, .tensions = true};
-}
-
-/// Two masses (kg) over a pulley at the origin. The second one hangs 1 m below, turned by `angle` (rad).
-Scene atwood(double first, double second, double angle = 0) {
-  Scene scene;
-  scene.particles = {movable({0, -2, 0}, first), fixed({}),
-                     movable({std::sin(angle), -std::cos(angle), 0}, second)};
-  scene.tackles = {{.particles = {0, 1, 2}}};
-  return scene;
-}
-
 TEST(Tackles, AtwoodsMachineFallsAtItsRate) {
   for (const Gradient gradient : {Gradient::mid, Gradient::new_})
     for (const bool with_rods : {false, true}) {
-      Scene scene = atwood(with_rods ? 0.4 : 1, 3);
+      Scene scene = atwood({with_rods ? 0.4 : 1, 3});
       if (with_rods) {
         scene.particles.push_back(movable({0, -3, 0}, 0.6));
         scene.rods = {{.a = 0, .b = 3}};
       }
-      World world(scene, direct(gradient, 4));
+      World world(scene, direct_with_tensions(gradient, 4));
       const StepReport report = test::run(world, 0.01, 30);
       const double rate = g * (3 - 1) / (3 + 1), t = 0.3;
       EXPECT_NEAR(world.position(0).y, -2 + rate / 2 * t * t, 1e-12);
@@ -57,7 +46,7 @@ TEST(Tackles, SwingingMachinesConvergeToTheTruthWithTheirOrder) {
   const Vec3 truth = test::swung(1.5, 1, 0, 1.2, 0.5);
   for (const auto& [gradient, order] : {std::pair{Gradient::mid, 2}, std::pair{Gradient::new_, 1}}) {
     const auto error = [&, gradient = gradient](int steps) {
-      World world(atwood(1.5, 1, 1.2), direct(gradient));
+      World world(atwood({1.5, 1}, 0, 1.2), direct_with_tensions(gradient));
       test::run(world, 0.5 / steps, steps);
       return norm(world.position(2) - truth);
     };
@@ -84,7 +73,7 @@ TEST(Tackles, MidKeepsEnergyAndMomentum) {
       if (one_sided && !std::isfinite(stiffness)) continue;  // a rigid cable that catches loses energy
       Scene scene = spinning_ring();
       scene.tackles[0].law = {.stiffness = stiffness, .one_sided = one_sided};
-      World world(scene, direct(Gradient::mid));
+      World world(scene, direct_with_tensions(Gradient::mid));
       const double energy = test::energy_of(scene, world).total();
       const auto momentum = [&] {
         return measure_momentum(scene, test::positions_of(world), test::velocities_of(world));
@@ -115,7 +104,7 @@ Scene block_and_tackle(std::uint32_t falls) {
 TEST(Tackles, AWinchDoesTheWorkThatALoadGains) {
   for (const std::uint32_t falls : {2u, 4u}) {
     const Scene scene = block_and_tackle(falls);
-    World world(scene, direct(Gradient::mid));
+    World world(scene, direct_with_tensions(Gradient::mid));
     const double start = test::energy_of(scene, world).total();
     double length = tackle_length(scene, 0), work = 0;
     StepReport report;
@@ -167,9 +156,9 @@ TEST(Tackles, ElasticCordsStretchByTheirPullAndStiffOnesAreRigid) {
   EXPECT_NEAR(soft.tackle_tension(0), 1e4 * (way - scene.tackles[0].length), 1e-6);
 
   const auto tip = [&](double stiffness) {
-    Scene machine = atwood(1.5, 1, 1.2);
+    Scene machine = atwood({1.5, 1}, 0, 1.2);
     machine.tackles[0].law.stiffness = stiffness;
-    World world(machine, direct(Gradient::mid));
+    World world(machine, direct_with_tensions(Gradient::mid));
     test::run(world, 0.01, 50);
     return world.position(2);
   };
@@ -191,7 +180,7 @@ TEST(Tackles, ACordThatIsTooShortGivesWay) {
 
 TEST(Tackles, AnchorsThatAccelerateShowInThePull) {
   Scene scene = block_and_tackle(2);
-  World world(scene, direct(Gradient::mid));
+  World world(scene, direct_with_tensions(Gradient::mid));
   const double dt = 0.01, rate = 2;
   for (int i = 1; i <= 40; ++i) {
     for (const std::uint32_t anchor : {0u, 1u})

@@ -3,11 +3,31 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 
 #include "plumb/plumb.hpp"
+#include "support/worlds.hpp"
 
 namespace plumb::test {
+
+/// How the tests of tackles solve: directly, and with all tensions known.
+inline Settings direct_with_tensions(Gradient gradient, std::uint32_t substeps = 1) {
+  return {.method = Method::direct, .gradient = gradient, .substeps = substeps, .tensions = true};
+}
+
+/// What hangs on the cord of Atwood's machine.
+struct AtwoodMasses {
+  double first = 1, second = 1;  ///< kg
+};
+/// Two masses over a pulley at the origin. The second one hangs 1 m below, turned by `angle` (rad).
+inline Scene atwood(const AtwoodMasses& masses, double friction = 0, double angle = 0) {
+  Scene scene;
+  scene.particles = {movable({0, -2, 0}, masses.first), fixed({}),
+                     movable({std::sin(angle), -std::cos(angle), 0}, masses.second)};
+  scene.tackles = {{.particles = {0, 1, 2}, .friction = friction}};
+  return scene;
+}
 
 /// Where the second mass of a machine is after t (s), by the equations of the swinging Atwood machine
 /// (Tufillaro 1984) and Runge and Kutta's method. The cord slides towards it. The pull behind the pulley is

@@ -123,8 +123,7 @@ class TreeStepper {
   void project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity, TreeWorkspace<T>& work) const;
   /// Takes what was projected, in lanes where it is not many times what was given. Rods that are nearly
   /// straight between anchors have no sound projection.
-  void take_sound(const TreeState<T>& state, const TreeWorkspace<T>& work,
-                  layouts::AlignedBuffer<T>& to) const;
+  void take_sound(const TreeState<T>& state, TreeWorkspace<T>& work, layouts::AlignedBuffer<T>& to) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;

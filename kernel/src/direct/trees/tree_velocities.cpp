@@ -19,8 +19,8 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_v
         .put(work.projection_factors.data() + lane, state.lanes);
   view.law_factors = work.projection_factors.data();
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
-  // Only of cables does it matter whether a blow pushes.
-  if (state.laws.cables) {
+  // Of cables it matters whether a blow pushes.
+  if (state.laws.cables || state.laws.pulls) {
     view.blow = work.blow.data();
     view.tie_blow = work.tie_blow.data();
     std::fill_n(work.blow.data(), work.blow.size(), T(0));
@@ -38,7 +38,7 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_v
 }
 
 template <class T>
-void TreeStepper<T>::take_sound(const TreeState<T>& state, const TreeWorkspace<T>& work,
+void TreeStepper<T>::take_sound(const TreeState<T>& state, TreeWorkspace<T>& work,
                                 layouts::AlignedBuffer<T>& to) const {
   for (std::size_t lane = 0; lane < state.lanes; ++lane) {
     double projected = 0, given = 0;
@@ -49,8 +49,12 @@ void TreeStepper<T>::take_sound(const TreeState<T>& state, const TreeWorkspace<T
     for (std::size_t i = lane; i < state.tie_velocity.size(); i += state.lanes)
       for (const Vec3 v : {state.tie_velocity[i], state.tie_last_velocity[i]}) given += dot(v, v);
     // Numbers that are not finite fail this comparison, too.
-    if (projected <= most_projected_growth * given)
+    if (projected <= most_projected_growth * given) {
       for (std::size_t i = lane; i < to.size(); i += state.lanes) to[i] = work.delta[i];
+      continue;
+    }
+    for (auto* const blow : {&work.blow, &work.tie_blow})
+      for (std::size_t i = lane; i < blow->size(); i += state.lanes) (*blow)[i] = 0;
   }
 }
 
@@ -80,6 +84,19 @@ bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work) {
   return any;
 }
 
+/// Adds what rods pulled with in a projection to what they did in this step.
+template <class T>
+void count_blows(TreeState<T>& state, const TreeWorkspace<T>& work) {
+  if (!state.laws.pulls) return;
+  const auto count = [&](const layouts::AlignedBuffer<T>& blow, const auto& length2,
+                         layouts::AlignedBuffer<double>& impulse) {
+    for (std::size_t i = 0; i < blow.size(); ++i)
+      impulse[i] -= double{blow[i]} * std::sqrt(double{length2[i]}) * state.mass_unit[i % state.lanes];
+  };
+  count(work.blow, state.length2, state.laws.impulse.rods);
+  count(work.tie_blow, state.tie_length2, state.laws.impulse.ties);
+}
+
 }  // namespace
 
 template <class T>
@@ -90,6 +107,7 @@ void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& w
   do project(state, state.tie_velocity, work);
   while (let_go(state, work));
   take_sound(state, work, state.u);
+  count_blows(state, work);
   state.tie_last_velocity = state.tie_velocity;
 }
 
@@ -117,7 +135,7 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
 
 #define PLUMB_INSTANTIATE(T)                                                                               \
   template void TreeStepper<T>::project(TreeState<T>&, const std::vector<Vec3>&, TreeWorkspace<T>&) const; \
-  template void TreeStepper<T>::take_sound(const TreeState<T>&, const TreeWorkspace<T>&,                   \
+  template void TreeStepper<T>::take_sound(const TreeState<T>&, TreeWorkspace<T>&,                         \
                                            layouts::AlignedBuffer<T>&) const;                              \
   template void TreeStepper<T>::project_velocities(TreeState<T>&, TreeWorkspace<T>&) const;                \
   template void TreeStepper<T>::find_velocities(TreeState<T>&, TreeWorkspace<T>&) const;
