@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "direct/laws/tree_rods.hpp"
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/newton_guess.hpp"
 #include "direct/trees/newton_limits.hpp"
@@ -77,6 +78,24 @@ TEST(TreeStepper, CutsLongSubstepsOfStiffTrees) {
   EXPECT_GE(kind.stepper.cuts(state, 0.2), cuts);
   // No piece is above the frequency that is aimed at.
   EXPECT_LE(0.1 / cuts * std::sqrt(state.frequency2), tree_limits::aimed_frequency * 1.0001);
+}
+
+// A substep that has failed leaves multipliers that need not be finite.
+TEST(TreeStepper, CountsNoPullsOfLanesThatFailed) {
+  const test::IslandsOf of(scenes::make_chain(3));
+  Kind kind = kind_of(of.tree(0), old_rules);
+  TreeState<double> state = state_of(scenes::make_chain(3), of, kind.topology);
+  state.laws.make(state.mu.size(), state.tie_mu.size(), 1);
+  state.laws.pulls = true;
+  auto& work = kind.crews[0].work;
+  work.kick[0] = 1e-4;
+  state.mu[1] = state.tie_mu[0] = std::numeric_limits<double>::quiet_NaN();
+  for (const double active : {0.0, 1.0}) {
+    work.active[0] = active;
+    end_rods(state, 0.01, 0, work);
+    EXPECT_EQ(std::isnan(state.laws.impulse.rods[1]), active != 0);
+    EXPECT_EQ(std::isnan(state.laws.impulse.ties[0]), active != 0);
+  }
 }
 
 TEST(TreeKind, KnowsWhatItsSubstepsEstimate) {

@@ -142,7 +142,9 @@ std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWo
         std::copy_n(part(laws.length).data() + first, lanes, pull.data());
       double* const impulse = part(laws.impulse).data() + first;
       for (std::size_t lane = 0; lane < lanes; ++lane) {
-        pull[lane] *= over_kick[lane] * static_cast<double>(mu[first + lane]);
+        // Of lanes that have failed, multipliers need not be finite.
+        pull[lane] =
+            over_kick[lane] == 0 ? 0 : pull[lane] * over_kick[lane] * static_cast<double>(mu[first + lane]);
         impulse[lane] += weight[lane] * pull[lane];
       }
       if (laws.breaks) broken += break_rods(laws, part(laws.law).data() + law * first, pull);
