@@ -142,10 +142,10 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
                           ", " + plural(info.islands, "island"));
   const bool family =
       s.method == Method::automatic || s.method == Method::relax || s.method == Method::direct;
-  const bool touches = info.linkages > 0;
-  const bool relaxes = family && !touches && (info.relaxed_rods > 0 || info.direct_rods == 0);
+  const bool solves_joints = info.linkages > 0 && s.method != Method::relax;
+  const bool relaxes = family && !solves_joints && (info.relaxed_rods > 0 || info.direct_rods == 0);
   if (!family) print_method(plan, result);
-  if (info.direct_rods > 0 || touches) print_direct(plan, result);
+  if (info.direct_rods > 0 || solves_joints) print_direct(plan, result);
   if (relaxes) print_relaxation(plan, result);
   print_counts(result.total);
   print_errors(result);

@@ -6,6 +6,8 @@
 
 #include "contact/linkage/linkage_bounds.hpp"
 #include "contact/linkage/scene_parts.hpp"
+#include "contact/relaxed/relaxed_stepper.hpp"
+#include "contact/solved/cluster_stepper.hpp"
 #include "scene/refuse.hpp"
 
 namespace plumb::detail {
@@ -34,9 +36,13 @@ void lump_masses(Scene& part) {
   }
 }
 
-}  // namespace
-
-namespace {
+std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, const ContactSettings& contact) {
+  if (settings.method != Method::relax) return std::make_unique<ClusterStepper>(isa, contact);
+  const CrowdRules rules{gradient_of(settings), settings.weights, settings.omega, settings.stop};
+  if (settings.precision == Precision::single)
+    return std::make_unique<RelaxedStepper<float>>(isa, contact, rules);
+  return std::make_unique<RelaxedStepper<double>>(isa, contact, rules);
+}
 
 [[noreturn]] void refuse_number(const char* what, std::uint32_t number) {
   refuse(what, " ", number,
@@ -59,22 +65,26 @@ void refuse_unknown(std::uint32_t number, const AngleControl&) {
 
 ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings)
     : isa_(settings.isa.value_or(best_isa())),
+      relaxes_(settings.method == Method::relax),
+      gradient_(gradient_of(settings)),
       sleep_(settings.sleep),
       sleep_time_(settings.sleep_time),
       settings_(scaled(settings.contact)),
       time_order_(time_order_of(settings)),
-      surroundings_(scene),
-      steppers_(settings.threads, ClusterStepper(isa_, settings_)) {
+      surroundings_(scene) {
+  for (unsigned part = 0; part < settings.threads; ++part)
+    movers_.push_back(make_mover(settings, isa_, settings_));
   std::map<std::vector<double>, const Linkage*> kinds;
   std::vector<std::uint32_t> number_of(parts.count(), no_island);
   for (std::uint32_t p = 0; p < parts.count(); ++p) {
     Scene part = parts.part(p);
     const bool plain = is_plain(part);
     if (plain && part.capsules.empty()) continue;
-    if (plain && mass_model_of(settings) == MassModel::lumped) lump_masses(part);
+    if ((plain || relaxes_) && mass_model_of(settings) == MassModel::lumped) lump_masses(part);
     const Linkage*& kind = kinds[likeness(part)];
     if (kind == nullptr) {
-      linkages_.push_back(std::make_unique<Linkage>(part, isa_));
+      const auto use = relaxes_ ? Linkage::Use::relaxed : Linkage::Use::solved;
+      linkages_.push_back(std::make_unique<Linkage>(part, isa_, use));
       kind = linkages_.back().get();
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
@@ -135,7 +145,8 @@ void ContactSolver::begin_step(double dt, Team& team) {
     if (!can_stay_home(clusters_[c])) {
       pieces_.push_back(c);
       for (LinkageState* const state : clusters_[c])
-        if (visitors_[state->number].is_at_home()) visitors_[state->number].come(*state, work_);
+        if (visitors_[state->number].is_at_home())
+          visitors_[state->number].come(*state, relaxes_ ? nullptr : &work_);
       continue;
     }
     LinkageState& state = *clusters_[c].front();
@@ -160,7 +171,7 @@ std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
 double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
                               Tally& report) {
   const ClusterRules rules{count, time_order_, !histories_.empty()};
-  steppers_[part].step(cluster(piece), surroundings_, rules, h * count, report);
+  movers_[part]->step(cluster(piece), surroundings_, rules, h * count, report);
   return 0;
 }
 
@@ -199,7 +210,8 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 /// An island that may touch something has order 2, because contact allows no more.
 ErrorModel ContactSolver::error_model() const {
   const bool is_alone = states_.size() == 1 && surroundings_.are_empty();
-  return {.order = is_alone ? time_order_ : 2, .by_comparison = true};
+  const std::uint32_t most = relaxes_ && gradient_ == Gradient::new_ ? 1 : 2;
+  return {.order = is_alone && !relaxes_ ? time_order_ : most, .by_comparison = true};
 }
 
 double& ContactSolver::best_substep(std::uint32_t piece) {
@@ -335,13 +347,26 @@ void ContactSolver::describe(WorldInfo& info) const {
     }
     if (block.islands == 0) continue;
     ++info.linkages;
-    info.direct_rods += block.rods;
+    (relaxes_ ? info.relaxed_rods : info.direct_rods) += block.rods;
     info.blocks.push_back(block);
   }
 }
 
+bool ContactSolver::set_stop_rule(const StopRule& rule) {
+  bool is_read = false;
+  for (const auto& mover : movers_) is_read = mover->set_stop_rule(rule) || is_read;
+  return is_read;
+}
+
+bool ContactSolver::set_weights(Weights weights) {
+  bool is_read = false;
+  for (const auto& mover : movers_) is_read = mover->set_weights(weights) || is_read;
+  return is_read;
+}
+
 double ContactSolver::project_initial_velocities() {
   double largest = 0;
+  if (relaxes_) return largest;
   for (const std::uint32_t i : clusters_.awake())
     if (is_plain_[i] == 0) largest = std::max(largest, project_velocities(states_[i], work_));
   return largest;

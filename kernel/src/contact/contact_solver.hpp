@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "contact/cluster_stepper.hpp"
+#include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/linkage/visitor.hpp"
@@ -108,6 +108,8 @@ class ContactSolver final : public Solver {
   double distance_from_mark(std::uint32_t piece) const override;
 
   bool has_changing_pieces() const override { return true; }
+  bool set_stop_rule(const StopRule& rule) override;
+  bool set_weights(Weights weights) override;
   bool is_slower(std::uint32_t, double) const override { return false; }
   void rest(std::uint32_t) override {}
   double size(std::uint32_t) const override { return 1; }
@@ -152,6 +154,8 @@ class ContactSolver final : public Solver {
   bool can_stay_home(std::span<LinkageState* const> cluster) const;
 
   Isa isa_;
+  bool relaxes_;  ///< clusters are relaxed, not solved
+  Gradient gradient_;
   bool sleep_;
   double sleep_time_;         ///< time (s) of being slow before an island sleeps
   ContactSettings settings_;  ///< multiplied by their length scale
@@ -171,7 +175,7 @@ class ContactSolver final : public Solver {
   std::vector<Return> returned_;
   std::vector<std::uint8_t> rests_;  ///< by cluster, set after its step: it may sleep
   ProjectionWork work_;
-  std::vector<ClusterStepper> steppers_;  ///< one for each part of the team
+  std::vector<std::unique_ptr<ClusterMover>> movers_;  ///< one for each part of the team
 };
 
 }  // namespace plumb::detail

@@ -177,8 +177,10 @@ void Step::sleep(StepReport& report) {
 }
 
 void Step::measure(StepReport& report) {
-  for (const Task& task : sleep_.tasks())
-    if (!task.asleep) report.awake_islands += compiled_.solvers[task.solver]->islands(task.piece);
+  for (const Task& task : sleep_.tasks()) {
+    const Solver& solver = *compiled_.solvers[task.solver];
+    if (!task.asleep && !solver.is_away(task.piece)) report.awake_islands += solver.islands(task.piece);
+  }
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
   lengths_.end_step(compiled_.cords, compiled_.solvers);
 }

@@ -5,6 +5,8 @@
 #include <map>
 #include <numbers>
 
+#include "plumb/layouts/coloring.hpp"
+
 namespace plumb::detail {
 namespace {
 
@@ -49,7 +51,7 @@ Combination difference(const Point& to, const Point& from) {
   return out;
 }
 
-Linkage::Linkage(const Scene& part, Isa isa)
+Linkage::Linkage(const Scene& part, Isa isa, Use use)
     : particles_(static_cast<std::uint32_t>(part.particles.size())),
       movable_(static_cast<std::uint32_t>(std::count_if(part.particles.begin(), part.particles.end(),
                                                         [](const Particle& each) { return !each.fixed; }))),
@@ -68,8 +70,26 @@ Linkage::Linkage(const Scene& part, Isa isa)
   has_air_ = !airs_.empty() || drag_ != 0 || joint_drag_ != 0;
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
-  plan(isa);
-  hold_constraints(x);
+  if (use == Use::relaxed) {
+    color_rods();
+  } else {
+    plan(isa);
+    hold_constraints(x);
+  }
+}
+
+void Linkage::color_rods() {
+  std::vector<layouts::Edge> edges;
+  for (const RodRow& rod : rods_) edges.push_back({rod.a, rod.b});
+  std::vector<std::uint8_t> movable(particles_, 0);
+  std::fill_n(movable.begin(), movable_, 1);
+  const layouts::Coloring coloring = layouts::color_edges({particles_, edges, movable});
+  for (std::uint32_t color = 0; color < coloring.colors; ++color) {
+    for (std::size_t i = 0; i < rods_.size(); ++i)
+      if (coloring.color_of_edge[i] == color)
+        colored_rods_.push_back({rods_[i].a, rods_[i].b, rods_[i].number, 1 / rods_[i].over2});
+    color_begin_.push_back(static_cast<std::uint32_t>(colored_rods_.size()));
+  }
 }
 
 void Linkage::add_rods(const Scene& part, std::uint32_t& row) {

@@ -48,13 +48,41 @@ class Linkage {
     double value;           ///< rad
     Vec3 along_u, along_v;  ///< 1/m
   };
-  static AngleSlope slope(const Angle& angle, std::span<const Vec3> x);
+  static AngleSlope slope(const Angle& angle, std::span<const Vec3> x) {
+    return slope(angle, angle.u.of(x), angle.v.of(x));
+  }
+  static AngleSlope slope(const Angle& angle, Vec3 u, Vec3 v);
 
+  /// Says what will move islands of a kind. Those that are relaxed need no matrix.
+  enum class Use : std::uint8_t { solved, relaxed };
   /// `part` is one island of `scene`, with its particles' numbers; the movable ones first.
-  Linkage(const Scene& part, Isa isa);
+  Linkage(const Scene& part, Isa isa, Use use = Use::solved);
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }
+  /// Returns the mass on the diagonal of a movable particle, kg.
+  double mass_of(std::uint32_t particle) const { return masses_[particle]; }
+  /// Rods of one colour share no movable particle. Kinds that are relaxed have colours.
+  struct ColoredRod {
+    std::uint32_t a, b, number;
+    double length2;  ///< m²
+  };
+  std::uint32_t colors() const { return static_cast<std::uint32_t>(color_begin_.size() - 1); }
+  std::span<const ColoredRod> rods_of(std::uint32_t color) const {
+    if (color >= colors()) return {};
+    return std::span(colored_rods_)
+        .subspan(color_begin_[color], color_begin_[color + 1] - color_begin_[color]);
+  }
+  /// Calls visit(apart) for every ball joint, with the sum that is to be nothing.
+  template <class Visit>
+  void for_pins(Visit&& visit) const {
+    for (const PinRow& pin : pins_) visit(pin.sum);
+  }
+  /// Calls visit(u, v, value) for every alignment, whose dot product (m²) keeps its value.
+  template <class Visit>
+  void for_alignments(Visit&& visit) const {
+    for (const DotRow& each : dots_) visit(each.u, each.v, each.value);
+  }
   std::uint32_t rods() const { return static_cast<std::uint32_t>(rods_.size() + giving_rods_.size()); }
   std::uint32_t constraints() const { return constraints_; }
   /// Numbers of particles from `first` up to `end`: all, the movable and the fixed ones.
@@ -168,6 +196,8 @@ class Linkage {
   /// Splits velocities into those of a rigid body, which go to `rigid`, and the rest. Returns the kinetic
   /// energy of the rest, in J. The linkage must have no fixed particles.
   double split(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> rigid) const;
+  /// Lets drag of joints act for `h` (s) on velocities at `x`. Overwrites `rigid`.
+  void brake_joints(double h, std::span<const Vec3> x, std::span<Vec3> v, std::vector<Vec3>& rigid) const;
   /// The angular momentum about the centre of mass, kg m²/s, of linkages without fixed particles.
   Vec3 angular_momentum(std::span<const Vec3> x, std::span<const Vec3> v) const;
   /// Turns a linkage without fixed particles as a whole, until that is its angular momentum.
@@ -222,6 +252,7 @@ class Linkage {
   void add_elastics(const Scene& part);
   void add_elastic(Elastic elastic, const ElasticLaw& law);
   void couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+  void color_rods();
   void plan(Isa isa);
   void place_constraints();
   void hold_constraints(std::span<const Vec3> x);
@@ -245,6 +276,8 @@ class Linkage {
   std::vector<ElasticLaw> elastic_laws_;
   std::vector<ElasticRange> of_angles_, of_springs_, of_torsions_;
   std::vector<RodRow> giving_rods_;
+  std::vector<ColoredRod> colored_rods_;
+  std::vector<std::uint32_t> color_begin_{0};
   Vec3 gravity_{};
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
   bool has_air_ = false, is_redundant_ = false, breaks_ = false;

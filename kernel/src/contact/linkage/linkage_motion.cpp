@@ -196,8 +196,8 @@ void Linkage::momenta(std::span<const Vec3> v, std::span<Vec3> out) const {
   }
 }
 
-Linkage::AngleSlope Linkage::slope(const Angle& angle, std::span<const Vec3> x) {
-  const Vec3 u = angle.over_u * angle.u.of(x), v = angle.over_v * angle.v.of(x);
+Linkage::AngleSlope Linkage::slope(const Angle& angle, Vec3 along_u, Vec3 along_v) {
+  const Vec3 u = angle.over_u * along_u, v = angle.over_v * along_v;
   const double cosine = std::clamp(dot(u, v), -1.0, 1.0);
   const double over_sine = 1 / std::max(std::sqrt(1 - cosine * cosine), least_sine);
   return {detail::acos(cosine), (-over_sine * angle.over_u) * (v - cosine * u),
@@ -302,6 +302,15 @@ double Linkage::split(std::span<const Vec3> x, std::span<const Vec3> v, std::spa
   }
   for (const Coupling& c : couplings_) energy += c.mass * dot(v[c.a] - rigid[c.a], v[c.b] - rigid[c.b]);
   return energy;
+}
+
+void Linkage::brake_joints(double h, std::span<const Vec3> x, std::span<Vec3> v,
+                           std::vector<Vec3>& rigid) const {
+  if (joint_drag_ == 0 || (movable_ == 1 && !is_grounded())) return;
+  const double kept = detail::exp(-h * joint_drag_);
+  rigid.assign(movable_, Vec3{});
+  if (!is_grounded()) split(x, v, rigid);
+  for (std::uint32_t k = 0; k < movable_; ++k) v[k] = rigid[k] + kept * (v[k] - rigid[k]);
 }
 
 }  // namespace plumb::detail

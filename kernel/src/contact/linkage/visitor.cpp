@@ -17,7 +17,7 @@ double Visitor::look(LinkageState& state) const {
   return home_->read(slots_, std::span(state.x).first(slots_.size()));
 }
 
-void Visitor::come(LinkageState& state, ProjectionWork& work) {
+void Visitor::come(LinkageState& state, ProjectionWork* work) {
   look(state);
   for (std::size_t k = 0; k < slots_.size(); ++k) state.v[k] = home_->velocity(slots_[k]);
   home_->set_away(slots_.front(), true);
@@ -26,8 +26,9 @@ void Visitor::come(LinkageState& state, ProjectionWork& work) {
   state.kept.clear();
   state.energy.reset();
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
-  project_positions(state, work);
-  project_velocities(state, work);
+  if (work == nullptr) return;
+  project_positions(state, *work);
+  project_velocities(state, *work);
 }
 
 void Visitor::leave(const LinkageState& state) {

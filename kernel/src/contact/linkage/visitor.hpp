@@ -29,9 +29,9 @@ class Visitor {
 
   /// Reads the positions of an island at home. Returns about the speed of the fastest particle, m/s.
   double look(LinkageState& state) const;
-  /// Takes the island from its home: reads positions and velocities, and makes them fit the rods, which a
-  /// home may leave stretched; velocities do not change by that.
-  void come(LinkageState& state, ProjectionWork& work);
+  /// Takes the island from its home: reads positions and velocities. With `work` it makes them fit the rods,
+  /// which a home may leave stretched; velocities do not change by that.
+  void come(LinkageState& state, ProjectionWork* work);
   /// Gives positions and velocities back.
   void leave(const LinkageState& state);
   /// The number of the home among the world's solvers, and a slot there: they tell the island's piece.

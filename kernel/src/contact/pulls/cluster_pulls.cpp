@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "contact/cluster_stepper.hpp"
+#include "contact/solved/cluster_stepper.hpp"
 
 namespace plumb::detail {
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "direct/direct_solvers.hpp"
@@ -59,6 +60,15 @@ Choice choose(const Scene& scene, const layouts::Graph& island, std::span<const 
   return out;
 }
 
+/// Returns whether a body's mass matrix has nothing between its particles.
+bool has_point_masses(const Scene& scene, std::size_t body) {
+  const auto mass = body_mass(scene, body);
+  for (std::size_t j = 0; j < 4; ++j)
+    for (std::size_t k = 0; k < j; ++k)
+      if (!(std::abs(mass[j][k]) <= 1e-9 * scene.bodies[body].mass)) return false;
+  return true;
+}
+
 /// Returns whether anything may touch, or an island may have more than particles and rods.
 bool needs_contact_stage(const Scene& scene) {
   const bool has_joints = !scene.bodies.empty() || !scene.pins.empty() || !scene.alignments.empty() ||
@@ -108,7 +118,7 @@ class Compiler {
       if (is_plain(parts.part(p)) && parts.part(p).capsules.empty()) continue;
       require_no_elements(parts.particles(p));
       if (is_plain(parts.part(p))) continue;
-      require_joints_moved(parts.particles(p).front());
+      require_joints_moved(parts.part(p), parts.particles(p).front());
       ++out_.info.islands;
       for (const std::uint32_t particle : parts.particles(p))
         if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
@@ -177,8 +187,23 @@ class Compiler {
       refuse(name, " 0: gradient old moves no ", name, "s", why, "; mid and new do");
   }
 
+  /// Refuses what relaxation does not move of an island with joints.
+  static void require_relaxed(const Scene& part, std::uint32_t particle) {
+    const auto refuse_it = [&](const char* what, const char* why) {
+      refuse("particle ", particle, ": its island has ", what, ", which method relax cannot move", why,
+             "; direct and auto can");
+    };
+    const auto has_air = [](const Rod& rod) { return rod.linear_drag != 0 || rod.orthogonal_drag != 0; };
+    if (std::any_of(part.rods.begin(), part.rods.end(), has_air)) refuse_it("air on rods", "");
+    for (std::size_t i = 0; i < part.bodies.size(); ++i)
+      if (!has_point_masses(part, i))
+        refuse_it("a body whose mass does not lie in its four particles",
+                  ": add_body() makes one that relaxation moves");
+  }
+
   /// Refuses a setting that cannot move an island with joints.
-  void require_joints_moved(std::uint32_t particle) const {
+  void require_joints_moved(const Scene& part, std::uint32_t particle) const {
+    if (settings_.method == Method::relax) return require_relaxed(part, particle);
     const char* const why =
         ": its island has bodies, joints, springs, air on rods, drag of joints, sleepers, or shapes and rods "
         "that give, which ";

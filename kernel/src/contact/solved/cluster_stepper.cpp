@@ -1,11 +1,11 @@
-#include "contact/cluster_stepper.hpp"
+#include "contact/solved/cluster_stepper.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "contact/cluster_limits.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
+#include "contact/solved/cluster_limits.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "contact/cluster_limits.hpp"
-#include "contact/cluster_stepper.hpp"
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;

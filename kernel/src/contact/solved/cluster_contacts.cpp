@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/cluster_limits.hpp"
-#include "contact/cluster_stepper.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
+#include "contact/rows.hpp"
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;
@@ -13,45 +14,12 @@ namespace {
 /// This is the place of a side on something fixed, which has no particles.
 constexpr Combination nothing{};
 
-Combination blend(const Combination& a, const Combination& b, double t) {
-  if (t <= 0) return a;
-  if (t >= 1) return b;
-  Combination out;
-  for (std::uint32_t i = 0; i < a.count; ++i) out.add(a.terms[i].particle, (1 - t) * a.terms[i].weight);
-  for (std::uint32_t i = 0; i < b.count; ++i) out.add(b.terms[i].particle, t * b.terms[i].weight);
-  return out;
-}
 /// Returns two unit vectors at right angles to each other and to the unit vector n.
 std::pair<Vec3, Vec3> across(Vec3 n) {
   const Vec3 other = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 t = cross(n, other);
   const Vec3 first = (1 / norm(t)) * t;
   return {first, cross(n, first)};
-}
-
-/// Packs the pair that touches into one number, by which the next substep finds what held the contact.
-std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t island, std::uint64_t other) {
-  return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
-}
-
-/// Returns the forces that held the contact `key` in the last substep. Nothing held it if the result has
-/// another key. Contacts are found in about the same order again, so the search goes on from `next`.
-KeptContact kept_at(const LinkageState& state, std::uint64_t key, std::size_t& next) {
-  for (std::size_t tried = 0; tried < state.kept.size(); ++tried, ++next) {
-    if (next >= state.kept.size()) next = 0;
-    if (state.kept[next].key == key) return state.kept[next++];
-  }
-  return {};
-}
-
-/// Returns the speed (m/s) with which a contact leaves the surface. `closing` (m) is how its gap changes in
-/// the substep, and `arriving` (m/s) its rate now. The speed of arrival includes what is gained on the way;
-/// restitution acts on it.
-double bounce_of(double restitution, double least, double gap, double closing, double arriving, double h) {
-  const double gain = 2 * (closing - h * arriving) / (h * h);
-  const double square = arriving * arriving - 2 * gain * std::max(gap, 0.0);
-  const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
-  return hit > least ? restitution * hit : 0;
 }
 
 /// Returns the distance (m) within which a contact is watched whose ends move by `moves` (m) in a substep.
@@ -125,7 +93,7 @@ void ClusterStepper::add_contact_rows(const Place& a, const Place& b, const Touc
     row.p = h * h * dot(held.force, axes[axis]);
     row.q = 0.5 * h * dot(held.end_force, axes[axis]);
     if (axis == 0) {
-      row.gap = recovered(touch.gap, settings_.slop, h);
+      row.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
       row.bound = std::sqrt(a.surface.friction * b.surface.friction);
       row.bounce = bounce_of(restitution, settings_.bounce_speed, touch.gap, closing, arriving, h);
       row.p = std::max(row.p, 0.0);
@@ -142,7 +110,7 @@ void ClusterStepper::add_ground_contact(const Place& a, const Place& b, const To
   const double arriving = dot(touch.normal, a.at.of(island.v));
   island.ground.add(*island.state->linkage, {.at = a.at,
                                              .normal = touch.normal,
-                                             .gap = recovered(touch.gap, settings_.slop, h),
+                                             .gap = recovered(touch.gap, settings_.slop, h * recovery_rate_),
                                              .friction = std::sqrt(a.surface.friction * b.surface.friction),
                                              .bounce = bounce_of(restitution, settings_.bounce_speed,
                                                                  touch.gap, closing, arriving, h),
@@ -212,9 +180,9 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
     };
     const double near = 0.05 + std::abs(by);
     if (rule.lower > 0 && value + by - rule.lower < near)
-      add(Kind::limit, 1).gap = recovered(value - rule.lower, 0, h);
+      add(Kind::limit, 1).gap = recovered(value - rule.lower, 0, h * recovery_rate_);
     if (rule.upper < std::numbers::pi && rule.upper - value - by < near)
-      add(Kind::limit, -1).gap = recovered(rule.upper - value, 0, h);
+      add(Kind::limit, -1).gap = recovered(rule.upper - value, 0, h * recovery_rate_);
     if (rule.friction > 0) {
       // Friction acts with half of its impulse in either half of the substep.
       Row& row = add(Kind::brake, 1);
@@ -295,16 +263,10 @@ void ClusterStepper::touch_boxes(std::uint32_t i, std::span<const Surroundings::
       const Linkage::Shape& shape = shapes[k];
       const Vec3 p = box.frame.to_local(shape.a.of(x) - box.center);
       const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
-      const double nearest = p == q ? 0 : nearest_to_box(p, q, box.half);
-      std::uint64_t which = 0;
-      for (const double t : touching_box(p, q, box.half, nearest)) {
-        ++which;
-        if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
-        Touch touch = touch_box(between(p, q, t), shape.radius, box.half);
-        touch.normal = box.frame.to_space(touch.normal);
+      for_touches_with_box(p, q, shape.radius, box, [&](std::uint64_t which, double t, const Touch& touch) {
         add_contact({i, blend(shape.a, shape.b, t), shape.surface, k}, {none, nothing, box.surface}, touch,
                     contact_key(2, 16 * k + which, 0, b), h);
-      }
+      });
     }
   }
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/cluster_limits.hpp"
-#include "contact/cluster_stepper.hpp"
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
 
 namespace plumb::detail {
 using namespace contact_limits;

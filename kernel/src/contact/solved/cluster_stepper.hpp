@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/cluster_mover.hpp"
 #include "contact/ground/ground_contacts.hpp"
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
@@ -17,13 +18,6 @@ namespace plumb::detail {
 
 /// Returns the settings with all lengths and speeds multiplied by their length scale.
 ContactSettings scaled(ContactSettings settings);
-
-/// Says how a cluster's steps are cut.
-struct ClusterRules {
-  std::uint32_t substeps = 1;    ///< of a step, at least
-  std::uint32_t time_order = 2;  ///< of an island alone in the air
-  bool is_watched = false;       ///< errors are estimated, which is to tell the length of substeps in the air
-};
 
 /// Moves islands that touch, or may within a step, through that step together.
 ///
@@ -43,15 +37,14 @@ struct ClusterRules {
 /// Without elastics energy does not rise. What a substep would gain is taken from the motion that is not that
 /// of a rigid whole, which keeps momentum and angular momentum. In free flight what it would lose is given
 /// back.
-class ClusterStepper {
+class ClusterStepper final : public ClusterMover {
  public:
   /// The settings are scaled already (scaled()).
   ClusterStepper(Isa isa, const ContactSettings& settings)
       : kernels_(&simd::kkt_kernels(isa)), settings_(settings) {}
 
-  /// Islands that sleep may be in the cluster: they are woken if something pushes them.
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-            const ClusterRules& rules, double dt, Tally& report);
+            const ClusterRules& rules, double dt, Tally& report) override;
 
  private:
   /// A sum of particles, among an island's terms.
@@ -187,11 +180,6 @@ class ClusterStepper {
   void add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing, std::uint64_t key,
                         double h);
   void add_angles(std::uint32_t i, double h);
-  /// Returns what a row must keep of a gap (m). A gap that is open may close. Of an overlap beyond `slop` a
-  /// substep takes back a share.
-  double recovered(double gap, double slop, double h) const {
-    return gap >= 0 ? gap : std::min(0.0, h * recovery_rate_ * (gap + slop));
-  }
   static Sum add_sum(Island& island, const Combination& sum);
   static std::uint32_t add_side(Island& island, const Side& side);
   void find_responses();

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/cluster_limits.hpp"
-#include "contact/cluster_stepper.hpp"
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
 #include "math/elementary.hpp"
 
 namespace plumb::detail {
@@ -111,12 +111,7 @@ void ClusterStepper::brake(Island& island, double h) {
     const double kept = linkage.kept(0.5 * h);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = kept * island.v[k];
   }
-  if (linkage.joint_drag() == 0 || (linkage.movable() == 1 && !linkage.is_grounded())) return;
-  const double kept = detail::exp(-h * linkage.joint_drag());
-  island.rigid.assign(linkage.movable(), Vec3{});
-  if (!linkage.is_grounded()) linkage.split(island.state->x, island.v, island.rigid);
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
-    island.v[k] = island.rigid[k] + kept * (island.v[k] - island.rigid[k]);
+  linkage.brake_joints(h, island.state->x, island.v, island.rigid);
 }
 
 double ClusterStepper::energy() const {

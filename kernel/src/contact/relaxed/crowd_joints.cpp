@@ -1,0 +1,252 @@
+#include "contact/relaxed/crowd_joints.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "contact/rows.hpp"
+
+namespace plumb::detail {
+
+// --- What there is
+
+template <class T>
+auto CrowdJoints<T>::add_sums(std::uint32_t island, const Linkage& linkage, const Crowd<T>& crowd,
+                              std::span<const Combination> sums) -> TermRange {
+  const auto first = static_cast<std::uint32_t>(sums_terms_.size());
+  const std::size_t before = terms_.size();
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    crowd.add_terms(linkage, island, sums[s], 1, terms_);
+    for (std::size_t k = before; k < terms_.size(); ++k) {
+      const auto same = std::find_if(sums_terms_.begin() + first, sums_terms_.end(),
+                                     [&](const SumsTerm& each) { return each.at == terms_[k].at; });
+      SumsTerm& term =
+          same == sums_terms_.end() ? sums_terms_.emplace_back(SumsTerm{terms_[k].at, {}, 0}) : *same;
+      term.weight[s] += terms_[k].weight;
+      const std::uint32_t particle = sums[s].terms[k - before].particle;
+      term.inverse_mass = crowd.inverse_mass(island, particle);
+    }
+    terms_.resize(before);
+  }
+  return {first, static_cast<std::uint32_t>(sums_terms_.size())};
+}
+
+template <class T>
+void CrowdJoints<T>::gather(std::span<LinkageState* const> cluster, const Crowd<T>& crowd) {
+  terms_.clear();
+  sums_terms_.clear();
+  balls_.clear();
+  dots_.clear();
+  distances_.clear();
+  sources_.clear();
+  has_elastics_ = false;
+  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
+    if (!crowd.is_moving(i)) continue;
+    const LinkageState& state = *cluster[i];
+    const Linkage& linkage = *state.linkage;
+    const auto add_terms = [&](const Combination& sum, double& moves) {
+      const auto first = static_cast<std::uint32_t>(terms_.size());
+      moves = crowd.add_terms(linkage, i, sum, 1, terms_);
+      return TermRange{first, static_cast<std::uint32_t>(terms_.size())};
+    };
+    std::uint32_t number = 0;
+    linkage.for_pins([&](const Combination& apart) {
+      double moves = 0;
+      const TermRange terms = add_terms(apart, moves);
+      balls_.push_back({terms, i, number++, 1 / moves});
+    });
+    linkage.for_alignments([&](const Combination& u, const Combination& v, double value) {
+      dots_.push_back({add_sums(i, linkage, crowd, std::array{u, v}), value});
+    });
+    for (std::uint32_t k = 0; k < state.angle_rules.size(); ++k) {
+      const Linkage::Angle& angle = linkage.angles()[k];
+      sources_.push_back({add_sums(i, linkage, crowd, std::array{angle.u, angle.v}), i, k, none});
+    }
+    for (std::uint32_t k = 0; k < linkage.elastics().size(); ++k) {
+      const Elastic& elastic = linkage.elastics()[k];
+      has_elastics_ = true;
+      if (elastic.kind != Elastic::Kind::distance) {
+        sources_.push_back({add_sums(i, linkage, crowd, elastic.sums), i, none, k});
+        continue;
+      }
+      double moves = 0;
+      const TermRange terms = add_terms(elastic.sums[0], moves);
+      distances_.push_back({terms, i, k, moves});
+    }
+  }
+}
+
+// --- A substep
+
+template <class T>
+void CrowdJoints<T>::begin(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h,
+                           double recovery_rate) {
+  h_ = h;
+  for (BallJoint& joint : balls_) {
+    joint.apart = crowd.position(terms_of(joint.terms));
+    joint.push = {};
+  }
+  for (Dot& each : dots_) {
+    each.u = each.v = {};
+    for (const SumsTerm& term : sums_of(each.terms)) {
+      const Vec3 x = crowd.position(term.at);
+      each.u += term.weight[0] * x;
+      each.v += term.weight[1] * x;
+    }
+  }
+  laws_.clear();
+  for (Distance& each : distances_) {
+    each.apart = crowd.position(terms_of(each.terms));
+    each.length = norm(each.apart);
+    each.push = {};
+    each.pull = 0;
+    laws_.push_back(&cluster[each.island]->laws[each.number]);
+  }
+  rows_.clear();
+  for (const Source& source : sources_) add_rows(source, *cluster[source.island], h, recovery_rate);
+}
+
+template <class T>
+void CrowdJoints<T>::add_rows(const Source& source, LinkageState& state, double h, double recovery_rate) {
+  const Linkage& linkage = *state.linkage;
+  Row row{
+      .terms = source.terms, .island = source.island, .control = source.control, .elastic = source.elastic};
+  const auto add = [&](double off, double stiff, double give, double least, double most) {
+    row.moves = 0;
+    for (const SumsTerm& term : sums_of(row.terms)) {
+      Vec3 along;
+      for (std::size_t s = 0; s < 3; ++s) along += term.weight[s] * row.along[s];
+      row.moves += term.inverse_mass * dot(along, along);
+    }
+    row.off = off;
+    row.stiff = stiff;
+    row.give = give;
+    row.least = least;
+    row.most = most;
+    if (row.moves > 0) rows_.push_back(row);
+  };
+  if (source.elastic != none) {
+    const ElasticLaw& law = state.laws[source.elastic];
+    const Elastic& elastic = linkage.elastics()[source.elastic];
+    if (law.stiffness == 0 && law.damping == 0 && law.force == 0) return;
+    const double excess = linkage.number(elastic, state.x, state.elastic_numbers[source.elastic]) - law.rest;
+    row.along = linkage.slope(elastic, state.x);
+    return add(h * h * (law.stiffness * excess + law.force), h * h * law.stiffness + h * law.damping, 1,
+               -INFINITY, INFINITY);
+  }
+  const Linkage::AngleRule& rule = state.angle_rules[source.control];
+  if (rule.lower == 0 && rule.upper == std::numbers::pi && rule.friction == 0) return;
+  const auto [value, along_u, along_v] = Linkage::slope(linkage.angles()[source.control], state.x);
+  row.along = {along_u, along_v, Vec3{}};
+  const double share = h * recovery_rate;
+  if (rule.lower > 0) add(recovered(value - rule.lower, 0, share), 1, 0, 0, INFINITY);
+  if (rule.upper < std::numbers::pi) add(-recovered(rule.upper - value, 0, share), 1, 0, -INFINITY, 0);
+  if (rule.friction > 0) add(0, 1, 0, -h * h * rule.friction, h * h * rule.friction);
+}
+
+template <class T>
+void CrowdJoints<T>::sweep(Crowd<T>& crowd) {
+  sweep_distances(crowd);
+  for (BallJoint& joint : balls_) {
+    const std::span<const Term> terms = terms_of(joint.terms);
+    const Vec3 by = -joint.over * (joint.apart + crowd.moved(terms));
+    joint.push += by;
+    crowd.push(terms, by);
+  }
+  for (const Dot& each : dots_) {
+    Vec3 u = each.u, v = each.v;
+    for (const SumsTerm& term : sums_of(each.terms)) {
+      const Vec3 p = crowd.moved(term.at);
+      u += term.weight[0] * p;
+      v += term.weight[1] * p;
+    }
+    double moves = 0;
+    for (const SumsTerm& term : sums_of(each.terms)) {
+      const Vec3 along = term.weight[0] * v + term.weight[1] * u;
+      moves += term.inverse_mass * dot(along, along);
+    }
+    if (!(moves > 0)) continue;
+    const double push = (each.value - dot(u, v)) / moves;
+    for (const SumsTerm& term : sums_of(each.terms))
+      crowd.push(term.at, push * term.inverse_mass * (term.weight[0] * v + term.weight[1] * u));
+  }
+  sweep_rows(crowd);
+}
+
+template <class T>
+void CrowdJoints<T>::sweep_distances(Crowd<T>& crowd) {
+  for (std::size_t i = 0; i < distances_.size(); ++i) {
+    Distance& each = distances_[i];
+    const ElasticLaw& law = *laws_[i];
+    if (!(each.moves > 0) || (law.stiffness == 0 && law.damping == 0 && law.force == 0)) continue;
+    const std::span<const Term> terms = terms_of(each.terms);
+    // Where its ends would be without it.
+    const Vec3 free = each.apart + crowd.moved(terms) - each.moves * each.push;
+    const double length = norm(free), excess = length - law.rest;
+    double pull = 0;
+    if (std::isinf(law.stiffness)) {
+      pull = excess / each.moves;
+    } else {
+      const double stiff = h_ * h_ * law.stiffness + h_ * law.damping;
+      pull = (h_ * h_ * (law.stiffness * excess + law.force) + h_ * law.damping * (length - each.length)) /
+             (1 + stiff * each.moves);
+    }
+    if (law.one_sided && (!(excess > 0) || pull < 0)) pull = 0;
+    const Vec3 push = length > 0 ? -pull / length * free : Vec3{};
+    crowd.push(terms, push - each.push);
+    each.push = push;
+    each.pull = pull;
+  }
+}
+
+template <class T>
+void CrowdJoints<T>::sweep_rows(Crowd<T>& crowd) {
+  for (Row& row : rows_) {
+    const std::span<const SumsTerm> terms = sums_of(row.terms);
+    const auto along_of = [&](const SumsTerm& term) {
+      return term.weight[0] * row.along[0] + term.weight[1] * row.along[1] + term.weight[2] * row.along[2];
+    };
+    double changed = 0;
+    for (const SumsTerm& term : terms) changed += dot(along_of(term), crowd.moved(term.at));
+    const double left = row.give * row.push + row.off + row.stiff * changed;
+    const double push = std::clamp(row.push - left / (row.give + row.stiff * row.moves), row.least, row.most);
+    const double by = push - row.push;
+    if (by == 0) continue;
+    row.push = push;
+    for (const SumsTerm& term : terms) crowd.push(term.at, by * term.inverse_mass * along_of(term));
+  }
+}
+
+template <class T>
+std::uint32_t CrowdJoints<T>::end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h) {
+  std::uint32_t broken = 0;
+  for (std::size_t i = 0; i < distances_.size(); ++i) {
+    const Distance& each = distances_[i];
+    LinkageState& state = *cluster[each.island];
+    if (state.pulls.counts) state.linkage->count_pull(each.number, state.x, each.pull / h, state.pulls);
+    if (each.number >= state.broken.size() || !(each.pull > h * h * laws_[i]->strength)) continue;
+    state.break_rod(each.number);
+    ++broken;
+  }
+  for (const BallJoint& joint : balls_) {
+    LinkagePulls& pulls = cluster[joint.island]->pulls;
+    if (!pulls.counts) continue;
+    pulls.pins[joint.number] += 1 / h * joint.push;
+    crowd.push_fixed(terms_of(joint.terms), joint.island, 1 / h * joint.push, pulls);
+  }
+  for (const Row& row : rows_) {
+    LinkageState& state = *cluster[row.island];
+    if (!state.pulls.counts) continue;
+    if (row.control != none)
+      state.pulls.angles[row.control] += row.push / h;
+    else
+      state.linkage->count_pull(row.elastic, state.x, -row.push / h, state.pulls);
+  }
+  return broken;
+}
+
+template class CrowdJoints<float>;
+template class CrowdJoints<double>;
+
+}  // namespace plumb::detail

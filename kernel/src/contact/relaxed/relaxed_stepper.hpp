@@ -1,0 +1,60 @@
+#pragma once
+
+#include "contact/cluster_mover.hpp"
+#include "contact/relaxed/crowd.hpp"
+#include "contact/relaxed/crowd_contacts.hpp"
+#include "contact/relaxed/crowd_joints.hpp"
+#include "plumb/layouts/packing.hpp"
+
+namespace plumb::detail {
+
+/// Moves islands that touch, or may within a step, through that step by weighted relaxation (thesis eq. 4.7).
+///
+/// In every sweep rods come first, colour after colour, then joints, then contacts, so that what a sweep
+/// leaves is in rods and not in the ground. While something may touch, a substep is of gradient new: its
+/// velocities are those that it took, so that what lands comes to rest. So it is where something is elastic.
+template <class T>
+class RelaxedStepper final : public ClusterMover {
+ public:
+  /// The settings are scaled already (scaled()).
+  RelaxedStepper(Isa isa, const ContactSettings& settings, const CrowdRules& rules)
+      : kernels_(&simd::kernels<T>(isa).access[static_cast<int>(layouts::Access::records)]),
+        settings_(settings),
+        rules_(rules),
+        contacts_(settings) {}
+
+  void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+            const ClusterRules& rules, double dt, Tally& report) override;
+  bool set_stop_rule(const StopRule& rule) override {
+    rules_.stop = rule;
+    return true;
+  }
+  bool set_weights(Weights weights) override {
+    rules_.weights = weights;
+    crowd_.forget();
+    return true;
+  }
+
+ private:
+  void substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h, double dt,
+               Tally& report);
+  void scatter(std::span<LinkageState* const> cluster);
+  void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
+  void solve(Gradient gradient, Tally& report);
+  void brake_joints(std::span<LinkageState* const> cluster, double h);
+
+  const simd::AccessKernels<T>* kernels_;
+  ContactSettings settings_;
+  CrowdRules rules_;
+  Crowd<T> crowd_;
+  CrowdContacts<T> contacts_;
+  CrowdJoints<T> joints_;
+  std::vector<Vec3> rigid_;
+  double recovery_rate_ = 0;
+  bool counts_ = false;  ///< some island's pulls count
+};
+
+extern template class RelaxedStepper<float>;
+extern template class RelaxedStepper<double>;
+
+}  // namespace plumb::detail

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "contact/linkage/linkage_state.hpp"
+#include "contact/surroundings.hpp"
+#include "contact/touch.hpp"
+
+/// This file has what contacts have in common, whether they are solved or relaxed.
+namespace plumb::detail {
+
+/// Returns a place between two others, from 0 to 1.
+inline Combination blend(const Combination& a, const Combination& b, double t) {
+  if (t <= 0) return a;
+  if (t >= 1) return b;
+  Combination out;
+  for (std::uint32_t i = 0; i < a.count; ++i) out.add(a.terms[i].particle, (1 - t) * a.terms[i].weight);
+  for (std::uint32_t i = 0; i < b.count; ++i) out.add(b.terms[i].particle, t * b.terms[i].weight);
+  return out;
+}
+
+/// Packs the pair that touches into one number, by which the next substep finds what held the contact.
+inline std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t island,
+                                 std::uint64_t other) {
+  return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
+}
+
+/// Returns the forces that held the contact `key` in the last substep. Nothing held it if the result has
+/// another key. Contacts are found in about the same order again, so the search goes on from `next`.
+inline KeptContact kept_at(const LinkageState& state, std::uint64_t key, std::size_t& next) {
+  for (std::size_t tried = 0; tried < state.kept.size(); ++tried, ++next) {
+    if (next >= state.kept.size()) next = 0;
+    if (state.kept[next].key == key) return state.kept[next++];
+  }
+  return {};
+}
+
+/// Returns the speed (m/s) with which a contact leaves the surface. `closing` (m) is how its gap changes in
+/// the substep, and `arriving` (m/s) its rate now. The speed of arrival includes what is gained on the way;
+/// restitution acts on it.
+inline double bounce_of(double restitution, double least, double gap, double closing, double arriving,
+                        double h) {
+  const double gain = 2 * (closing - h * arriving) / (h * h);
+  const double square = arriving * arriving - 2 * gain * std::max(gap, 0.0);
+  const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
+  return hit > least ? restitution * hit : 0;
+}
+
+/// Returns what a contact or a limit must keep of a gap (m or rad). A gap that is open may close. Of an
+/// overlap beyond `slop`, `share` is taken back.
+inline double recovered(double gap, double slop, double share) {
+  return gap >= 0 ? gap : std::min(0.0, share * (gap + slop));
+}
+
+/// Calls add(number, t, touch) for all places, at t from 0 to 1, where a line from p to q with a radius is to
+/// be kept off a box. Lines are given in the box's axes (m), and normals in those of space.
+template <class Add>
+void for_touches_with_box(Vec3 p, Vec3 q, double radius, const Surroundings::Solid& box, Add&& add) {
+  const double nearest = p == q ? 0 : nearest_to_box(p, q, box.half);
+  std::uint64_t which = 0;
+  for (const double t : touching_box(p, q, box.half, nearest)) {
+    ++which;
+    if (which > 1 && (!(t >= 0 && t <= 1) || p == q || std::abs(t - nearest) < 1e-3)) continue;
+    Touch touch = touch_box(between(p, q, t), radius, box.half);
+    touch.normal = box.frame.to_space(touch.normal);
+    add(which, t, touch);
+  }
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,152 @@
+// What the relaxation of touching islands is made of: crowds of particles, their joints and contacts.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "contact/cluster_mover.hpp"
+#include "contact/relaxed/crowd.hpp"
+#include "contact/relaxed/crowd_contacts.hpp"
+#include "contact/relaxed/crowd_joints.hpp"
+#include "contact/rows.hpp"
+#include "plumb/joints.hpp"
+#include "plumb/layouts/packing.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// One island of a scene, as relaxation takes it.
+struct One {
+  explicit One(const Scene& scene)
+      : kind(scene, best_isa(), Linkage::Use::relaxed), state(kind, 0, scene), cluster{&state} {}
+
+  Linkage kind;
+  LinkageState state;
+  std::vector<LinkageState*> cluster;
+};
+
+const auto& records = simd::kernels<double>(best_isa()).access[static_cast<int>(layouts::Access::records)];
+
+/// A movable particle of mass 1 at `at`, and one of mass 3 a metre further along x.
+Scene dumbbell(double length) {
+  Scene scene;
+  scene.particles = {{.position = {}, .mass = 1}, {.position = {1, 0, 0}, .mass = 3}};
+  scene.rods = {{.a = 0, .b = 1, .length = length}};
+  scene.gravity = {};
+  return scene;
+}
+
+// A sweep shares a correction by inverse mass (thesis eq. 4.7), and a rod off by e needs e/2 of its square.
+TEST(Crowds, ShareCorrectionsByMass) {
+  One one(dumbbell(0.9));
+  Crowd<double> crowd;
+  crowd.gather(one.cluster, {});
+  crowd.predict(0.01, Gradient::old);
+  crowd.prepare(records);
+  EXPECT_NEAR(crowd.violation(records), (1 - 0.81) / 0.81, 1e-12);
+  for (int i = 0; i < 60; ++i) crowd.sweep(records, Gradient::new_, true);
+  EXPECT_LT(crowd.violation(records), 1e-12);
+  crowd.advance(0.01, Gradient::new_);
+  crowd.scatter(one.state, 0);
+  EXPECT_NEAR(one.state.x[0].x, 0.075, 1e-12);
+  EXPECT_NEAR(one.state.x[1].x, 0.975, 1e-12);
+  EXPECT_NEAR(one.state.v[0].x, 7.5, 1e-9);
+}
+
+TEST(Crowds, LayRodsOutByColors) {
+  Scene scene = dumbbell(0);
+  for (std::uint32_t i = 2; i < 30; ++i) {
+    scene.particles.push_back({.position = {1.0 * i, 0, 0}, .mass = 1});
+    scene.rods.push_back({.a = i - 1, .b = i});
+  }
+  const Linkage kind(scene, best_isa(), Linkage::Use::relaxed);
+  ASSERT_EQ(kind.colors(), 2u);
+  std::size_t rods = 0;
+  for (std::uint32_t color = 0; color < kind.colors(); ++color) {
+    std::vector<std::uint32_t> ends;
+    for (const Linkage::ColoredRod& rod : kind.rods_of(color)) {
+      ends.push_back(rod.a);
+      ends.push_back(rod.b);
+      EXPECT_NEAR(rod.length2, 1, 1e-15);
+    }
+    std::sort(ends.begin(), ends.end());
+    EXPECT_EQ(std::adjacent_find(ends.begin(), ends.end()), ends.end()) << "no particle twice";
+    rods += kind.rods_of(color).size();
+  }
+  EXPECT_EQ(rods, 29u);
+}
+
+TEST(CrowdJoints, BallJointsAndCablesAreExactAfterOneVisit) {
+  Scene scene = dumbbell(0);
+  scene.rods[0].law = {.one_sided = true};
+  scene.rods[0].length = 0.8;
+  One cable(scene);
+  Crowd<double> crowd;
+  CrowdJoints<double> joints;
+  crowd.gather(cable.cluster, {});
+  joints.gather(cable.cluster, crowd);
+  EXPECT_TRUE(joints.has_elastics());
+  crowd.predict(0.01, Gradient::new_);
+  joints.begin(cable.cluster, crowd, 0.01, 0);
+  for (int i = 0; i < 2; ++i) joints.sweep(crowd);
+  crowd.advance(0.01, Gradient::new_);
+  crowd.scatter(cable.state, 0);
+  EXPECT_NEAR(cable.state.x[1].x - cable.state.x[0].x, 0.8, 1e-15);
+
+  scene.rods.clear();
+  scene.pins = {{.a = point_at(0), .b = {{0, 1}, {0.25, 0.75}}}};
+  One pinned(scene);
+  crowd.gather(pinned.cluster, {});
+  joints.gather(pinned.cluster, crowd);
+  crowd.predict(0.01, Gradient::new_);
+  joints.begin(pinned.cluster, crowd, 0.01, 0);
+  joints.sweep(crowd);
+  crowd.advance(0.01, Gradient::new_);
+  crowd.scatter(pinned.state, 0);
+  EXPECT_LT(norm(pinned.state.x[1] - pinned.state.x[0]), 1e-15);
+  EXPECT_NEAR(pinned.state.x[0].x, 0.75, 1e-15) << "its centre of mass stays";
+}
+
+TEST(CrowdContacts, KeepAGapOpenAndHoldWithinTheCone) {
+  Scene scene;
+  scene.particles = {{.position = {0, 0.1, 0}, .velocity = {1, -3, 0}, .mass = 2}};
+  scene.capsules = {{.a = point_at(0), .b = point_at(0), .radius = 0.1, .surface = {.friction = 0.2}}};
+  scene.planes = {{.surface = {.friction = 0.2}}};
+  scene.gravity = {};
+  One ball(scene);
+  const Surroundings surroundings(scene);
+  Crowd<double> crowd;
+  CrowdContacts<double> contacts(ContactSettings{});
+  crowd.gather(ball.cluster, {});
+  contacts.find(ball.cluster, crowd, surroundings, 0.01, 10);
+  ASSERT_TRUE(contacts.any_near());
+  crowd.predict(0.01, Gradient::new_);
+  ASSERT_TRUE(contacts.begin(ball.cluster, crowd, surroundings, 0.01));
+  EXPECT_FALSE(contacts.is_empty());
+  EXPECT_NEAR(contacts.sweep(crowd), 0.03 * std::sqrt(1 + 0.04), 1e-12);
+  EXPECT_EQ(contacts.sweep(crowd), 0) << "it is solved";
+  crowd.advance(0.01, Gradient::new_);
+  contacts.end(ball.cluster, crowd, 0.01);
+  crowd.scatter(ball.state, 0);
+  EXPECT_NEAR(ball.state.x[0].y, 0.1, 1e-15);
+  EXPECT_NEAR(ball.state.v[0].x, 1 - 0.2 * 3, 1e-12) << "friction takes its share of the blow";
+  ASSERT_EQ(ball.state.kept.size(), 1u);
+  EXPECT_NEAR(ball.state.kept[0].force.y, 2 * 3 / 0.01, 1e-9);
+}
+
+TEST(ContactRows, TakeBackAShareOfOverlapsAndBounceByTheSpeedOfArrival) {
+  EXPECT_EQ(recovered(0.01, 1e-3, 0.1), 0.01) << "what is open may close";
+  EXPECT_EQ(recovered(-0.5e-3, 1e-3, 0.1), 0) << "a slop stays";
+  EXPECT_NEAR(recovered(-0.011, 1e-3, 0.1), -1e-3, 1e-18);
+  // It is a metre above, falls with 1 m/s, and gains 2 g on the way.
+  EXPECT_NEAR(bounce_of(0.5, 0.05, 1, -1 - 0.5 * 9.81, -1, 1), 0.5 * std::sqrt(1 + 2 * 9.81), 1e-12);
+  EXPECT_EQ(bounce_of(0.5, 0.05, 0, -1e-4, -0.01, 0.01), 0) << "too slow to bounce";
+  const Combination middle = blend(combination(point_at(3)), combination(point_at(5)), 0.25);
+  ASSERT_EQ(middle.count, 2u);
+  EXPECT_EQ(middle.terms[0].weight, 0.75);
+}
+
+}  // namespace
+}  // namespace plumb::detail
