@@ -126,7 +126,7 @@ Scene make_pool() {
   return scene;
 }
 
-Scene make_rope() {
+Scene make_draped_rope() {
   constexpr std::uint32_t links = 12;
   constexpr double length = 0.12;  // m, of a link
   Scene scene;

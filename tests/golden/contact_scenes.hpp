@@ -11,7 +11,7 @@ Scene make_slide();
 Scene make_mechanism();
 Scene make_springs();
 Scene make_pool();
-Scene make_rope();
+Scene make_draped_rope();
 Scene make_bridge();
 
 }  // namespace plumb::golden

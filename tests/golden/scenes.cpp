@@ -76,10 +76,18 @@ Scene make_hoist() {
 using Maker = Scene (*)();
 const std::map<std::string, Maker>& makers() {
   static const std::map<std::string, Maker> all = {
-      {"forest", make_forest}, {"mixed", make_mixed},         {"random_tree", make_random_tree},
-      {"ladder", make_ladder}, {"tower", make_tower},         {"slide", make_slide},
-      {"pool", make_pool},     {"mechanism", make_mechanism}, {"springs", make_springs},
-      {"rope", make_rope},     {"bridge", make_bridge},       {"hoist", make_hoist},
+      {"forest", make_forest},
+      {"mixed", make_mixed},
+      {"random_tree", make_random_tree},
+      {"ladder", make_ladder},
+      {"tower", make_tower},
+      {"slide", make_slide},
+      {"pool", make_pool},
+      {"mechanism", make_mechanism},
+      {"springs", make_springs},
+      {"draped_rope", make_draped_rope},
+      {"bridge", make_bridge},
+      {"hoist", make_hoist},
   };
   return all;
 }

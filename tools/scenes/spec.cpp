@@ -11,6 +11,7 @@
 #include "scenes/basics/numbers.hpp"
 #include "scenes/files/scene_file.hpp"
 #include "scenes/generators/contacts.hpp"
+#include "scenes/generators/falling.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/generators/wires.hpp"
 #include "scenes/humanoid/humanoid.hpp"
@@ -231,11 +232,46 @@ std::vector<Generator> figures_and_solids() {
   };
 }
 
+std::vector<Generator> what_falls() {
+  using R = RopeShape;
+  using H = HeapShape;
+  using D = DrapeShape;
+  return {
+      describe<R>("rope", "a rope that falls on a plane, level or, with the radius of a coil, wound",
+                  make_rope,
+                  {{"links", &R::links},
+                   {"length", &R::length},
+                   {"mass", &R::mass},
+                   {"radius", &R::radius},
+                   {"height", &R::height},
+                   {"coil", &R::coil},
+                   {"friction", &R::friction}}),
+      describe<H>("heap", "level ropes that fall on a plane and on each other", make_heap,
+                  {{"ropes", &H::ropes},
+                   {"links", &H::links},
+                   {"length", &H::length},
+                   {"mass", &H::mass},
+                   {"radius", &H::radius},
+                   {"spacing", &H::spacing},
+                   {"friction", &H::friction},
+                   {"seed", &H::seed}}),
+      describe<D>("drape", "a level net that falls on a box, or with box=0 on a plane", make_drape,
+                  {{"size", &D::size},
+                   {"spacing", &D::spacing},
+                   {"mass", &D::mass},
+                   {"radius", &D::radius},
+                   {"height", &D::height},
+                   {"friction", &D::friction},
+                   {"box", &D::box}}),
+  };
+}
+
 /// A new generator is one more entry above, and help lists them in this order.
 const std::vector<Generator>& generators() {
   static const std::vector<Generator> list = [] {
     std::vector<Generator> out = chains_and_nets();
     for (Generator& generator : figures_and_solids()) out.push_back(std::move(generator));
+    for (Generator& generator : what_falls()) out.push_back(std::move(generator));
     return out;
   }();
   return list;

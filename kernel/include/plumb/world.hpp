@@ -44,8 +44,9 @@ struct StepReport {
   std::uint64_t newton = 0;  ///< Newton steps, summed over islands.
   std::uint64_t halvings =
       0;  ///< Substeps of an island that did not converge, or turned too far, and were cut.
-  std::uint64_t fallbacks =
-      0;  ///< Substeps taken with gradient new because they, or some just before, did not converge.
+  /// Counts substeps that were taken in a way that damps, because they, or some just before, did not
+  /// converge. That is gradient new or, where things touch, a looser grip or relaxation.
+  std::uint64_t fallbacks = 0;
   std::uint64_t repeated_steps = 0;  ///< Steps of islands that were repeated, finer, to be accurate enough.
   /// Substeps of islands whose rods did not fit together, taken with slightly elastic rods: what they lack is
   /// shared.

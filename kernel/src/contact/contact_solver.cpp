@@ -37,7 +37,12 @@ void lump_masses(Scene& part) {
 }
 
 std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, const ContactSettings& contact) {
-  if (settings.method != Method::relax) return std::make_unique<ClusterStepper>(isa, contact);
+  if (settings.method != Method::relax) {
+    const bool picks = settings.method == Method::automatic && !settings.accuracy && !settings.gradient;
+    const CrowdRules rules{.stop = {.sweeps = 10}};
+    return std::make_unique<ClusterStepper>(
+        isa, contact, std::make_unique<RelaxedStepper<double>>(isa, contact, rules), picks);
+  }
   const CrowdRules rules{gradient_of(settings), settings.weights, settings.omega, settings.stop};
   if (settings.precision == Precision::single)
     return std::make_unique<RelaxedStepper<float>>(isa, contact, rules);

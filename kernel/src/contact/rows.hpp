@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/surroundings.hpp"
@@ -22,10 +23,25 @@ inline Combination blend(const Combination& a, const Combination& b, double t) {
   return out;
 }
 
-/// Packs the pair that touches into one number, by which the next substep finds what held the contact.
-inline std::uint64_t contact_key(std::uint64_t kind, std::uint64_t own, std::uint64_t island,
-                                 std::uint64_t other) {
-  return ((kind << 60) | (own << 44) | (other << 28)) ^ island;
+/// Kinds of what pushes, in a key's first bits.
+enum class KeyKind : std::uint8_t { plane = 1, box = 2, island = 3, angle = 4 };
+
+/// Returns one number for the pair that touches, by which the next substep finds what held the contact. Its
+/// first four bits are the kind, and the others are mixed (SplitMix64; Steele, Lea and Flood 2014), so that
+/// islands may have any number of shapes.
+inline std::uint64_t contact_key(KeyKind kind, std::uint64_t own, std::uint64_t island, std::uint64_t other) {
+  std::uint64_t mixed = 0;
+  for (const std::uint64_t part : {own, island, other}) {
+    mixed = (mixed ^ part) + 0x9e3779b97f4a7c15;
+    mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9;
+    mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111eb;
+    mixed ^= mixed >> 31;
+  }
+  return static_cast<std::uint64_t>(kind) << 60 | mixed >> 4;
+}
+
+inline KeyKind kind_of(std::uint64_t key) {
+  return static_cast<KeyKind>(key >> 60);
 }
 
 /// Returns the forces that held the contact `key` in the last substep. Nothing held it if the result has

@@ -16,6 +16,18 @@ inline void require_positive(double value, const char* name) {
   }
 }
 
+inline void require_not_negative(double value, const char* name) {
+  if (!(value >= 0) || !std::isfinite(value)) {
+    throw InputError(std::string(name) + " must be at least 0 and finite");
+  }
+}
+
+/// Returns the coefficient.
+inline double require_friction(double value) {
+  require_not_negative(value, "friction");
+  return value;
+}
+
 inline void require_at_least(std::uint64_t value, std::uint64_t least, const char* name) {
   if (value < least) throw InputError(std::string(name) + " must be at least " + std::to_string(least));
 }

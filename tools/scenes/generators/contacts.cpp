@@ -10,8 +10,7 @@ namespace plumb::scenes {
 namespace {
 
 Surface surface_of(double friction, double restitution) {
-  if (!(friction >= 0) || !std::isfinite(friction))
-    throw InputError("friction must be at least 0 and finite");
+  require_not_negative(friction, "friction");
   if (!(restitution >= 0 && restitution <= 1)) throw InputError("restitution must be from 0 to 1");
   return {.friction = friction, .restitution = restitution};
 }
@@ -46,8 +45,7 @@ Scene make_stick_box(const StickBoxShape& shape) {
 }
 
 Scene make_drop(const DropShape& shape) {
-  if (!(shape.height >= 0) || !std::isfinite(shape.height))
-    throw InputError("height must be at least 0 and finite");
+  require_not_negative(shape.height, "height");
   require_positive(shape.radius, "radius");
   require_positive(shape.mass, "mass");
   const Surface surface = surface_of(shape.friction, shape.restitution);

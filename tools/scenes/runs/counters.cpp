@@ -18,7 +18,7 @@ constexpr Counter table[] = {
     {"direct_substeps", &StepReport::direct_substeps, "substeps of islands solved directly"},
     {"newton", &StepReport::newton, "Newton steps"},
     {"halvings", &StepReport::halvings, "substeps cut in two"},
-    {"fallbacks", &StepReport::fallbacks, "substeps that fell back to gradient new"},
+    {"fallbacks", &StepReport::fallbacks, "substeps that fell back to a way that damps"},
     {"repeated_steps", &StepReport::repeated_steps, "steps repeated to be accurate"},
     {"elastic_substeps", &StepReport::elastic_substeps, "substeps with elastic rods"},
     {"unsolved", &StepReport::unsolved, "substeps not solved"},

@@ -13,7 +13,7 @@ constexpr double stiffness_over_mass = 1e4;
 constexpr double grip_over_mass = 1e3;
 /// Where contacts are new, they grip by that mass alone at first, and more firmly by this factor once pushes
 /// lack less than this share.
-constexpr double firmer = 30, enough_to_grip = 0.1;
+constexpr double firmer = 30, enough_to_grip = 0.1, loose = 1 / grip_over_mass;
 /// Slopes that differ by less than this share do not need a new factorisation.
 constexpr double stale = 0.05;
 /// A push that moves its place by less than this share of the island's largest rod is rounding.
@@ -23,6 +23,10 @@ constexpr double better = 0.7;
 /// Pushes count as lacking by this share until the grip is whole, so that no looser one is taken for a
 /// solution.
 constexpr double loose_lack = 1e-3;
+/// Pushes that lack no more than this share may start anew from what they are, so often in a solution, if
+/// they have let go by this share of the largest.
+constexpr double settled_enough = 1e-7, let_go = 0.1;
+constexpr int most_settlements = 3;
 /// A search is worth its while if the slope at the end of a correction is this share of that at its start,
 /// and ends where it is below this share.
 constexpr double worth_search = 0.5, flat_enough = 0.2;
@@ -92,19 +96,21 @@ void GroundContacts::begin(Row& row, double gap, Vec3 held, bool is_open) {
 void GroundContacts::grip() {
   for (Row& row : rows_) {
     row.stiffness = ease_ * stiffness_over_mass * row.mass;
-    row.grip = ease_ * grip_over_mass * row.mass;
+    row.grip = (is_loose_ ? loose : ease_) * grip_over_mass * row.mass;
   }
 }
 
 void GroundContacts::begin_grip() {
   const bool all_held =
       std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.contact.is_held; });
-  ease_ = all_held ? 1 : 1 / grip_over_mass;
+  ease_ = all_held && !is_loose_ ? 1 : loose;
   lack_ = 1;
+  settlements_ = 0;
   grip();
 }
 
-void GroundContacts::begin_positions() {
+void GroundContacts::begin_positions(bool is_loose) {
+  is_loose_ = is_loose;
   begin_grip();
   for (Row& row : rows_) {
     row.position = {};
@@ -121,8 +127,6 @@ void GroundContacts::begin_velocities() {
 }
 
 void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, bool bounds_follow) {
-  double most = 0, most_lack = 0, stiffest = 0;
-  is_stale_ = false;
   const bool firms = lack_ < enough_to_grip && ease_ < 1;
   for (Row& row : rows_) {
     row.moved = row.contact.at.of(motion);
@@ -137,6 +141,30 @@ void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, 
     ease_ = std::min(1.0, firmer * ease_);
     grip();
   }
+  find_laws(linkage);
+  if (lack_ > settled_enough || settlements_ == most_settlements || !springs_back()) return;
+  // What they start from pushes too much: they start anew from what they push by.
+  ++settlements_;
+  for (Row& row : rows_) {
+    row.held = row.push;
+    row.state = row.state_at(row.moved);
+  }
+  find_laws(linkage);
+}
+
+/// Returns whether something that was held more firmly a substep ago is lifted by what its contact yielded.
+bool GroundContacts::springs_back() const {
+  double most = 0, back = 0;
+  for (const Row& row : rows_) {
+    most = std::max(most, norm(row.push));
+    back = std::max(back, norm(row.held) - norm(row.push));
+  }
+  return back > let_go * most;
+}
+
+void GroundContacts::find_laws(const Linkage& linkage) {
+  double most = 0, most_lack = 0, stiffest = 0;
+  is_stale_ = false;
   for (Row& row : rows_) {
     row.law = row.law_at(row.moved, row.state);
     row.next = row.slope_at(row.moved, row.state);

@@ -39,8 +39,8 @@ class GroundContacts {
   std::size_t size() const { return rows_.size(); }
   void add(const Linkage& linkage, const GroundContact& contact);
 
-  /// Begins to solve for positions.
-  void begin_positions();
+  /// Begins to solve for positions. What `is_loose` grips by no more than a mass to the end.
+  void begin_positions(bool is_loose);
   /// Begins to solve for velocities at the end. Only what pushed on positions may push.
   void begin_velocities();
   /// Finds pushes and slopes at a motion (m, or m/s). Bounds on friction follow the last solution if
@@ -117,6 +117,8 @@ class GroundContacts {
   void grip();
   void begin_grip();
   void begin(Row& row, double gap, Vec3 held, bool is_open);
+  void find_laws(const Linkage& linkage);
+  bool springs_back() const;
   void follow(std::span<const Vec3> motion, bool from_law);
   /// Calls push(row) for every row and adds what it returns to the particles of the row's place.
   template <class Push>
@@ -126,6 +128,8 @@ class GroundContacts {
   double lack_ = 0;
   double ease_ = 1;  ///< share of the grip
   bool is_stale_ = false;
+  bool is_loose_ = false;
+  int settlements_ = 0;
 };
 
 }  // namespace plumb::detail

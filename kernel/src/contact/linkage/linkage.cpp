@@ -70,12 +70,10 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use)
   has_air_ = !airs_.empty() || drag_ != 0 || joint_drag_ != 0;
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
-  if (use == Use::relaxed) {
-    color_rods();
-  } else {
-    plan(isa);
-    hold_constraints(x);
-  }
+  if (use == Use::relaxed || (part.bodies.empty() && airs_.empty())) color_rods();
+  if (use == Use::relaxed) return;
+  plan(isa);
+  hold_constraints(x);
 }
 
 void Linkage::color_rods() {

@@ -60,9 +60,11 @@ class Linkage {
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }
-  /// Returns the mass on the diagonal of a movable particle, kg.
-  double mass_of(std::uint32_t particle) const { return masses_[particle]; }
-  /// Rods of one colour share no movable particle. Kinds that are relaxed have colours.
+  /// Returns the mass of a movable particle with its share of rods and bodies, kg.
+  double mass_of(std::uint32_t particle) const { return weights_[particle]; }
+  /// Returns whether it has particles, rods and joints alone, so that relaxation can move it.
+  bool can_relax() const { return colors() > 0; }
+  /// Rods of one colour share no movable particle. Kinds that can be relaxed have colours.
   struct ColoredRod {
     std::uint32_t a, b, number;
     double length2;  ///< m²

@@ -36,6 +36,7 @@ struct LinkageMotion {
   bool asleep = false;
   bool frozen = false;
   bool on_ground = false;               ///< its matrix held contacts with ground in the last substep
+  std::uint8_t relax_for = 0;           ///< so many steps, because it could not be solved
   double slow_time = 0;                 ///< time for which it has been slow, s
   std::optional<double> energy{};       ///< energy that free flight keeps, J
   std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
@@ -138,6 +139,8 @@ struct LinkageState : LinkageMotion {
   std::vector<Vec3> push_;
 };
 
+/// Returns how far constant forces throw an island in dt (s), m.
+double throw_of(const LinkageState& state, double dt);
 /// Returns a box around an island's shapes, wherever gravity and the speed (m/s) of its fastest movable
 /// particle bring them within dt (s). The margin (m) is that of contact.
 ///

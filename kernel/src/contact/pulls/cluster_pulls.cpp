@@ -75,7 +75,7 @@ void ClusterStepper::count_pushes(const Row& row, double h) {
     if (is_contact)
       pulls.shapes[row.of[i]] += impulse * side.along_a;
     else
-      pulls.angles[row.of[i]] += (row.key & 1) != 0 ? -impulse : impulse;
+      pulls.angles[row.of[i]] += row.of[1] != 0 ? -impulse : impulse;
     for (const auto& [sum, along] : {std::pair{side.a, side.along_a}, std::pair{side.b, side.along_b}}) {
       Combination at;
       for (std::uint32_t k = sum.first; k < sum.end; ++k)

@@ -184,7 +184,8 @@ void CrowdContacts<T>::touch_planes(const Substep& in, std::span<const Plane> pl
     const Vec3 at = in.crowd.origin() + in.crowd.position(ends_of(each.center));
     const double gap = dot(plane.normal, at) - plane.offset - each.ball->radius;
     add(in, {each.island, each.ball->shape, &each.ball->center, &each.ball->surface},
-        {none, 0, &nothing, &plane.surface}, {gap, plane.normal}, contact_key(1, each.number, 0, pair.other));
+        {none, 0, &nothing, &plane.surface}, {gap, plane.normal},
+        contact_key(KeyKind::plane, each.number, 0, pair.other));
   }
 }
 
@@ -200,7 +201,7 @@ void CrowdContacts<T>::touch_boxes(const Substep& in, std::span<const Surroundin
         p, q, each.shape->radius, box, [&](std::uint64_t which, double t, const Touch& touch) {
           const Combination at = blend(each.shape->a, each.shape->b, t);
           add(in, {each.island, each.number, &at, &each.shape->surface}, {none, 0, &nothing, &box.surface},
-              touch, contact_key(2, 16 * each.number + which, 0, pair.other));
+              touch, contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
         });
   }
 }
@@ -219,7 +220,7 @@ void CrowdContacts<T>::touch_pairs(const Substep& in) {
       const Combination at_a = blend(a.shape->a, a.shape->b, touch.a),
                         at_b = blend(b.shape->a, b.shape->b, touch.b);
       add(in, {a.island, a.number, &at_a, &a.shape->surface}, {b.island, b.number, &at_b, &b.shape->surface},
-          touch, contact_key(3, 4 * a.number + n, in.cluster[b.island]->number, b.number));
+          touch, contact_key(KeyKind::island, 4 * a.number + n, in.cluster[b.island]->number, b.number));
     }
   }
 }

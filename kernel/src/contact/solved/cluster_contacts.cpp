@@ -160,7 +160,6 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
     const Linkage::AngleRule& rule = state.angle_rules[k];
     if (rule.lower == 0 && rule.upper == std::numbers::pi && rule.friction == 0) continue;
     const Linkage::Angle& angle = state.linkage->angles()[k];
-    const std::uint64_t key = contact_key(4, k, 0, 0);
     const auto [value, along_u, along_v] = Linkage::slope(angle, state.x);
     const Side side{add_sum(island, angle.u), add_sum(island, angle.v), along_u, along_v};
     const double by = dot(along_u, island.of(side.a, island.d)) + dot(along_v, island.of(side.b, island.d));
@@ -170,8 +169,9 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
       row.island[0] = i;
       row.ends = 1;
       row.side[0] = add_side(island, {side.a, side.b, sign * side.along_a, sign * side.along_b});
-      row.key = key + static_cast<std::uint64_t>(kind) * 2 + (sign < 0);
+      row.key = contact_key(KeyKind::angle, k, static_cast<std::uint64_t>(kind), sign < 0);
       row.of[0] = static_cast<std::uint32_t>(k);
+      row.of[1] = sign < 0;
       const KeptContact held = kept_at(state, row.key, island.next_kept);
       row.held = held.key == row.key;
       row.p = h * h * held.force.x;
@@ -247,7 +247,7 @@ void ClusterStepper::touch_planes(std::uint32_t i, std::span<const Plane> planes
       const Linkage::Ball& ball = balls[k];
       const double gap = dot(plane.normal, ball.center.of(island.state->x)) - plane.offset - ball.radius;
       add_contact({i, ball.center, ball.surface, ball.shape}, {none, nothing, plane.surface},
-                  {gap, plane.normal}, contact_key(1, k, 0, p), h);
+                  {gap, plane.normal}, contact_key(KeyKind::plane, k, 0, p), h);
     }
   }
 }
@@ -265,7 +265,7 @@ void ClusterStepper::touch_boxes(std::uint32_t i, std::span<const Surroundings::
       const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
       for_touches_with_box(p, q, shape.radius, box, [&](std::uint64_t which, double t, const Touch& touch) {
         add_contact({i, blend(shape.a, shape.b, t), shape.surface, k}, {none, nothing, box.surface}, touch,
-                    contact_key(2, 16 * k + which, 0, b), h);
+                    contact_key(KeyKind::box, 16 * k + which, 0, b), h);
       });
     }
   }
@@ -283,7 +283,7 @@ void ClusterStepper::touch_island(std::uint32_t i, std::uint32_t j, double h) {
       for (std::uint32_t n = 0; n < near.count; ++n) {
         const Touch& at = near.at[n];
         add_contact({i, blend(a.a, a.b, at.a), a.surface, k}, {j, blend(b.a, b.b, at.b), b.surface, l}, at,
-                    contact_key(3, 4 * k + n, other.number, l), h);
+                    contact_key(KeyKind::island, 4 * k + n, other.number, l), h);
       }
     }
   }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
 /// These constants bound the substeps of clusters and say how exactly they are solved. What a user may want
 /// otherwise stands in ContactSettings.
 namespace plumb::detail::contact_limits {
@@ -20,6 +23,15 @@ inline constexpr double farthest_throw = 10;
 inline constexpr double farthest_pull = 0.05;
 /// A step is cut into at most this many substeps.
 inline constexpr double most_cuts = 4096;
+/// What can be relaxed is not cut to substeps that are shorter than this share of what they should be, but
+/// relaxed in this many or, if it is fast, more.
+inline constexpr double few_cuts = 0.2;
+inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
+/// Islands that touched each other in more places than these are a crowd, and so are nets that touched
+/// anything. They take longer to solve than to relax.
+inline constexpr std::size_t few_touching = 24;
+/// What could not be solved is a crowd for so many steps.
+inline constexpr std::uint8_t patience = 15;
 /// A step is cut into at most this many substeps because one would gain energy.
 inline constexpr double most_guards = 64;
 /// Islands at rest may gain this share of the energy that lifts them by their size. Larger values repeat
@@ -64,7 +76,7 @@ inline constexpr double ground_enough = 1e-7;
 /// Bounds on friction follow the normal pushes through so many corrections, and stay then.
 inline constexpr int bounds_follow_for = 10;
 /// While they do, constraints may be violated by this share of their lengths.
-inline constexpr double most_disturbed = 1e-6;
+inline constexpr double most_disturbed = 1e-5;
 /// Contacts in the matrix take at most so many corrections.
 inline constexpr int most_ground_corrections = 20;
 

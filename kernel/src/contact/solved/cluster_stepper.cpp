@@ -42,12 +42,16 @@ ContactSettings scaled(ContactSettings settings) {
   return settings;
 }
 
-Bounds reach(const LinkageState& state, double speed, double dt, double margin) {
+double throw_of(const LinkageState& state, double dt) {
   double pull = 0;
   for (const Vec3 force : state.force) pull += norm(force);
-  double fall = 0.5 * pull / state.linkage->mass() * dt * dt;
-  // A force that throws it that far would only join others into a cluster that cannot be solved.
-  if (fall > farthest_throw * state.linkage->size()) fall = 0;
+  return 0.5 * pull / state.linkage->mass() * dt * dt;
+}
+
+Bounds reach(const LinkageState& state, double speed, double dt, double margin) {
+  // A force that throws it too far would only join others into a cluster that cannot be solved.
+  const double thrown = throw_of(state, dt);
+  double fall = thrown > farthest_throw * state.linkage->size() ? 0 : thrown;
   fall += 0.5 * norm(state.linkage->gravity()) * dt * dt;
   return bounds_of(*state.linkage, state.x, 1.1 * speed * dt + fall + margin);
 }
@@ -61,6 +65,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].state = cluster[i];
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
+  if (relaxes_crowds_ && is_crowd(cluster) && relax(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;
   shortest_ = dt / most_guards;
   recovery_rate_ = settings_.recovery * substeps / dt;
@@ -82,24 +87,8 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
       left -= h;
       continue;
     }
-    const double first = h;
-    while (!substep(surroundings, h, report)) {
-      if (std::exchange(try_tighter_, false)) continue;
-      if (h == first) find_overload(h);
-      h /= 2;
-      ++report.halvings;
-      if (h >= least / 16) continue;
-      if (break_overload(report)) {
-        h = first;
-        continue;
-      }
-      // Nothing more can be done: what cannot be solved stays where it is.
-      ++report.unsolved;
-      for (std::uint32_t i = 0; i < count_; ++i)
-        if (islands_[i].awake)
-          std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), Vec3{});
-      return;
-    }
+    h = solve(cluster, surroundings, h, least, report);
+    if (h == 0) return;
     ++report.direct_substeps;
     left -= h;
     if (islands_[0].state->on_ground) likely = 2 * h;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "contact/ground/ground_contacts.hpp"
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
+#include "contact/linkage/visitor.hpp"
 #include "contact/surroundings.hpp"
 #include "contact/touch.hpp"
 #include "interface/tally.hpp"
@@ -39,9 +41,14 @@ ContactSettings scaled(ContactSettings settings);
 /// back.
 class ClusterStepper final : public ClusterMover {
  public:
-  /// The settings are scaled already (scaled()).
-  ClusterStepper(Isa isa, const ContactSettings& settings)
-      : kernels_(&simd::kkt_kernels(isa)), settings_(settings) {}
+  /// The settings are scaled already (scaled()). `relaxed` moves what cannot be solved, if given, and what
+  /// touches in many places if `relaxes_crowds`.
+  ClusterStepper(Isa isa, const ContactSettings& settings, std::unique_ptr<ClusterMover> relaxed = nullptr,
+                 bool relaxes_crowds = false)
+      : kernels_(&simd::kkt_kernels(isa)),
+        settings_(settings),
+        relaxed_(std::move(relaxed)),
+        relaxes_crowds_(relaxes_crowds) {}
 
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
             const ClusterRules& rules, double dt, Tally& report) override;
@@ -80,7 +87,7 @@ class ClusterStepper final : public ClusterMover {
     double p = 0, q = 0;        ///< what pushes positions, and velocities
     double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
     std::uint64_t key = 0;
-    std::uint32_t of[2] = {0, 0};  ///< the shapes that touch, or the angle
+    std::uint32_t of[2] = {0, 0};  ///< the shapes that touch, or the angle and 1 at its upper limit
   };
   using Lanes = simd::Lanes;
   struct Island {
@@ -137,6 +144,12 @@ class ClusterStepper final : public ClusterMover {
   };
 
   bool substep(const Surroundings& surroundings, double h, Tally& report);
+  double solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h,
+               double least, Tally& report);
+  static bool is_crowd(std::span<LinkageState* const> cluster);
+  bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
+             double dt, Tally& report);
+  std::uint32_t relaxed_substeps(double dt) const;
   double longest_substep(double most, double turn) const;
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(const Surroundings& surroundings, std::uint32_t time_order, double h, Tally& report);
@@ -154,6 +167,8 @@ class ClusterStepper final : public ClusterMover {
   bool correct_on_ground(Island& island);
   void find_velocities_on_ground(Island& island);
   void fill_velocities(Island& island);
+  bool is_on_ground() const;
+  bool any_touch() const;
   std::size_t count_pushes() const;
   void freeze(Island& island, Tally& report);
   void begin_elastics(Island& island, double h) const;
@@ -224,6 +239,9 @@ class ClusterStepper final : public ClusterMover {
 
   const simd::KktKernels* kernels_;
   ContactSettings settings_;
+  std::unique_ptr<ClusterMover> relaxed_;
+  bool relaxes_crowds_;
+  ProjectionWork projection_;
   std::vector<Island> islands_;
   /// A rod that is pulled beyond its strength in a substep that is not solved.
   struct Overload {
@@ -235,6 +253,7 @@ class ClusterStepper final : public ClusterMover {
   std::vector<Row> rows_;
   std::vector<LeftOut> left_out_;
   bool woken_ = false, all_near_ = false;
+  bool loose_ = false;        ///< ground grips loosely, since nothing was found with its whole grip
   bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try
   int switches_ = 0;          ///< how often that was changed in this substep
   Flight flight_;

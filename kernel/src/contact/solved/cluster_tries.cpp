@@ -1,0 +1,107 @@
+// This file says what is tried with a substep that is not solved at once.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "contact/rows.hpp"
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+/// Solves a substep of h (s), or one that is shorter but hardly than `least`. Returns its length. It is 0 if
+/// nothing was found: what cannot be solved stays where it is.
+double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                             double h, double least, Tally& report) {
+  const double whole = h;
+  loose_ = false;
+  while (!substep(surroundings, h, report)) {
+    if (std::exchange(try_tighter_, false)) continue;
+    if (!loose_ && is_on_ground()) {
+      loose_ = true;
+      ++report.fallbacks;
+      continue;
+    }
+    loose_ = false;
+    if (h == whole) find_overload(h);
+    h /= 2;
+    ++report.halvings;
+    if (h < few_cuts * whole && overload_.state == nullptr && any_touch() &&
+        relax(cluster, surroundings, 1, whole, report)) {
+      ++report.fallbacks;
+      for (LinkageState* const state : cluster) state->relax_for = patience;
+      return whole;
+    }
+    if (h >= least / 16) continue;
+    if (!break_overload(report)) {
+      ++report.unsolved;
+      for (std::uint32_t i = 0; i < count_; ++i)
+        if (islands_[i].awake)
+          std::fill_n(islands_[i].state->v.begin(), islands_[i].state->linkage->movable(), Vec3{});
+      return 0;
+    }
+    h = whole;
+  }
+  return h;
+}
+
+bool ClusterStepper::is_on_ground() const {
+  return std::any_of(islands_.begin(), islands_.begin() + count_,
+                     [](const Island& each) { return !each.ground.is_empty(); });
+}
+
+/// Returns whether anything touches in this substep.
+bool ClusterStepper::any_touch() const {
+  return is_on_ground() ||
+         std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.kind == Kind::normal; });
+}
+
+/// Returns whether islands touch each other, or what has loops touches anything, in many places, or could not
+/// be solved of late.
+bool ClusterStepper::is_crowd(std::span<LinkageState* const> cluster) {
+  std::size_t touching = 0;
+  for (LinkageState* const state : cluster) {
+    if (state->relax_for > 0) touching = few_touching + 1, --state->relax_for;
+    const bool has_loops = state->linkage->rods() > state->linkage->particles();
+    for (const KeptContact& each : state->kept)
+      touching += has_loops ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
+  }
+  return touching > few_touching;
+}
+
+/// Returns in how many substeps a step of dt (s) is relaxed: what is fast or thin takes more.
+std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
+  double fastest = 0, thinnest = INFINITY;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (islands_[i].awake) fastest = std::max(fastest, top_speed(*islands_[i].state));
+    thinnest = std::min(thinnest, least_radius(*islands_[i].state->linkage));
+  }
+  const double wanted = std::ceil(dt * fastest / (most_approach * thinnest));
+  return static_cast<std::uint32_t>(
+      std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
+}
+
+/// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false if some island cannot
+/// be relaxed.
+bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                           std::uint32_t substeps, double dt, Tally& report) {
+  const auto can_relax = [&](const LinkageState* state) {
+    return state->linkage->can_relax() && throw_of(*state, dt) <= farthest_throw * state->linkage->size();
+  };
+  if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
+  relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, report);
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    LinkageState& state = *islands_[i].state;
+    islands_[i].awake = !state.asleep && !state.frozen;
+    if (!islands_[i].awake) continue;
+    project_positions(state, projection_);
+    project_velocities(state, projection_);
+    std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
+    state.energy.reset();
+  }
+  return true;
+}
+
+}  // namespace plumb::detail

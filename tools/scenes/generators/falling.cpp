@@ -1,0 +1,121 @@
+#include "scenes/generators/falling.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "plumb/joints.hpp"
+#include "scenes/basics/require.hpp"
+#include "scenes/basics/seeded.hpp"
+
+namespace plumb::scenes {
+namespace {
+
+constexpr double ripple = 1e-3;  // m
+
+struct Link {
+  double length, mass, radius;
+  Surface surface;
+};
+
+template <class Shape>
+Link link_of(const Shape& shape) {
+  require_at_least(shape.links, 1, "links");
+  require_positive(shape.length, "length");
+  require_positive(shape.mass, "mass");
+  require_positive(shape.radius, "radius");
+  return {shape.length, shape.mass, shape.radius, {.friction = require_friction(shape.friction)}};
+}
+
+void add_capsule(Scene& scene, std::uint32_t a, std::uint32_t b, const Link& link) {
+  scene.rods.push_back({.a = a, .b = b});
+  scene.capsules.push_back(
+      {.a = point_at(a), .b = point_at(b), .radius = link.radius, .surface = link.surface});
+}
+
+/// Adds links + 1 particles at where(0), where(1), ..., with rods between them.
+template <class Where>
+void add_rope(Scene& scene, std::uint32_t links, const Link& link, Where&& where) {
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
+  for (std::uint32_t i = 0; i <= links; ++i) {
+    scene.particles.push_back({.position = where(i), .mass = link.mass});
+    if (i > 0) add_capsule(scene, first + i - 1, first + i, link);
+  }
+}
+
+}  // namespace
+
+Scene make_rope(const RopeShape& shape) {
+  const Link link = link_of(shape);
+  require_not_negative(shape.height, "height");
+  require_not_negative(shape.coil, "coil");
+  if (shape.coil > 0 && !(2 * shape.coil > shape.length)) throw InputError("coil must be wider than a rod");
+  Scene scene;
+  const double low = shape.radius + shape.height;
+  // A turn of the coil climbs by three radii, so that it is open.
+  const double climb =
+      shape.coil > 0 ? 3 * shape.radius * shape.length / (2 * std::numbers::pi * shape.coil) : 0;
+  const double turn =
+      shape.coil > 0
+          ? 2 * std::asin(std::sqrt(shape.length * shape.length - climb * climb) / (2 * shape.coil))
+          : 0;
+  add_rope(scene, shape.links, link, [&](std::uint32_t i) {
+    if (shape.coil == 0)
+      return Vec3{shape.length * i, low + ripple * std::sin(0.7 * i), ripple * std::cos(1.3 * i)};
+    return Vec3{shape.coil * std::cos(turn * i), low + climb * i, shape.coil * std::sin(turn * i)};
+  });
+  scene.planes.push_back({.surface = link.surface});
+  return scene;
+}
+
+Scene make_heap(const HeapShape& shape) {
+  const Link link = link_of(shape);
+  require_at_least(shape.ropes, 1, "ropes");
+  require_positive(shape.spacing, "spacing");
+  if (!(shape.spacing > 2 * shape.radius)) throw InputError("spacing must be more than two radii");
+  require_countable(std::uint64_t{shape.ropes} * (shape.links + std::uint64_t{1}));
+  std::mt19937_64 random(shape.seed);
+  const double aside = 0.1 * shape.length * shape.links;
+  Scene scene;
+  for (std::uint32_t rope = 0; rope < shape.ropes; ++rope) {
+    const double angle = std::numbers::pi * unit_double(random);
+    const double x = aside * (2 * unit_double(random) - 1), z = aside * (2 * unit_double(random) - 1);
+    const Vec3 middle{x, shape.radius + shape.spacing * (rope + 1), z};
+    const Vec3 along = shape.length * Vec3{std::cos(angle), 0, std::sin(angle)};
+    add_rope(scene, shape.links, link, [&](std::uint32_t i) {
+      return middle + (i - 0.5 * shape.links) * along + Vec3{0, ripple * std::sin(i), 0};
+    });
+  }
+  scene.planes.push_back({.surface = link.surface});
+  return scene;
+}
+
+Scene make_drape(const DrapeShape& shape) {
+  require_at_least(shape.size, 2, "size");
+  require_positive(shape.spacing, "spacing");
+  require_positive(shape.mass, "mass");
+  require_positive(shape.radius, "radius");
+  require_not_negative(shape.height, "height");
+  require_countable(std::uint64_t{shape.size} * shape.size);
+  const Link link{shape.spacing, shape.mass, shape.radius, {.friction = require_friction(shape.friction)}};
+  const double side = shape.spacing * (shape.size - 1), quarter = side / 4;
+  const double top = shape.box == 0 ? 0 : 2 * quarter;
+  Scene scene;
+  for (std::uint32_t row = 0; row < shape.size; ++row)
+    for (std::uint32_t column = 0; column < shape.size; ++column) {
+      const std::uint32_t here = row * shape.size + column;
+      const Vec3 at{shape.spacing * column - side / 2,
+                    top + shape.radius + shape.height + ripple * std::sin(1.1 * column + 0.7 * row),
+                    shape.spacing * row - side / 2};
+      scene.particles.push_back({.position = at, .mass = shape.mass});
+      if (column > 0) add_capsule(scene, here - 1, here, link);
+      if (row > 0) add_capsule(scene, here - shape.size, here, link);
+    }
+  scene.planes.push_back({.surface = link.surface});
+  if (shape.box != 0)
+    scene.boxes.push_back(
+        {.center = {0, top / 2, 0}, .half_size = {quarter, top / 2, quarter}, .surface = link.surface});
+  return scene;
+}
+
+}  // namespace plumb::scenes

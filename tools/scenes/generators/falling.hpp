@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+
+#include "plumb/scene.hpp"
+
+/// These are ropes and nets that fall on ground and on each other.
+namespace plumb::scenes {
+
+/// A rope of capsules falls on a plane: level, with ripples of 1 mm, or wound to a coil.
+struct RopeShape {
+  std::uint32_t links = 100;
+  double length = 0.1;   ///< Length of a rod, in m.
+  double mass = 0.1;     ///< Mass of a particle, in kg.
+  double radius = 0.02;  ///< Of a capsule, in m.
+  double height = 0.3;   ///< Height of its lower end above where it lies, in m.
+  double coil = 0;       ///< Radius of a coil, in m. A rope without one is level.
+  double friction = 0.5;
+};
+
+/// Level ropes fall on a plane and on each other.
+struct HeapShape {
+  std::uint32_t ropes = 16;
+  std::uint32_t links = 20;
+  double length = 0.1;   ///< Length of a rod, in m.
+  double mass = 0.1;     ///< Mass of a particle, in kg.
+  double radius = 0.02;  ///< Of a capsule, in m.
+  double spacing = 0.1;  ///< Height between ropes, in m.
+  double friction = 0.5;
+  std::uint32_t seed = 1;
+};
+
+/// A level square net falls on a plane or a box.
+struct DrapeShape {
+  std::uint32_t size = 32;  ///< Particles along a side.
+  double spacing = 0.05;    ///< Length of a rod, in m.
+  double mass = 0.01;       ///< Mass of a particle, in kg.
+  double radius = 0.01;     ///< Of a capsule, in m.
+  double height = 0.1;      ///< Height above what it falls on, in m.
+  double friction = 0.5;
+  std::uint32_t box = 1;  ///< 0: there is no box, of half the net's side.
+};
+
+/// Makes such a scene. Throws InputError with the value that makes no sense.
+Scene make_rope(const RopeShape& shape);
+Scene make_heap(const HeapShape& shape);
+Scene make_drape(const DrapeShape& shape);
+
+}  // namespace plumb::scenes
