@@ -9,6 +9,7 @@
 namespace plumb::tools {
 
 void add_run_command(Command& plumb);
+void add_fall_command(Command& plumb);
 void add_frontier_command(Command& plumb);
 void add_humanoid_command(Command& plumb);
 void add_info_command(Command& plumb);

@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
     tools::add_run_command(top);
     tools::add_info_command(top);
     tools::add_humanoid_command(top);
+    tools::add_fall_command(top);
     tools::add_frontier_command(top);
     tools::add_thesis_command(top);
     tools::add_scale_command(top);

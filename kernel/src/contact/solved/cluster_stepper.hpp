@@ -242,6 +242,7 @@ class ClusterStepper final : public ClusterMover {
   std::unique_ptr<ClusterMover> relaxed_;
   bool relaxes_crowds_;
   ProjectionWork projection_;
+  std::vector<LinkageMotion> before_;  ///< what was relaxed
   std::vector<Island> islands_;
   /// A rod that is pulled beyond its strength in a substep that is not solved.
   struct Overload {

@@ -83,25 +83,38 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
 }
 
-/// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false if some island cannot
-/// be relaxed.
+/// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false, and nothing has moved,
+/// if some island cannot be relaxed or its rods are too far from their lengths.
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                            std::uint32_t substeps, double dt, Tally& report) {
   const auto can_relax = [&](const LinkageState* state) {
     return state->linkage->can_relax() && throw_of(*state, dt) <= farthest_throw * state->linkage->size();
   };
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
-  relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, report);
+  if (before_.size() < cluster.size()) before_.resize(cluster.size());
+  for (std::size_t i = 0; i < cluster.size(); ++i) before_[i] = cluster[i]->motion();
+  Tally tried = report;
+  relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, tried);
+  bool all = true;
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
     if (!islands_[i].awake) continue;
-    project_positions(state, projection_);
+    all = all && project_positions(state, projection_);
     project_velocities(state, projection_);
     std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
     state.energy.reset();
   }
-  return true;
+  if (all) {
+    report = tried;
+    return true;
+  }
+  report.block_sweeps = tried.block_sweeps;
+  for (std::size_t i = 0; i < cluster.size(); ++i) {
+    cluster[i]->return_to(before_[i]);
+    islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
+  }
+  return false;
 }
 
 }  // namespace plumb::detail
