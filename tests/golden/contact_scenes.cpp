@@ -61,6 +61,35 @@ Scene make_slide() {
   return scene;
 }
 
+Scene make_rollers() {
+  Scene scene;
+  const Surface grippy{.friction = 0.7, .restitution = 0.2, .rolling = 1e-3, .spinning = 2e-3};
+  scene.platforms = {{.position = {1, 0, 0}}};
+  scene.planes.push_back({.surface = rough, .motion = {.belt = {0.5, 0, -0.25}}});
+  scene.boxes.push_back(
+      {.center = {1, 0.1, 0}, .half_size = {0.5, 0.1, 0.5}, .surface = grippy, .motion = {.platform = 0}});
+  test::add_fixed_body(scene);
+  scene.capsules.push_back({.a = point_on_body(scene, 0, {-1, 0.25, -1}),
+                            .b = point_on_body(scene, 0, {-1, 0.25, 1}),
+                            .radius = 0.25,
+                            .surface = grippy});
+  for (int i = 0; i < 6; ++i) {
+    const bool is_ball = i % 2 == 0;
+    MassProperties solid = is_ball ? solid_sphere(1 + i, 0.1) : solid_capsule(1 + i, 0.1, 0.25);
+    solid.center = {0.5 * i - 1, 0.4 + 0.125 * (i % 3), 0.25 - 0.0625 * i};
+    const std::uint32_t body = add_body(scene, solid);
+    const Vec3 half{is_ball ? 0 : 0.125, 0, 0};
+    scene.capsules.push_back({.a = point_on_body(scene, body, solid.center - half),
+                              .b = point_on_body(scene, body, solid.center + half),
+                              .radius = 0.1,
+                              .surface = i < 3 ? rough : grippy,
+                              .filter = {.group = i == 4 ? -1 : 0}});
+    test::set_motion(scene, body, {0.25 * i, 0, 0.5}, {0, 4, 2.0 * i});
+  }
+  add_block(scene, {1, 0.4, 0.25}, {0.2, 0.1, 0.15}, 1.5);
+  return scene;
+}
+
 Scene make_mechanism() {
   Scene scene;
   const Vec3 along = (1 / 3.0) * Vec3{2, 1, 2}, across = (1 / 3.0) * Vec3{1, 2, -2};

@@ -8,6 +8,7 @@ namespace plumb::golden {
 
 Scene make_tower();
 Scene make_slide();
+Scene make_rollers();
 Scene make_mechanism();
 Scene make_springs();
 Scene make_pool();

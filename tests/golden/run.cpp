@@ -45,11 +45,12 @@ class Drive {
   Drive(const Row& row, const Scene& scene, const Settings& settings)
       : scene_(scene), settings_(settings), steps_(row.steps) {
     for (const std::string& word : split(row.drive, '+')) {
-      bool* const flag = word == "anchors"  ? &anchors_
-                         : word == "forces" ? &forces_
-                         : word == "uneven" ? &uneven_
-                         : word == "rules"  ? &rules_
-                                            : nullptr;
+      bool* const flag = word == "anchors"     ? &anchors_
+                         : word == "forces"    ? &forces_
+                         : word == "uneven"    ? &uneven_
+                         : word == "rules"     ? &rules_
+                         : word == "platforms" ? &platforms_
+                                               : nullptr;
       if (flag != nullptr) {
         *flag = true;
       } else if (word != "still") {
@@ -66,6 +67,11 @@ class Drive {
     if (anchors_ && step % 12 < 8) {
       const double far = 0.002 * (step - step / 12 * 4.0);
       world.move_anchor(anchor_, scene_.particles[anchor_].position + far * Vec3{1, 0.5, -0.75});
+    }
+    if (platforms_ && step % 16 < 12) {
+      const double far = 0.002 * step, half = 0.004 * step, over = 1 / (1 + half * half);
+      world.move_platform(0, {.position = scene_.platforms.at(0).position + far * Vec3{-1, 0.5, 0.25},
+                              .orientation = {over * (1 - half * half), 0, over * 2 * half, 0}});
     }
     if (forces_ && step == steps_ / 8) world.set_force(pushed_, {0.5, 6, 2});
     if (forces_ && step == steps_ / 2) world.set_force(pushed_, {-1, 0.25, 3});
@@ -87,7 +93,7 @@ class Drive {
   const Scene& scene_;
   const Settings& settings_;
   std::uint32_t steps_, anchor_ = 0, pushed_ = 0;
-  bool anchors_ = false, forces_ = false, uneven_ = false, rules_ = false;
+  bool anchors_ = false, forces_ = false, uneven_ = false, rules_ = false, platforms_ = false;
 };
 
 }  // namespace

@@ -23,6 +23,7 @@ struct Outcome {
 /// Steps the row's scene through the row's drive, words joined by '+':
 ///
 ///   still    nothing but equal steps
+///   platforms  the first platform goes 12 steps on its way and turns, rests for 4, and so on
 ///   anchors  the first fixed particle goes 8 steps on its way, rests for 4, and so on
 ///   forces   the last movable particle is pushed, then pushed otherwise, then let go
 ///   uneven   steps are 1, 3/4 and 5/4 of dt, in turn

@@ -88,6 +88,7 @@ const std::map<std::string, Maker>& makers() {
       {"draped_rope", make_draped_rope},
       {"bridge", make_bridge},
       {"hoist", make_hoist},
+      {"rollers", make_rollers},
   };
   return all;
 }

@@ -17,6 +17,7 @@ namespace plumb::golden {
 ///   ladder          a truss of rods with mass between two anchors
 ///   tower           three blocks, one upon the other on the ground, the upper ones set down from 1 cm
 ///   slide           a block on a rough slope of 3 in 4, which it leaves for a box
+///   rollers         balls, cylinders and a block on a belt, a platform and a drum of anchors
 ///   mechanism       five bodies by a ball joint, a revolute, a universal and a prismatic joint, with angles
 ///   that are
 ///                   limited, driven and rubbing

@@ -43,11 +43,13 @@ TEST(Bodies, WithShapesAreRefusedToMethodsThatKnowRodsOrJointsAlone) {
   }
 }
 
-// A shape or an angle that nothing moves.
+// A joint that nothing moves. A shape that nothing moves is ground.
 TEST(Bodies, OnFixedParticlesAloneAreRefused) {
   Scene scene;
   scene.particles = {test::fixed({0, 0, 0}), test::fixed({1, 0, 0}), test::movable({0, 1, 0})};
   scene.capsules.push_back({.a = point_at(0), .b = point_at(1), .radius = 0.1});
+  EXPECT_EQ(refusal([&] { World(scene, test::body_settings()); }), "");
+  scene.pins.push_back({point_at(0), point_at(1)});
   EXPECT_NE(refusal([&] { World(scene, test::body_settings()); }).find("fixed"), std::string::npos);
 }
 

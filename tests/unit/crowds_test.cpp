@@ -10,6 +10,7 @@
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
+#include "contact/relaxed/crowd_pairs.hpp"
 #include "contact/rows.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/layouts/packing.hpp"
@@ -120,10 +121,12 @@ TEST(CrowdContacts, KeepAGapOpenAndHoldWithinTheCone) {
   Crowd<double> crowd;
   CrowdContacts<double> contacts(ContactSettings{});
   crowd.gather(ball.cluster, {});
-  contacts.find(ball.cluster, crowd, surroundings, 0.01, 10);
+  GroundNow ground;
+  ground.find(surroundings, 0);
+  contacts.find(ball.cluster, crowd, surroundings, ground, 0.01, 10);
   ASSERT_TRUE(contacts.any_near());
   crowd.predict(0.01, Gradient::new_);
-  ASSERT_TRUE(contacts.begin(ball.cluster, crowd, surroundings, 0.01));
+  ASSERT_TRUE(contacts.begin(ball.cluster, crowd, ground, 0.01));
   EXPECT_FALSE(contacts.is_empty());
   EXPECT_NEAR(contacts.sweep(crowd), 0.03 * std::sqrt(1 + 0.04), 1e-12);
   EXPECT_EQ(contacts.sweep(crowd), 0) << "it is solved";

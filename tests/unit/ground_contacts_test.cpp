@@ -26,7 +26,7 @@ class Ball {
   Vec3 moved_by(Vec3 push, int& steps) {
     std::vector<simd::Quad> unknowns(linkage_.plan().columns());
     Vec3 moved = (1 / mass) * push;
-    ground_.begin_positions(false);
+    ground_.begin_positions(false, false);
     for (steps = 0; steps < 20; ++steps) {
       ground_.look(linkage_, std::array{moved}, true);
       if (steps > 0 && ground_.lack() <= 1e-9) break;

@@ -314,7 +314,7 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
             "rods, bends, twists, tackles, reels, bodies, pins, "
-            "alignments, angles, springs, torsions, capsules, planes, boxes");
+            "alignments, angles, springs, torsions, capsules, planes, boxes, platforms");
 }
 
 TEST(SceneFile, MissingAndMistypedValuesAreNamedWithTheirPath) {

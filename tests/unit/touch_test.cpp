@@ -165,8 +165,9 @@ TEST(Surroundings, BoxesReachAsFarAsTheirCorners) {
   const Surroundings around(scene);
   EXPECT_NEAR(around.boxes[0].bounds.high.x, std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(around.boxes[0].bounds.high.z, 1, 1e-12);
-  EXPECT_TRUE(around.reach_into({{1.4, 0, 0}, {2, 1, 1}}));
-  EXPECT_FALSE(around.reach_into({{1.42, 0, 0}, {2, 1, 1}}));
+  const std::array any{Filter{}};
+  EXPECT_TRUE(around.reach_into({{1.4, 0, 0}, {2, 1, 1}}, any));
+  EXPECT_FALSE(around.reach_into({{1.42, 0, 0}, {2, 1, 1}}, any));
 }
 
 }  // namespace

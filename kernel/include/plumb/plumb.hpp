@@ -10,6 +10,7 @@
 ///     plumb::Vec3 tip = world.position(1);                  // read, in the scene's own order
 ///
 /// - scene.hpp: what is simulated.
+/// - shapes/surface.hpp: how shapes feel, what they may touch, and how ground moves.
 /// - settings.hpp: how it is simulated.
 /// - world.hpp: the compiled scene and its step.
 /// - loads.hpp: forces by function of time and state.
@@ -38,6 +39,7 @@
 #include "plumb/problem.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/shapes/surface.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/version.hpp"
 #include "plumb/world.hpp"

@@ -10,6 +10,7 @@
 
 #include "plumb/export.hpp"
 #include "plumb/inertia.hpp"
+#include "plumb/shapes/surface.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb {
@@ -220,35 +221,35 @@ struct Torsion {
   double torque = 0;     ///< Torque on v's side that is added, in N m, as of a motor.
 };
 
-/// Says how something feels when touched. Of two surfaces the larger restitution counts, and the geometric
-/// mean of their friction.
-struct Surface {
-  double friction = 0.5;   ///< Coulomb's coefficient.
-  double restitution = 0;  ///< Share of the normal velocity that is kept, 0 to 1 (thesis eq. 2.32).
-};
-
 /// This is a shape: all that is within `radius` of the line between two places. It is a sphere if they are
-/// the same.
+/// the same. If all its particles are fixed, it is ground that goes where they are moved.
+///
+/// Friction turns it if both places are on one body or along one rod. A sphere on one particle does not turn.
 struct Capsule {
   Point a{};          ///< One end of the line.
   Point b{};          ///< The other end.
   double radius = 0;  ///< Radius, in m.
   Surface surface{};  ///< How it feels.
+  Filter filter{};    ///< What it may touch.
 };
 
 /// This is solid ground: everything with normal·x < offset.
 struct Plane {
-  Vec3 normal{0, 1, 0};  ///< Unit vector out of the ground.
-  double offset = 0;     ///< Distance of the surface from the origin along the normal, in m.
-  Surface surface{};     ///< How it feels.
+  Vec3 normal{0, 1, 0};   ///< Unit vector out of the ground.
+  double offset = 0;      ///< Distance of the surface from the origin along the normal, in m.
+  Surface surface{};      ///< How it feels.
+  Filter filter{};        ///< What it may touch.
+  GroundMotion motion{};  ///< How it moves.
 };
 
-/// This is a solid box that does not move.
+/// This is a solid box of the ground.
 struct Box {
   Vec3 center{};                                  ///< Centre, in m.
   Vec3 half_size{};                               ///< Half of its sides, in m.
   std::array<double, 4> orientation{1, 0, 0, 0};  ///< Unit quaternion w, x, y, z.
   Surface surface{};                              ///< How it feels.
+  Filter filter{};                                ///< What it may touch.
+  GroundMotion motion{};                          ///< How it moves.
 };
 
 /// Says how a rod's mass acts on its two ends.
@@ -279,7 +280,8 @@ struct Scene {
   std::vector<Torsion> torsions{};      ///< Springs, dampers and motors about axes.
   std::vector<Capsule> capsules{};      ///< Shapes that move with the islands.
   std::vector<Plane> planes{};          ///< Ground.
-  std::vector<Box> boxes{};             ///< Solid boxes that do not move.
+  std::vector<Box> boxes{};             ///< Solid boxes of the ground.
+  std::vector<Pose> platforms{};        ///< Poses of what carries ground; see World::move_platform().
 };
 
 /// Returns whether a scene has more than particles and rods: bends, twists, tackles, reels, shapes, ground,
@@ -325,7 +327,8 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - an angle without directions, or with limits outside [0, pi];
 /// - a spring or torsion of nothing that moves, a torsion without directions, or with one along its axis;
 /// - negative stiffness or damping of these, or a force, torque, length or angle that is not finite;
-/// - negative radius, size or friction, and restitution outside [0, 1];
+/// - negative radius, size, friction or resistance, and restitution outside [0, 1];
+/// - a platform that is not there, a belt or a pose that is not finite;
 /// - a normal or a quaternion that is not of length one, to within 1e-9.
 PLUMB_API void validate(const Scene& scene);
 

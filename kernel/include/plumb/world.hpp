@@ -187,6 +187,13 @@ class PLUMB_API World {
   /// Moves an anchor to `target` (m) during the next step, along a straight line, a substep at a time. Throws
   /// InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
+  /// Moves a platform (Scene::platforms), and the ground that it carries, to `target` during the next step,
+  /// with constant velocity and spin, the shorter way round. What lies on it is carried, and sleepers wake.
+  /// Then it stands still until it is moved again. Throws InputError on an unknown platform, and on a pose
+  /// that validate() refuses.
+  void move_platform(std::uint32_t platform, const Pose& target);
+  /// Returns where a platform is. Throws InputError on an unknown one.
+  Pose platform(std::uint32_t number) const;
 
   /// Changes a spring, a torsion or an angle from the next step on, all but its places, and wakes its island.
   /// They are numbered as in the scene. Throws InputError on an unknown one, on what validate() refuses, and
@@ -261,8 +268,8 @@ class PLUMB_API World {
   /// Returns the torque in N m that a torsion (Scene::torsions) puts on the side of `v`. See pin_force().
   double torsion_torque(std::uint32_t torsion) const;
   /// Returns the force in N with which all that touches a shape (Scene::capsules) pushes it, averaged over
-  /// the last step; zero if nothing does. Throws InputError on an unknown shape, or without
-  /// Settings::tensions.
+  /// the last step; zero if nothing does. That of ground is NaN. Throws InputError on an unknown shape, or
+  /// without Settings::tensions.
   Vec3 contact_force(std::uint32_t capsule) const;
   /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
   /// as the scene has shapes, or without Settings::tensions.

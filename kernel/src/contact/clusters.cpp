@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contact/linkage/linkage_bounds.hpp"
+#include "contact/surroundings.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -52,9 +53,17 @@ void Clusters::wake(std::uint32_t i) {
 void Clusters::wake_neighbors(std::uint32_t i) {
   std::vector<std::uint32_t> near;
   sleepers_.find(bounds_[i], [&](std::uint32_t j) {
-    if (bounds_[i].overlaps(bounds_[j])) near.push_back(j);
+    if (may_meet(i, j)) near.push_back(j);
   });
   for (const std::uint32_t j : near) wake(j);
+}
+
+/// Returns whether two islands are near each other and have shapes that may touch.
+bool Clusters::may_meet(std::uint32_t a, std::uint32_t b) const {
+  if (!bounds_[a].overlaps(bounds_[b])) return false;
+  const std::span<const Filter> filters = islands_[a].linkage->filters();
+  return std::any_of(filters.begin(), filters.end(),
+                     [&](const Filter& each) { return may_touch(islands_[b].linkage->filters(), each); });
 }
 
 std::uint32_t Clusters::root(std::uint32_t i) {
@@ -88,11 +97,11 @@ void Clusters::join_near() {
   for (const std::uint32_t i : awake_) {
     if (bounds_[i].is_empty()) continue;
     walkers_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
-      if (bounds_[i].overlaps(bounds_[j])) join(i, j);
+      if (may_meet(i, j)) join(i, j);
     });
     if (sleepers_.is_empty()) continue;
     sleepers_.find(bounds_[i], [&](std::uint32_t j) {
-      if (!bounds_[i].overlaps(bounds_[j])) return;
+      if (!may_meet(i, j)) return;
       if (marks_[j] != mark_) {
         marks_[j] = mark_;
         root_[j] = j;

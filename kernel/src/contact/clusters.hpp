@@ -54,6 +54,7 @@ class Clusters {
 
  private:
   void wake_neighbors(std::uint32_t island);
+  bool may_meet(std::uint32_t a, std::uint32_t b) const;
   std::uint32_t root(std::uint32_t island);
   void join(std::uint32_t a, std::uint32_t b);
   void join_near();

@@ -101,7 +101,8 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     island_of_.resize(island_of_.size() + part.particles.size(), number);
   }
   const auto own = [&](std::span<const SceneParts::Share> shares, std::vector<Owner>& owners) {
-    for (const auto& [part, number] : shares) owners.push_back({number_of[part], number});
+    for (const auto& [part, number] : shares)
+      owners.push_back({part < number_of.size() ? number_of[part] : no_island, number});
   };
   own(parts.springs(), springs_);
   own(parts.torsions(), torsions_);
@@ -138,11 +139,28 @@ std::vector<MadeSolver::Place> ContactSolver::places() const {
 
 // --- Steps
 
+void ContactSolver::wake_carried() {
+  woken_.clear();
+  if (!surroundings_.any_moves()) return;
+  for (const LinkageState& state : states_) {
+    if (!state.asleep || !is_carried(state)) continue;
+    clusters_.wake(state.number);
+    const Visitor& visitor = visitors_[state.number];
+    if (visitor.is_at_home()) woken_.push_back({visitor.number(), visitor.first_slot()});
+  }
+}
+
+/// Returns whether ground moves where an island is.
+bool ContactSolver::is_carried(const LinkageState& state) const {
+  return surroundings_.move_under(bounds_of(*state.linkage, state.x, settings_.margin),
+                                  state.linkage->filters());
+}
+
 void ContactSolver::begin_step(double dt, Team& team) {
   clusters_.form(team, [&](LinkageState& state) {
     const Visitor& visitor = visitors_[state.number];
     const double speed = visitor.is_at_home() ? visitor.look(state) : top_speed(state);
-    return reach(state, speed, dt, settings_.margin);
+    return surroundings_.carried(reach(state, speed, dt, settings_.margin), state.linkage->filters());
   });
   pieces_.clear();
   returned_.clear();
@@ -166,7 +184,7 @@ void ContactSolver::begin_step(double dt, Team& team) {
 bool ContactSolver::can_stay_home(std::span<LinkageState* const> cluster) const {
   const LinkageState& state = *cluster.front();
   return cluster.size() == 1 && visitors_[state.number].has_home() && !state.frozen &&
-         !surroundings_.reach_into(clusters_.reach_of(state.number));
+         !surroundings_.reach_into(clusters_.reach_of(state.number), state.linkage->filters());
 }
 
 std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
@@ -181,8 +199,10 @@ double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count
 }
 
 void ContactSolver::begin_piece(std::uint32_t piece, unsigned) {
-  for (LinkageState* const state : cluster(piece))
+  for (LinkageState* const state : cluster(piece)) {
+    state->elapsed = 0;
     if (!state->asleep) state->pulls.begin_step();
+  }
 }
 
 void ContactSolver::end_piece(std::uint32_t piece, double dt) {
@@ -205,7 +225,7 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
     if (state->asleep) continue;
     state->slow_time = top_speed(*state) < settings_.sleep_speed ? state->slow_time + dt : 0;
     held = held || state->linkage->is_grounded() || !state->kept.empty();
-    slow = slow && state->slow_time >= sleep_time_;
+    slow = slow && state->slow_time >= sleep_time_ && !is_carried(*state);
   }
   return slow && held;
 }

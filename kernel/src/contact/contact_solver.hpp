@@ -65,6 +65,26 @@ class ContactSolver final : public Solver {
   void set_law(std::uint32_t number, const AngleControl& angle);
   double torsion_angle(std::uint32_t number) const;
 
+  /// See World::move_platform().
+  void move_platform(std::uint32_t number, const Pose& target) {
+    surroundings_.platforms.set_target(number, target);
+  }
+  /// Begins to move the ground through a step of dt (s), which wakes what sleeps on it. at(anchor) says where
+  /// a fixed particle is (m) and its velocity (m/s) in the step. Call it before see_rest(), and end_ground()
+  /// after the step.
+  template <class At>
+  void begin_ground(double dt, At&& at) {
+    for (const std::uint32_t anchor : surroundings_.anchored.anchors()) {
+      const auto [position, velocity] = at(anchor);
+      surroundings_.anchored.set(anchor, position, velocity);
+    }
+    surroundings_.begin_step(dt);
+    wake_carried();
+  }
+  void end_ground() { surroundings_.end_step(); }
+  /// Names the islands at home that the last begin_ground() has woken.
+  std::span<const Return> woken() const { return woken_; }
+
   /// Returns whether this solver moves a rod now, rather than a home, and knows how it pulls.
   bool has_pull(std::uint32_t rod) const {
     const std::uint32_t island = rods_[rod].island;
@@ -149,6 +169,8 @@ class ContactSolver final : public Solver {
   const LinkageState& state_of(Slot slot) const { return states_[island_of_[slot]]; }
   std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
   bool is_fixed(Slot slot) const { return local(slot) >= state_of(slot).linkage->movable(); }
+  void wake_carried();
+  bool is_carried(const LinkageState& state) const;
   bool rests(std::span<LinkageState* const> cluster, double dt) const;
   std::span<LinkageState* const> cluster(std::uint32_t piece) const { return clusters_[pieces_[piece]]; }
   bool can_stay_home(std::span<LinkageState* const> cluster) const;
@@ -172,7 +194,7 @@ class ContactSolver final : public Solver {
   std::vector<Owner> rods_, pins_, capsules_;       ///< likewise; the last two if pulls count
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
-  std::vector<Return> returned_;
+  std::vector<Return> returned_, woken_;
   std::vector<std::uint8_t> rests_;  ///< by cluster, set after its step: it may sleep
   ProjectionWork work_;
   std::vector<std::unique_ptr<ClusterMover>> movers_;  ///< one for each part of the team

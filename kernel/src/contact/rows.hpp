@@ -24,7 +24,7 @@ inline Combination blend(const Combination& a, const Combination& b, double t) {
 }
 
 /// Kinds of what pushes, in a key's first bits.
-enum class KeyKind : std::uint8_t { plane = 1, box = 2, island = 3, angle = 4 };
+enum class KeyKind : std::uint8_t { plane = 1, box = 2, island = 3, angle = 4, segment = 5 };
 
 /// Returns one number for the pair that touches, by which the next substep finds what held the contact. Its
 /// first four bits are the kind, and the others are mixed (SplitMix64; Steele, Lea and Flood 2014), so that
@@ -43,6 +43,9 @@ inline std::uint64_t contact_key(KeyKind kind, std::uint64_t own, std::uint64_t 
 inline KeyKind kind_of(std::uint64_t key) {
   return static_cast<KeyKind>(key >> 60);
 }
+
+/// This is in the key of what resists turning at a contact.
+inline constexpr std::uint64_t turning_key = std::uint64_t{1} << 63;
 
 /// Returns the forces that held the contact `key` in the last substep. Nothing held it if the result has
 /// another key. Contacts are found in about the same order again, so the search goes on from `next`.

@@ -4,27 +4,94 @@
 #include <cmath>
 
 namespace plumb::detail {
+namespace {
 
-Surroundings::Surroundings(const Scene& scene) : planes(scene.planes) {
-  for (const Box& box : scene.boxes) {
-    const auto [w, x, y, z] = box.orientation;
-    const Frame3 frame{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-                       {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-                       {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
-    const auto far = [&](double a, double b, double c) {
-      return std::abs(a) * box.half_size.x + std::abs(b) * box.half_size.y + std::abs(c) * box.half_size.z;
-    };
-    const Vec3 most{far(frame.x.x, frame.y.x, frame.z.x), far(frame.x.y, frame.y.y, frame.z.y),
-                    far(frame.x.z, frame.y.z, frame.z.z)};
-    boxes.push_back({box.center, box.half_size, frame, {box.center - most, box.center + most}, box.surface});
-  }
+/// A box around a solid box.
+Bounds bounds_of(Vec3 center, Vec3 half, const Frame3& frame) {
+  const auto far = [&](double a, double b, double c) {
+    return std::abs(a) * half.x + std::abs(b) * half.y + std::abs(c) * half.z;
+  };
+  const Vec3 most{far(frame.x.x, frame.y.x, frame.z.x), far(frame.x.y, frame.y.y, frame.z.y),
+                  far(frame.x.z, frame.y.z, frame.z.z)};
+  return {center - most, center + most};
 }
 
-bool Surroundings::reach_into(const Bounds& bounds) const {
-  return std::any_of(planes.begin(), planes.end(),
-                     [&](const Plane& plane) { return height(bounds, plane) <= 0; }) ||
-         std::any_of(boxes.begin(), boxes.end(),
-                     [&](const Solid& box) { return box.bounds.overlaps(bounds); });
+bool may_move(const GroundMotion& motion) {
+  return motion.platform || motion.belt != Vec3{};
+}
+
+}  // namespace
+
+Surroundings::Surroundings(const Scene& scene) : planes(scene.planes), platforms(scene), anchored(scene) {
+  for (const Box& box : scene.boxes) {
+    const Frame3 frame = frame_of(box.orientation);
+    boxes.push_back({box.center, box.half_size, frame, bounds_of(box.center, box.half_size, frame),
+                     box.surface, box.filter, box.motion});
+  }
+  const auto moves = [](const auto& ground) { return detail::may_move(ground.motion); };
+  may_move_ = std::any_of(planes.begin(), planes.end(), moves) ||
+              std::any_of(boxes.begin(), boxes.end(), moves) || !anchored.shapes().empty();
+}
+
+void Surroundings::begin_step(double dt) {
+  dt_ = dt;
+  platforms.begin_step(dt);
+  const auto has_belt = [](const auto& ground) { return ground.motion.belt != Vec3{}; };
+  moves_ = platforms.any_moves() || anchored.any_moves() ||
+           std::any_of(planes.begin(), planes.end(), has_belt) ||
+           std::any_of(boxes.begin(), boxes.end(), has_belt);
+}
+
+template <class F>
+bool Surroundings::any_ground(const Bounds& bounds, std::span<const Filter> filters, F&& f) const {
+  const auto see = [&](const auto& ground, auto&& reaches) {
+    if (!detail::may_touch(filters, ground.filter)) return false;
+    const Vec3 belt = ground.motion.belt;
+    if (!ground.motion.platform) return f(0.0, belt, [&](const Bounds& at) { return reaches(at, ground); });
+    const PlatformPose pose = platforms.at(*ground.motion.platform, 0);
+    const double speed = fastest(pose.rate, bounds, dt_);
+    return f(speed, belt, [&](const Bounds& at) { return reaches(at, posed(ground, pose)); });
+  };
+  const auto above = [](const Bounds& at, const Plane& plane) { return height(at, plane) <= 0; };
+  const auto beside = [](const Bounds& at, const Solid& box) { return box.bounds.overlaps(at); };
+  if (std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) { return see(plane, above); }) ||
+      std::any_of(boxes.begin(), boxes.end(), [&](const Solid& box) { return see(box, beside); }))
+    return true;
+  const std::span<const Linkage::Shape> shapes = anchored.shapes();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (!detail::may_touch(filters, shapes[i].filter)) continue;
+    const GroundRate rate = anchored.rate(i, anchored.positions());
+    const auto reaches = [&](const Bounds& at) {
+      const Segment there = anchored.segment(i, anchored.positions());
+      return grown(box_around(there.p, there.q), there.radius).overlaps(at);
+    };
+    if (f(fastest(rate, bounds, dt_), rate.belt, reaches)) return true;
+  }
+  return false;
+}
+
+bool Surroundings::reach_into(const Bounds& bounds, std::span<const Filter> filters) const {
+  return any_ground(bounds, filters, [&](double speed, Vec3, auto&& reaches) {
+    return reaches(speed > 0 ? grown(bounds, speed * dt_) : bounds);
+  });
+}
+
+bool Surroundings::move_under(const Bounds& bounds, std::span<const Filter> filters) const {
+  if (!moves_) return false;
+  return any_ground(bounds, filters, [&](double speed, Vec3 belt, auto&& reaches) {
+    return (speed > 0 || belt != Vec3{}) && reaches(grown(bounds, speed * dt_));
+  });
+}
+
+Bounds Surroundings::carried(const Bounds& bounds, std::span<const Filter> filters) const {
+  if (!moves_) return bounds;
+  double farthest = 0;
+  any_ground(bounds, filters, [&](double speed, Vec3 belt, auto&& reaches) {
+    const double far = (speed + norm(belt)) * dt_;
+    if (far > farthest && reaches(grown(bounds, speed * dt_))) farthest = far;
+    return false;
+  });
+  return grown(bounds, farthest);
 }
 
 double height(const Bounds& bounds, const Plane& plane) {
@@ -32,6 +99,47 @@ double height(const Bounds& bounds, const Plane& plane) {
   const Vec3 n = plane.normal;
   return dot(n, center) - plane.offset -
          (std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z);
+}
+
+double fastest(const GroundRate& rate, const Bounds& bounds, double dt) {
+  const double speed = norm(rate.velocity);
+  if (rate.spin == Vec3{}) return speed;
+  const Vec3 low = rate.center - bounds.low, high = bounds.high - rate.center;
+  const Vec3 far{std::max(std::abs(low.x), std::abs(high.x)), std::max(std::abs(low.y), std::abs(high.y)),
+                 std::max(std::abs(low.z), std::abs(high.z))};
+  return speed + norm(rate.spin) * (norm(far) + speed * dt);
+}
+
+Plane posed(const Plane& plane, const PlatformPose& pose) {
+  Plane out = plane;
+  if (pose.is_home) return out;
+  out.normal = pose.direction(plane.normal);
+  out.offset = dot(out.normal, pose.place(plane.offset * plane.normal));
+  return out;
+}
+
+Surroundings::Solid posed(const Surroundings::Solid& box, const PlatformPose& pose) {
+  Surroundings::Solid out = box;
+  if (pose.is_home) return out;
+  out.center = pose.place(box.center);
+  out.frame = {pose.direction(box.frame.x), pose.direction(box.frame.y), pose.direction(box.frame.z)};
+  out.bounds = bounds_of(out.center, out.half, out.frame);
+  return out;
+}
+
+Bounds box_around(Vec3 p, Vec3 q) {
+  return {{std::min(p.x, q.x), std::min(p.y, q.y), std::min(p.z, q.z)},
+          {std::max(p.x, q.x), std::max(p.y, q.y), std::max(p.z, q.z)}};
+}
+
+Bounds grown(const Bounds& bounds, double by) {
+  const Vec3 most{by, by, by};
+  return {bounds.low - most, bounds.high + most};
+}
+
+bool may_touch(std::span<const Filter> filters, const Filter& other) {
+  return std::any_of(filters.begin(), filters.end(),
+                     [&](const Filter& each) { return plumb::may_touch(each, other); });
 }
 
 }  // namespace plumb::detail

@@ -1,32 +1,74 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
+#include "contact/platforms/anchored.hpp"
+#include "contact/platforms/platforms.hpp"
 #include "contact/touch.hpp"
 
 namespace plumb::detail {
 
-/// Holds the ground of a scene, its planes and boxes, prepared for contact.
+/// Holds the ground of a scene, its planes, boxes and shapes on anchors, prepared for contact. Ground on
+/// platforms is described as they are at home.
 struct Surroundings {
   struct Solid {
     Vec3 center, half;
     Frame3 frame;
     Bounds bounds;
     Surface surface;
+    Filter filter;
+    GroundMotion motion;
   };
 
   explicit Surroundings(const Scene& scene);
 
-  bool are_empty() const { return planes.empty() && boxes.empty(); }
-  /// Returns whether some ground reaches into the box `bounds`.
-  bool reach_into(const Bounds& bounds) const;
+  bool are_empty() const { return planes.empty() && boxes.empty() && anchored.shapes().empty(); }
+  /// Returns whether some ground that shapes with such filters may touch reaches into the box `bounds` within
+  /// the step.
+  bool reach_into(const Bounds& bounds, std::span<const Filter> filters) const;
+  /// Likewise of ground that moves, or whose surface does.
+  bool move_under(const Bounds& bounds, std::span<const Filter> filters) const;
+  /// Returns the box `bounds` and what of its surroundings is reached when ground carries what is in it.
+  Bounds carried(const Bounds& bounds, std::span<const Filter> filters) const;
+  /// Returns whether some ground may move.
+  bool may_move() const { return may_move_; }
+  /// Returns whether some does in this step.
+  bool any_moves() const { return moves_; }
+
+  /// Begins a step of dt (s), and ends it. Anchors are set before.
+  void begin_step(double dt);
+  void end_step() { platforms.end_step(); }
 
   std::vector<Plane> planes;
   std::vector<Solid> boxes;
+  Platforms platforms;
+  Anchored anchored;
+
+ private:
+  /// Calls f(speed, belt, reaches) for all ground that shapes with such filters may touch, until f returns
+  /// true. `speed` (m/s) is the fastest motion within `bounds`, and reaches(bounds) says whether it is there.
+  template <class F>
+  bool any_ground(const Bounds& bounds, std::span<const Filter> filters, F&& f) const;
+
+  bool may_move_ = false;
+  bool moves_ = false;  ///< some ground does in this step
+  double dt_ = 0;       ///< s, of this step
 };
 
 /// Returns the height (m) of a box's lowest point above a plane.
 double height(const Bounds& bounds, const Plane& plane);
+/// Returns the greatest speed (m/s) of ground within a box, but for its belts, in the next `dt` (s).
+double fastest(const GroundRate& rate, const Bounds& bounds, double dt);
+/// Returns a plane or a box where its platform has taken it.
+Plane posed(const Plane& plane, const PlatformPose& pose);
+Surroundings::Solid posed(const Surroundings::Solid& box, const PlatformPose& pose);
+/// Returns the box around two places.
+Bounds box_around(Vec3 p, Vec3 q);
+/// Returns the box `bounds`, larger by `by` (m) on every side.
+Bounds grown(const Bounds& bounds, double by);
+/// Returns whether a shape with one of these filters may touch another.
+bool may_touch(std::span<const Filter> filters, const Filter& other);
 
 }  // namespace plumb::detail

@@ -129,7 +129,7 @@ bool has_more_than_rods(const Scene& scene) {
                      scene.reels.empty() && scene.bodies.empty() && scene.pins.empty() &&
                      scene.alignments.empty() && scene.angles.empty() && scene.springs.empty() &&
                      scene.torsions.empty() && scene.capsules.empty() && scene.planes.empty() &&
-                     scene.boxes.empty();
+                     scene.boxes.empty() && scene.platforms.empty();
   const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
                                   [](const Particle& particle) { return particle.asleep; });
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {

@@ -77,6 +77,22 @@ void validate_surface(const Surface& surface, const std::string& name) {
     refuse(name, ": friction must be finite and not negative, got ", surface.friction);
   if (!(surface.restitution >= 0 && surface.restitution <= 1))
     refuse(name, ": restitution must be from 0 to 1, got ", surface.restitution);
+  for (const auto& [what, length] : {std::pair{"rolling", surface.rolling}, {"spinning", surface.spinning}})
+    if (!is_amount(length)) refuse(name, ": ", what, " must be finite and not negative, got ", length, " m");
+}
+
+void validate_motion(const Scene& scene, const GroundMotion& motion, const std::string& name) {
+  if (motion.platform && *motion.platform >= scene.platforms.size())
+    refuse(name, ": platform ", *motion.platform, " does not exist (the scene has ", scene.platforms.size(),
+           " platforms)");
+  if (!is_finite(motion.belt)) refuse(name, ": belt is not finite");
+}
+
+void require_unit(const std::array<double, 4>& quaternion, const std::string& name) {
+  const auto [w, x, y, z] = quaternion;
+  const double length = std::sqrt(w * w + x * x + y * y + z * z);
+  if (!(std::abs(length - 1) <= rounding))
+    refuse(name, ": orientation must be a quaternion of length 1, not ", length);
 }
 
 void validate_capsule(const Scene& scene, std::size_t i) {
@@ -89,28 +105,35 @@ void validate_capsule(const Scene& scene, std::size_t i) {
   validate_surface(capsule.surface, name);
 }
 
-void validate_plane(const Plane& plane, std::size_t i) {
+void validate_plane(const Scene& scene, std::size_t i) {
+  const Plane& plane = scene.planes[i];
   const std::string name = "plane " + std::to_string(i);
   const double length = norm(plane.normal);
   if (!(std::abs(length - 1) <= rounding)) refuse(name, ": normal must be of length 1, not ", length);
   if (!std::isfinite(plane.offset)) refuse(name, ": offset is not finite: ", plane.offset);
   validate_surface(plane.surface, name);
+  validate_motion(scene, plane.motion, name);
 }
 
-void validate_box(const Box& box, std::size_t i) {
+void validate_box(const Scene& scene, std::size_t i) {
+  const Box& box = scene.boxes[i];
   const std::string name = "box " + std::to_string(i);
   if (!is_finite(box.center)) refuse(name, ": center is not finite");
   for (const double half : {box.half_size.x, box.half_size.y, box.half_size.z})
     if (!(half > 0 && std::isfinite(half)))
       refuse(name, ": half size must be positive and finite, got ", half, " m");
-  const auto [w, x, y, z] = box.orientation;
-  const double length = std::sqrt(w * w + x * x + y * y + z * z);
-  if (!(std::abs(length - 1) <= rounding))
-    refuse(name, ": orientation must be a quaternion of length 1, not ", length);
+  require_unit(box.orientation, name);
   validate_surface(box.surface, name);
+  validate_motion(scene, box.motion, name);
 }
 
 }  // namespace
+
+void validate_pose(const Pose& pose, std::size_t i) {
+  const std::string name = "platform " + std::to_string(i);
+  if (!is_finite(pose.position)) refuse(name, ": position is not finite");
+  require_unit(pose.orientation, name);
+}
 
 void validate_point(const Scene& scene, const Point& point, const std::string& name) {
   double sum = 0;
@@ -200,8 +223,9 @@ void validate_joints(const Scene& scene) {
 
 void validate_shapes(const Scene& scene) {
   for (std::size_t i = 0; i < scene.capsules.size(); ++i) validate_capsule(scene, i);
-  for (std::size_t i = 0; i < scene.planes.size(); ++i) validate_plane(scene.planes[i], i);
-  for (std::size_t i = 0; i < scene.boxes.size(); ++i) validate_box(scene.boxes[i], i);
+  for (std::size_t i = 0; i < scene.planes.size(); ++i) validate_plane(scene, i);
+  for (std::size_t i = 0; i < scene.boxes.size(); ++i) validate_box(scene, i);
+  for (std::size_t i = 0; i < scene.platforms.size(); ++i) validate_pose(scene.platforms[i], i);
 }
 
 }  // namespace plumb::detail

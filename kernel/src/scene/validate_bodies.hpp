@@ -25,6 +25,9 @@ void validate_bodies(const Scene& scene);
 void validate_joints(const Scene& scene);
 void validate_shapes(const Scene& scene);
 
+/// Checks the pose of platform `i`, in the scene or to be taken.
+void validate_pose(const Pose& pose, std::size_t i);
+
 /// These refuse a place or a direction that is not there. `name` is for messages.
 void validate_point(const Scene& scene, const Point& point, const std::string& name);
 /// Returns its length, in m.

@@ -84,6 +84,12 @@ void Step::wake(StepReport&) {
   for (const std::uint32_t rod : lengths_.moving())
     for (const Place place : compiled_.cords.of(rod)) sleep_.wake(compiled_.solvers, place);
   lengths_.begin_step(dt_, compiled_.cords, compiled_.solvers);
+  if (compiled_.contact) {
+    compiled_.contact->begin_ground(dt_, [&](std::uint32_t anchor) {
+      return std::pair(anchors_.position(anchor), anchors_.velocity(anchor, dt_));
+    });
+    for (const auto& [home, slot] : compiled_.contact->woken()) sleep_.wake(compiled_.solvers, {home, slot});
+  }
   reactions_.begin_step([&](std::uint32_t particle) { return position(particle); },
                         [&](std::uint32_t particle) { return velocity(particle); },
                         [&](std::uint32_t anchor) { return anchors_.velocity(anchor, dt_); });
@@ -183,6 +189,7 @@ void Step::measure(StepReport& report) {
   }
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
   lengths_.end_step(compiled_.cords, compiled_.solvers);
+  if (compiled_.contact) compiled_.contact->end_ground();
 }
 
 bool Step::uses_threads() const {

@@ -36,6 +36,9 @@ class Step {
   void set_force(std::uint32_t particle, Vec3 force);
   void set_load(Load load) { loads_.set(std::move(load)); }
   void move_anchor(std::uint32_t particle, Vec3 target);
+  void move_platform(std::uint32_t number, const Pose& target) {
+    if (compiled_.contact) compiled_.contact->move_platform(number, target);
+  }
   /// Throws InputError if no solver can change the length of this cord. Cords are rods, then tackles,
   /// then reels.
   void set_length(std::uint32_t cord, double target);

@@ -8,6 +8,7 @@
 #include "scene/reels/reels.hpp"
 #include "scene/refuse.hpp"
 #include "scene/springs/springs.hpp"
+#include "scene/validate_bodies.hpp"
 #include "step/step.hpp"
 
 namespace plumb {
@@ -40,7 +41,8 @@ struct World::Impl {
   std::uint32_t rods = 0, tackles = 0, twists = 0;
   std::vector<std::size_t> tackle_segments;
   std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, capsules = 0;
-  std::vector<double> chains;  ///< Lengths of the chains of reels, in m.
+  std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
+  std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
   bool tensions = false;
   double time = 0;
 
@@ -99,6 +101,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->springs = static_cast<std::uint32_t>(scene.springs.size());
   impl_->torsions = static_cast<std::uint32_t>(scene.torsions.size());
   impl_->capsules = static_cast<std::uint32_t>(scene.capsules.size());
+  impl_->platforms = impl_->targets = scene.platforms;
   if (!scene.reels.empty()) {
     const detail::RodTable rods(scene);
     for (const Reel& reel : scene.reels) impl_->chains.push_back(detail::chain_length(scene, rods, reel));
@@ -116,6 +119,7 @@ StepReport World::step(double dt) {
   impl_->step->ask_load(impl_->time, dt);
   const StepReport report = impl_->step->run(dt);
   impl_->time += dt;
+  impl_->platforms = impl_->targets;
   impl_->step->rethrow_executor_failure();
   return report;
 }
@@ -147,6 +151,18 @@ void World::move_anchor(std::uint32_t particle, Vec3 target) {
     refuse("particle ", particle, ": target is too far for ", to_string(impl_->precision), ", at most ", most,
            " m from the origin");
   impl_->step->move_anchor(particle, target);
+}
+
+void World::move_platform(std::uint32_t platform, const Pose& target) {
+  Impl::require_one_of(static_cast<std::uint32_t>(impl_->platforms.size()), "platform", platform);
+  detail::validate_pose(target, platform);
+  impl_->targets[platform] = target;
+  impl_->step->move_platform(platform, target);
+}
+
+Pose World::platform(std::uint32_t number) const {
+  Impl::require_one_of(static_cast<std::uint32_t>(impl_->platforms.size()), "platform", number);
+  return impl_->platforms[number];
 }
 
 void World::set_length(std::uint32_t rod, double target) {

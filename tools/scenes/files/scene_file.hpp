@@ -29,10 +29,14 @@
 ///                 "one_sided": false}, ...],
 ///    "torsions": [{"axis": direction, "u": direction, "v": direction, "angle": rad, "stiffness": N m/rad,
 ///                  "damping": N m s/rad, "torque": N m}, ...],
-///    "capsules": [{"a": point, "b": point, "radius": 0.1, "friction": 0.5, "restitution": 0}, ...],
-///    "planes": [{"normal": [0, 1, 0], "offset": 0, "friction": 0.5, "restitution": 0}, ...],
+///    "capsules": [{"a": point, "b": point, "radius": 0.1}, ...],
+///    "planes": [{"normal": [0, 1, 0], "offset": 0, "platform": 0, "belt": [x, y, z]}, ...],
 ///    "boxes": [{"center": [x, y, z], "half_size": [x, y, z], "orientation": [w, x, y, z],
-///               "friction": 0.5, "restitution": 0}, ...]}
+///               "platform": 0, "belt": [x, y, z]}, ...],
+///    "platforms": [{"position": [x, y, z], "orientation": [w, x, y, z]}, ...]}
+///
+/// Capsules, planes and boxes also have "friction": 0.5, "restitution": 0, "rolling": 0, "spinning": 0,
+/// "category": 1, "mask": 4294967295 and "group": 0.
 ///
 /// A point is the number of a particle, or {"particles": [0, 1], "weights": [0.5, 0.5]} with up to four of
 /// each. A direction is {"from": point, "to": point}.

@@ -1,6 +1,8 @@
 #include "scenes/files/scene_file_limbs.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "plumb/joints.hpp"
 #include "scenes/files/scene_text.hpp"
@@ -56,7 +58,41 @@ Inertia inertia(const Object& object, const char* key) {
 Surface surface(const Object& item) {
   const Surface usual;
   return {.friction = number_or(item, "friction", usual.friction),
-          .restitution = number_or(item, "restitution", usual.restitution)};
+          .restitution = number_or(item, "restitution", usual.restitution),
+          .rolling = number_or(item, "rolling", usual.rolling),
+          .spinning = number_or(item, "spinning", usual.spinning)};
+}
+
+/// Reads a whole number that fits the type.
+template <class Integer>
+Integer whole_or(const Object& item, const char* key, Integer otherwise) {
+  if (!item.find(key)) return otherwise;
+  const double value = number(item, key), low = std::numeric_limits<Integer>::min(),
+               high = std::numeric_limits<Integer>::max();
+  if (!(value >= low && value <= high && value == std::floor(value)))
+    refuse(item.path_of(key), "must be a whole number from " + std::to_string(static_cast<Integer>(low)) +
+                                  " to " + std::to_string(static_cast<Integer>(high)));
+  return static_cast<Integer>(value);
+}
+
+Filter filter(const Object& item) {
+  const Filter usual;
+  return {.category = whole_or(item, "category", usual.category),
+          .mask = whole_or(item, "mask", usual.mask),
+          .group = whole_or(item, "group", usual.group)};
+}
+
+GroundMotion motion(const Object& item) {
+  GroundMotion out{.belt = vector_or(item, "belt", {})};
+  if (item.find("platform")) out.platform = whole_or<std::uint32_t>(item, "platform", 0);
+  return out;
+}
+
+std::array<double, 4> orientation(const Object& item) {
+  const json* const value = item.find("orientation");
+  if (value == nullptr) return Pose{}.orientation;
+  return numbers<4, double>(*value, item.path_of("orientation"),
+                            [](const json& v, const std::string& p) { return number(v, p); });
 }
 
 Body body(const json& value, const std::string& path) {
@@ -114,25 +150,42 @@ Torsion torsion(const json& value, const std::string& path) {
 }
 
 Capsule capsule(const json& value, const std::string& path) {
-  const Object item(value, path, {"a", "b", "radius", "friction", "restitution"});
+  const Object item(
+      value, path,
+      {"a", "b", "radius", "friction", "restitution", "rolling", "spinning", "category", "mask", "group"});
   return {.a = point(item, "a"),
           .b = point(item, item.find("b") ? "b" : "a"),
           .radius = number(item, "radius"),
-          .surface = surface(item)};
+          .surface = surface(item),
+          .filter = filter(item)};
 }
 
 Plane plane(const json& value, const std::string& path) {
-  const Object item(value, path, {"normal", "offset", "friction", "restitution"});
-  return {.normal = vector(item, "normal"), .offset = number_or(item, "offset", 0), .surface = surface(item)};
+  const Object item(value, path,
+                    {"normal", "offset", "friction", "restitution", "rolling", "spinning", "category", "mask",
+                     "group", "platform", "belt"});
+  return {.normal = vector(item, "normal"),
+          .offset = number_or(item, "offset", 0),
+          .surface = surface(item),
+          .filter = filter(item),
+          .motion = motion(item)};
 }
 
 Box box(const json& value, const std::string& path) {
-  const Object item(value, path, {"center", "half_size", "orientation", "friction", "restitution"});
-  Box out{.center = vector(item, "center"), .half_size = vector(item, "half_size"), .surface = surface(item)};
-  const auto read = [](const json& v, const std::string& p) { return number(v, p); };
-  if (const json* orientation = item.find("orientation"))
-    out.orientation = numbers<4, double>(*orientation, item.path_of("orientation"), read);
-  return out;
+  const Object item(value, path,
+                    {"center", "half_size", "orientation", "friction", "restitution", "rolling", "spinning",
+                     "category", "mask", "group", "platform", "belt"});
+  return {.center = vector(item, "center"),
+          .half_size = vector(item, "half_size"),
+          .orientation = orientation(item),
+          .surface = surface(item),
+          .filter = filter(item),
+          .motion = motion(item)};
+}
+
+Pose platform(const json& value, const std::string& path) {
+  const Object item(value, path, {"position", "orientation"});
+  return {.position = vector_or(item, "position", {}), .orientation = orientation(item)};
 }
 
 template <class Item>
@@ -218,10 +271,19 @@ Json to_json(const Torsion& t) {
       {{"angle", t.angle}, {"stiffness", t.stiffness}, {"damping", t.damping}, {"torque", t.torque}});
 }
 
-Json with_surface(Json object, const Surface& s) {
-  const Surface usual;
-  if (s.friction != usual.friction) object["friction"] = s.friction;
-  if (s.restitution != usual.restitution) object["restitution"] = s.restitution;
+Json with_surface(Json object, const Surface& s, const Filter& f) {
+  if (s.friction != Surface{}.friction) object["friction"] = s.friction;
+  object = with_numbers(std::move(object),
+                        {{"restitution", s.restitution}, {"rolling", s.rolling}, {"spinning", s.spinning}});
+  if (f.category != Filter{}.category) object["category"] = f.category;
+  if (f.mask != Filter{}.mask) object["mask"] = f.mask;
+  if (f.group != 0) object["group"] = f.group;
+  return object;
+}
+
+Json with_motion(Json object, const GroundMotion& m) {
+  if (m.platform) object["platform"] = *m.platform;
+  if (m.belt != Vec3{}) object["belt"] = to_json(m.belt);
   return object;
 }
 
@@ -229,19 +291,25 @@ Json to_json(const Capsule& c) {
   Json object{{"a", to_json(c.a)}};
   if (const Json b = to_json(c.b); b.dump() != object["a"].dump()) object["b"] = b;
   object["radius"] = c.radius;
-  return with_surface(object, c.surface);
+  return with_surface(object, c.surface, c.filter);
 }
 
 Json to_json(const Plane& p) {
   Json object{{"normal", to_json(p.normal)}};
   if (p.offset != 0) object["offset"] = p.offset;
-  return with_surface(object, p.surface);
+  return with_motion(with_surface(object, p.surface, p.filter), p.motion);
 }
 
 Json to_json(const Box& b) {
   Json object{{"center", to_json(b.center)}, {"half_size", to_json(b.half_size)}};
   if (b.orientation != Box{}.orientation) object["orientation"] = Json::array_of(b.orientation);
-  return with_surface(object, b.surface);
+  return with_motion(with_surface(object, b.surface, b.filter), b.motion);
+}
+
+Json to_json(const Pose& p) {
+  Json object{{"position", to_json(p.position)}};
+  if (p.orientation != Pose{}.orientation) object["orientation"] = Json::array_of(p.orientation);
+  return object;
 }
 
 template <class Item>
@@ -261,6 +329,7 @@ void read_limbs(const Object& top, Scene& scene) {
   read_list(top, "capsules", scene.capsules, capsule);
   read_list(top, "planes", scene.planes, plane);
   read_list(top, "boxes", scene.boxes, box);
+  read_list(top, "platforms", scene.platforms, platform);
 }
 
 void append_limbs(std::string& out, const Scene& scene) {
@@ -273,6 +342,7 @@ void append_limbs(std::string& out, const Scene& scene) {
   append_some(out, "capsules", scene.capsules);
   append_some(out, "planes", scene.planes);
   append_some(out, "boxes", scene.boxes);
+  append_some(out, "platforms", scene.platforms);
 }
 
 }  // namespace plumb::scenes

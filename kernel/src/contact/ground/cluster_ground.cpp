@@ -22,7 +22,7 @@ bool ClusterStepper::start_on_ground(Island& island) {
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
   for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
-  island.ground.begin_positions(loose_);
+  island.ground.begin_positions(loose_, tight_);
   island.ground.look(linkage, island.d, true);
   if (!island.ground.factor(state)) return false;
   linkage.targets(state.x, island.d, island.there, right);

@@ -24,7 +24,7 @@ constexpr double better = 0.7;
 /// solution.
 constexpr double loose_lack = 1e-3;
 /// Pushes that lack no more than this share may start anew from what they are, so often in a solution, if
-/// they have let go by this share of the largest.
+/// what they started from was larger by this share of the largest.
 constexpr double settled_enough = 1e-7, let_go = 0.1;
 constexpr int most_settlements = 3;
 /// A search is worth its while if the slope at the end of a correction is this share of that at its start,
@@ -40,7 +40,8 @@ double size_of(const Sym3& m) {
 
 }  // namespace
 
-GroundContacts::Row::Wanted GroundContacts::Row::wanted(Vec3 at) const {
+GroundContacts::Row::Wanted GroundContacts::Row::wanted(Vec3 moved_to) const {
+  const Vec3 at = moved_to - carried;
   const Vec3 n = contact.normal;
   const double held_along = dot(held, n), along = dot(at, n);
   return {held_along - stiffness * (along + gap), held - held_along * n - grip * (at - along * n)};
@@ -105,15 +106,17 @@ void GroundContacts::begin_grip() {
       std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.contact.is_held; });
   ease_ = all_held && !is_loose_ ? 1 : loose;
   lack_ = 1;
-  settlements_ = 0;
+  settlements_ = settles_ ? most_settlements : 0;
   grip();
 }
 
-void GroundContacts::begin_positions(bool is_loose) {
+void GroundContacts::begin_positions(bool is_loose, bool settles) {
   is_loose_ = is_loose;
+  settles_ = settles;
   begin_grip();
   for (Row& row : rows_) {
     row.position = {};
+    row.carried = row.contact.carried;
     begin(row, row.contact.gap, row.contact.held, false);
   }
 }
@@ -122,6 +125,7 @@ void GroundContacts::begin_velocities() {
   begin_grip();
   for (Row& row : rows_) {
     row.position = row.push;
+    row.carried = row.contact.carried_at_end;
     begin(row, -row.contact.bounce, row.contact.held_end, row.position == Vec3{});
   }
 }
@@ -142,9 +146,9 @@ void GroundContacts::look(const Linkage& linkage, std::span<const Vec3> motion, 
     grip();
   }
   find_laws(linkage);
-  if (lack_ > settled_enough || settlements_ == most_settlements || !springs_back()) return;
+  if (lack_ > settled_enough || settlements_ == 0 || !springs_back()) return;
   // What they start from pushes too much: they start anew from what they push by.
-  ++settlements_;
+  --settlements_;
   for (Row& row : rows_) {
     row.held = row.push;
     row.state = row.state_at(row.moved);

@@ -11,15 +11,19 @@ namespace plumb::detail {
 /// This is where one island touches something fixed.
 struct GroundContact {
   Combination at{};
-  Vec3 normal{};        ///< unit vector out of the ground
-  double gap = 0;       ///< m, what may be lost in the substep
-  double friction = 0;  ///< Coulomb's coefficient
-  double bounce = 0;    ///< m/s, what it leaves with
+  Vec3 normal{};                     ///< unit vector out of the ground
+  double gap = 0;                    ///< m, what may be lost in the substep
+  double friction = 0;               ///< Coulomb's coefficient
+  double rolling = 0, spinning = 0;  ///< m, see Surface
+  double bounce = 0;                 ///< m/s, what it leaves with
   std::uint64_t key = 0;
   std::uint32_t shape = 0;  ///< its number
   bool is_held = false;     ///< it pushed in the last substep, by what follows
   Vec3 held{};              ///< kg m, on positions
   Vec3 held_end{};          ///< kg m/s, on velocities
+  Vec3 carried{};           ///< m, how the ground moves there
+  Vec3 carried_at_end{};    ///< m/s, how fast it does
+  Vec3 spin{};              ///< 1/s, how fast it turns
 };
 
 /// Holds the contacts of one island with fixed ground, which stand in the island's own matrix.
@@ -39,8 +43,9 @@ class GroundContacts {
   std::size_t size() const { return rows_.size(); }
   void add(const Linkage& linkage, const GroundContact& contact);
 
-  /// Begins to solve for positions. What `is_loose` grips by no more than a mass to the end.
-  void begin_positions(bool is_loose);
+  /// Begins to solve for positions. What `is_loose` grips by no more than a mass to the end. What `settles`
+  /// does not spring back from a hit of the last substep.
+  void begin_positions(bool is_loose, bool settles);
   /// Begins to solve for velocities at the end. Only what pushed on positions may push.
   void begin_velocities();
   /// Finds pushes and slopes at a motion (m, or m/s). Bounds on friction follow the last solution if
@@ -97,6 +102,7 @@ class GroundContacts {
     Vec3 law{};            ///< what it is to be, at `moved`
     Vec3 position{};       ///< the push on positions, once they are found
     Vec3 moved{}, correction{};
+    Vec3 carried{};  ///< m or m/s, how the ground moves
     State state = State::open;
     Vec3 given{};  ///< the part of `moved` that is that of fixed particles
     Sym3 slope{};  ///< in the matrix
@@ -128,8 +134,8 @@ class GroundContacts {
   double lack_ = 0;
   double ease_ = 1;  ///< share of the grip
   bool is_stale_ = false;
-  bool is_loose_ = false;
-  int settlements_ = 0;
+  bool is_loose_ = false, settles_ = false;
+  int settlements_ = 0;  ///< that are left
 };
 
 }  // namespace plumb::detail

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "contact/levers/shape_maker.hpp"
 #include "plumb/layouts/coloring.hpp"
 
 namespace plumb::detail {
@@ -135,23 +136,29 @@ void Linkage::add_angles(const Scene& part, std::span<const Vec3> x) {
 }
 
 void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
-  std::map<std::uint32_t, std::size_t> ball_at;
+  std::map<std::uint32_t, std::vector<std::size_t>> balls_at;
+  const ShapeMaker maker(part);
   for (const Capsule& capsule : part.capsules) {
-    shapes_.push_back({combination(capsule.a), combination(capsule.b), capsule.radius, capsule.surface});
-    const Shape& shape = shapes_.back();
+    const Shape& shape = shapes_.emplace_back(maker.make(capsule));
+    if (std::find(filters_.begin(), filters_.end(), shape.filter) == filters_.end())
+      filters_.push_back(shape.filter);
     const auto number = static_cast<std::uint32_t>(shapes_.size() - 1);
     size_ = std::max({size_, 2 * capsule.radius, norm(shape.a.of(x) - shape.b.of(x))});
     for (const Combination& end : {shape.a, shape.b}) {
-      const Ball ball{end, capsule.radius, capsule.surface, number};
+      const Ball ball{end, capsule.radius, capsule.surface, number, capsule.filter};
       if (end.count > 1) {
         balls_.push_back(ball);
         continue;
       }
-      const auto [at, is_new] = ball_at.try_emplace(end.terms[0].particle, balls_.size());
-      if (is_new)
+      std::vector<std::size_t>& there = balls_at[end.terms[0].particle];
+      const auto same = std::find_if(there.begin(), there.end(),
+                                     [&](std::size_t i) { return balls_[i].filter == ball.filter; });
+      if (same == there.end()) {
+        there.push_back(balls_.size());
         balls_.push_back(ball);
-      else if (balls_[at->second].radius < ball.radius)
-        balls_[at->second] = ball;
+      } else if (balls_[*same].radius < ball.radius) {
+        balls_[*same] = ball;
+      }
     }
   }
 }

@@ -26,6 +26,12 @@ class Linkage {
     Combination a, b;
     double radius;
     Surface surface;
+    Filter filter{};
+    /// Says what the shape turns with: nothing, the line from one place to another, or a body.
+    enum class Turning : std::uint8_t { none, line, body };
+    Turning turning = Turning::none;
+    std::array<std::uint32_t, 4> body{};  ///< the particles of that body
+    Combination line{};                   ///< the way along that line
   };
   /// This is the end of a shape, which is what flat ground touches. Where several shapes end at one particle,
   /// the largest end counts.
@@ -34,6 +40,7 @@ class Linkage {
     double radius;
     Surface surface;
     std::uint32_t shape;  ///< to which what touches the ball counts
+    Filter filter{};
   };
   struct Angle {
     Combination u, v;
@@ -97,6 +104,8 @@ class Linkage {
   const KktPlan& plan() const { return plan_; }
   std::span<const Shape> shapes() const { return shapes_; }
   std::span<const Ball> balls() const { return balls_; }
+  /// Returns the filters of all shapes, each once.
+  std::span<const Filter> filters() const { return filters_; }
   std::span<const Angle> angles() const { return angles_; }
   /// Returns what acts on them as the scene says.
   std::span<const AngleRule> angle_rules() const { return angle_rules_; }
@@ -272,6 +281,7 @@ class Linkage {
   std::vector<Air> airs_;
   std::vector<Shape> shapes_;
   std::vector<Ball> balls_;
+  std::vector<Filter> filters_;
   std::vector<Angle> angles_;
   std::vector<AngleRule> angle_rules_;
   std::vector<Elastic> elastics_;

@@ -35,6 +35,7 @@ struct LinkageMotion {
   std::vector<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
+  double elapsed = 0;                   ///< s, since the beginning of the step
   bool on_ground = false;               ///< its matrix held contacts with ground in the last substep
   std::uint8_t relax_for = 0;           ///< so many steps, because it could not be solved
   double slow_time = 0;                 ///< time for which it has been slow, s

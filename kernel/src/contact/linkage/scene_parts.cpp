@@ -4,6 +4,7 @@
 #include <array>
 #include <type_traits>
 
+#include "contact/platforms/anchored.hpp"
 #include "plumb/joints.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
@@ -93,7 +94,8 @@ class Likeness {
           each.stiffness, each.damping, each.torque);
     add(part.capsules.size());
     for (const Capsule& each : part.capsules)
-      add(each.a, each.b, each.radius, each.surface.friction, each.surface.restitution);
+      add(each.a, each.b, each.radius, each.surface.friction, each.surface.restitution, each.surface.rolling,
+          each.surface.spinning, each.filter.category, each.filter.mask, each.filter.group);
   }
 
   const std::vector<double>& numbers() const { return numbers_; }
@@ -202,6 +204,10 @@ void SceneParts::hand_out() {
   }
   hand_out_joints();
   for (Capsule each : scene_.capsules) {
+    if (is_anchored(scene_, each)) {  // ground
+      capsules_.push_back({none, 0});
+      continue;
+    }
     const std::uint32_t island = island_of(each.a, each.b);
     each.a = local(island, each.a);
     each.b = local(island, each.b);
@@ -250,7 +256,7 @@ template <class... Points>
 std::uint32_t SceneParts::island_of(const Points&... points) const {
   std::uint32_t out = none;
   ((out = out == none ? movable_of(points) : out), ...);
-  if (out == none) refuse("a joint or shape on fixed particles alone moves nothing; use planes and boxes");
+  if (out == none) refuse("a joint on fixed particles alone moves nothing");
   return out;
 }
 std::uint32_t SceneParts::local(std::uint32_t island, std::uint32_t particle) const {

@@ -74,7 +74,7 @@ void ClusterStepper::count_pushes(const Row& row, double h) {
     const Side& side = island.sides[row.side[i]];
     if (is_contact)
       pulls.shapes[row.of[i]] += impulse * side.along_a;
-    else
+    else if (!row.follows_normal())
       pulls.angles[row.of[i]] += row.of[1] != 0 ? -impulse : impulse;
     for (const auto& [sum, along] : {std::pair{side.a, side.along_a}, std::pair{side.b, side.along_b}}) {
       Combination at;

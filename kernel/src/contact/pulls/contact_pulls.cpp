@@ -52,6 +52,7 @@ double ContactSolver::torsion_torque(std::uint32_t torsion) const {
 
 Vec3 ContactSolver::contact_force(std::uint32_t capsule) const {
   const auto [island, number] = capsules_[capsule];
+  if (island == no_island) return mean(LinkagePulls{}, Vec3{});  // of ground, which is not known
   const LinkagePulls& pulls = states_[island].pulls;
   if (visitors_[island].is_at_home() || pulls.dt == 0) return {};
   return mean(pulls, pulls.shapes[number]);

@@ -66,6 +66,14 @@ class Crowd {
     return inverse_mass_[first_[island] + particle];
   }
 
+  /// Returns the number at which a particle's record starts, and where the particle is, from the crowd's
+  /// origin.
+  std::uint32_t number_of(std::uint32_t island, std::uint32_t particle) const {
+    return record * (first_[island] + particle);
+  }
+  Vec3 position_of(std::uint32_t island, std::uint32_t particle) const {
+    return position(number_of(island, particle));
+  }
   /// Adds an impulse's shares of an island's fixed particles.
   void push_fixed(std::span<const Term> terms, std::uint32_t island, Vec3 impulse, LinkagePulls& pulls) const;
 

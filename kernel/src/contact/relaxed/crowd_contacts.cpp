@@ -3,127 +3,37 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/linkage/linkage_bounds.hpp"
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// A place may go this much farther in a step than it would at its velocity, because something pushes it.
-constexpr double further = 1.25;
-
-constexpr Combination nothing{};
-
-Bounds grown(Vec3 from, Vec3 by, double radius) {
-  Bounds out = nowhere;
-  include(out, from, radius);
-  include(out, from + further * by, radius);
-  return out;
-}
-
-}  // namespace
-
-// --- Who may touch
-
-template <class T>
-auto CrowdContacts<T>::add_terms(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                                 std::uint32_t island, const Combination& sum, std::vector<Term>& to) const
-    -> TermRange {
-  const auto first = static_cast<std::uint32_t>(to.size());
-  crowd.add_terms(*cluster[island]->linkage, island, sum, 1, to);
-  return {first, static_cast<std::uint32_t>(to.size())};
-}
-
-template <class T>
-void CrowdContacts<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                            const Surroundings& surroundings, double dt, double recovery_rate) {
-  recovery_rate_ = recovery_rate;
-  ends_.clear();
-  bodies_.clear();
-  balls_.clear();
-  bounds_.clear();
-  ball_bounds_.clear();
-  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
-    const Linkage& linkage = *cluster[i]->linkage;
-    const double fall = 0.5 * dt * dt * norm(linkage.gravity()) + settings_.margin;
-    const auto reach_of = [&](TermRange range, double radius) {
-      const auto terms = ends_of(range);
-      return grown(crowd.position(terms), dt * crowd.velocity(terms),
-                   radius + (crowd.is_moving(i) ? fall : 0));
-    };
-    for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
-      const Linkage::Shape& shape = linkage.shapes()[k];
-      bodies_.push_back({i, k, &shape, add_terms(cluster, crowd, i, shape.a, ends_),
-                         add_terms(cluster, crowd, i, shape.b, ends_)});
-      Bounds around = reach_of(bodies_.back().a, shape.radius);
-      const Bounds other = reach_of(bodies_.back().b, shape.radius);
-      include(around, other.low, 0);
-      include(around, other.high, 0);
-      bounds_.push_back(around);
-    }
-    if (!crowd.is_moving(i)) continue;
-    for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
-      const Linkage::Ball& ball = linkage.balls()[k];
-      balls_.push_back({i, k, &ball, add_terms(cluster, crowd, i, ball.center, ends_)});
-      ball_bounds_.push_back(reach_of(balls_.back().center, ball.radius));
-    }
-  }
-  find_pairs();
-  find_on_ground(crowd, surroundings);
-}
-
-template <class T>
-void CrowdContacts<T>::find_pairs() {
-  pairs_.clear();
-  if (bodies_.empty() || bodies_.front().island == bodies_.back().island) return;
-  double sum = 0;
-  for (const Bounds& each : bounds_)
-    sum += std::max({each.high.x - each.low.x, each.high.y - each.low.y, each.high.z - each.low.z});
-  hash_.start(sum / static_cast<double>(bounds_.size()), 4 * bounds_.size());
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-    hash_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
-      if (bodies_[i].island != bodies_[j].island && bounds_[i].overlaps(bounds_[j])) pairs_.push_back({j, i});
-    });
-  const auto number = [](const Pair& pair) { return std::uint64_t{pair.one} << 32 | pair.other; };
-  std::sort(pairs_.begin(), pairs_.end(),
-            [&](const Pair& a, const Pair& b) { return number(a) < number(b); });
-  pairs_.erase(std::unique(pairs_.begin(), pairs_.end(),
-                           [&](const Pair& a, const Pair& b) { return number(a) == number(b); }),
-               pairs_.end());
-}
-
-template <class T>
-void CrowdContacts<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings) {
-  const auto absolute = [&](const Bounds& bounds) {
-    return Bounds{bounds.low + crowd.origin(), bounds.high + crowd.origin()};
-  };
-  on_planes_.clear();
-  on_boxes_.clear();
-  for (std::uint32_t i = 0; i < balls_.size(); ++i)
-    for (std::uint32_t p = 0; p < surroundings.planes.size(); ++p)
-      if (height(absolute(ball_bounds_[i]), surroundings.planes[p]) <= 0) on_planes_.push_back({i, p});
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-    for (std::uint32_t b = 0; b < surroundings.boxes.size(); ++b)
-      if (crowd.is_moving(bodies_[i].island) && surroundings.boxes[b].bounds.overlaps(absolute(bounds_[i])))
-        on_boxes_.push_back({i, b});
-}
 
 // --- Contacts of a substep
 
 template <class T>
-bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
-                             const Surroundings& surroundings, double h) {
+bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const GroundNow& ground,
+                             double h) {
   contacts_.clear();
   terms_.clear();
+  turn_terms_.clear();
+  turnings_.clear();
   has_woken_ = false;
   next_kept_.assign(cluster.size(), 0);
-  const Substep in{cluster, crowd, h};
-  touch_planes(in, surroundings.planes);
-  touch_boxes(in, surroundings.boxes);
+  const Substep in{cluster, crowd, ground, h};
+  touch_planes(in);
+  touch_boxes(in);
+  touch_segments(in);
   touch_pairs(in);
   if (has_woken_) return false;
-  for (const Contact& contact : contacts_)
-    if (contact.push > 0) crowd.push(terms_of(contact.terms), contact.push * contact.normal + contact.across);
+  for (const Contact& contact : contacts_) {
+    if (!(contact.push > 0)) continue;
+    if (contact.sliding == contact.terms) {
+      crowd.push(terms_of(contact.terms), contact.push * contact.normal + contact.across);
+    } else {
+      crowd.push(terms_of(contact.terms), contact.push * contact.normal);
+      crowd.push(terms_of(contact.sliding), contact.across);
+    }
+    if (contact.turning != none) turn(crowd, turnings_[contact.turning], turnings_[contact.turning].push);
+  }
   return true;
 }
 
@@ -136,85 +46,216 @@ void CrowdContacts<T>::wake(LinkageState& state) {
 }
 
 template <class T>
-void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other, const Touch& touch,
-                           std::uint64_t key) {
-  const auto& [cluster, crowd, h] = in;
-  const auto first = static_cast<std::uint32_t>(terms_.size());
-  double moves = crowd.add_terms(*cluster[one.island]->linkage, one.island, *one.at, 1, terms_);
-  if (other.island != none)
-    moves += crowd.add_terms(*cluster[other.island]->linkage, other.island, *other.at, -1, terms_);
-  const TermRange range{first, static_cast<std::uint32_t>(terms_.size())};
-  const Vec3 shift = crowd.moved(terms_of(range));
-  const double closing = dot(touch.normal, shift);
-  if (touch.gap + closing > settings_.margin + 0.25 * norm(shift) || !(moves > 0)) {
-    terms_.resize(first);
-    return;
-  }
-  for (const std::uint32_t island : {one.island, other.island}) {
-    if (island == none || !cluster[island]->asleep || cluster[island]->frozen) continue;
-    if (!(touch.gap + closing < 0)) continue;
-    wake(*cluster[island]);
-  }
-  const double arriving = dot(touch.normal, crowd.velocity(terms_of(range)));
-  const double restitution = std::max(one.surface->restitution, other.surface->restitution);
-  const KeptContact held = kept_at(*cluster[one.island], key, next_kept_[one.island]);
-  Contact& contact = contacts_.emplace_back();
-  contact.terms = range;
-  contact.island[0] = one.island;
-  contact.island[1] = other.island;
-  contact.shape[0] = one.shape;
-  contact.shape[1] = other.shape;
-  contact.key = key;
-  contact.normal = touch.normal;
-  contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
-  contact.friction = std::sqrt(one.surface->friction * other.surface->friction);
-  contact.bounce = bounce_of(restitution, settings_.bounce_speed, touch.gap, closing, arriving, h);
-  contact.over = 1 / moves;
-  if (held.key != key) return;
-  const double along = dot(held.force, touch.normal);
-  contact.push = h * h * std::max(0.0, along);
-  if (along > 0) contact.across = (h * h) * (held.force - along * touch.normal);
+Barycentric CrowdContacts<T>::body_of(const Substep& in, const Side& side) {
+  const auto& particles = shape_of(in, side).body;
+  const auto at = [&](int i) { return in.crowd.position_of(side.island, particles[i]); };
+  return Barycentric({at(0), at(1), at(2), at(3)});
+}
+
+/// Returns where a side's place on the middle of its shape is, from the crowd's origin.
+template <class T>
+Vec3 CrowdContacts<T>::middle(const Substep& in, const Side& side) {
+  Vec3 out;
+  for (std::uint32_t k = 0; k < side.at->count; ++k)
+    out += side.at->terms[k].weight * in.crowd.position_of(side.island, side.at->terms[k].particle);
+  return out;
 }
 
 template <class T>
-void CrowdContacts<T>::touch_planes(const Substep& in, std::span<const Plane> planes) {
-  for (const Pair& pair : on_planes_) {
-    const Ball& each = balls_[pair.one];
-    const Plane& plane = planes[pair.other];
-    const Vec3 at = in.crowd.origin() + in.crowd.position(ends_of(each.center));
+void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other, const Touch& touch,
+                           std::uint64_t key) {
+  const auto& [cluster, crowd, ground, h] = in;
+  const std::array<Side, 2> sides{one, other};
+  Contact contact{.key = key, .normal = touch.normal};
+  add_ends(in, sides, contact);
+  double arriving = dot(touch.normal, crowd.velocity(terms_of(contact.terms)));
+  if (other.rate != nullptr) {
+    const Vec3 place = crowd.origin() + middle(in, one) - shape_of(in, one).radius * touch.normal;
+    contact.carried = other.rate->moved(place, touch.normal, h);
+    arriving -= dot(touch.normal, other.rate->at(place, touch.normal));
+    contact.carried_at_end =
+        dot(touch.normal, other.rate->later(h).at(place + contact.carried, touch.normal));
+  }
+  const Vec3 shift = crowd.moved(terms_of(contact.terms)) - contact.carried;
+  const double closing = dot(touch.normal, shift);
+  if (touch.gap + closing > settings_.margin + 0.25 * norm(shift) || !(contact.over < INFINITY)) {
+    terms_.resize(contact.terms.first);
+    return;
+  }
+  for (const Side& side : sides) {
+    if (side.island == none || !cluster[side.island]->asleep || cluster[side.island]->frozen) continue;
+    if (!(touch.gap + closing < 0)) continue;
+    wake(*cluster[side.island]);
+  }
+  const double restitution = std::max(one.surface->restitution, other.surface->restitution);
+  contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
+  contact.friction = std::sqrt(one.surface->friction * other.surface->friction);
+  contact.bounce = bounce_of(restitution, settings_.bounce_speed, touch.gap, closing, arriving, h);
+  add_sliding(in, sides, touch, contact);
+  add_turning(in, sides, contact);
+  start_from_kept(in, contact);
+  contacts_.push_back(contact);
+}
+
+/// Adds the places that the normal push acts on.
+template <class T>
+void CrowdContacts<T>::add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact) {
+  contact.terms.first = static_cast<std::uint32_t>(terms_.size());
+  double moves = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Side& side = sides[i];
+    contact.island[i] = side.island;
+    contact.shape[i] = side.shape;
+    if (side.island == none) continue;
+    moves +=
+        in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, *side.at, i == 0 ? 1 : -1, terms_);
+  }
+  contact.terms.end = static_cast<std::uint32_t>(terms_.size());
+  contact.over = 1 / moves;
+}
+
+/// Adds the places that friction holds: those of bodies where they are touched. Two bodies are held at one
+/// place, half way between their surfaces.
+template <class T>
+void CrowdContacts<T>::add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch,
+                                   Contact& contact) {
+  contact.sliding = contact.terms;
+  contact.over_sliding = contact.over;
+  if (!turns(in, sides[0]) && !turns(in, sides[1])) return;
+  contact.sliding.first = static_cast<std::uint32_t>(terms_.size());
+  double moves = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Side& side = sides[i];
+    if (side.island == none) continue;
+    const double sign = i == 0 ? 1 : -1, apart = sides[1].island == none ? 0 : 0.5 * touch.gap;
+    Combination at = *side.at;
+    if (turns(in, side)) {
+      const Linkage::Shape& shape = shape_of(in, side);
+      const Vec3 arm = -sign * (shape.radius + apart) * touch.normal;
+      const std::array<double, 4> weights = body_of(in, side).weights(middle(in, side) + arm);
+      at.count = 4;
+      for (std::uint32_t k = 0; k < 4; ++k) at.terms[k] = {shape.body[k], weights[k]};
+    }
+    moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, at, sign, terms_);
+  }
+  contact.sliding.end = static_cast<std::uint32_t>(terms_.size());
+  contact.over_sliding = 1 / moves;
+}
+
+/// Adds what resists rolling and spinning, if a body turns and a surface does.
+template <class T>
+void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact) {
+  const Surface &one = *sides[0].surface, &two = *sides[1].surface;
+  const double rolling = std::max(one.rolling, two.rolling), spinning = std::max(one.spinning, two.spinning);
+  if (!(rolling > 0 || spinning > 0) || (!turns(in, sides[0]) && !turns(in, sides[1]))) return;
+  const auto first = static_cast<std::uint32_t>(turn_terms_.size());
+  // A torque turns by this matrix, symmetric and positive; no torque by more than its largest row sum.
+  double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Side& side = sides[i];
+    if (!turns(in, side)) continue;
+    const std::array<Vec3, 4> gradients = body_of(in, side).gradients();
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const std::uint32_t particle = shape_of(in, side).body[k];
+      const double inverse = in.crowd.inverse_mass(side.island, particle);
+      const Vec3 g = gradients[k];
+      turn_terms_.push_back(
+          {side.island, in.crowd.number_of(side.island, particle), (i == 0 ? 1.0 : -1.0) * g, inverse});
+      xx += 0.25 * inverse * (g.y * g.y + g.z * g.z);
+      yy += 0.25 * inverse * (g.z * g.z + g.x * g.x);
+      zz += 0.25 * inverse * (g.x * g.x + g.y * g.y);
+      xy += 0.25 * inverse * g.x * g.y;
+      yz += 0.25 * inverse * g.y * g.z;
+      zx += 0.25 * inverse * g.z * g.x;
+    }
+  }
+  const double most = std::max(
+      {xx + std::abs(xy) + std::abs(zx), yy + std::abs(xy) + std::abs(yz), zz + std::abs(yz) + std::abs(zx)});
+  contact.turning = static_cast<std::uint32_t>(turnings_.size());
+  turnings_.push_back({.first = first,
+                       .end = static_cast<std::uint32_t>(turn_terms_.size()),
+                       .key = contact.key | turning_key,
+                       .rolling = rolling,
+                       .spinning = spinning,
+                       .over = most > 0 ? 1 / most : 0});
+  if (sides[1].rate != nullptr) turnings_.back().carried = in.h * sides[1].rate->spin;
+}
+
+/// Takes up the pushes that held a contact in the last substep.
+template <class T>
+void CrowdContacts<T>::start_from_kept(const Substep& in, Contact& contact) {
+  const std::uint32_t island = contact.island[0];
+  const LinkageState& state = *in.cluster[island];
+  const double h2 = in.h * in.h;
+  const KeptContact held = kept_at(state, contact.key, next_kept_[island]);
+  if (held.key != contact.key) return;
+  const double along = dot(held.force, contact.normal);
+  contact.push = h2 * std::max(0.0, along);
+  if (along > 0) contact.across = h2 * (held.force - along * contact.normal);
+  if (contact.turning == none) return;
+  Turning& turning = turnings_[contact.turning];
+  const KeptContact turned = kept_at(state, turning.key, next_kept_[island]);
+  if (turned.key == turning.key) turning.push = h2 * turned.force;
+}
+
+template <class T>
+void CrowdContacts<T>::touch_planes(const Substep& in) {
+  for (const Pair& pair : near_.on_planes()) {
+    const Ball& each = near_.balls()[pair.one];
+    const Plane& plane = in.ground.planes()[pair.other];
+    const Vec3 at = in.crowd.origin() + in.crowd.position(near_.terms_of(each.center));
     const double gap = dot(plane.normal, at) - plane.offset - each.ball->radius;
     add(in, {each.island, each.ball->shape, &each.ball->center, &each.ball->surface},
-        {none, 0, &nothing, &plane.surface}, {gap, plane.normal},
+        {.surface = &plane.surface, .rate = in.ground.rate_of_plane(pair.other)}, {gap, plane.normal},
         contact_key(KeyKind::plane, each.number, 0, pair.other));
   }
 }
 
 template <class T>
-void CrowdContacts<T>::touch_boxes(const Substep& in, std::span<const Surroundings::Solid> boxes) {
-  for (const Pair& pair : on_boxes_) {
-    const Body& each = bodies_[pair.one];
-    const Surroundings::Solid& box = boxes[pair.other];
+void CrowdContacts<T>::touch_boxes(const Substep& in) {
+  for (const Pair& pair : near_.on_boxes()) {
+    const Body& each = near_.bodies()[pair.one];
+    const Surroundings::Solid& box = in.ground.boxes()[pair.other];
     const Vec3 off = in.crowd.origin() - box.center;
-    const Vec3 p = box.frame.to_local(off + in.crowd.position(ends_of(each.a)));
-    const Vec3 q = box.frame.to_local(off + in.crowd.position(ends_of(each.b)));
-    for_touches_with_box(
-        p, q, each.shape->radius, box, [&](std::uint64_t which, double t, const Touch& touch) {
-          const Combination at = blend(each.shape->a, each.shape->b, t);
-          add(in, {each.island, each.number, &at, &each.shape->surface}, {none, 0, &nothing, &box.surface},
-              touch, contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
-        });
+    const Vec3 p = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.a)));
+    const Vec3 q = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.b)));
+    for_touches_with_box(p, q, each.shape->radius, box,
+                         [&](std::uint64_t which, double t, const Touch& touch) {
+                           const Combination at = blend(each.shape->a, each.shape->b, t);
+                           add(in, {each.island, each.number, &at, &each.shape->surface},
+                               {.surface = &box.surface, .rate = in.ground.rate_of_box(pair.other)}, touch,
+                               contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
+                         });
+  }
+}
+
+template <class T>
+void CrowdContacts<T>::touch_segments(const Substep& in) {
+  for (const Pair& pair : near_.on_segments()) {
+    const Body& each = near_.bodies()[pair.one];
+    const Segment own{in.crowd.origin() + in.crowd.position(near_.terms_of(each.a)),
+                      in.crowd.origin() + in.crowd.position(near_.terms_of(each.b)), each.shape->radius};
+    const Touches near = touches(own, in.ground.segments()[pair.other]);
+    for (std::uint32_t n = 0; n < near.count; ++n) {
+      const Combination at = blend(each.shape->a, each.shape->b, near.at[n].a);
+      add(in, {each.island, each.number, &at, &each.shape->surface},
+          {.surface = &in.ground.shapes()[pair.other].surface, .rate = in.ground.rate_of_segment(pair.other)},
+          near.at[n], contact_key(KeyKind::segment, 4 * each.number + n, 0, pair.other));
+    }
   }
 }
 
 template <class T>
 void CrowdContacts<T>::touch_pairs(const Substep& in) {
   const Crowd<T>& crowd = in.crowd;
-  for (const Pair& pair : pairs_) {
-    const Body &a = bodies_[pair.one], &b = bodies_[pair.other];
+  const auto middle_of = [&](const Body& body) {
+    return Segment{crowd.position(near_.terms_of(body.a)), crowd.position(near_.terms_of(body.b)),
+                   body.shape->radius};
+  };
+  for (const Pair& pair : near_.pairs()) {
+    const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
     if (!crowd.is_moving(a.island) && !crowd.is_moving(b.island)) continue;
-    const Touches near =
-        touches({in.crowd.position(ends_of(a.a)), in.crowd.position(ends_of(a.b)), a.shape->radius},
-                {in.crowd.position(ends_of(b.a)), in.crowd.position(ends_of(b.b)), b.shape->radius});
+    const Touches near = touches(middle_of(a), middle_of(b));
     for (std::uint32_t n = 0; n < near.count; ++n) {
       const Touch& touch = near.at[n];
       const Combination at_a = blend(a.shape->a, a.shape->b, touch.a),
@@ -231,23 +272,59 @@ template <class T>
 double CrowdContacts<T>::sweep(Crowd<T>& crowd) {
   double most = 0;
   for (Contact& contact : contacts_) {
-    const std::span<const Term> terms = terms_of(contact.terms);
-    const Vec3 moved = crowd.moved(terms);
+    const std::span<const Term> terms = terms_of(contact.terms), sliding = terms_of(contact.sliding);
+    const bool is_one = contact.sliding == contact.terms;
+    const Vec3 moved = crowd.moved(terms) - contact.carried;
     const double along = dot(contact.normal, moved);
     const double push = std::max(0.0, contact.push - contact.over * (contact.gap + along));
-    Vec3 across = contact.across - contact.over * (moved - along * contact.normal);
+    const Vec3 slid = is_one ? moved : crowd.moved(sliding) - contact.carried;
+    Vec3 across = contact.across - contact.over_sliding * (slid - dot(contact.normal, slid) * contact.normal);
     // What the normal push turned by since it was kept would pull along the normal.
     across = across - dot(across, contact.normal) * contact.normal;
     const double bound = contact.friction * push, square = dot(across, across);
     if (square > bound * bound) across = bound / std::sqrt(square) * across;
-    const Vec3 by = (push - contact.push) * contact.normal + (across - contact.across);
-    if (by == Vec3{}) continue;
+    const Vec3 by = (push - contact.push) * contact.normal, by_across = across - contact.across;
     contact.push = push;
     contact.across = across;
-    crowd.push(terms, by);
-    most = std::max(most, norm(by) / contact.over);
+    if (contact.turning != none) resist(crowd, contact);
+    if (by + by_across == Vec3{}) continue;
+    if (is_one) {
+      crowd.push(terms, by + by_across);
+      most = std::max(most, norm(by + by_across) / contact.over);
+    } else {
+      crowd.push(terms, by);
+      crowd.push(sliding, by_across);
+      most = std::max({most, norm(by) / contact.over, norm(by_across) / contact.over_sliding});
+    }
   }
   return most;
+}
+
+/// Turns the particles of bodies as a torque (kg m²) does.
+template <class T>
+void CrowdContacts<T>::turn(Crowd<T>& crowd, const Turning& turning, Vec3 by) const {
+  for (std::uint32_t k = turning.first; k < turning.end; ++k) {
+    const TurnTerm& term = turn_terms_[k];
+    crowd.push(term.at, 0.5 * term.inverse_mass * cross(by, term.gradient));
+  }
+}
+
+/// Sets the torque that resists turning, within what the normal push allows.
+template <class T>
+void CrowdContacts<T>::resist(Crowd<T>& crowd, const Contact& contact) {
+  Turning& turning = turnings_[contact.turning];
+  Vec3 turned = -1.0 * turning.carried;
+  for (std::uint32_t k = turning.first; k < turning.end; ++k)
+    turned += 0.5 * cross(turn_terms_[k].gradient, crowd.moved(turn_terms_[k].at));
+  const Vec3 wanted = turning.push - turning.over * turned;
+  const double most_spinning = turning.spinning * contact.push, most_rolling = turning.rolling * contact.push;
+  const double spinning = dot(wanted, contact.normal);
+  Vec3 rolling = wanted - spinning * contact.normal;
+  const double square = dot(rolling, rolling);
+  if (square > most_rolling * most_rolling) rolling = most_rolling / std::sqrt(square) * rolling;
+  const Vec3 push = rolling + std::clamp(spinning, -most_spinning, most_spinning) * contact.normal;
+  turn(crowd, turning, push - turning.push);
+  turning.push = push;
 }
 
 template <class T>
@@ -259,7 +336,7 @@ void CrowdContacts<T>::bounce(Crowd<T>& crowd) {
     for (Contact& contact : contacts_) {
       if (!bounces(contact)) continue;
       const std::span<const Term> terms = terms_of(contact.terms);
-      const double leaves = dot(contact.normal, crowd.velocity(terms));
+      const double leaves = dot(contact.normal, crowd.velocity(terms)) - contact.carried_at_end;
       const double kick = std::max(0.0, contact.kick + contact.over * (contact.bounce - leaves));
       crowd.push_velocity(terms, (kick - contact.kick) * contact.normal);
       contact.kick = kick;
@@ -273,15 +350,37 @@ void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T
   for (const Contact& contact : contacts_) {
     const Vec3 push = contact.push * contact.normal + contact.across;
     if (push == Vec3{}) continue;
-    if (LinkageState& state = *cluster[contact.island[0]]; !state.asleep)
+    if (LinkageState& state = *cluster[contact.island[0]]; !state.asleep) {
       state.kept.push_back({contact.key, 1 / (h * h) * push, {}});
-    const Vec3 impulse = 1 / h * push + contact.kick * contact.normal;
-    for (int side = 0; side < 2; ++side) {
-      if (contact.island[side] == none) continue;
-      LinkagePulls& pulls = cluster[contact.island[side]]->pulls;
-      if (!pulls.counts) continue;
-      pulls.shapes[contact.shape[side]] += (side == 0 ? 1.0 : -1.0) * impulse;
-      crowd.push_fixed(terms_of(contact.terms), contact.island[side], impulse, pulls);
+      if (contact.turning != none)
+        state.kept.push_back(
+            {turnings_[contact.turning].key, 1 / (h * h) * turnings_[contact.turning].push, {}});
+    }
+    count_impulses(cluster, crowd, contact, h);
+  }
+}
+
+/// Adds the impulses of a contact to what pushed its shapes and the fixed particles of its islands.
+template <class T>
+void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+                                      const Contact& contact, double h) const {
+  const Vec3 across = 1 / h * contact.across;
+  const Vec3 along = (1 / h * contact.push + contact.kick) * contact.normal;
+  for (int side = 0; side < 2; ++side) {
+    const std::uint32_t island = contact.island[side];
+    if (island == none) continue;
+    LinkagePulls& pulls = cluster[island]->pulls;
+    if (!pulls.counts) continue;
+    pulls.shapes[contact.shape[side]] += (side == 0 ? 1.0 : -1.0) * (along + across);
+    crowd.push_fixed(terms_of(contact.terms), island, along, pulls);
+    crowd.push_fixed(terms_of(contact.sliding), island, across, pulls);
+    if (contact.turning == none) continue;
+    const Turning& turning = turnings_[contact.turning];
+    for (std::uint32_t k = turning.first; k < turning.end; ++k) {
+      const TurnTerm& term = turn_terms_[k];
+      const Term whole{term.at, 1, 0};
+      if (term.island == island)
+        crowd.push_fixed({&whole, 1}, island, 0.5 / h * cross(turning.push, term.gradient), pulls);
     }
   }
 }

@@ -1,40 +1,44 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "contact/relaxed/crowd.hpp"
-#include "contact/spatial_hash.hpp"
-#include "contact/surroundings.hpp"
+#include "contact/relaxed/crowd_pairs.hpp"
 #include "contact/touch.hpp"
 #include "plumb/settings.hpp"
+#include "scene/barycentric.hpp"
 
 namespace plumb::detail {
 
 /// Keeps the islands of a crowd apart, and out of the ground.
 ///
-/// Pairs that may touch within a step are found once, by boxes around what shapes pass through. In every
-/// substep those that are near become contacts: a contact keeps the gap between two places open along one
-/// normal, and holds them against sliding within Coulomb's cone. A visit sets its push to what its two places
-/// alone ask for. All masses are points, so that a push moves a place alike in all directions, and the three
-/// parts of a push need no matrix.
+/// Pairs that may touch within a step are found once. In every substep those that are near become contacts: a
+/// contact keeps the gap between two places open along one normal, and holds surfaces against sliding within
+/// Coulomb's cone. A visit sets its push to what its places alone ask for. All masses are points, so that a
+/// push moves a place alike in all directions, and the three parts of a push need no matrix.
+///
+/// Friction acts on places of bodies where they are touched, which turns them, and else on the middles of
+/// shapes. What resists rolling and spinning turns bodies against what they touch.
 template <class T>
 class CrowdContacts {
  public:
   explicit CrowdContacts(const ContactSettings& settings) : settings_(settings) {}
 
-  /// Finds which shapes may touch within dt (s). `recovery_rate` (1/s) is the share of an overlap that is
-  /// taken back.
+  /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
+  /// (1/s) is the share of an overlap that is taken back.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
-            double dt, double recovery_rate);
+            const GroundNow& ground, double dt, double recovery_rate) {
+    recovery_rate_ = recovery_rate;
+    near_.find(cluster, crowd, surroundings, ground, dt, settings_.margin);
+  }
   /// Returns whether any may touch at all.
-  bool any_near() const { return !pairs_.empty() || !on_planes_.empty() || !on_boxes_.empty(); }
+  bool any_near() const { return !near_.are_empty(); }
 
   /// Makes contacts of those that may touch within a substep of h (s), once displacements are predicted, and
   /// starts from their last pushes. Returns false if an island woke because something is about to push it.
-  bool begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
-             double h);
+  bool begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const GroundNow& ground, double h);
   /// Visits all contacts once. Returns the largest change of a place, m.
   double sweep(Crowd<T>& crowd);
   /// Lets velocities bounce, once they are known.
@@ -47,76 +51,91 @@ class CrowdContacts {
 
  private:
   using Term = typename Crowd<T>::Term;
+  using TermRange = typename CrowdPairs<T>::TermRange;
+  using Body = typename CrowdPairs<T>::Body;
+  using Ball = typename CrowdPairs<T>::Ball;
+  using Pair = typename CrowdPairs<T>::Pair;
   static constexpr std::uint32_t none = 0xffffffff;
 
-  struct TermRange {
-    std::uint32_t first = 0, end = 0;
-  };
-  /// This is a shape of an island. Its ends are sums of particles.
-  struct Body {
-    std::uint32_t island, number;
-    const Linkage::Shape* shape;
-    TermRange a, b;
-  };
-  struct Ball {
-    std::uint32_t island, number;
-    const Linkage::Ball* ball;
-    TermRange center;
-  };
-  struct Pair {
-    std::uint32_t one, other;
-  };
   /// These do not change while contacts of a substep of h (s) are found.
   struct Substep {
     std::span<LinkageState* const> cluster;
     Crowd<T>& crowd;
+    const GroundNow& ground;
     double h;
   };
+  /// One side of a contact is on a shape's middle or, without an island, on the ground.
   struct Side {
     std::uint32_t island = none, shape = 0;
     const Combination* at = nullptr;
     const Surface* surface = nullptr;
+    const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   struct Contact {
-    TermRange terms;
-    std::uint32_t island[2], shape[2];
+    TermRange terms{}, sliding{};  ///< of the middles of shapes, and of the places that friction holds
+    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    std::uint32_t turning = none;
     std::uint64_t key = 0;
     Vec3 normal{};
-    double gap = 0;       ///< m, what may be lost
-    double friction = 0;  ///< Coulomb's coefficient
-    double bounce = 0;    ///< m/s, what it leaves with
-    double over = 0;      ///< kg, what changes its places by a metre
-    double push = 0;      ///< kg m
-    Vec3 across{};        ///< kg m, against sliding
-    double kick = 0;      ///< kg m/s, of a bounce
+    double gap = 0;                     ///< m, what may be lost
+    double friction = 0;                ///< Coulomb's coefficient
+    double bounce = 0;                  ///< m/s, what it leaves the surface with
+    double over = 0, over_sliding = 0;  ///< kg, what changes its places by a metre
+    double push = 0;                    ///< kg m
+    Vec3 across{};                      ///< kg m, against sliding
+    double kick = 0;                    ///< kg m/s, of a bounce
+    Vec3 carried{};                     ///< m, how far the ground goes
+    double carried_at_end = 0;          ///< m/s, how fast it moves along the normal
+  };
+  /// This is a particle of a body that turns at half the sum of all gradient x motion.
+  struct TurnTerm {
+    std::uint32_t island, at;
+    Vec3 gradient;  ///< 1/m
+    double inverse_mass;
+  };
+  /// Resists that what touches turns against each other.
+  struct Turning {
+    std::uint32_t first, end;  ///< of its terms
+    std::uint64_t key;
+    double rolling, spinning;  ///< m, see Surface
+    double over;               ///< kg m², what turns it by at least what is asked for
+    Vec3 carried{};            ///< rad, by how much the ground turns
+    Vec3 push{};               ///< kg m²
   };
 
-  TermRange add_terms(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, std::uint32_t island,
-                      const Combination& sum, std::vector<Term>& to) const;
   std::span<const Term> terms_of(TermRange range) const {
     return std::span(terms_).subspan(range.first, range.end - range.first);
   }
-  std::span<const Term> ends_of(TermRange range) const {
-    return std::span(ends_).subspan(range.first, range.end - range.first);
+  static const Linkage::Shape& shape_of(const Substep& in, const Side& side) {
+    return in.cluster[side.island]->linkage->shapes()[side.shape];
   }
-  void find_pairs();
-  void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
+  static bool turns(const Substep& in, const Side& side) {
+    return side.island != none && shape_of(in, side).turning == Linkage::Shape::Turning::body;
+  }
+  static Barycentric body_of(const Substep& in, const Side& side);
+  static Vec3 middle(const Substep& in, const Side& side);
   void add(const Substep& in, const Side& one, const Side& other, const Touch& touch, std::uint64_t key);
-  void touch_planes(const Substep& in, std::span<const Plane> planes);
-  void touch_boxes(const Substep& in, std::span<const Surroundings::Solid> boxes);
+  void add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
+  void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Contact& contact);
+  void add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
+  void start_from_kept(const Substep& in, Contact& contact);
+  void touch_planes(const Substep& in);
+  void touch_boxes(const Substep& in);
+  void touch_segments(const Substep& in);
   void touch_pairs(const Substep& in);
   void wake(LinkageState& state);
+  void turn(Crowd<T>& crowd, const Turning& turning, Vec3 by) const;
+  void resist(Crowd<T>& crowd, const Contact& contact);
+  void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Contact& contact,
+                      double h) const;
 
   ContactSettings settings_;  ///< multiplied by their length scale
   double recovery_rate_ = 0;
-  std::vector<Term> ends_, terms_;  ///< of shapes, and of contacts
-  std::vector<Body> bodies_;
-  std::vector<Ball> balls_;
-  std::vector<Bounds> bounds_;  ///< of bodies within the step, from the crowd's origin
-  std::vector<Bounds> ball_bounds_;
-  std::vector<Pair> pairs_, on_planes_, on_boxes_;
-  SpatialHash hash_;
+  CrowdPairs<T> near_;
+  std::vector<Term> terms_;
   std::vector<Contact> contacts_;
+  std::vector<TurnTerm> turn_terms_;
+  std::vector<Turning> turnings_;
   bool has_woken_ = false;
   std::vector<std::size_t> next_kept_;  ///< by island: where the next contact is likely to be found again
 };

@@ -18,8 +18,14 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   recovery_rate_ = settings_.recovery / h;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
+  const double start = cluster.front()->elapsed;
+  for (LinkageState* const state : cluster) state->elapsed += dt;
+  ground_.find(surroundings, start);
   gather(cluster, surroundings, dt);
-  for (std::uint32_t i = 0; i < substeps; ++i) substep(cluster, surroundings, h, dt, report);
+  for (std::uint32_t i = 0; i < substeps; ++i) {
+    if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
+    substep(cluster, surroundings, h, dt, report);
+  }
   scatter(cluster);
 }
 
@@ -36,7 +42,7 @@ void RelaxedStepper<T>::gather(std::span<LinkageState* const> cluster, const Sur
                                double dt) {
   crowd_.gather(cluster, rules_);
   joints_.gather(cluster, crowd_);
-  contacts_.find(cluster, crowd_, surroundings, dt, recovery_rate_);
+  contacts_.find(cluster, crowd_, surroundings, ground_, dt, recovery_rate_);
 }
 
 template <class T>
@@ -44,7 +50,7 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
                                 double h, double dt, Tally& report) {
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
-  while (!contacts_.begin(cluster, crowd_, surroundings, h)) {
+  while (!contacts_.begin(cluster, crowd_, ground_, h)) {
     scatter(cluster);
     gather(cluster, surroundings, dt);
     crowd_.predict(h, Gradient::new_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "contact/cluster_mover.hpp"
+#include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
@@ -47,6 +48,7 @@ class RelaxedStepper final : public ClusterMover {
   ContactSettings settings_;
   CrowdRules rules_;
   Crowd<T> crowd_;
+  GroundNow ground_;  ///< as the substep starts
   CrowdContacts<T> contacts_;
   CrowdJoints<T> joints_;
   std::vector<Vec3> rigid_;

@@ -25,7 +25,7 @@ inline constexpr double farthest_pull = 0.05;
 inline constexpr double most_cuts = 4096;
 /// What can be relaxed is not cut to substeps that are shorter than this share of what they should be, but
 /// relaxed in this many or, if it is fast, more.
-inline constexpr double few_cuts = 0.2;
+inline constexpr double few_cuts = 0.25;
 inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
 /// Islands that touched each other in more places than these are a crowd, and so are nets that touched
 /// anything. They take longer to solve than to relax.

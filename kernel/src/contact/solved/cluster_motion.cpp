@@ -51,12 +51,14 @@ void ClusterStepper::find_velocities(Island& island) {
 }
 
 void ClusterStepper::finish(double h, bool touched) {
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) std::swap(islands_[i].state->x, islands_[i].there);  // there: where it was
+  renew_levers();
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
     if (!island.awake) continue;
     LinkageState& state = *island.state;
     const Linkage& linkage = *state.linkage;
-    std::swap(state.x, island.there);  // there: where it was
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
     if (!island.ground.is_empty())
       island.ground.begin_velocities();
@@ -79,9 +81,9 @@ void ClusterStepper::finish(double h, bool touched) {
 void ClusterStepper::bounce(double h) {
   // What pushed at the end of the last substep, if the row was there then and pushes in this one. Else, at
   // rest, what pushes in the second half is what pushed in the first.
-  bool pushes = false;  // sliding rows follow their normal
+  bool pushes = false;  // rows of a contact follow their normal
   for (Row& row : rows_) {
-    if (row.kind != Kind::sliding) pushes = row.p != 0;
+    if (!row.follows_normal()) pushes = row.p != 0;
     const bool lasts = row.kind != Kind::brake && row.bounce == 0;
     if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
     // Speeds follow from find_velocities().
@@ -208,15 +210,15 @@ void ClusterStepper::keep_contacts(double h) {
   for (std::uint32_t i = 0; i < count_; ++i) islands_[i].state->kept.clear();
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
-    if (row.kind == Kind::sliding || row.p == 0) continue;
-    Island& island = islands_[row.island[0]];
+    const bool resists = row.kind == Kind::rolling && r > 0 && rows_[r - 1].kind != Kind::rolling;
+    if (row.follows_normal() ? !resists || rows_[row.normal].p == 0 : row.p == 0) continue;
+    LinkageState& state = *islands_[row.island[0]].state;
     const auto pushed = [&](double Row::*of) {
-      if (row.kind != Kind::normal) return Vec3{row.*of, 0, 0};
-      Vec3 sum{};
-      for (std::size_t k = r; k < r + 3; ++k) sum += (rows_[k].*of) * island.sides[rows_[k].side[0]].along_a;
-      return sum;
+      if (row.kind != Kind::normal && !resists) return Vec3{row.*of, 0, 0};
+      return row.*of * row.along + rows_[r + 1].*of * rows_[r + 1].along +
+             rows_[r + 2].*of * rows_[r + 2].along;
     };
-    island.state->kept.push_back({row.key, (1 / (h * h)) * pushed(&Row::p), (2 / h) * pushed(&Row::q)});
+    state.kept.push_back({row.key, (1 / (h * h)) * pushed(&Row::p), (2 / h) * pushed(&Row::q)});
   }
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;

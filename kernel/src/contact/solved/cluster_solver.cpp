@@ -91,13 +91,12 @@ void ClusterStepper::couple(Island& island) {
 void ClusterStepper::see(Island& island, std::span<const Vec3> motion) {
   double* const speed = island.speed.front().of;
   Vec3 a{}, b{};
+  Sum of_a{}, of_b{};
   for (std::size_t s = 0; s < island.sides.size(); ++s) {
     const Side& side = island.sides[s];
-    // The three rows of a contact share one sum of particles, which is computed once.
-    if (s == 0 || side.a.first != island.sides[s - 1].a.first) {
-      a = island.of(side.a, motion);
-      b = island.of(side.b, motion);
-    }
+    // Rows of a contact share sums of particles, which are computed once.
+    if (side.a != of_a) a = island.of(of_a = side.a, motion);
+    if (side.b != of_b) b = island.of(of_b = side.b, motion);
     speed[s] = dot(side.along_a, a) + dot(side.along_b, b);
   }
 }
@@ -106,6 +105,11 @@ double ClusterStepper::see(const Row& row) {
   double out = row.end[0].speed[row.end[0].side];
   if (row.ends == 2) out += row.end[1].speed[row.end[1].side];
   return out;
+}
+
+template <double ClusterStepper::Row::*of>
+double ClusterStepper::slide(const Row& row) {
+  return see(row) - (of == &Row::p ? row.given : row.given_at_end);
 }
 
 void ClusterStepper::push(const Row& row, double by) {
@@ -198,7 +202,7 @@ double ClusterStepper::contact(std::size_t r, double normal, double most) {
   const double by0 = normal - n.*of;
   // The normal push also moves the other two rows. What does not depend on it is computed first, so that the
   // processor need not wait.
-  const double first_alone = s.*of - s.over * see(s), second_alone = t.*of - t.over * see(t);
+  const double first_alone = s.*of - s.over * slide<of>(s), second_alone = t.*of - t.over * slide<of>(t);
   double first = first_alone - n.across[0] * by0, second = second_alone - n.across[1] * by0;
   into_disk(first, second, most);
   const double by1 = first - s.*of, by2 = second - t.*of;
@@ -211,6 +215,16 @@ double ClusterStepper::contact(std::size_t r, double normal, double most) {
   return std::max({std::abs(by0) * n.own, std::abs(by1) * s.own, std::abs(by2) * t.own});
 }
 
+/// Sets the two pushes against rolling whose rows start at `r`, no longer together than `most`.
+template <double ClusterStepper::Row::*of, ClusterStepper::Sweep sweep>
+double ClusterStepper::roll(std::size_t r, double most) {
+  Row &s = rows_[r], &t = rows_[r + 1];
+  double first = s.*of - s.over * see(s), second = t.*of - t.over * see(t);
+  into_disk(first, second, most);
+  const double worst = set<of, sweep>(s, first);
+  return std::max(worst, set<of, sweep>(t, second));
+}
+
 // A contact's three rows are projected onto Coulomb's cone at once, each from where its own response leads.
 // Both sweeps return the largest change that they made, or would have made. Its unit is m or rad for
 // positions, and m/s or rad/s for velocities.
@@ -219,7 +233,7 @@ double ClusterStepper::sweep_positions() {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
-    const double u = see(row);
+    const double u = slide<&Row::p>(row);
     double p = 0;
     switch (row.kind) {
       case Kind::normal: {
@@ -231,6 +245,14 @@ double ClusterStepper::sweep_positions() {
       }
       case Kind::sliding:
         continue;
+      case Kind::rolling:
+        worst = std::max(worst, roll<&Row::p, sweep>(r++, row.bound * rows_[row.normal].p));
+        continue;
+      case Kind::spinning: {
+        const double most = row.bound * rows_[row.normal].p;
+        p = std::clamp(row.p - row.over * u, -most, most);
+        break;
+      }
       case Kind::limit:
         p = std::max(0.0, row.p - row.over * (u + row.gap));
         break;
@@ -248,14 +270,32 @@ double ClusterStepper::sweep_velocities() {
   double worst = 0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     Row& row = rows_[r];
-    const bool brakes = row.kind == Kind::brake;
-    if (!brakes && (row.p <= 0 || (row.kind != Kind::normal && row.kind != Kind::limit))) continue;
-    const double q = brakes ? std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce)
-                            : std::max(0.0, row.q - row.over * (see(row) - row.bounce));
-    if (row.kind == Kind::normal) {
-      worst = std::max(worst, contact<&Row::q, sweep>(r, q, row.bound * q));
-      r += 2;
-      continue;
+    double q = 0;
+    switch (row.kind) {
+      case Kind::normal:
+        if (row.p > 0) {
+          const double normal = std::max(0.0, row.q - row.over * (slide<&Row::q>(row) - row.bounce));
+          worst = std::max(worst, contact<&Row::q, sweep>(r, normal, row.bound * normal));
+        }
+        r += 2;
+        continue;
+      case Kind::sliding:
+        continue;
+      case Kind::rolling:
+        worst = std::max(worst, roll<&Row::q, sweep>(r++, row.bound * rows_[row.normal].q));
+        continue;
+      case Kind::spinning: {
+        const double most = row.bound * rows_[row.normal].q;
+        q = std::clamp(row.q - row.over * see(row), -most, most);
+        break;
+      }
+      case Kind::limit:
+        if (row.p <= 0) continue;
+        q = std::max(0.0, row.q - row.over * (see(row) - row.bounce));
+        break;
+      case Kind::brake:
+        q = std::clamp(row.q - row.over * see(row), -row.bounce, row.bounce);
+        break;
     }
     worst = std::max(worst, set<&Row::q, sweep>(row, q));
   }

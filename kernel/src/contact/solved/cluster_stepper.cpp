@@ -71,6 +71,8 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
+  const double start = cluster.front()->elapsed;
+  for (LinkageState* const state : cluster) state->elapsed += dt;
   double likely = dt;  // a substep of this length is likely to be solved
   while (left > 1e-12 * dt) {
     const double least = report.is_spent() ? dt / substeps : dt / most_cuts;
@@ -78,10 +80,11 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
     const double longest = std::max(std::min(dt / substeps, cut), least);
     double h = left / std::ceil(left / std::min(longest, likely) - 1e-9);
+    ground_.find(surroundings, start + dt - left);
     if (may_fly) {
       // A step of twice the length is cut alike, so that comparing tells no error: is_blind reads halvings.
       report.halvings += rules.is_watched && cut < dt / substeps;
-      may_fly = is_alone(surroundings, h) && fly(surroundings, rules.time_order, h, report);
+      may_fly = is_alone(surroundings, h) && fly(rules.time_order, h, report);
       if (!may_fly) continue;
       ++report.direct_substeps;
       left -= h;
@@ -99,18 +102,18 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
 bool ClusterStepper::is_alone(const Surroundings& surroundings, double h) const {
   const LinkageState& state = *islands_[0].state;
   return state.linkage->shapes().empty() ||
-         !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin));
+         !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin),
+                                  state.linkage->filters());
 }
 
 /// One substep of a higher order. False, and nothing has moved, if limits, drives or friction of joints may
 /// push.
-bool ClusterStepper::fly(const Surroundings& surroundings, std::uint32_t time_order, double h,
-                         Tally& report) {
+bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
   Island& island = islands_[0];
   LinkageState& state = *island.state;
   if (!state.linkage->angles().empty()) {
     start(island, h);
-    find_contacts(surroundings, h);
+    find_contacts(h);
     state.factored = state.factored && state.laws.empty();
     if (!rows_.empty()) return false;
   }
@@ -224,17 +227,18 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   keeps_slack_ = false;
   switches_ = 0;
   do {
-    if (!find_positions(surroundings, h, report)) return false;
+    if (!find_positions(h, report)) return false;
     if (!all_near_ && is_contact_missed()) {
       all_near_ = keeps_slack_ = true;
-      if (!find_positions(surroundings, h, report)) return false;
+      if (!find_positions(h, report)) return false;
     }
   } while (switch_elastics());
-  const double before = energy();
+  double before = energy();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
   finish(h, touched);
   if (touched) bounce(h);
+  if (touched && surroundings.may_move()) before += work_of_ground(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
   if (!guard_energy(before, touched, h > shortest_, report)) {
@@ -275,12 +279,23 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   return true;
 }
 
-bool ClusterStepper::find_positions(const Surroundings& surroundings, double h, Tally& report) {
+/// Returns the work (J) that ground which moves does in the substep.
+double ClusterStepper::work_of_ground(double h) const {
+  double sum = 0;
+  for (const Row& row : rows_) sum += row.p * row.given / (h * h) + row.q * row.given_at_end;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3 position, Vec3 end) {
+      sum += dot(position, contact.carried) / (h * h) + dot(end, contact.carried_at_end);
+    });
+  return sum;
+}
+
+bool ClusterStepper::find_positions(double h, Tally& report) {
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) start(islands_[i], h);
   do {
     woken_ = false;
-    find_contacts(surroundings, h);
+    find_contacts(h);
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (island.awake && !island.is_predicted && island.ground.is_empty()) {

@@ -9,9 +9,11 @@
 
 #include "contact/cluster_mover.hpp"
 #include "contact/ground/ground_contacts.hpp"
+#include "contact/levers/lever.hpp"
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/linkage/visitor.hpp"
+#include "contact/platforms/ground_now.hpp"
 #include "contact/surroundings.hpp"
 #include "contact/touch.hpp"
 #include "interface/tally.hpp"
@@ -57,13 +59,14 @@ class ClusterStepper final : public ClusterMover {
   /// A sum of particles, among an island's terms.
   struct Sum {
     std::uint32_t first = 0, end = 0;
+    friend bool operator==(const Sum&, const Sum&) = default;
   };
   /// A push on an island: along_a on a sum of its particles, along_b on another.
   struct Side {
     Sum a, b;
     Vec3 along_a{}, along_b{};
   };
-  enum class Kind : std::uint8_t { normal, sliding, limit, brake };
+  enum class Kind : std::uint8_t { normal, sliding, rolling, spinning, limit, brake };
   static constexpr std::uint32_t none = 0xffffffff;
 
   /// Where a row finds what its side of an island sees, and what its pushes do there.
@@ -79,8 +82,11 @@ class ClusterStepper final : public ClusterMover {
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};
-    double gap = 0;             ///< m or rad, what may be lost
-    double bound = 0;           ///< of brakes; of normals the coefficient of friction
+    double gap = 0;           ///< m or rad, what may be lost
+    double given = 0;         ///< m, what the ground moves by
+    double given_at_end = 0;  ///< m/s, how fast it moves
+    /// Of brakes; of normals the coefficient of friction, of rolling and spinning a length (m).
+    double bound = 0;
     double bounce = 0;          ///< m/s, what it leaves with; of brakes the bound of q
     double own = 0;             ///< its response to itself
     double over = 0;            ///< 1 / own, or 0
@@ -88,6 +94,37 @@ class ClusterStepper final : public ClusterMover {
     double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
     std::uint64_t key = 0;
     std::uint32_t of[2] = {0, 0};  ///< the shapes that touch, or the angle and 1 at its upper limit
+    std::uint32_t normal = none;   ///< of rolling and spinning, the row of the contact's normal
+    Vec3 along{};                  ///< of contacts, the direction of what it pushes
+
+    /// Returns whether it may push only where the contact's normal does.
+    bool follows_normal() const {
+      return kind == Kind::sliding || kind == Kind::rolling || kind == Kind::spinning;
+    }
+    void add_end(std::uint32_t on, std::uint32_t at, std::uint32_t shape) {
+      island[ends] = on;
+      side[ends] = at;
+      of[ends++] = shape;
+    }
+  };
+  /// One end of a contact: the island, the place on the middle of a shape there, and the way from it to
+  /// where it is touched.
+  struct ContactEnd {
+    std::uint32_t island;
+    const Combination* at;
+    std::uint32_t shape;
+    Vec3 arm;
+  };
+  /// The levers of a contact. Its sides on an island follow each other, as do the three of turning.
+  struct Levers {
+    struct End {
+      std::uint32_t island, shape, normal, turning;
+      Sum middle;
+      Vec3 arm;
+    };
+    End end[2]{};
+    std::uint32_t ends = 0;
+    Vec3 along{};  ///< the contact's normal
   };
   using Lanes = simd::Lanes;
   struct Island {
@@ -134,13 +171,14 @@ class ClusterStepper final : public ClusterMover {
     const Combination& at;
     const Surface& surface;
     std::uint32_t shape = 0;
+    const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   /// A contact that does not seem to come about in this substep.
   struct LeftOut {
     std::uint32_t island, other;
     Sum at, at_other;
     double gap;
-    Vec3 normal;
+    Vec3 normal, carried;
   };
 
   bool substep(const Surroundings& surroundings, double h, Tally& report);
@@ -152,7 +190,7 @@ class ClusterStepper final : public ClusterMover {
   std::uint32_t relaxed_substeps(double dt) const;
   double longest_substep(double most, double turn) const;
   bool is_alone(const Surroundings& surroundings, double h) const;
-  bool fly(const Surroundings& surroundings, std::uint32_t time_order, double h, Tally& report);
+  bool fly(std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
   void predict(Island& island);
   bool start_on_ground(Island& island);
@@ -168,6 +206,7 @@ class ClusterStepper final : public ClusterMover {
   void find_velocities_on_ground(Island& island);
   void fill_velocities(Island& island);
   bool is_on_ground() const;
+  bool is_landing() const;
   bool any_touch() const;
   std::size_t count_pushes() const;
   void freeze(Island& island, Tally& report);
@@ -178,29 +217,35 @@ class ClusterStepper final : public ClusterMover {
   void end_elastics(Island& island, double h);
   static void hold_elastics(Island& island);
   bool switch_elastics();
-  bool find_positions(const Surroundings& surroundings, double h, Tally& report);
+  bool find_positions(double h, Tally& report);
   bool is_contact_missed() const;
-  void find_contacts(const Surroundings& surroundings, double h);
+  void find_contacts(double h);
   void find_bounds();
-  void touch_planes(std::uint32_t i, std::span<const Plane> planes, double h);
-  void touch_boxes(std::uint32_t i, std::span<const Surroundings::Solid> boxes, double h);
+  double work_of_ground(double h) const;
+  void touch_planes(std::uint32_t i, double h);
+  void touch_boxes(std::uint32_t i, double h);
+  void touch_anchored(std::uint32_t i, double h);
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
-  /// Adds a contact with something fixed. It counts as one of many until they have been counted.
-  void add_ground_contact(const Place& a, const Place& b, const Touch& touch, double closing,
-                          std::uint64_t key, double h);
-  void spread_ground(std::uint32_t i);
-  /// Adds the rows of a contact whose gap changes by `closing` (m) in the substep.
-  void add_contact_rows(const Place& a, const Place& b, const Touch& touch, double closing, std::uint64_t key,
+  void spread_ground(std::uint32_t i, double h);
+  void add_contact_rows(const GroundContact& contact, std::span<const ContactEnd> ends, double h);
+  void add_turning_rows(const GroundContact& contact, std::span<const ContactEnd> ends, std::uint32_t normal,
                         double h);
+  bool turns(const Levers::End& end) const;
+  void renew_levers();
+  void renew_lever(const Levers& contact, const Levers::End& end, Vec3 arm);
   void add_angles(std::uint32_t i, double h);
   static Sum add_sum(Island& island, const Combination& sum);
   static std::uint32_t add_side(Island& island, const Side& side);
+  static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
   void find_responses();
   void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
   static double see(const Row& row);
+  /// Returns how a row moves against what it touches, in m or m/s.
+  template <double Row::*of>
+  static double slide(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();
@@ -210,6 +255,8 @@ class ClusterStepper final : public ClusterMover {
   double set(Row& row, double value);
   template <double Row::*of, Sweep sweep>
   double contact(std::size_t r, double normal, double most);
+  template <double Row::*of, Sweep sweep>
+  double roll(std::size_t r, double most);
   void apply(Island& island, std::span<Vec3> motion);
   template <Sweep sweep>
   double sweep_positions();
@@ -220,6 +267,7 @@ class ClusterStepper final : public ClusterMover {
   void find_velocities(Island& island);
   void bounce(double h);
   void brake(Island& island, double h);
+  /// `before` (J) is the energy before the substep, and what moving ground has added since.
   bool guard_energy(double before, bool touched, bool can_shorten, Tally& report);
   double energy() const;
   double find_rigid_motion();
@@ -252,7 +300,9 @@ class ClusterStepper final : public ClusterMover {
   Overload overload_{};
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;
+  std::vector<Levers> levers_;
   std::vector<LeftOut> left_out_;
+  GroundNow ground_;  ///< as the substep starts
   bool woken_ = false, all_near_ = false;
   bool loose_ = false;        ///< ground grips loosely, since nothing was found with its whole grip
   bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try

@@ -11,21 +11,26 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-/// Solves a substep of h (s), or one that is shorter but hardly than `least`. Returns its length. It is 0 if
-/// nothing was found: what cannot be solved stays where it is.
+/// Solves a substep of h (s), or one that is shorter but hardly than `least`. It is tried whole, halved
+/// twice, with a loose grip, relaxed, and then halved on. Returns its length. It is 0 if nothing was found:
+/// what cannot be solved stays where it is.
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
   loose_ = false;
+  bool was_loose = false;
+  double halved = h;
   while (!substep(surroundings, h, report)) {
     if (std::exchange(try_tighter_, false)) continue;
-    if (!loose_ && is_on_ground()) {
-      loose_ = true;
+    if (h == whole && !was_loose) find_overload(h);
+    if (!was_loose && is_on_ground() && (h <= few_cuts * whole || is_landing())) {
+      loose_ = was_loose = true;
       ++report.fallbacks;
+      halved = std::exchange(h, whole);
       continue;
     }
-    loose_ = false;
-    if (h == whole) find_overload(h);
+    // Halving goes on from where it was.
+    if (std::exchange(loose_, false)) h = halved;
     h /= 2;
     ++report.halvings;
     if (h < few_cuts * whole && overload_.state == nullptr && any_touch() &&
@@ -50,6 +55,17 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
 bool ClusterStepper::is_on_ground() const {
   return std::any_of(islands_.begin(), islands_.begin() + count_,
                      [](const Island& each) { return !each.ground.is_empty(); });
+}
+
+/// Returns whether most of what touches ground did not do so a substep ago.
+bool ClusterStepper::is_landing() const {
+  std::size_t all = 0, held = 0;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    islands_[i].ground.for_all([&](const GroundContact& each) {
+      ++all;
+      held += each.is_held;
+    });
+  return 2 * held < all;
 }
 
 /// Returns whether anything touches in this substep.

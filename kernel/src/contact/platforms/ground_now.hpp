@@ -1,0 +1,50 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "contact/surroundings.hpp"
+
+namespace plumb::detail {
+
+/// Knows where all ground is at an instant within a step, and how fast it moves there.
+class GroundNow {
+ public:
+  /// Finds where ground is `time` (s) after the step's start. The surroundings must stay as they are until it
+  /// is called again.
+  void find(const Surroundings& surroundings, double time);
+
+  std::span<const Plane> planes() const { return planes_; }
+  std::span<const Surroundings::Solid> boxes() const { return boxes_; }
+  /// Returns the middles of shapes on anchors.
+  std::span<const Segment> segments() const { return segments_; }
+  std::span<const Linkage::Shape> shapes() const { return shapes_; }
+  /// These return null for what stands still.
+  const GroundRate* rate_of_plane(std::size_t i) const { return moving(plane_rates_, i); }
+  const GroundRate* rate_of_box(std::size_t i) const { return moving(box_rates_, i); }
+  const GroundRate* rate_of_segment(std::size_t i) const { return moving(segment_rates_, i); }
+
+ private:
+  static const GroundRate* moving(const std::vector<GroundRate>& rates, std::size_t i) {
+    return i < rates.size() && rates[i].moves() ? &rates[i] : nullptr;
+  }
+  template <class Ground>
+  void pose(std::span<const Ground> ground, std::vector<Ground>& there, std::vector<GroundRate>& rates) const;
+
+  std::span<const Plane> planes_;
+  std::span<const Surroundings::Solid> boxes_;
+  std::span<const Linkage::Shape> shapes_;
+  // Of scenes where some ground may move:
+  std::vector<PlatformPose> poses_;
+  std::vector<Plane> moved_planes_;
+  std::vector<Surroundings::Solid> moved_boxes_;
+  std::vector<Segment> segments_;
+  std::vector<Vec3> anchors_;  ///< m, by particle
+  std::vector<GroundRate> plane_rates_, box_rates_, segment_rates_;
+};
+
+/// Returns the greatest speed (m/s) of ground within a box, but for its belts, in the next `dt` (s). That of
+/// null is 0.
+double fastest(const GroundRate* rate, const Bounds& bounds, double dt);
+
+}  // namespace plumb::detail
