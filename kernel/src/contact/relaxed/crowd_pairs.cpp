@@ -40,6 +40,10 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
   balls_.clear();
   bounds_.clear();
   ball_bounds_.clear();
+  // A blow may make any of them as fast as the fastest. To look at planes costs little.
+  double fastest = 0;
+  for (std::uint32_t i = 0; i < cluster.size(); ++i)
+    if (crowd.is_moving(i)) fastest = std::max(fastest, top_speed(*cluster[i]));
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
     const double fall = 0.5 * dt * dt * norm(linkage.gravity()) + margin;
@@ -72,7 +76,8 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
     for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
       const Linkage::Ball& ball = linkage.balls()[k];
       balls_.push_back({i, k, &ball, add_terms(ball.center)});
-      ball_bounds_.push_back(carried(reach_of(balls_.back().center, ball.radius), ball.filter));
+      ball_bounds_.push_back(
+          carried(reach_of(balls_.back().center, ball.radius + dt * fastest), ball.filter));
     }
   }
 }
