@@ -27,6 +27,25 @@ TEST(RandomHangings, AreSolvedOrNamed) {
   EXPECT_LE(dear, count / 25) << "frames above 20 times the median one";
 }
 
+// Lines and spiders that come taut: in each, elastic rods once found no place in some substeps.
+TEST(RandomHangings, RodsThatGiveFindAPlace) {
+  for (const std::uint64_t seed : {202u, 1091u, 1382u, 1414u, 1913u}) {
+    const scenes::HangingResult result = scenes::hang(seed, 3);
+    EXPECT_EQ(result.fault(), "") << "seed " << seed;
+    EXPECT_EQ(result.total.unsolved, 0u) << "seed " << seed;
+    EXPECT_GT(result.total.elastic_substeps, 0u) << "seed " << seed;
+  }
+}
+
+// These lines hold after a few substeps with elastic rods, or without any. In a trial such substeps went on
+// for ever, where gradient new got too few iterations.
+TEST(RandomHangings, RodsHoldAgainAfterTheyGave) {
+  for (const std::uint64_t seed : {1u, 166u, 527u}) {
+    const scenes::HangingResult result = scenes::hang(seed, 3);
+    EXPECT_LE(result.total.elastic_substeps, 10u) << "seed " << seed;
+  }
+}
+
 // Cranes hold their loads by straight cables of many rods from the first frame on. All of them are taut, and
 // none is found only after the one before it. The last crane catches its load: it takes 41, and took 175
 // where rods were found one by one.

@@ -15,7 +15,7 @@ struct Effort {
   /// A substep may take this many times the usual Newton steps, and never fewer than `least`. Larger ones
   /// make fallbacks rarer and the worst frames dearer.
   static constexpr double times = 8;
-  static constexpr std::uint64_t least = 64;
+  static constexpr std::uint64_t least = 32;
   static constexpr std::uint64_t endless = std::uint64_t{1} << 62;
 
   std::uint64_t most() const { return std::max(least, static_cast<std::uint64_t>(times * usual)); }

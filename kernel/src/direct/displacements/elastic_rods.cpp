@@ -18,29 +18,34 @@ constexpr double softest = 1e-2, next_stiffer = 1e-2, stiffest = 0.99e-8;
 /// The search ends after a change this small, RMS over nodes relative to a rod. A step is cut down to this
 /// share of Newton's at the least.
 constexpr double elastic_change = 1e-9, least_scale = 1e-6;
-constexpr int most_elastic_iterations = 40, most_stiffer_iterations = 16;
 /// What converges slowly, since rods push, is near enough after a change this small.
 constexpr double near_change = 1e-5;
+/// Softer rods only lead to stiffer ones. Those follow once a step of Newton's gains, for its share, no more
+/// than this of the energy of motion or of what was gained before.
+constexpr double least_gain = 1e-2;
+/// Rods of all compliances together take so many iterations, and those after the softest so many each.
+constexpr int most_soft_iterations = 28, most_stiffer_iterations = 16;
 /// Multipliers and displacements are sought together in so many iterations. A change is cut down to so many
-/// rod lengths.
+/// rod lengths. Where the first one is larger than `farthest` of them, that hardly ever converges.
 constexpr int most_joint_iterations = 24, elastic_patience = 9;
-constexpr double most_change = 1;
+constexpr double most_change = 1, farthest = 0.1;
 
 /// Returns C of a rod at the present delta, in m^2.
 double constraint_of(const LoopRod& rod, std::uint32_t k, const LoopWorkspace& work) {
   return constraint(at(work.d, k), at(work.delta, rod.a) - at(work.delta, rod.b), work.excess[k]);
 }
 
-/// Returns the multiplier and the energy of a rod at the present delta. Those that give do as their law says.
+/// Returns the multiplier and the energy of a rod at the present delta. Those that give do as their law says,
+/// unless they are to be softer.
 LawPull elastic_pull(const LoopState& state, std::uint32_t k, double soft, const LoopWorkspace& work) {
   const LoopRod& rod = state.topology->rods[k];
   const bool any = state.laws.any();
-  if (any && !state.laws.is_rigid(k))
+  const double give = softness(state, k, soft);
+  if (any && !state.laws.is_rigid(k) && !is_softened(state, k, give, work))
     return law_pull(state.laws, work.laws, k,
                     growth_of(at(work.d, k), at(work.delta, rod.a) - at(work.delta, rod.b)));
   double c = constraint_of(rod, k, work);
   if (any && state.laws.is_one_sided(k)) c = std::max(c, 0.0);
-  const double give = softness(state, k, soft);
   return {-c / give, c * c / (2 * give)};
 }
 
@@ -70,28 +75,57 @@ void set_elastic_multipliers(LoopState& state, double soft, LoopWorkspace& work)
   set_linear_torques(state, work);
 }
 
-/// Changes work.delta until the energy of rods of this softness is least. Returns whether it is.
+/// Returns load . M^-1 load / 2, the energy that the substep would have if nothing held.
+double energy_of_motion(const LoopState& state, const LoopWorkspace& work) {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < state.topology->nodes; ++i)
+    sum += dot(at(work.load, i), at(work.load, i)) / state.mass[i];
+  return sum / 2;
+}
+
+/// Makes the largest of 1, 1/2, 1/4, ... times a change that lowers the energy, which becomes the new one.
+/// Returns that share, or 0 if none does.
+double descend(LoopState& state, double soft, double& energy, LoopWorkspace& work,
+               const LoopWorkspace::Factor& factor) {
+  std::copy(work.delta.begin(), work.delta.end(), work.trial.begin());
+  apply_change(state, 1, work, factor);
+  double scale = 1;
+  for (; scale > least_scale; scale /= 2) {
+    const double now = elastic_energy(state, soft, work);
+    if (now < energy) {
+      energy = now;
+      return scale;
+    }
+    apply_change(state, -scale / 2, work, factor);
+  }
+  apply_change(state, -scale, work, factor);
+  std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
+  return 0;
+}
+
+/// Changes work.delta until the energy of rods of this softness is least, or near enough for stiffer ones to
+/// follow. Returns whether it is.
+///
+/// Whatever the multipliers, Newton's change goes down: they are but in the matrix. Where rods have just
+/// become stiffer -C/softness is many times what they pull. So multipliers go along with displacements.
 bool minimize_elastic(LoopState& state, double soft, int most, LoopWorkspace& work, Tally& counters) {
   LoopWorkspace::Factor& factor = work.factor(true);
-  double energy = elastic_energy(state, soft, work);
-  double change = 0;
+  const bool is_last = next_stiffer * soft <= stiffest;
+  const double motion = energy_of_motion(state, work);
+  const bool carries = state.tackles.empty() && state.twists.empty();
+  const double first = elastic_energy(state, soft, work);
+  double energy = first;
+  double change = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most; ++i) {
-    set_elastic_multipliers(state, soft, work);
+    if (!carries || (i == 0 && soft == softest)) set_elastic_multipliers(state, soft, work);
     factorize_newton(state, 1, soft, work, factor);
     change = find_newton_change(state, 1, soft, work, factor);
     ++counters.newton;
-    std::copy(work.delta.begin(), work.delta.end(), work.trial.begin());
-    bool better = false;
-    for (double scale = 1; !better && scale > least_scale; scale /= 2) {
-      std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
-      apply_change(state, scale, work, factor);
-      const double now = elastic_energy(state, soft, work);
-      better = now < energy;
-      if (better) energy = now;
-    }
-    if (!better) std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
+    const double before = energy, made = descend(state, soft, energy, work, factor);
     // What no step along the direction makes better is a minimum, to rounding.
-    if (change <= elastic_change || !better) return std::isfinite(energy);
+    if (change <= elastic_change || made == 0) return std::isfinite(energy);
+    const double least = least_gain * std::max(motion, first - energy);
+    if (!is_last && before - energy <= made * least) return true;
   }
   return change <= near_change;
 }
@@ -108,7 +142,7 @@ bool iterate_elastic(LoopState& state, double soft, LoopWorkspace& work, Tally& 
     factorize_newton(state, 1, soft, work, factor);
     const double change = find_newton_change(state, 1, soft, work, factor);
     ++counters.newton;
-    if (!std::isfinite(change)) return false;
+    if (!std::isfinite(change) || (i == 0 && change > farthest)) return false;
     if (!progress.goes_on(change)) break;
     const double made = state.laws.any() ? share.next(change / last) : 1;
     apply_change(state, made * std::min(1.0, most_change / change), work, factor);
@@ -126,9 +160,11 @@ bool let_rods_give(LoopState& state, LoopWorkspace& work, Tally& counters) {
     return std::isfinite(elastic_energy(state, stiffest, work));
   std::copy(work.start.begin(), work.start.end(), work.delta.begin());
   // Stiff rods make the minimum a narrow, winding valley. Softer ones lead into it.
+  const std::uint64_t before = counters.newton;
+  const auto left = [&] { return most_soft_iterations - static_cast<int>(counters.newton - before); };
   double soft = softest;
   while (soft > stiffest &&
-         minimize_elastic(state, soft, soft == softest ? most_elastic_iterations : most_stiffer_iterations,
+         minimize_elastic(state, soft, soft == softest ? left() : std::min(left(), most_stiffer_iterations),
                           work, counters))
     soft *= next_stiffer;
   if (soft == softest) ++counters.unsolved;

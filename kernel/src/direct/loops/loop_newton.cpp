@@ -79,12 +79,12 @@ RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double
   const double c = constraint(d, e, work.excess[k]), give = softness(state, k, soft);
   RodTerms terms{d + theta * e, d + e, 1, give, c + give * state.mu[k]};
   if (!state.laws.any()) return terms;
-  const RodRow row = law_row(state.laws, work.laws, k, {growth_of(d, e), c, state.mu[k]}, theta);
-  if (soft > 0 && state.laws.is_rigid(k)) {
-    // A rigid cable that gives a little is taut where it is too long.
+  if (soft > 0 && (state.laws.is_rigid(k) || is_softened(state, k, give, work))) {
+    // A cable that gives a little is taut where it is too long.
     if (!state.laws.is_one_sided(k) || c > 0) return terms;
     return {terms.force, {}, 0, 1, state.mu[k]};
   }
+  const RodRow row = law_row(state.laws, work.laws, k, {growth_of(d, e), c, state.mu[k]}, theta);
   return {terms.force, row.use * terms.gradient, row.use, row.soft, row.c};
 }
 

@@ -35,6 +35,11 @@ inline double softness(const LoopState& state, std::uint32_t k, double soft) {
   return 2 * soft * state.length2[k];
 }
 
+/// Says whether rod `k`, which gives by a law, is stiffer by it than with the softness `give` (m^2).
+inline bool is_softened(const LoopState& state, std::uint32_t k, double give, const LoopWorkspace& work) {
+  return work.laws.factors.kick * state.laws.rods[k][0] * give > state.length2[k];
+}
+
 /// Puts Newton's change of displacements and multipliers into factor.right. Returns its RMS over nodes
 /// relative to a rod.
 double find_newton_change(const LoopState& state, double theta, double soft, LoopWorkspace& work,

@@ -167,7 +167,9 @@ bool LoopStepper::iterate(LoopState& state, double h, Gradient gradient, bool ca
       stale = true;
       continue;
     }
-    const double made = state.laws.any() ? share.next(fresh ? rate : 0) : 1;
+    // What is left of a change this small is rounding, which need not fall.
+    const bool rises = fresh && change > converged_change;
+    const double made = state.laws.any() ? share.next(rises ? rate : 0) : 1;
     apply_change(state, made, work, factor);
     switched = set_slides(state, theta, work);
     converged =
