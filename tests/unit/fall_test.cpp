@@ -26,6 +26,9 @@ TEST(Fall, DepthIsThatOfTheDeepestEnd) {
                   .half_size = {1, 1, 1},
                   .orientation = {std::cos(half), 0, 0, std::sin(half)}}};
   EXPECT_NEAR(depth_in_ground(scene, at), 0.05 + 0.05 / std::sqrt(2.0), 1e-12);
+  // Outside, and nearest to its lower face.
+  scene.boxes = {{.center = {1, 0.62, 0}, .half_size = {0.5, 0.5, 0.5}}};
+  EXPECT_NEAR(depth_in_ground(scene, at), 0.05 - 0.03, 1e-12);
 }
 
 TEST(Fall, GrowthIsTheExponentOfTime) {

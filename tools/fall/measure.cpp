@@ -10,11 +10,13 @@
 namespace plumb::tools {
 namespace {
 
-/// Returns how far a point is inside a box, in m; negative outside, where faces alone are looked at.
-double depth_in(const Box& box, Vec3 at) {
+/// Returns how far a point is from a box's surface, in m; negative inside.
+double distance_from(const Box& box, Vec3 at) {
   const Vec3 in = to_axes(box, at - box.center);
-  return std::min(
-      {box.half_size.x - std::abs(in.x), box.half_size.y - std::abs(in.y), box.half_size.z - std::abs(in.z)});
+  const Vec3 out{std::abs(in.x) - box.half_size.x, std::abs(in.y) - box.half_size.y,
+                 std::abs(in.z) - box.half_size.z};
+  const double most = std::max({out.x, out.y, out.z});
+  return most < 0 ? most : norm(Vec3{std::max(out.x, 0.0), std::max(out.y, 0.0), std::max(out.z, 0.0)});
 }
 
 }  // namespace
@@ -26,9 +28,7 @@ double depth_in_ground(const Scene& scene, std::span<const Vec3> positions) {
       const Vec3 at = scenes::place_of(*point, positions);
       for (const Plane& plane : scene.planes)
         deepest = std::max(deepest, capsule.radius + plane.offset - dot(plane.normal, at));
-      for (const Box& box : scene.boxes)
-        if (const double inside = depth_in(box, at); inside > 0)
-          deepest = std::max(deepest, capsule.radius + inside);
+      for (const Box& box : scene.boxes) deepest = std::max(deepest, capsule.radius - distance_from(box, at));
     }
   return deepest;
 }
