@@ -39,7 +39,7 @@ void lump_masses(Scene& part) {
 std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, const ContactSettings& contact) {
   if (settings.method != Method::relax) {
     const bool picks = settings.method == Method::automatic && !settings.accuracy && !settings.gradient;
-    const CrowdRules rules{.stop = {.sweeps = 10}};
+    const CrowdRules rules{.stop = {.sweeps = 20}};
     return std::make_unique<ClusterStepper>(
         isa, contact, std::make_unique<RelaxedStepper<double>>(isa, contact, rules), picks);
   }

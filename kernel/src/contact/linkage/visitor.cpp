@@ -37,16 +37,18 @@ void Visitor::leave(const LinkageState& state) {
   is_visiting_ = false;
 }
 
-bool project_positions(LinkageState& state, ProjectionWork& work) {
+double project_positions(LinkageState& state, ProjectionWork& work) {
   const Linkage& linkage = *state.linkage;
-  if (linkage.constraints() == 0) return true;
+  if (linkage.constraints() == 0) return 0;
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);
   work.before = state.x;
+  double first = 0;
   for (int i = 0; i < most_corrections; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
     const double violation = linkage.violations(state.x, right);
-    if (violation <= unnoticed) return true;
+    if (i == 0) first = violation;
+    if (violation <= unnoticed) return 0;
     if (!std::isfinite(violation) || !state.factor()) break;
     linkage.plan().solve(state.factors, work.unknowns);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += linkage.taken(right, k);
@@ -54,7 +56,7 @@ bool project_positions(LinkageState& state, ProjectionWork& work) {
   }
   state.x = work.before;
   state.factored = false;
-  return false;
+  return first;
 }
 
 double project_velocities(LinkageState& state, ProjectionWork& work) {

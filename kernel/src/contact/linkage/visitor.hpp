@@ -46,8 +46,8 @@ class Visitor {
 };
 
 /// Moves an island's particles, by mass, so that its constraints hold: Newton's method without velocities.
-/// Returns false where that does not converge, and nothing has moved then.
-bool project_positions(LinkageState& state, ProjectionWork& work);
+/// Where that does not converge nothing moves, and the largest violation is returned; else 0.
+double project_positions(LinkageState& state, ProjectionWork& work);
 /// Takes from the velocities what constraints forbid. Returns the largest change, m/s.
 double project_velocities(LinkageState& state, ProjectionWork& work);
 

@@ -116,7 +116,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
     LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
     if (!islands_[i].awake) continue;
-    all = all && project_positions(state, projection_);
+    all = all && project_positions(state, projection_) <= most_left;
     project_velocities(state, projection_);
     std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
     state.energy.reset();
