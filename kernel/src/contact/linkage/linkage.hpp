@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -155,6 +156,12 @@ class Linkage {
   /// Returns whether anything but contact takes energy: air, drag or joint drag.
   bool has_air() const { return has_air_; }
   double size() const { return size_; }  ///< largest rod or shape in m, to which errors are relative
+  /// Returns the least radius of a shape, m, or a hundredth of the size if that is more.
+  double thinness() const {
+    double least = size_;
+    for (const Shape& shape : shapes_) least = std::min(least, shape.radius);
+    return std::max(least, 0.01 * size_);
+  }
   double mass() const { return mass_; }  ///< mass of the movable particles, kg
   double drag() const { return drag_; }  ///< 1/s
   /// Returns the share of a velocity that drag leaves after a time t (s).

@@ -12,11 +12,6 @@ using namespace contact_limits;
 
 namespace {
 
-double least_radius(const Linkage& linkage) {
-  double least = linkage.size();
-  for (const Linkage::Shape& shape : linkage.shapes()) least = std::min(least, shape.radius);
-  return std::max(least, 0.01 * linkage.size());
-}
 bool is_finite(const LinkageState& state) {
   const auto all = [](std::span<const Vec3> of) {
     return std::all_of(of.begin(), of.end(), [](Vec3 v) { return plumb::is_finite(v); });
@@ -141,7 +136,7 @@ double ClusterStepper::longest_substep(double most, double turn) const {
       const Island& b = islands_[j];
       if (!a.awake && !b.awake) continue;
       const double speed = (a.awake ? top_speed(*a.state) : 0) + (b.awake ? top_speed(*b.state) : 0);
-      const double near = most_approach * (least_radius(*a.state->linkage) + least_radius(*b.state->linkage));
+      const double near = most_approach * (a.state->linkage->thinness() + b.state->linkage->thinness());
       const double far = distance(own, bounds_of(*b.state->linkage, b.state->x, 0));
       out = std::min(out, std::max(near, far) / (speed + 1e-30));
     }

@@ -92,7 +92,7 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
   double fastest = 0, thinnest = INFINITY;
   for (std::uint32_t i = 0; i < count_; ++i) {
     if (islands_[i].awake) fastest = std::max(fastest, top_speed(*islands_[i].state));
-    thinnest = std::min(thinnest, least_radius(*islands_[i].state->linkage));
+    thinnest = std::min(thinnest, islands_[i].state->linkage->thinness());
   }
   const double wanted = std::ceil(dt * fastest / (most_approach * thinnest));
   return static_cast<std::uint32_t>(
