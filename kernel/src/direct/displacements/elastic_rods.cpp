@@ -90,13 +90,14 @@ double descend(LoopState& state, double soft, double& energy, LoopWorkspace& wor
   std::copy(work.delta.begin(), work.delta.end(), work.trial.begin());
   apply_change(state, 1, work, factor);
   double scale = 1;
-  for (; scale > least_scale; scale /= 2) {
+  while (scale > least_scale) {
     const double now = elastic_energy(state, soft, work);
     if (now < energy) {
       energy = now;
       return scale;
     }
-    apply_change(state, -scale / 2, work, factor);
+    scale /= 2;
+    apply_change(state, -scale, work, factor);
   }
   apply_change(state, -scale, work, factor);
   std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
