@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "support/bodies.hpp"
+#include "support/ground.hpp"
 
 namespace plumb {
 namespace {
@@ -23,59 +23,9 @@ Settings exact_settings(std::uint32_t substeps = 1) {
   return out;
 }
 
-/// A block on the corners of its bottom, whose centre is above `at`. Its body.
-std::uint32_t add_block(Scene& scene, Vec3 at, Surface surface) {
-  const Vec3 size{0.4, 0.2, 0.3};
-  MassProperties block = solid_box(2, size);
-  block.center = at + Vec3{0, size.y / 2, 0};
-  const std::uint32_t body = add_body(scene, block);
-  for (const double x : {-0.2, 0.2})
-    for (const double z : {-0.15, 0.15}) {
-      const Point corner = point_on_body(scene, body, at + Vec3{x, 0, z});
-      scene.capsules.push_back({.a = corner, .b = corner, .radius = 0, .surface = surface});
-    }
-  return body;
-}
-
-Vec3 center_of(const World& world, const Body& body) {
-  Vec3 sum{};
-  for (const std::uint32_t i : body.particles) sum += world.position(i);
-  return 0.25 * sum;
-}
-
-std::array<double, 4> turned(double angle, Vec3 axis) {
-  const Vec3 v = std::sin(angle / 2) * axis;
-  return {std::cos(angle / 2), v.x, v.y, v.z};
-}
-
 // It goes where the lift goes, and weighs m (g + a), with a the change of the lift's velocity over a step.
 TEST(Lift, CarriesABlockThatWeighsMoreTheFasterItRises) {
-  for (const bool is_plane : {true, false}) {
-    Scene scene;
-    scene.platforms = {{.position = {3, -1, 2}}};
-    if (is_plane)
-      scene.planes.push_back({.motion = {.platform = 0}});
-    else
-      scene.boxes.push_back({.center = {0, -0.5, 0}, .half_size = {1, 0.5, 1}, .motion = {.platform = 0}});
-    const std::uint32_t body = add_block(scene, {}, {});
-    const Vec3 start = scene.bodies[body].center;
-    World world(scene, exact_settings());
-    double speed = 0;
-    Vec3 way{};
-    // Up with 2 m/s², on evenly, and to the side slowly enough for friction.
-    for (int i = 0; i < 90; ++i) {
-      const double before = speed;
-      if (i < 30) speed += 2 * frame;
-      way += frame * Vec3{i < 60 ? 0 : 0.01 * (i - 60), speed, 0};
-      world.move_platform(0, {.position = scene.platforms[0].position + way});
-      world.step(frame);
-      EXPECT_LE(norm(center_of(world, scene.bodies[body]) - start - way), 1e-9) << "frame " << i;
-      double weight = 0;
-      for (std::uint32_t k = 0; k < 4; ++k) weight += world.contact_force(k).y;
-      EXPECT_NEAR(weight, 2 * (earth + (speed - before) / frame), 1e-6) << "frame " << i;
-    }
-    EXPECT_EQ(world.platform(0).position, scene.platforms[0].position + way);
-  }
+  for (const bool is_plane : {true, false}) test::ride_lift(is_plane, exact_settings(), 1e-9, 1e-6);
 }
 
 // What a lift does is work, not a gain of energy by contact that is held back.
@@ -103,19 +53,7 @@ TEST(Lift, ThrowsABallAsHighAsItsSpeedSays) {
 
 // A restitution of 1 against a wall that comes at u: a ball at rest leaves at 2 u.
 TEST(MovingWall, StrikesABallAtRest) {
-  Scene scene;
-  scene.gravity = {};
-  scene.platforms.emplace_back();
-  const Surface elastic{.friction = 0, .restitution = 1};
-  scene.boxes.push_back(
-      {.center = {-1, 0, 0}, .half_size = {0.1, 1, 1}, .surface = elastic, .motion = {.platform = 0}});
-  test::add_ball(scene, {0, 0, 0}, 0.1, 1, {}, elastic);
-  World world(scene, test::body_settings(2));
-  for (int i = 1; i <= 60; ++i) {
-    world.move_platform(0, {.position = {2 * i * frame, 0, 0}});
-    world.step(frame);
-  }
-  EXPECT_NEAR(world.velocity(0).x, 4, 1e-6);
+  EXPECT_NEAR(test::speed_from_wall(test::body_settings(2)), 4, 1e-6);
 }
 
 // Friction mu g brings what lies on a belt to its speed, and no further. A ball on it starts to roll, and
@@ -148,32 +86,13 @@ TEST(Belt, BringsWhatLiesOnItToItsSpeed) {
   }
 }
 
-/// A block 0.5 m from the axis of a turntable, after a turn of two seconds that began gently. How far it is
-/// from where it would be if it stuck, m.
-double slid_on_turntable(double rate, double friction) {
-  Scene scene;
-  const Surface surface{.friction = friction};
-  scene.platforms = {{.position = {1, 0, 0}}};
-  scene.planes.push_back({.surface = surface, .motion = {.platform = 0}});
-  const std::uint32_t body = add_block(scene, {1.5, 0, 0}, surface);
-  World world(scene, test::body_settings(4));
-  double angle = 0;
-  for (int i = 1; i <= 180; ++i) {
-    angle += frame * rate * std::min(1.0, i / 120.0);
-    world.move_platform(0, {.position = {1, 0, 0}, .orientation = turned(angle, {0, 1, 0})});
-    world.step(frame);
-  }
-  const Vec3 stuck = Vec3{1, 0.1, 0} + 0.5 * Vec3{std::cos(angle), 0, -std::sin(angle)};
-  return norm(center_of(world, scene.bodies[body]) - stuck);
-}
-
 // It sticks where rate² radius is below mu g, 5 % either way; its corners are up to 0.25 m apart, but slide
 // as a whole. What sweeps leave of sliding adds up as on a slope.
 TEST(Turntable, CarriesABlockUnlessItTurnsTooFast) {
   constexpr double friction = 0.5;
   const double critical = std::sqrt(friction * earth / 0.5);
-  EXPECT_LE(slid_on_turntable(0.95 * critical, friction), 2e-3);
-  EXPECT_GE(slid_on_turntable(1.1 * critical, friction), 0.1);
+  EXPECT_LE(test::slid_on_turntable(0.95 * critical, friction, test::body_settings(4), 180), 2e-3);
+  EXPECT_GE(test::slid_on_turntable(1.1 * critical, friction, test::body_settings(4), 180), 0.1);
 }
 
 // A table that is tilted about its middle: the block lies still until the slope's tangent is mu.
@@ -184,16 +103,16 @@ TEST(TiltedTable, LetsABlockSlideBeyondItsAngleOfFriction) {
   scene.platforms.emplace_back();
   scene.boxes.push_back(
       {.center = {0, -0.1, 0}, .half_size = {2, 0.1, 1}, .surface = surface, .motion = {.platform = 0}});
-  const std::uint32_t body = add_block(scene, {0.5, 0, 0}, surface);
+  const std::uint32_t body = test::add_block(scene, {0.5, 0, 0}, surface);
   World world(scene, test::body_settings(4));
   const double critical = std::atan(friction);
   double began = 0;
   for (int i = 1; began == 0 && i <= 600; ++i) {
     const double angle = 0.1 * i * frame;
-    world.move_platform(0, {.orientation = turned(-angle, {0, 0, 1})});
+    world.move_platform(0, {.orientation = test::turned(-angle, {0, 0, 1})});
     world.step(frame);
     const Vec3 along{std::cos(angle), -std::sin(angle), 0}, up{std::sin(angle), std::cos(angle), 0};
-    const Vec3 at = center_of(world, scene.bodies[body]);
+    const Vec3 at = test::center_of(world, scene.bodies[body]);
     EXPECT_NEAR(dot(at, up), 0.1, 1e-3);
     if (dot(at, along) > 0.505) began = angle;
   }
@@ -331,7 +250,7 @@ Scene crowd_on_platforms() {
   scene.boxes.push_back(
       {.center = {0, 0.2, 0}, .half_size = {1, 0.2, 1}, .surface = surface, .motion = {.platform = 1}});
   for (int i = 0; i < 12; ++i)
-    add_block(scene, {0.6 * (i % 4) - 0.9, 0.5 + 0.3 * (i / 4), 0.1 * (i % 3)}, surface);
+    test::add_block(scene, {0.6 * (i % 4) - 0.9, 0.5 + 0.3 * (i / 4), 0.1 * (i % 3)}, surface);
   return scene;
 }
 
@@ -343,7 +262,7 @@ std::uint64_t hash_of_crowd(Isa isa, unsigned threads) {
   for (int i = 1; i <= 60; ++i) {
     world.move_platform(0, {.position = {0, 0.3 * i * frame, 0}});
     world.move_platform(
-        1, {.position = {0, 0.3 * i * frame, 0}, .orientation = turned(i * frame, {0, 0.8, 0.6})});
+        1, {.position = {0, 0.3 * i * frame, 0}, .orientation = test::turned(i * frame, {0, 0.8, 0.6})});
     world.step(frame);
   }
   return world.state_hash();
@@ -363,7 +282,7 @@ TEST(MovingGround, IsWhereItShouldBeWhenStepsAreRepeated) {
   Scene scene;
   scene.platforms.emplace_back();
   scene.planes.push_back({.surface = {.restitution = 0.5}, .motion = {.platform = 0}});
-  const std::uint32_t body = add_block(scene, {0, 0.3, 0}, {});
+  const std::uint32_t body = test::add_block(scene, {0, 0.3, 0}, {});
   Settings settings = test::body_settings(1);
   settings.accuracy = 1e-3;
   World world(scene, settings);
@@ -373,7 +292,7 @@ TEST(MovingGround, IsWhereItShouldBeWhenStepsAreRepeated) {
     repeated += world.step(frame).repeated_steps;
   }
   EXPECT_GT(repeated, 0u);
-  EXPECT_NEAR(center_of(world, scene.bodies[body]).y, 0.1 + 1, 1e-3);
+  EXPECT_NEAR(test::center_of(world, scene.bodies[body]).y, 0.1 + 1, 1e-3);
 }
 
 }  // namespace

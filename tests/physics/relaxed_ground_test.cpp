@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "support/bodies.hpp"
+#include "support/ground.hpp"
 
 namespace plumb {
 namespace {
@@ -37,19 +37,10 @@ std::uint32_t add_round(Scene& scene, Vec3 at, double share, Surface surface) {
   return body;
 }
 
-/// Ground that slopes down towards x by `slope` (its tangent): gravity leans instead.
-Scene sloping_ground(double slope, Surface surface) {
-  Scene scene;
-  const double angle = std::atan(slope);
-  scene.gravity = earth * Vec3{std::sin(angle), -std::cos(angle), 0};
-  scene.planes.push_back({.surface = surface});
-  return scene;
-}
-
 /// How far a ball has come from rest, m/s, as a share of what a slope gives to what does not turn.
 double share_of_slope(double inertia, std::uint32_t substeps, int frames, Precision precision) {
   constexpr double slope = 0.1;
-  Scene scene = sloping_ground(slope, {.friction = 0.6});
+  Scene scene = test::sloping_ground(slope, {.friction = 0.6});
   const std::uint32_t body = add_round(scene, {0, radius, 0}, inertia, {.friction = 0.6});
   World world(scene, relaxed(substeps, 30, precision));
   test::run(world, frame, frames);
@@ -78,7 +69,7 @@ TEST(RelaxedBall, SlidesWhereTheSlopeIsTooSteep) {
   constexpr double friction = 0.1;
   for (const double share : {0.95, 1.5}) {
     const double slope = 3.5 * friction * share, angle = std::atan(slope);
-    Scene scene = sloping_ground(slope, {.friction = friction});
+    Scene scene = test::sloping_ground(slope, {.friction = friction});
     const std::uint32_t body = add_round(scene, {0, radius, 0}, 0.4, {.friction = friction});
     World world(scene, relaxed(32, 30));
     test::run(world, frame, 15);
@@ -94,7 +85,7 @@ TEST(RelaxedBall, SlidesWhereTheSlopeIsTooSteep) {
 TEST(RelaxedBall, IsSlowedByWhatResistsRollingAndSpinning) {
   constexpr double length = 4e-3, speed = 0.2, spin = 2;
   const Surface resisting{.friction = 0.5, .rolling = length, .spinning = 1e-3};
-  Scene scene = sloping_ground(0, resisting);
+  Scene scene = test::sloping_ground(0, resisting);
   const std::uint32_t rolls = add_round(scene, {0, radius, 0}, 0.4, {}),
                       spins = add_round(scene, {0, radius, 1}, 0.4, {});
   test::set_motion(scene, rolls, {speed, 0, 0}, {0, 0, -speed / radius});
@@ -109,7 +100,7 @@ TEST(RelaxedBall, IsSlowedByWhatResistsRollingAndSpinning) {
   EXPECT_LE(std::abs(test::spin_of(world, scene.bodies[spins]).y), 1e-6);
   EXPECT_LE(norm(test::velocity_of(world, scene.bodies[rolls])), 1e-6);
 
-  Scene slope = sloping_ground(0.95 * length / radius, resisting);
+  Scene slope = test::sloping_ground(0.95 * length / radius, resisting);
   const std::uint32_t rests = add_round(slope, {0, radius, 0}, 0.4, {});
   World on_slope(slope, relaxed(4, 30));
   test::run(on_slope, frame, 60);
@@ -160,75 +151,15 @@ TEST(RelaxedFilters, LetThingsFallThroughWhatTheyDoNotTouch) {
   EXPECT_NEAR(world.position(through_balls).y, 1.1, 1e-3);
 }
 
-/// A block on the corners of its bottom, whose centre is above `at`. Its body.
-std::uint32_t add_block(Scene& scene, Vec3 at, Surface surface) {
-  const Vec3 size{0.4, 0.2, 0.3};
-  MassProperties block = solid_box(mass, size);
-  block.center = at + Vec3{0, size.y / 2, 0};
-  const std::uint32_t body = add_body(scene, block);
-  for (const double x : {-0.2, 0.2})
-    for (const double z : {-0.15, 0.15}) {
-      const Point corner = point_on_body(scene, body, at + Vec3{x, 0, z});
-      scene.capsules.push_back({.a = corner, .b = corner, .radius = 0, .surface = surface});
-    }
-  return body;
-}
-
-Vec3 center_of(const World& world, const Body& body) {
-  Vec3 sum;
-  for (const std::uint32_t i : body.particles) sum += 0.25 * world.position(i);
-  return sum;
-}
-
-std::array<double, 4> turned(double angle, Vec3 axis) {
-  const Vec3 v = std::sin(angle / 2) * axis;
-  return {std::cos(angle / 2), v.x, v.y, v.z};
-}
-
 // It goes where the lift goes, and weighs m (g + a), with a the change of the lift's velocity over a step.
 TEST(RelaxedLift, CarriesABlockThatWeighsMoreTheFasterItRises) {
-  for (const bool is_plane : {true, false}) {
-    Scene scene;
-    scene.platforms = {{.position = {3, -1, 2}}};
-    if (is_plane)
-      scene.planes.push_back({.motion = {.platform = 0}});
-    else
-      scene.boxes.push_back({.center = {0, -0.5, 0}, .half_size = {1, 0.5, 1}, .motion = {.platform = 0}});
-    const std::uint32_t body = add_block(scene, {}, {});
-    const Vec3 start = scene.bodies[body].center;
-    World world(scene, relaxed(1, 200));
-    double speed = 0;
-    Vec3 way{};
-    // Up with 2 m/s², on evenly, and to the side slowly enough for friction.
-    for (int i = 0; i < 90; ++i) {
-      const double before = speed;
-      if (i < 30) speed += 2 * frame;
-      way += frame * Vec3{i < 60 ? 0 : 0.01 * (i - 60), speed, 0};
-      world.move_platform(0, {.position = scene.platforms[0].position + way});
-      world.step(frame);
-      EXPECT_LE(norm(center_of(world, scene.bodies[body]) - start - way), 1e-5) << "frame " << i;
-      double weight = 0;
-      for (std::uint32_t k = 0; k < 4; ++k) weight += world.contact_force(k).y;
-      EXPECT_NEAR(weight, mass * (earth + (speed - before) / frame), 0.01 * mass * earth) << "frame " << i;
-    }
-  }
+  for (const bool is_plane : {true, false})
+    test::ride_lift(is_plane, relaxed(1, 200), 1e-5, 0.01 * test::block_mass * earth);
 }
 
 // A restitution of 1 against a wall that comes at u: a ball at rest leaves at 2 u.
 TEST(RelaxedWall, StrikesABallAtRest) {
-  Scene scene;
-  scene.gravity = {};
-  scene.platforms.emplace_back();
-  const Surface elastic{.friction = 0, .restitution = 1};
-  scene.boxes.push_back(
-      {.center = {-1, 0, 0}, .half_size = {0.1, 1, 1}, .surface = elastic, .motion = {.platform = 0}});
-  test::add_ball(scene, {0, 0, 0}, 0.1, 1, {}, elastic);
-  World world(scene, relaxed(2, 10));
-  for (int i = 1; i <= 60; ++i) {
-    world.move_platform(0, {.position = {2 * i * frame, 0, 0}});
-    world.step(frame);
-  }
-  EXPECT_NEAR(world.velocity(0).x, 4, 1e-6);
+  EXPECT_NEAR(test::speed_from_wall(relaxed(2, 10)), 4, 1e-6);
 }
 
 // Friction mu g brings a rope that lies on a belt to its speed, and no further. A ball on it starts to roll,
@@ -269,27 +200,8 @@ TEST(RelaxedBelt, BringsWhatLiesOnItToItsSpeed) {
 TEST(RelaxedTurntable, CarriesABlockUnlessItTurnsTooFast) {
   constexpr double friction = 0.5;
   const double critical = std::sqrt(friction * earth / 0.5);
-  for (const double share : {0.9, 1.2}) {
-    Scene scene;
-    const Surface surface{.friction = friction};
-    scene.platforms = {{.position = {1, 0, 0}}};
-    scene.planes.push_back({.surface = surface, .motion = {.platform = 0}});
-    const std::uint32_t body = add_block(scene, {1.5, 0, 0}, surface);
-    World world(scene, relaxed(8, 30));
-    double angle = 0;
-    for (int i = 1; i <= 150; ++i) {
-      angle += frame * share * critical * std::min(1.0, i / 120.0);
-      world.move_platform(0, {.position = {1, 0, 0}, .orientation = turned(angle, {0, 1, 0})});
-      world.step(frame);
-    }
-    const Vec3 stuck = Vec3{1, 0.1, 0} + 0.5 * Vec3{std::cos(angle), 0, -std::sin(angle)};
-    const double slid = norm(center_of(world, scene.bodies[body]) - stuck);
-    if (share < 1) {
-      EXPECT_LE(slid, 5e-3);
-    } else {
-      EXPECT_GE(slid, 0.1);
-    }
-  }
+  EXPECT_LE(test::slid_on_turntable(0.9 * critical, friction, relaxed(8, 30), 150), 5e-3);
+  EXPECT_GE(test::slid_on_turntable(1.2 * critical, friction, relaxed(8, 30), 150), 0.1);
 }
 
 // What resists spinning does so against the turntable: a ball on its axis takes up its turn.
@@ -300,7 +212,7 @@ TEST(RelaxedTurntable, TurnsABallOnItsAxis) {
   const std::uint32_t body = add_round(scene, {0, radius, 0}, 0.4, {});
   World world(scene, relaxed(16, 30));
   for (int i = 1; i <= 30; ++i) {
-    world.move_platform(0, {.orientation = turned(frame * i, {0, 1, 0})});
+    world.move_platform(0, {.orientation = test::turned(frame * i, {0, 1, 0})});
     world.step(frame);
   }
   EXPECT_NEAR(test::spin_of(world, scene.bodies[body]).y, 1, 0.01);
@@ -329,7 +241,7 @@ TEST(RelaxedSleepers, WakeWhenTheirGroundMoves) {
   Scene scene;
   scene.platforms.emplace_back();
   scene.planes.push_back({.motion = {.platform = 0}});
-  add_block(scene, {}, {});
+  test::add_block(scene, {}, {});
   Settings settings = relaxed(2, 20);
   settings.sleep = true;
   World world(scene, settings);
@@ -339,7 +251,7 @@ TEST(RelaxedSleepers, WakeWhenTheirGroundMoves) {
     world.move_platform(0, {.position = {0, 1e-4 * i, 0}});
     EXPECT_EQ(world.step(frame).awake_islands, 1u);
   }
-  EXPECT_NEAR(center_of(world, scene.bodies[0]).y, 0.1 + 3e-3, 1e-4) << "but for what sweeps leave";
+  EXPECT_NEAR(test::center_of(world, scene.bodies[0]).y, 0.1 + 3e-3, 1e-4) << "but for what sweeps leave";
   test::run(world, frame, 60);
   EXPECT_EQ(world.step(frame).awake_islands, 0u) << "the lift stands";
 }
@@ -355,7 +267,7 @@ std::uint64_t hash_of_crowd(Isa isa, unsigned threads, Precision precision) {
   for (int i = 0; i < 12; ++i) {
     const Vec3 at{0.6 * (i % 4) - 0.9, 0.6 + 0.3 * (i / 4), 0.1 * (i % 3)};
     if (i % 2 == 0)
-      add_block(scene, at, surface);
+      test::add_block(scene, at, surface);
     else
       add_round(scene, at, 0.4, surface);
   }
@@ -366,7 +278,7 @@ std::uint64_t hash_of_crowd(Isa isa, unsigned threads, Precision precision) {
   for (int i = 1; i <= 40; ++i) {
     world.move_platform(0, {.position = {0, 0.3 * i * frame, 0}});
     world.move_platform(
-        1, {.position = {0, 0.3 * i * frame, 0}, .orientation = turned(i * frame, {0, 0.8, 0.6})});
+        1, {.position = {0, 0.3 * i * frame, 0}, .orientation = test::turned(i * frame, {0, 0.8, 0.6})});
     world.step(frame);
   }
   return world.state_hash();

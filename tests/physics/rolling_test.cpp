@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/bodies.hpp"
+#include "support/ground.hpp"
 
 namespace plumb {
 namespace {
@@ -14,15 +14,6 @@ using test::earth;
 using test::frame;
 
 constexpr double radius = 0.1, mass = 2;
-
-/// Ground that slopes down towards x by `slope` (its tangent): gravity leans instead.
-Scene sloping_ground(double slope, Surface surface) {
-  Scene scene;
-  const double angle = std::atan(slope);
-  scene.gravity = earth * Vec3{std::sin(angle), -std::cos(angle), 0};
-  scene.planes.push_back({.surface = surface});
-  return scene;
-}
 
 /// A ball, or a cylinder along z, that lies on the ground. Its body.
 std::uint32_t add_round(Scene& scene, bool is_ball, Surface surface) {
@@ -50,7 +41,7 @@ struct Rolled {
 /// How a ball or a cylinder moves a second after it was at rest.
 Rolled roll_down(bool is_ball, double slope, Surface surface, std::uint32_t substeps,
                  double sweep_tolerance = ContactSettings{}.sweep_tolerance) {
-  Scene scene = sloping_ground(slope, surface);
+  Scene scene = test::sloping_ground(slope, surface);
   const std::uint32_t body = add_round(scene, is_ball, surface);
   Settings settings = test::body_settings(substeps);
   settings.contact.sweep_tolerance = sweep_tolerance;
@@ -104,7 +95,7 @@ double kinetic_of(const Scene& scene, const World& world) {
 TEST(BilliardBall, RollsAtFiveSeventhsOnceItHasSlid) {
   for (const std::uint32_t substeps : {1u, 4u}) {
     constexpr double friction = 0.3, speed = 2;
-    Scene scene = sloping_ground(0, {.friction = friction});
+    Scene scene = test::sloping_ground(0, {.friction = friction});
     const std::uint32_t body = add_round(scene, true, {.friction = friction});
     test::set_motion(scene, body, {speed, 0, 0}, {});
     World world(scene, test::body_settings(substeps));
@@ -129,7 +120,7 @@ TEST(BilliardBall, RollsAtFiveSeventhsOnceItHasSlid) {
 // A ball that rolls over a resisting surface slows down by 5/7 g rho/r, and rests on slopes below rho/r.
 TEST(BilliardBall, IsSlowedByWhatResistsRolling) {
   constexpr double length = 2e-3, speed = 1;
-  Scene scene = sloping_ground(0, {.friction = 0.5, .rolling = length});
+  Scene scene = test::sloping_ground(0, {.friction = 0.5, .rolling = length});
   const std::uint32_t body = add_round(scene, true, {.friction = 0.5});
   test::set_motion(scene, body, {speed, 0, 0}, {0, 0, -speed / radius});
   World world(scene, test::body_settings(4));
@@ -147,7 +138,7 @@ TEST(BilliardBall, IsSlowedByWhatResistsRolling) {
 TEST(BilliardBall, IsSlowedByWhatResistsSpinning) {
   for (const double length : {0.0, 1e-3}) {
     constexpr double spin = 4;
-    Scene scene = sloping_ground(0, {.friction = 0.5, .spinning = length});
+    Scene scene = test::sloping_ground(0, {.friction = 0.5, .spinning = length});
     const std::uint32_t body = add_round(scene, true, {.friction = 0.5});
     test::set_motion(scene, body, {}, {0, spin, 0});
     World world(scene, test::body_settings(4));
@@ -189,7 +180,7 @@ TEST(SlidingRod, LeansOnTheEndAhead) {
   constexpr double friction = 0.5, length = 1;
   for (const double share : {0.8, 1.2}) {
     const double thick = share * length / (2 * friction);
-    Scene scene = sloping_ground(0, {.friction = friction});
+    Scene scene = test::sloping_ground(0, {.friction = friction});
     const Surface surface{.friction = friction};
     test::add_capsule_rod(scene, {0, thick, 0}, {length, thick, 0}, mass, thick, surface);
     for (Particle& particle : scene.particles) particle.velocity = {2, 0, 0};

@@ -6,6 +6,7 @@
 
 #include "fall/measure.hpp"
 #include "fall/pictures.hpp"
+#include "scenes/runs/depth.hpp"
 #include "scenes/spec.hpp"
 #include "support/bodies.hpp"
 
@@ -19,16 +20,16 @@ TEST(Fall, DepthIsThatOfTheDeepestEnd) {
   scene.capsules = {{.a = point_at(0), .b = point_at(1), .radius = 0.05}};
   scene.planes = {{}};
   const std::vector<Vec3> at = {scene.particles[0].position, scene.particles[1].position};
-  EXPECT_NEAR(depth_in_ground(scene, at), 0.02, 1e-15);
+  EXPECT_NEAR(scenes::depth_in_ground(scene, at), 0.02, 1e-15);
   // A box turned by 45° about z, whose edge is at x = 1 and 5 cm above the second end.
   const double half = std::acos(-1.0) / 8;
   scene.boxes = {{.center = {1, 0.14 - std::sqrt(2.0), 0},
                   .half_size = {1, 1, 1},
                   .orientation = {std::cos(half), 0, 0, std::sin(half)}}};
-  EXPECT_NEAR(depth_in_ground(scene, at), 0.05 + 0.05 / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(scenes::depth_in_ground(scene, at), 0.05 + 0.05 / std::sqrt(2.0), 1e-12);
   // Outside, and nearest to its lower face.
   scene.boxes = {{.center = {1, 0.62, 0}, .half_size = {0.5, 0.5, 0.5}}};
-  EXPECT_NEAR(depth_in_ground(scene, at), 0.05 - 0.03, 1e-12);
+  EXPECT_NEAR(scenes::depth_in_ground(scene, at), 0.05 - 0.03, 1e-12);
 }
 
 TEST(Fall, GrowthIsTheExponentOfTime) {

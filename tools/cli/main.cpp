@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
       "  plumb run tools/scenes/net.json --tolerance 1e-3 --report net-report.json\n"
       "  plumb info net:width=64,height=64\n"
       "  plumb humanoid --experiments --out out\n"
+      "  plumb fall --out out\n"
       "  plumb thesis --out out\n"
       "  plumb frontier --out out\n"
       "  plumb stability --out out\n"

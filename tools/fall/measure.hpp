@@ -35,12 +35,6 @@ struct FallResult {
 
 FallResult run_fall(const Fall& fall);
 
-/// Turns a direction of space into the axes of a box.
-Vec3 to_axes(const Box& box, Vec3 v);
-
-/// Returns how deep the ends of shapes are in planes and boxes, in m, or 0 if none is.
-double depth_in_ground(const Scene& scene, std::span<const Vec3> positions);
-
 /// Returns the slope of time over rods, both as logarithms, through the first and the last result.
 double growth(const FallResult& first, const FallResult& last);
 

@@ -6,10 +6,11 @@
 #include <numeric>
 #include <vector>
 
-#include "fall/measure.hpp"
 #include "plot/table.hpp"
+#include "plumb/layouts/islands.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/humanoid/limbs.hpp"
+#include "scenes/runs/depth.hpp"
 
 namespace plumb::tools {
 namespace {
@@ -62,8 +63,8 @@ std::array<Vec3, 8> corners_of(const Box& box) {
   std::array<Vec3, 8> out;
   for (std::size_t i = 0; i < 8; ++i) {
     const auto side = [&](std::size_t bit, double half) { return (i >> bit & 1) != 0 ? half : -half; };
-    out[i] = box.center +
-             to_axes(back, {side(0, box.half_size.x), side(1, box.half_size.y), side(2, box.half_size.z)});
+    out[i] = box.center + scenes::to_axes(back, {side(0, box.half_size.x), side(1, box.half_size.y),
+                                                 side(2, box.half_size.z)});
   }
   return out;
 }
@@ -86,22 +87,17 @@ std::string draw_box(const Panel& panel, const Box& box) {
   return out;
 }
 
-/// Returns a number for every particle that those of an island share.
+/// Returns the number of every particle's island.
 std::vector<std::uint32_t> islands_of(const Scene& scene) {
-  std::vector<std::uint32_t> root(scene.particles.size());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (const Rod& rod : scene.rods) root[find(rod.a)] = find(rod.b);
-  std::vector<std::uint32_t> out, number(root.size(), 0);
-  std::uint32_t count = 0;
-  for (std::uint32_t i = 0; i < root.size(); ++i) {
-    const std::uint32_t at = find(i);
-    if (number[at] == 0) number[at] = ++count;
-    out.push_back(number[at] - 1);
-  }
+  std::vector<layouts::Edge> edges;
+  for (const Rod& rod : scene.rods) edges.push_back({rod.a, rod.b});
+  std::vector<std::uint8_t> movable;
+  for (const Particle& particle : scene.particles) movable.push_back(particle.fixed ? 0 : 1);
+  const auto count = static_cast<std::uint32_t>(scene.particles.size());
+  const layouts::Islands islands = layouts::find_islands({count, edges, movable});
+  std::vector<std::uint32_t> out(count, 0);
+  for (std::uint32_t i = 0; i < islands.count(); ++i)
+    for (const std::uint32_t particle : islands.vertices(i)) out[particle] = i;
   return out;
 }
 

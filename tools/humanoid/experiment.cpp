@@ -10,6 +10,7 @@
 #include "scenes/basics/require.hpp"
 #include "scenes/basics/seeded.hpp"
 #include "scenes/humanoid/limbs.hpp"
+#include "scenes/runs/depth.hpp"
 
 namespace plumb::tools {
 namespace {
@@ -140,12 +141,7 @@ bool body_rests(std::span<const Instant> track, const std::optional<Impact>& imp
 }
 
 double deepest_penetration(const Scene& scene, std::span<const Vec3> positions) {
-  double deepest = 0;
-  for (const Capsule& capsule : scene.capsules)
-    for (const Plane& plane : scene.planes)
-      for (const Point* point : {&capsule.a, &capsule.b})
-        deepest = std::max(
-            deepest, capsule.radius + plane.offset - dot(plane.normal, scenes::place_of(*point, positions)));
+  double deepest = scenes::depth_in_ground(scene, positions);
   if (scene.capsules.empty()) return deepest;
   const Capsule& ball = scene.capsules.back();
   const Vec3 center = scenes::place_of(ball.a, positions);

@@ -60,7 +60,10 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].state = cluster[i];
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
-  if (relaxes_crowds_ && is_crowd(cluster) && relax(cluster, surroundings, substeps, dt, report)) return;
+  const bool relaxes = relaxes_crowds_ && is_crowd(cluster);
+  if (relaxes_crowds_)
+    for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
+  if (relaxes && relax(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;
   shortest_ = dt / most_guards;
   recovery_rate_ = settings_.recovery * substeps / dt;

@@ -188,6 +188,7 @@ class ClusterStepper final : public ClusterMover {
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
+  bool bring_to_lengths();
   double longest_substep(double most, double turn) const;
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);

@@ -78,8 +78,8 @@ bool ClusterStepper::any_touch() const {
 /// be solved of late.
 bool ClusterStepper::is_crowd(std::span<LinkageState* const> cluster) {
   std::size_t touching = 0;
-  for (LinkageState* const state : cluster) {
-    if (state->relax_for > 0) touching = few_touching + 1, --state->relax_for;
+  for (const LinkageState* const state : cluster) {
+    if (state->relax_for > 0) return true;
     const bool has_loops = state->linkage->rods() > state->linkage->particles();
     for (const KeptContact& each : state->kept)
       touching += has_loops ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
@@ -99,6 +99,20 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
 }
 
+/// Brings the rods of what is awake to their lengths. Returns false where they are too far from them.
+bool ClusterStepper::bring_to_lengths() {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    LinkageState& state = *islands_[i].state;
+    islands_[i].awake = !state.asleep && !state.frozen;
+    if (!islands_[i].awake) continue;
+    if (!(project_positions(state, projection_) <= most_left)) return false;
+    project_velocities(state, projection_);
+    std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
+    state.energy.reset();
+  }
+  return true;
+}
+
 /// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false, and nothing has moved,
 /// if some island cannot be relaxed or its rods are too far from their lengths.
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
@@ -111,17 +125,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   for (std::size_t i = 0; i < cluster.size(); ++i) before_[i] = cluster[i]->motion();
   Tally tried = report;
   relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, tried);
-  bool all = true;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    LinkageState& state = *islands_[i].state;
-    islands_[i].awake = !state.asleep && !state.frozen;
-    if (!islands_[i].awake) continue;
-    all = all && project_positions(state, projection_) <= most_left;
-    project_velocities(state, projection_);
-    std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
-    state.energy.reset();
-  }
-  if (all) {
+  if (bring_to_lengths()) {
     report = tried;
     return true;
   }
