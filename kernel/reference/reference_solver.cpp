@@ -121,6 +121,7 @@ void require_known_joints(const Scene& island, std::uint32_t particle, Method me
 std::vector<MadeSolver> make_reference_solvers(const Scene& scene, const IslandSets& sets,
                                                const Settings& settings, StartReport& report) {
   if (settings.method == Method::springs) {
+    if (!scene.hulls.empty()) refuse("hull 0: method springs lets nothing touch; relax, direct and auto do");
     if (!scene.capsules.empty())
       refuse("capsule 0: method springs lets nothing touch; relax, direct and auto do");
     require_spring_bodies(scene, settings);

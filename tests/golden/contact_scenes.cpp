@@ -170,6 +170,60 @@ Scene make_draped_rope() {
   return scene;
 }
 
+/// A box, a rope and a ball fall on a landscape with a pole, a pyramid and a sheet of triangles in it.
+Scene make_hilly() {
+  Scene scene;
+  HeightField field{.corner = {-2, 0, -2}, .cell_x = 0.25, .cell_z = 0.25, .columns = 17, .surface = rough};
+  for (int k = 0; k < 17; ++k)
+    for (int i = 0; i < 17; ++i) field.heights.push_back(0.01 * ((5 * i + 7 * k + i * k) % 11));
+  scene.height_fields.push_back(field);
+  scene.ground_capsules.push_back({{-1, 0.3, 0}, {1, 0.35, 0.1}, 0.05, rough});
+  scene.ground_hulls.push_back({.points = {{0, 0, 0.5}, {0.5, 0, 0.5}, {0.25, 0, 1}, {0.25, 0.4, 0.7}},
+                                .radius = 0.02,
+                                .surface = rough});
+  scene.meshes.push_back({{{-0.5, 0.4, -1}, {0.5, 0.4, -1}, {0.5, 0.2, -0.3}, {-0.5, 0.2, -0.3}},
+                          {{0, 2, 1}, {0, 3, 2}},
+                          false,
+                          rough});
+  const Vec3 size{0.3, 0.2, 0.25}, center{0.1, 0.8, 0.05};
+  MassProperties box = solid_box(2, size);
+  box.center = center;
+  scene.hulls.push_back(box_on_body(
+      add_body(scene, box),
+      {.center = center, .half_size = 0.5 * size, .orientation = {0.8, 0.36, 0.48, 0}, .surface = rough}));
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
+  for (std::uint32_t i = 0; i <= 8; ++i) {
+    scene.particles.push_back(test::movable({-0.5 + 0.11 * i, 0.7, -0.7 + 0.02 * i}, 0.1));
+    if (i == 0) continue;
+    scene.rods.push_back({.a = first + i - 1, .b = first + i});
+    scene.capsules.push_back(
+        {.a = point_at(first + i - 1), .b = point_at(first + i), .radius = 0.02, .surface = rough});
+  }
+  test::add_ball(scene, {0.3, 1, 0.6}, 0.1, 1, {0.2, -8, 0}, rough);
+  return scene;
+}
+
+/// A wire that is bent a little at rest, in its middle part, falls on the floor. Its last rods are damped.
+Scene make_fallen_wire() {
+  constexpr std::uint32_t rods = 24;
+  Scene scene;
+  scene.planes.push_back({.surface = rough});
+  for (std::uint32_t i = 0; i <= rods; ++i)
+    scene.particles.push_back(test::movable({0.03 * i, 0.1 + 0.04 * i, 0.0005 * i * i}, 0.01 * (1 + i % 3)));
+  for (std::uint32_t i = 0; i < rods; ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1});
+    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = 0.01, .surface = rough});
+  }
+  for (std::uint32_t i = 0; i + 2 <= rods; ++i)
+    scene.bends.push_back({.a = i,
+                           .b = i + 1,
+                           .c = i + 2,
+                           .stiffness = 0.1,
+                           .angle = i > 8 && i < 16 ? 0.2 : 0.0,
+                           .damping = i > 18 ? 1e-3 : 0.0});
+  return scene;
+}
+
 /// Planks on cables and rigid rods that break under a ball.
 Scene make_bridge() {
   Scene scene;

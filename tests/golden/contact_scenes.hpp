@@ -13,6 +13,8 @@ Scene make_mechanism();
 Scene make_springs();
 Scene make_pool();
 Scene make_draped_rope();
+Scene make_hilly();
+Scene make_fallen_wire();
 Scene make_bridge();
 
 }  // namespace plumb::golden

@@ -86,6 +86,8 @@ const std::map<std::string, Maker>& makers() {
       {"mechanism", make_mechanism},
       {"springs", make_springs},
       {"draped_rope", make_draped_rope},
+      {"hilly", make_hilly},
+      {"fallen_wire", make_fallen_wire},
       {"bridge", make_bridge},
       {"hoist", make_hoist},
       {"rollers", make_rollers},

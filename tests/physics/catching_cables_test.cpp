@@ -189,5 +189,64 @@ TEST(CatchingCables, DoNotPushWhereAHoistStops) {
     }
 }
 
+/// A chain of `links` links of 0.1 m, drawn straight at an angle (rad) from the vertical, with `drawn` times
+/// that length between particles. The shape at its end makes it a linkage.
+Scene shaped_chain(std::uint32_t links, const RodLaw& law, double angle, double drawn = 1) {
+  Scene scene;
+  scene.particles.push_back(test::fixed({0, 0, 0}));
+  for (std::uint32_t i = 1; i <= links; ++i) {
+    const double way = 0.1 * drawn * i;
+    scene.particles.push_back(
+        test::movable({way * std::sin(angle), -way * std::cos(angle), drawn < 1 ? 0.003 * std::sin(i) : 0}));
+    scene.rods.push_back({.a = i - 1, .b = i, .length = 0.1, .law = law});
+  }
+  scene.capsules.push_back({point_at(links), point_at(links), 0.01});
+  return scene;
+}
+constexpr RodLaw rigid_cable{.one_sided = true};
+const Settings in_frames{.tensions = true, .threads = 1};
+
+// In free flight all of a chain falls by the same way, so that its uppermost cable alone would be too long.
+TEST(CatchingCables, HangStillUnderWhatHasAShape) {
+  constexpr std::uint32_t links = 40;
+  const Scene scene = shaped_chain(links, rigid_cable, 0);
+  World world(scene, in_frames);
+  for (int frame = 0; frame < 60; ++frame) {
+    world.step(1.0 / 60);
+    for (std::uint32_t i = 0; i < links; ++i)
+      ASSERT_NEAR(world.tension(i) / (-scene.gravity.y * (links - i)), 1, 1e-9) << frame << ' ' << i;
+  }
+  EXPECT_NEAR(world.position(links).y, -0.1 * links, 1e-9);
+}
+
+// Rods that may break are rows as cables are, which push as well. So both swing alike as long as all are
+// taut.
+TEST(CatchingCables, SwingAsRodsUnderWhatHasAShape) {
+  constexpr std::uint32_t links = 12;
+  World cables(shaped_chain(links, rigid_cable, 0.5), in_frames);
+  World rods(shaped_chain(links, {.strength = 1e9}, 0.5), in_frames);
+  for (int frame = 0; frame < 60; ++frame) {
+    cables.step(1.0 / 60);
+    rods.step(1.0 / 60);
+    for (std::uint32_t i = 0; i < links; ++i) ASSERT_GT(rods.tension(i), 0) << "it is taut";
+    for (std::uint32_t i = 1; i <= links; ++i)
+      ASSERT_LT(norm(cables.position(i) - rods.position(i)), 1e-9) << frame << ' ' << i;
+  }
+}
+
+TEST(CatchingCables, AreNeverTooLongUnderWhatHasAShape) {
+  for (const std::uint32_t links : {6u, 20u, 40u})
+    for (const double angle : {0.3, 1.2}) {
+      World world(shaped_chain(links, rigid_cable, angle, 0.8), in_frames);
+      for (int frame = 0; frame < 120; ++frame) {
+        ASSERT_EQ(world.step(1.0 / 60).unsolved, 0u);
+        for (std::uint32_t i = 0; i < links; ++i) {
+          ASSERT_LE(norm(world.position(i + 1) - world.position(i)), 0.1 * (1 + 1e-7)) << frame << ' ' << i;
+          ASSERT_GE(world.tension(i), -1e-6) << frame << ' ' << i;
+        }
+      }
+    }
+}
+
 }  // namespace
 }  // namespace plumb

@@ -126,7 +126,7 @@ TEST(CrowdContacts, KeepAGapOpenAndHoldWithinTheCone) {
   contacts.find(ball.cluster, crowd, surroundings, ground, 0.01, 10);
   ASSERT_TRUE(contacts.any_near());
   crowd.predict(0.01, Gradient::new_);
-  ASSERT_TRUE(contacts.begin(ball.cluster, crowd, ground, 0.01));
+  ASSERT_TRUE(contacts.begin(ball.cluster, crowd, surroundings, ground, 0.01));
   EXPECT_FALSE(contacts.is_empty());
   EXPECT_NEAR(contacts.sweep(crowd), 0.03 * std::sqrt(1 + 0.04), 1e-12);
   EXPECT_EQ(contacts.sweep(crowd), 0) << "it is solved";

@@ -121,6 +121,14 @@ Scene bodies_and_joints() {
   scene.planes = {{}, {.normal = {0.6, 0.8, 0}, .offset = -0.3, .surface = {.friction = 0}}};
   scene.boxes = {{.center = {1, 2, 3}, .half_size = {0.1, 0.2, 0.3}},
                  {.half_size = {1, 1, 1}, .orientation = {0.6, 0, 0.8, 0}, .surface = {.restitution = 1}}};
+  const std::vector<Vec3> points{{0.1, 0, 0}, {1, 1.0 / 3, 0}, {0, 1, 0}, {0, 0, 1}};
+  scene.hulls = {{.body = 0, .points = points, .radius = 0.01, .surface = {.friction = 0.7}}};
+  scene.ground_capsules = {{{0, 1, 2}, {0, 1, 2}, 0.1, {}}, {{0, 1, 2}, {3, 1, 2}, 0.1, {.friction = 0.1}}};
+  scene.ground_hulls = {{.points = points}, {.points = points, .radius = 0.2}};
+  scene.meshes = {{points, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, true, {.restitution = 0.5}},
+                  {points, {{0, 2, 1}}, false, {}}};
+  scene.height_fields = {
+      {.corner = {-1, 2, 0}, .cell_x = 0.5, .cell_z = 0.25, .columns = 2, .heights = {0, 0.1, 1.0 / 3, 0}}};
   return scene;
 }
 
@@ -212,6 +220,37 @@ void expect_same(const Box& a, const Box& b) {
   EXPECT_EQ(a.orientation, b.orientation);
   expect_same(a.surface, b.surface);
 }
+void expect_same(const Hull& a, const Hull& b) {
+  EXPECT_EQ(a.body, b.body);
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.radius, b.radius);
+  expect_same(a.surface, b.surface);
+}
+void expect_same(const GroundCapsule& a, const GroundCapsule& b) {
+  EXPECT_EQ(a.a, b.a);
+  EXPECT_EQ(a.b, b.b);
+  EXPECT_EQ(a.radius, b.radius);
+  expect_same(a.surface, b.surface);
+}
+void expect_same(const GroundHull& a, const GroundHull& b) {
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.radius, b.radius);
+  expect_same(a.surface, b.surface);
+}
+void expect_same(const GroundMesh& a, const GroundMesh& b) {
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.solid, b.solid);
+  expect_same(a.surface, b.surface);
+}
+void expect_same(const HeightField& a, const HeightField& b) {
+  EXPECT_EQ(a.corner, b.corner);
+  EXPECT_EQ(a.cell_x, b.cell_x);
+  EXPECT_EQ(a.cell_z, b.cell_z);
+  EXPECT_EQ(a.columns, b.columns);
+  EXPECT_EQ(a.heights, b.heights);
+  expect_same(a.surface, b.surface);
+}
 template <class Item>
 void expect_same(const std::vector<Item>& a, const std::vector<Item>& b) {
   ASSERT_EQ(a.size(), b.size());
@@ -239,6 +278,11 @@ TEST(SceneFile, RoundTripKeepsEveryBitOfBodiesAndJoints) {
   expect_same(back.capsules, scene.capsules);
   expect_same(back.planes, scene.planes);
   expect_same(back.boxes, scene.boxes);
+  expect_same(back.hulls, scene.hulls);
+  expect_same(back.ground_capsules, scene.ground_capsules);
+  expect_same(back.ground_hulls, scene.ground_hulls);
+  expect_same(back.meshes, scene.meshes);
+  expect_same(back.height_fields, scene.height_fields);
   EXPECT_EQ(format_scene(back), format_scene(scene));
 }
 
@@ -314,7 +358,8 @@ TEST(SceneFile, UnknownKeysAreNamedWithTheirPath) {
   EXPECT_EQ(message_of(with(sound, R"({"a": 0, "b": 1})", R"(, "Gravity": [0, 0, 0])")),
             "f.json: Gravity is not a known key; known are plumb, gravity, drag, joint_drag, particles, "
             "rods, bends, twists, tackles, reels, bodies, pins, "
-            "alignments, angles, springs, torsions, capsules, planes, boxes, platforms");
+            "alignments, angles, springs, torsions, capsules, planes, boxes, platforms, "
+            "hulls, ground_capsules, ground_hulls, meshes, height_fields");
 }
 
 TEST(SceneFile, MissingAndMistypedValuesAreNamedWithTheirPath) {

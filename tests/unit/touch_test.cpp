@@ -1,6 +1,6 @@
 // Where shapes come nearest, against samples of their points, and the search for those that may.
 
-#include "contact/touch.hpp"
+#include "contact/shapes/touch.hpp"
 
 #include <gtest/gtest.h>
 
@@ -163,8 +163,8 @@ TEST(Surroundings, BoxesReachAsFarAsTheirCorners) {
   scene.boxes = {
       {.center = {0, 0, 0}, .half_size = {1, 1, 1}, .orientation = {std::cos(turn), 0, 0, std::sin(turn)}}};
   const Surroundings around(scene);
-  EXPECT_NEAR(around.boxes[0].bounds.high.x, std::sqrt(2.0), 1e-12);
-  EXPECT_NEAR(around.boxes[0].bounds.high.z, 1, 1e-12);
+  EXPECT_NEAR(around.shapes[0].bounds().high.x, std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(around.shapes[0].bounds().high.z, 1, 1e-12);
   const std::array any{Filter{}};
   EXPECT_TRUE(around.reach_into({{1.4, 0, 0}, {2, 1, 1}}, any));
   EXPECT_FALSE(around.reach_into({{1.42, 0, 0}, {2, 1, 1}}, any));

@@ -40,6 +40,9 @@ PLUMB_API std::uint32_t add_body(Scene& scene, const MassProperties& properties)
 PLUMB_API std::uint32_t add_body(Scene& scene, const std::array<std::uint32_t, 4>& particles,
                                  const MassProperties& properties);
 
+/// Returns a box on a body, as a hull. Its quaternion w, x, y, z turns it from the axes of space.
+PLUMB_API Hull box_on_body(std::uint32_t body, const Box& box);
+
 /// Adds a ball joint, which leaves three freedoms. Rods can also share a particle, which is cheaper.
 PLUMB_API void add_spherical(Scene& scene, const Point& a, const Point& b);
 /// Adds a hinge, which leaves one freedom: bodies a and b share the line through `position` along `axis`. It

@@ -10,6 +10,7 @@
 ///     plumb::Vec3 tip = world.position(1);                  // read, in the scene's own order
 ///
 /// - scene.hpp: what is simulated.
+/// - shapes/ground.hpp: ground beside planes and boxes.
 /// - shapes/surface.hpp: how shapes feel, what they may touch, and how ground moves.
 /// - settings.hpp: how it is simulated.
 /// - world.hpp: the compiled scene and its step.
@@ -39,6 +40,7 @@
 #include "plumb/problem.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/shapes/ground.hpp"
 #include "plumb/shapes/surface.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/version.hpp"

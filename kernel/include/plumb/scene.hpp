@@ -10,6 +10,7 @@
 
 #include "plumb/export.hpp"
 #include "plumb/inertia.hpp"
+#include "plumb/shapes/ground.hpp"
 #include "plumb/shapes/surface.hpp"
 #include "plumb/vec3.hpp"
 
@@ -233,6 +234,14 @@ struct Capsule {
   Filter filter{};    ///< What it may touch.
 };
 
+/// This is a shape on a body: all that is within `radius` of the convex hull of points.
+struct Hull {
+  std::uint32_t body = 0;      ///< Index into Scene::bodies.
+  std::vector<Vec3> points{};  ///< Points, in m, as the scene stands, which do not lie in one plane.
+  double radius = 0;           ///< Radius of its edges and corners, in m.
+  Surface surface{};           ///< How it feels.
+};
+
 /// This is solid ground: everything with normal·x < offset.
 struct Plane {
   Vec3 normal{0, 1, 0};   ///< Unit vector out of the ground.
@@ -279,9 +288,15 @@ struct Scene {
   std::vector<Spring> springs{};        ///< Springs, dampers and motors between places.
   std::vector<Torsion> torsions{};      ///< Springs, dampers and motors about axes.
   std::vector<Capsule> capsules{};      ///< Shapes that move with the islands.
+  std::vector<Hull> hulls{};            ///< Shapes that move with bodies.
   std::vector<Plane> planes{};          ///< Ground.
   std::vector<Box> boxes{};             ///< Solid boxes of the ground.
   std::vector<Pose> platforms{};        ///< Poses of what carries ground; see World::move_platform().
+
+  std::vector<GroundCapsule> ground_capsules{};  ///< Solid capsules that do not move.
+  std::vector<GroundHull> ground_hulls{};        ///< Convex solids that do not move.
+  std::vector<GroundMesh> meshes{};              ///< Surfaces of triangles that do not move.
+  std::vector<HeightField> height_fields{};      ///< Landscapes.
 };
 
 /// Returns whether a scene has more than particles and rods: bends, twists, tackles, reels, shapes, ground,
@@ -329,7 +344,11 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 /// - negative stiffness or damping of these, or a force, torque, length or angle that is not finite;
 /// - negative radius, size, friction or resistance, and restitution outside [0, 1];
 /// - a platform that is not there, a belt or a pose that is not finite;
-/// - a normal or a quaternion that is not of length one, to within 1e-9.
+/// - a normal or a quaternion that is not of length one, to within 1e-9;
+/// - a hull of an unknown body, or of points in one plane (flatter than 1e-6 of their size);
+/// - a mesh with an unknown vertex, a triangle without area, or an edge with three triangles;
+/// - a solid mesh with an edge without a second triangle, or that is turned inside out;
+/// - a height field without cells, with cells without size, or with an unfinished row.
 PLUMB_API void validate(const Scene& scene);
 
 /// Returns the length of rod `i` in m. If none is given, that is the distance between its particles.

@@ -267,10 +267,10 @@ class PLUMB_API World {
   Vec3 spring_force(std::uint32_t spring) const;
   /// Returns the torque in N m that a torsion (Scene::torsions) puts on the side of `v`. See pin_force().
   double torsion_torque(std::uint32_t torsion) const;
-  /// Returns the force in N with which all that touches a shape (Scene::capsules) pushes it, averaged over
-  /// the last step; zero if nothing does. That of ground is NaN. Throws InputError on an unknown shape, or
-  /// without Settings::tensions.
-  Vec3 contact_force(std::uint32_t capsule) const;
+  /// Returns the force in N with which all that touches a shape pushes it, averaged over the last step; zero
+  /// if nothing does. That of ground is NaN. Shapes are those of Scene::capsules, then those of Scene::hulls.
+  /// Throws InputError on an unknown shape, or without Settings::tensions.
+  Vec3 contact_force(std::uint32_t shape) const;
   /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
   /// as the scene has shapes, or without Settings::tensions.
   void copy_contact_forces(std::span<Vec3> out) const;

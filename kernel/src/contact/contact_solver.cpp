@@ -110,7 +110,9 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   own(parts.rods(), rods_);
   if (settings.tensions) {
     own(parts.pins(), pins_);
-    own(parts.capsules(), capsules_);
+    own(parts.capsules(), shapes_);
+    for (const auto& [part, number] : parts.hulls())
+      shapes_.push_back({number_of[part], states_[number_of[part]].linkage->hulls()[number].number});
   }
   visitors_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
@@ -145,8 +147,8 @@ void ContactSolver::wake_carried() {
   for (const LinkageState& state : states_) {
     if (!state.asleep || !is_carried(state)) continue;
     clusters_.wake(state.number);
-    const Visitor& visitor = visitors_[state.number];
-    if (visitor.is_at_home()) woken_.push_back({visitor.number(), visitor.first_slot()});
+    if (const Visitor& visitor = visitors_[state.number]; visitor.is_at_home())
+      woken_.push_back({visitor.number(), visitor.first_slot()});
   }
 }
 
@@ -378,22 +380,19 @@ void ContactSolver::describe(WorldInfo& info) const {
 }
 
 bool ContactSolver::set_stop_rule(const StopRule& rule) {
-  bool is_read = false;
-  for (const auto& mover : movers_) is_read = mover->set_stop_rule(rule) || is_read;
-  return is_read;
+  const auto reads = [&](const auto& mover) { return mover->set_stop_rule(rule); };
+  return std::count_if(movers_.begin(), movers_.end(), reads) > 0;
 }
 
 bool ContactSolver::set_weights(Weights weights) {
-  bool is_read = false;
-  for (const auto& mover : movers_) is_read = mover->set_weights(weights) || is_read;
-  return is_read;
+  const auto reads = [&](const auto& mover) { return mover->set_weights(weights); };
+  return std::count_if(movers_.begin(), movers_.end(), reads) > 0;
 }
 
 double ContactSolver::project_initial_velocities() {
   double largest = 0;
-  if (relaxes_) return largest;
   for (const std::uint32_t i : clusters_.awake())
-    if (is_plain_[i] == 0) largest = std::max(largest, project_velocities(states_[i], work_));
+    if (!relaxes_ && is_plain_[i] == 0) largest = std::max(largest, project_velocities(states_[i], work_));
   return largest;
 }
 

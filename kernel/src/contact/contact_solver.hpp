@@ -99,7 +99,7 @@ class ContactSolver final : public Solver {
   double angle_torque(std::uint32_t angle) const;
   Vec3 spring_force(std::uint32_t spring) const;
   double torsion_torque(std::uint32_t torsion) const;
-  Vec3 contact_force(std::uint32_t capsule) const;
+  Vec3 contact_force(std::uint32_t shape) const;
   /// Takes from the initial velocities what constraints forbid. Returns the largest change in m/s.
   double project_initial_velocities();
   /// Returns the slots of the scene's particles.
@@ -191,7 +191,7 @@ class ContactSolver final : public Solver {
   std::vector<Slot> first_slot_;                    ///< by island's number
   std::vector<std::uint32_t> island_of_;            ///< the island of each slot
   std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
-  std::vector<Owner> rods_, pins_, capsules_;       ///< likewise; the last two if pulls count
+  std::vector<Owner> rods_, pins_, shapes_;         ///< likewise; the last two if pulls count
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
   std::vector<Return> returned_, woken_;

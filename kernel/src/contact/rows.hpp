@@ -7,8 +7,8 @@
 #include <initializer_list>
 
 #include "contact/linkage/linkage_state.hpp"
+#include "contact/shapes/touch.hpp"
 #include "contact/surroundings.hpp"
-#include "contact/touch.hpp"
 
 /// This file has what contacts have in common, whether they are solved or relaxed.
 namespace plumb::detail {
@@ -23,8 +23,23 @@ inline Combination blend(const Combination& a, const Combination& b, double t) {
   return out;
 }
 
-/// Kinds of what pushes, in a key's first bits.
-enum class KeyKind : std::uint8_t { plane = 1, box = 2, island = 3, angle = 4, segment = 5 };
+/// This is the place of a side on something fixed, which has no particles.
+inline constexpr Combination no_particles{};
+
+/// Kinds of what pushes, in a key's first bits, below the one of turning_key.
+enum class KeyKind : std::uint8_t {
+  plane = 1,
+  box = 2,
+  island = 3,
+  angle = 4,
+  segment = 5,
+  ground = 6,
+  hulls = 7
+};
+
+/// Says which part of a shape ground pushes: an end, the line, a hull or its corner; what is touched first;
+/// or what went in unexpectedly.
+enum class GroundPart : std::uint8_t { end, line, first_of_line, missed, hull, corner, first_of_hull };
 
 /// Returns one number for the pair that touches, by which the next substep finds what held the contact. Its
 /// first four bits are the kind, and the others are mixed (SplitMix64; Steele, Lea and Flood 2014), so that
@@ -38,6 +53,12 @@ inline std::uint64_t contact_key(KeyKind kind, std::uint64_t own, std::uint64_t 
     mixed ^= mixed >> 31;
   }
   return static_cast<std::uint64_t>(kind) << 60 | mixed >> 4;
+}
+
+/// Returns the key of a contact with ground that is neither a plane nor carried by a platform.
+inline std::uint64_t ground_key(GroundPart part, std::uint64_t number, std::uint64_t ground,
+                                std::uint64_t which) {
+  return contact_key(KeyKind::ground, static_cast<std::uint64_t>(part) << 40 | number, ground, which);
 }
 
 inline KeyKind kind_of(std::uint64_t key) {

@@ -27,7 +27,15 @@ Surroundings::Surroundings(const Scene& scene) : planes(scene.planes), platforms
     const Frame3 frame = frame_of(box.orientation);
     boxes.push_back({box.center, box.half_size, frame, bounds_of(box.center, box.half_size, frame),
                      box.surface, box.filter, box.motion});
+    if (!box.motion.platform) shapes.emplace_back(box, static_cast<std::uint32_t>(boxes.size() - 1));
   }
+  for (const GroundCapsule& each : scene.ground_capsules) shapes.emplace_back(each);
+  for (const GroundHull& each : scene.ground_hulls) shapes.emplace_back(each);
+  for (const GroundMesh& each : scene.meshes) shapes.emplace_back(each);
+  for (const HeightField& each : scene.height_fields) shapes.emplace_back(each);
+  std::vector<Bounds> around;
+  for (const GroundShape& each : shapes) around.push_back(each.bounds());
+  tree = BoundsTree(around);
   const auto moves = [](const auto& ground) { return detail::may_move(ground.motion); };
   may_move_ = std::any_of(planes.begin(), planes.end(), moves) ||
               std::any_of(boxes.begin(), boxes.end(), moves) || !anchored.shapes().empty();
@@ -57,9 +65,9 @@ bool Surroundings::any_ground(const Bounds& bounds, std::span<const Filter> filt
   if (std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) { return see(plane, above); }) ||
       std::any_of(boxes.begin(), boxes.end(), [&](const Solid& box) { return see(box, beside); }))
     return true;
-  const std::span<const Linkage::Shape> shapes = anchored.shapes();
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    if (!detail::may_touch(filters, shapes[i].filter)) continue;
+  const std::span<const Linkage::Shape> others = anchored.shapes();
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (!detail::may_touch(filters, others[i].filter)) continue;
     const GroundRate rate = anchored.rate(i, anchored.positions());
     const auto reaches = [&](const Bounds& at) {
       const Segment there = anchored.segment(i, anchored.positions());
@@ -71,9 +79,13 @@ bool Surroundings::any_ground(const Bounds& bounds, std::span<const Filter> filt
 }
 
 bool Surroundings::reach_into(const Bounds& bounds, std::span<const Filter> filters) const {
-  return any_ground(bounds, filters, [&](double speed, Vec3, auto&& reaches) {
-    return reaches(speed > 0 ? grown(bounds, speed * dt_) : bounds);
+  bool any = false;
+  tree.find(bounds, [&](std::uint32_t i) {
+    any = any || (detail::may_touch(filters, filter_of(i)) && shapes[i].reaches_into(bounds));
   });
+  return any || any_ground(bounds, filters, [&](double speed, Vec3, auto&& reaches) {
+           return reaches(speed > 0 ? grown(bounds, speed * dt_) : bounds);
+         });
 }
 
 bool Surroundings::move_under(const Bounds& bounds, std::span<const Filter> filters) const {
@@ -92,6 +104,71 @@ Bounds Surroundings::carried(const Bounds& bounds, std::span<const Filter> filte
     return false;
   });
   return grown(bounds, farthest);
+}
+
+void Surroundings::find(const Bounds& bounds, std::vector<std::uint32_t>& out) const {
+  out.clear();
+  tree.find(bounds, [&](std::uint32_t i) {
+    if (shapes[i].bounds().overlaps(bounds)) out.push_back(i);
+  });
+  std::sort(out.begin(), out.end());
+}
+
+bool Surroundings::is_within(std::uint32_t but, Vec3 place, double near) const {
+  Bounds around = nowhere;
+  include(around, place, near);
+  bool out = false;
+  tree.find(around, [&](std::uint32_t i) {
+    const GroundShape& shape = shapes[i];
+    out = out ||
+          (i != but && shape.is_convex() && shape.bounds().overlaps(around) && shape.distance(place) <= near);
+  });
+  return out;
+}
+
+/// Returns whether the surface of a shape goes on where another one that lies against it ends, so that both
+/// form a corner: a wall on a floor. `normal` is the surface's at a place of both.
+bool Surroundings::goes_on(std::uint32_t shape, const GroundShape& other, Vec3 at, Vec3 normal,
+                           double close) const {
+  bool out = false;
+  other.for_normals(at, close, [&](Vec3 n) {
+    const Vec3 along = n - dot(n, normal) * normal;
+    const double size = norm(along);
+    if (out || !(size > 1e-3)) return;
+    const Vec3 next = at + (100 * close / size) * along;
+    out =
+        shapes[shape].distance(next) <= 1e-6 * close && !is_within(shape, next + close * normal, 0.5 * close);
+  });
+  return out;
+}
+
+bool Surroundings::is_flat(std::uint32_t shape, Vec3 at, Vec3 along, double close) const {
+  const double length = norm(along);
+  if (!(length > 0)) return true;
+  for (const double side : {-1.0, 1.0}) {
+    const Vec3 next = at + (side * 100 * close / length) * along;
+    const bool is_on = shapes[shape].distance(next) <= 1e-3 * close || is_within(shape, next, close);
+    if (!is_on) return false;
+  }
+  return true;
+}
+
+bool Surroundings::is_covered(std::uint32_t shape, const Near& near, double close) const {
+  // What is touched in one place of several solids is the one that is nearest; and a surface is not touched
+  // where it leads into or along another one.
+  const Vec3 at = near.place - near.distance * near.normal, before = at + close * near.normal;
+  Bounds around = nowhere;
+  include(around, at, 2 * close);
+  bool out = false;
+  tree.find(around, [&](std::uint32_t i) {
+    const GroundShape& other = shapes[i];
+    if (out || i == shape || !other.is_convex() || !other.bounds().overlaps(around)) return;
+    if (other.distance(at) > close) return;
+    const bool hides =
+        other.distance(near.place) < near.distance - 1e-6 * close || other.distance(before) < 0.5 * close;
+    out = hides && !goes_on(shape, other, at, near.normal, close);
+  });
+  return out;
 }
 
 double height(const Bounds& bounds, const Plane& plane) {

@@ -3,15 +3,16 @@
 #include <span>
 #include <vector>
 
+#include "contact/ground/ground_shape.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/platforms/anchored.hpp"
 #include "contact/platforms/platforms.hpp"
-#include "contact/touch.hpp"
+#include "contact/shapes/touch.hpp"
 
 namespace plumb::detail {
 
-/// Holds the ground of a scene, its planes, boxes and shapes on anchors, prepared for contact. Ground on
-/// platforms is described as they are at home.
+/// Holds the ground of a scene, its planes, boxes, other shapes and those on anchors, prepared for contact.
+/// Ground on platforms is described as they are at home.
 struct Surroundings {
   struct Solid {
     Vec3 center, half;
@@ -21,10 +22,18 @@ struct Surroundings {
     Filter filter;
     GroundMotion motion;
   };
+  /// Says where something may touch ground: a place on its line, or on a hull, is near a surface.
+  struct Near {
+    Vec3 place;       ///< m
+    double distance;  ///< m, from the surface
+    Vec3 normal;      ///< unit vector out of the surface
+  };
 
   explicit Surroundings(const Scene& scene);
 
-  bool are_empty() const { return planes.empty() && boxes.empty() && anchored.shapes().empty(); }
+  bool are_empty() const {
+    return planes.empty() && boxes.empty() && shapes.empty() && anchored.shapes().empty();
+  }
   /// Returns whether some ground that shapes with such filters may touch reaches into the box `bounds` within
   /// the step.
   bool reach_into(const Bounds& bounds, std::span<const Filter> filters) const;
@@ -37,16 +46,35 @@ struct Surroundings {
   /// Returns whether some does in this step.
   bool any_moves() const { return moves_; }
 
+  /// Returns what may touch a shape: as a box says, or anything.
+  const Filter& filter_of(std::uint32_t shape) const {
+    static constexpr Filter any{};
+    return shapes[shape].box() == GroundShape::none ? any : boxes[shapes[shape].box()].filter;
+  }
+  /// Lists the shapes whose bounds overlap a box, ascending.
+  void find(const Bounds& bounds, std::vector<std::uint32_t>& out) const;
+  /// Returns whether what seems to touch a convex shape touches another one instead, which lies against it.
+  /// So a floor of many solids is one. What is within `close` (m) of a shape lies against it.
+  bool is_covered(std::uint32_t shape, const Near& near, double close) const;
+  /// Returns whether the surface of convex shapes goes on flatly from a place on one of them, to both sides
+  /// along a vector. A place between such sides needs not be touched.
+  bool is_flat(std::uint32_t shape, Vec3 at, Vec3 along, double close) const;
+
   /// Begins a step of dt (s), and ends it. Anchors are set before.
   void begin_step(double dt);
   void end_step() { platforms.end_step(); }
 
   std::vector<Plane> planes;
   std::vector<Solid> boxes;
+  std::vector<GroundShape> shapes;  ///< boxes without platforms, and all else that stands still
+  BoundsTree tree;                  ///< around their bounds
   Platforms platforms;
   Anchored anchored;
 
  private:
+  /// Returns whether a place is within `near` (m) of a convex shape, but for one.
+  bool is_within(std::uint32_t but, Vec3 place, double near) const;
+  bool goes_on(std::uint32_t shape, const GroundShape& other, Vec3 at, Vec3 normal, double close) const;
   /// Calls f(speed, belt, reaches) for all ground that shapes with such filters may touch, until f returns
   /// true. `speed` (m/s) is the fastest motion within `bounds`, and reaches(bounds) says whether it is there.
   template <class F>

@@ -19,6 +19,13 @@ inline double relative_volume(const std::array<Vec3, 4>& p) {
   return longest > 0 ? std::abs(volume) / (longest * longest * longest) : 0;
 }
 
+/// Returns the sum of four vectors, each times its weight.
+inline Vec3 weighted(const std::array<double, 4>& weights, const std::array<Vec3, 4>& vectors) {
+  Vec3 out{};
+  for (std::size_t i = 0; i < 4; ++i) out += weights[i] * vectors[i];
+  return out;
+}
+
 /// Gives the weights of a place on four points that do not lie in one plane. They are linear in the place.
 class Barycentric {
  public:

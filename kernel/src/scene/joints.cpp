@@ -127,6 +127,18 @@ std::uint32_t add_body(Scene& scene, const std::array<std::uint32_t, 4>& particl
   return push_body(scene, particles, properties);
 }
 
+Hull box_on_body(std::uint32_t body, const Box& box) {
+  const auto [w, x, y, z] = box.orientation;
+  const Vec3 u{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
+  const Vec3 v{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
+  const Vec3 half = box.half_size, n = cross(u, v);
+  Hull out{.body = body, .surface = box.surface};
+  for (const double i : {-half.x, half.x})
+    for (const double j : {-half.y, half.y})
+      for (const double k : {-half.z, half.z}) out.points.push_back(box.center + i * u + j * v + k * n);
+  return out;
+}
+
 void add_spherical(Scene& scene, const Point& a, const Point& b) {
   scene.pins.push_back({a, b});
 }

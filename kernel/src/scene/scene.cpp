@@ -128,8 +128,10 @@ bool has_more_than_rods(const Scene& scene) {
   const bool plain = scene.bends.empty() && scene.twists.empty() && scene.tackles.empty() &&
                      scene.reels.empty() && scene.bodies.empty() && scene.pins.empty() &&
                      scene.alignments.empty() && scene.angles.empty() && scene.springs.empty() &&
-                     scene.torsions.empty() && scene.capsules.empty() && scene.planes.empty() &&
-                     scene.boxes.empty() && scene.platforms.empty();
+                     scene.torsions.empty() && scene.capsules.empty() && scene.hulls.empty() &&
+                     scene.planes.empty() && scene.boxes.empty() && scene.ground_capsules.empty() &&
+                     scene.ground_hulls.empty() && scene.meshes.empty() && scene.height_fields.empty() &&
+                     scene.platforms.empty();
   const bool sleeps = std::any_of(scene.particles.begin(), scene.particles.end(),
                                   [](const Particle& particle) { return particle.asleep; });
   const bool drags = std::any_of(scene.rods.begin(), scene.rods.end(), [](const Rod& rod) {

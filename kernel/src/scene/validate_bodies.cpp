@@ -7,6 +7,7 @@
 
 #include "plumb/joints.hpp"
 #include "scene/barycentric.hpp"
+#include "scene/ground/validate_ground.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
 #include "scene/springs/springs.hpp"
@@ -70,15 +71,6 @@ void validate_angle(const Scene& scene, std::size_t i) {
   if (validate_direction(scene, angle.u, name + ", u") == 0) refuse(name, ", u: is of length zero");
   if (validate_direction(scene, angle.v, name + ", v") == 0) refuse(name, ", v: is of length zero");
   require_sound(angle, i);
-}
-
-void validate_surface(const Surface& surface, const std::string& name) {
-  if (!is_amount(surface.friction))
-    refuse(name, ": friction must be finite and not negative, got ", surface.friction);
-  if (!(surface.restitution >= 0 && surface.restitution <= 1))
-    refuse(name, ": restitution must be from 0 to 1, got ", surface.restitution);
-  for (const auto& [what, length] : {std::pair{"rolling", surface.rolling}, {"spinning", surface.spinning}})
-    if (!is_amount(length)) refuse(name, ": ", what, " must be finite and not negative, got ", length, " m");
 }
 
 void validate_motion(const Scene& scene, const GroundMotion& motion, const std::string& name) {
@@ -226,6 +218,8 @@ void validate_shapes(const Scene& scene) {
   for (std::size_t i = 0; i < scene.planes.size(); ++i) validate_plane(scene, i);
   for (std::size_t i = 0; i < scene.boxes.size(); ++i) validate_box(scene, i);
   for (std::size_t i = 0; i < scene.platforms.size(); ++i) validate_pose(scene.platforms[i], i);
+  validate_hulls(scene);
+  validate_ground(scene);
 }
 
 }  // namespace plumb::detail

@@ -40,7 +40,7 @@ struct World::Impl {
   std::uint32_t substeps = 1;
   std::uint32_t rods = 0, tackles = 0, twists = 0;
   std::vector<std::size_t> tackle_segments;
-  std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, capsules = 0;
+  std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, shapes = 0;
   std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
   std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
   bool tensions = false;
@@ -100,7 +100,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->angles = static_cast<std::uint32_t>(scene.angles.size());
   impl_->springs = static_cast<std::uint32_t>(scene.springs.size());
   impl_->torsions = static_cast<std::uint32_t>(scene.torsions.size());
-  impl_->capsules = static_cast<std::uint32_t>(scene.capsules.size());
+  impl_->shapes = static_cast<std::uint32_t>(scene.capsules.size() + scene.hulls.size());
   impl_->platforms = impl_->targets = scene.platforms;
   if (!scene.reels.empty()) {
     const detail::RodTable rods(scene);
@@ -267,14 +267,14 @@ Vec3 World::spring_force(std::uint32_t spring) const {
 double World::torsion_torque(std::uint32_t torsion) const {
   return impl_->contact(impl_->torsions, "torsion", torsion).torsion_torque(torsion);
 }
-Vec3 World::contact_force(std::uint32_t capsule) const {
-  return impl_->contact(impl_->capsules, "shape", capsule).contact_force(capsule);
+Vec3 World::contact_force(std::uint32_t shape) const {
+  return impl_->contact(impl_->shapes, "shape", shape).contact_force(shape);
 }
 void World::copy_contact_forces(std::span<Vec3> out) const {
   impl_->require_tensions();
-  if (out.size() != impl_->capsules)
-    refuse("contact forces of ", impl_->capsules, " shapes cannot be copied into ", out.size(), " elements");
-  for (std::uint32_t i = 0; i < impl_->capsules; ++i) out[i] = impl_->step->contact().contact_force(i);
+  if (out.size() != impl_->shapes)
+    refuse("contact forces of ", impl_->shapes, " shapes cannot be copied into ", out.size(), " elements");
+  for (std::uint32_t i = 0; i < impl_->shapes; ++i) out[i] = impl_->step->contact().contact_force(i);
 }
 
 std::vector<Problem> World::problems(double most_strain) const {

@@ -33,7 +33,7 @@ Forces make_forces(const Scene& scene) {
   return {.reactions = std::vector<Vec3>(scene.particles.size()),
           .pins = std::vector<Vec3>(scene.pins.size()),
           .springs = std::vector<Vec3>(scene.springs.size()),
-          .contacts = std::vector<Vec3>(scene.capsules.size()),
+          .contacts = std::vector<Vec3>(scene.capsules.size() + scene.hulls.size()),
           .angles = std::vector<double>(scene.angles.size()),
           .torsions = std::vector<double>(scene.torsions.size())};
 }

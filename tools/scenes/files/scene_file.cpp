@@ -118,10 +118,12 @@ void read_reels(const Object& top, Scene& scene) {
 }
 
 Scene scene_of(const json& root) {
-  const Object top(root, "",
-                   {"plumb",   "gravity",  "drag",     "joint_drag", "particles", "rods",       "bends",
-                    "twists",  "tackles",  "reels",    "bodies",     "pins",      "alignments", "angles",
-                    "springs", "torsions", "capsules", "planes",     "boxes",     "platforms"});
+  const Object top(
+      root, "",
+      {"plumb",           "gravity",      "drag",     "joint_drag",   "particles", "rods",       "bends",
+       "twists",          "tackles",      "reels",    "bodies",       "pins",      "alignments", "angles",
+       "springs",         "torsions",     "capsules", "planes",       "boxes",     "platforms",  "hulls",
+       "ground_capsules", "ground_hulls", "meshes",   "height_fields"});
   require_version(top, "plumb", 1);
   Scene scene;
   scene.gravity = vector_or(top, "gravity", scene.gravity);

@@ -188,133 +188,76 @@ Pose platform(const json& value, const std::string& path) {
   return {.position = vector_or(item, "position", {}), .orientation = orientation(item)};
 }
 
+/// Reads the list of a key. Lists are long, so that each is read once.
+template <class Read>
+auto list_of(const Object& item, const char* key, Read read) {
+  const Array list(item, key);
+  std::vector<decltype(read(list[0], std::string()))> out;
+  out.reserve(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) out.push_back(read(list[i], list.path_of(i)));
+  return out;
+}
+
+Vec3 place(const json& value, const std::string& path) {
+  return vector(value, path);
+}
+
+Hull hull(const json& value, const std::string& path) {
+  const Object item(value, path,
+                    {"body", "points", "radius", "friction", "restitution", "rolling", "spinning"});
+  return {.body = id_of("body", item.at("body"), item.path_of("body")),
+          .points = list_of(item, "points", place),
+          .radius = number_or(item, "radius", 0),
+          .surface = surface(item)};
+}
+
+GroundCapsule ground_capsule(const json& value, const std::string& path) {
+  const Object item(value, path, {"a", "b", "radius", "friction", "restitution", "rolling", "spinning"});
+  return {.a = vector(item, "a"),
+          .b = vector(item, item.find("b") ? "b" : "a"),
+          .radius = number(item, "radius"),
+          .surface = surface(item)};
+}
+
+GroundHull ground_hull(const json& value, const std::string& path) {
+  const Object item(value, path, {"points", "radius", "friction", "restitution", "rolling", "spinning"});
+  return {.points = list_of(item, "points", place),
+          .radius = number_or(item, "radius", 0),
+          .surface = surface(item)};
+}
+
+GroundMesh mesh(const json& value, const std::string& path) {
+  const Object item(value, path,
+                    {"vertices", "triangles", "solid", "friction", "restitution", "rolling", "spinning"});
+  const auto corners = [](const json& v, const std::string& p) {
+    return numbers<3, std::uint32_t>(
+        v, p, [](const json& id, const std::string& at) { return id_of("vertex", id, at); });
+  };
+  return {.vertices = list_of(item, "vertices", place),
+          .triangles = list_of(item, "triangles", corners),
+          .solid = truth_or(item, "solid", false),
+          .surface = surface(item)};
+}
+
+HeightField height_field(const json& value, const std::string& path) {
+  const Object item(
+      value, path,
+      {"corner", "cell_x", "cell_z", "columns", "heights", "friction", "restitution", "rolling", "spinning"});
+  const auto height = [](const json& v, const std::string& p) { return number(v, p); };
+  return {.corner = vector_or(item, "corner", {}),
+          .cell_x = number(item, "cell_x"),
+          .cell_z = number(item, "cell_z"),
+          .columns = static_cast<std::uint32_t>(std::min<std::uint64_t>(count(item, "columns"), ~0u)),
+          .heights = list_of(item, "heights", height),
+          .surface = surface(item)};
+}
+
 template <class Item>
 void read_list(const Object& top, const char* key, std::vector<Item>& out,
                Item (*read)(const json&, const std::string&)) {
   if (!top.find(key)) return;
   const Array list(top, key);
   for (std::size_t i = 0; i < list.size(); ++i) out.push_back(read(list[i], list.path_of(i)));
-}
-
-using scenes::to_json;  // It is that of Vec3, which those below would hide.
-
-/// Slots with weight 0 are left out.
-Json to_json(const Point& p) {
-  std::vector<std::uint32_t> particles;
-  std::vector<double> weights;
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (p.weights[k] == 0) continue;
-    particles.push_back(p.particles[k]);
-    weights.push_back(p.weights[k]);
-  }
-  if (weights == std::vector<double>{1}) return particles.front();
-  return {{"particles", Json::array_of(particles)}, {"weights", Json::array_of(weights)}};
-}
-
-Json to_json(const Direction& d) {
-  return {{"from", to_json(d.from)}, {"to", to_json(d.to)}};
-}
-
-Json to_json(const Inertia& i) {
-  Json object{{"xx", i.xx}, {"yy", i.yy}, {"zz", i.zz}};
-  if (i.xy != 0) object["xy"] = i.xy;
-  if (i.xz != 0) object["xz"] = i.xz;
-  if (i.yz != 0) object["yz"] = i.yz;
-  return object;
-}
-
-Json to_json(const Body& b) {
-  return {{"particles", Json::array_of(b.particles)},
-          {"mass", b.mass},
-          {"center", to_json(b.center)},
-          {"inertia", to_json(b.inertia)}};
-}
-
-Json to_json(const Pin& p) {
-  return {{"a", to_json(p.a)}, {"b", to_json(p.b)}};
-}
-
-Json to_json(const Alignment& a) {
-  return {{"u", to_json(a.u)}, {"v", to_json(a.v)}};
-}
-
-Json to_json(const AngleControl& a) {
-  const AngleControl usual;
-  Json object{{"u", to_json(a.u)}, {"v", to_json(a.v)}};
-  if (a.lower != usual.lower) object["lower"] = a.lower;
-  if (a.upper != usual.upper) object["upper"] = a.upper;
-  if (a.friction != usual.friction) object["friction"] = a.friction;
-  if (a.target != usual.target) object["target"] = a.target;
-  if (a.stiffness != usual.stiffness) object["stiffness"] = a.stiffness;
-  if (a.damping != usual.damping) object["damping"] = a.damping;
-  return object;
-}
-
-/// Numbers that are 0 are left out.
-Json with_numbers(Json object, std::initializer_list<std::pair<const char*, double>> numbers) {
-  for (const auto& [key, number] : numbers)
-    if (number != 0) object[key] = number;
-  return object;
-}
-
-Json to_json(const Spring& s) {
-  Json object = with_numbers(
-      {{"a", to_json(s.a)}, {"b", to_json(s.b)}},
-      {{"length", s.length}, {"stiffness", s.stiffness}, {"damping", s.damping}, {"force", s.force}});
-  if (s.one_sided) object["one_sided"] = true;
-  return object;
-}
-
-Json to_json(const Torsion& t) {
-  return with_numbers(
-      {{"axis", to_json(t.axis)}, {"u", to_json(t.u)}, {"v", to_json(t.v)}},
-      {{"angle", t.angle}, {"stiffness", t.stiffness}, {"damping", t.damping}, {"torque", t.torque}});
-}
-
-Json with_surface(Json object, const Surface& s, const Filter& f) {
-  if (s.friction != Surface{}.friction) object["friction"] = s.friction;
-  object = with_numbers(std::move(object),
-                        {{"restitution", s.restitution}, {"rolling", s.rolling}, {"spinning", s.spinning}});
-  if (f.category != Filter{}.category) object["category"] = f.category;
-  if (f.mask != Filter{}.mask) object["mask"] = f.mask;
-  if (f.group != 0) object["group"] = f.group;
-  return object;
-}
-
-Json with_motion(Json object, const GroundMotion& m) {
-  if (m.platform) object["platform"] = *m.platform;
-  if (m.belt != Vec3{}) object["belt"] = to_json(m.belt);
-  return object;
-}
-
-Json to_json(const Capsule& c) {
-  Json object{{"a", to_json(c.a)}};
-  if (const Json b = to_json(c.b); b.dump() != object["a"].dump()) object["b"] = b;
-  object["radius"] = c.radius;
-  return with_surface(object, c.surface, c.filter);
-}
-
-Json to_json(const Plane& p) {
-  Json object{{"normal", to_json(p.normal)}};
-  if (p.offset != 0) object["offset"] = p.offset;
-  return with_motion(with_surface(object, p.surface, p.filter), p.motion);
-}
-
-Json to_json(const Box& b) {
-  Json object{{"center", to_json(b.center)}, {"half_size", to_json(b.half_size)}};
-  if (b.orientation != Box{}.orientation) object["orientation"] = Json::array_of(b.orientation);
-  return with_motion(with_surface(object, b.surface, b.filter), b.motion);
-}
-
-Json to_json(const Pose& p) {
-  Json object{{"position", to_json(p.position)}};
-  if (p.orientation != Pose{}.orientation) object["orientation"] = Json::array_of(p.orientation);
-  return object;
-}
-
-template <class Item>
-void append_some(std::string& out, const char* key, const std::vector<Item>& items) {
-  if (!items.empty()) append_list(out, key, items, [](const Item& item) { return to_json(item); });
 }
 
 }  // namespace
@@ -330,19 +273,11 @@ void read_limbs(const Object& top, Scene& scene) {
   read_list(top, "planes", scene.planes, plane);
   read_list(top, "boxes", scene.boxes, box);
   read_list(top, "platforms", scene.platforms, platform);
-}
-
-void append_limbs(std::string& out, const Scene& scene) {
-  append_some(out, "bodies", scene.bodies);
-  append_some(out, "pins", scene.pins);
-  append_some(out, "alignments", scene.alignments);
-  append_some(out, "angles", scene.angles);
-  append_some(out, "springs", scene.springs);
-  append_some(out, "torsions", scene.torsions);
-  append_some(out, "capsules", scene.capsules);
-  append_some(out, "planes", scene.planes);
-  append_some(out, "boxes", scene.boxes);
-  append_some(out, "platforms", scene.platforms);
+  read_list(top, "hulls", scene.hulls, hull);
+  read_list(top, "ground_capsules", scene.ground_capsules, ground_capsule);
+  read_list(top, "ground_hulls", scene.ground_hulls, ground_hull);
+  read_list(top, "meshes", scene.meshes, mesh);
+  read_list(top, "height_fields", scene.height_fields, height_field);
 }
 
 }  // namespace plumb::scenes

@@ -116,11 +116,13 @@ bool truth_or(const Object& object, const char* key, bool otherwise) {
   return value->get<bool>();
 }
 
-std::uint32_t particle_id(const json& value, const std::string& path) {
-  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
-    refuse(path, "must be the number of a particle, counted from 0, not " + text_of(value));
-  }
+std::uint32_t id_of(const char* what, const json& value, const std::string& path) {
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max())
+    refuse(path, std::string("must be the number of a ") + what + ", counted from 0, not " + text_of(value));
   return value.get<std::uint32_t>();
+}
+std::uint32_t particle_id(const json& value, const std::string& path) {
+  return id_of("particle", value, path);
 }
 std::uint32_t particle_id(const Object& object, const char* key) {
   return particle_id(object.at(key), object.path_of(key));

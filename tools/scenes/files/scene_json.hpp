@@ -46,6 +46,8 @@ Vec3 vector_or(const Object& object, const char* key, Vec3 otherwise);
 
 bool truth_or(const Object& object, const char* key, bool otherwise);
 
+/// Reads the number of something that messages call `what`.
+std::uint32_t id_of(const char* what, const json& value, const std::string& path);
 std::uint32_t particle_id(const json& value, const std::string& path);
 std::uint32_t particle_id(const Object& object, const char* key);
 

@@ -53,7 +53,7 @@ void ElasticStep::begin(const ElasticLaw& law, double gives, double h) {
 }
 
 double ElasticStep::soft_at_end() const {
-  return acts && resolved < 1 ? resolved / (1 - resolved) * give : -1;
+  return acts && !lets_go && resolved < 1 ? resolved / (1 - resolved) * give : -1;
 }
 
 }  // namespace plumb::detail

@@ -58,17 +58,19 @@ struct ElasticStep {
   double resolved = 1;  ///< share of its own swing that the substep resolves
   double damped = 0;    ///< share of damping in how stiff it is
   double soft = 0, before = 0, kick = 0, p = 0;
-  double end_rate = 0;  ///< m/s or rad/s, to which velocities at the end are held
-  double give = 0;      ///< 1/kg or 1/(kg m²), how a pull of one moves it at the start
+  double end_push = 0;   ///< N s or N m s, impulse that is left for the end
+  double end_rate = 0;   ///< m/s or rad/s, to which velocities at the end are held
+  bool lets_go = false;  ///< A cable would push where the substep ends, and does not.
+  double give = 0;       ///< 1/kg or 1/(kg m²), how a pull of one moves it at the start
 
   /// Begins a substep at the number `start`. The potential of a resolved elastic is k/2 ((c0 + c1)/2)², which
   /// is variational (Marsden, West 2001) and damps nothing. The less of a swing is resolved, the more it
   /// takes of c1 alone, and the more velocities at the end are held as rigid rods hold them.
   void begin(const ElasticLaw& law, double gives, double h);
+  /// Returns the soft of its row, or less than 0 if it does not act.
+  double soft_of_positions() const { return acts ? soft : -1; }
   /// Returns what velocities at the end still find: soft of a row that holds them, or less than 0 for none.
   double soft_at_end() const;
-  /// Returns the impulse (N s or N m s) that is left for the end.
-  double end_kick(double h) const { return p / h; }
 };
 
 }  // namespace plumb::detail

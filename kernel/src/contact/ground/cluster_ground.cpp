@@ -15,6 +15,16 @@ std::size_t ClusterStepper::count_pushes() const {
   return sum;
 }
 
+/// Factorises the island's matrix with the ground's slopes of the last look, for positions or for velocities
+/// at the end.
+bool ClusterStepper::factor_on_ground(Island& island, bool is_end) {
+  island.state->assemble_with_elastics([&](std::size_t i) {
+    const ElasticStep& step = island.elastics[i];
+    return is_end ? step.soft_at_end() : step.soft_of_positions();
+  });
+  return island.ground.factor(*island.state);
+}
+
 /// Finds where the island goes with the ground's slopes at the guess, or where it would fly. Returns false if
 /// its matrix has no factors.
 bool ClusterStepper::start_on_ground(Island& island) {
@@ -24,11 +34,14 @@ bool ClusterStepper::start_on_ground(Island& island) {
   for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
   island.ground.begin_positions(loose_, tight_);
   island.ground.look(linkage, island.d, true);
-  if (!island.ground.factor(state)) return false;
+  if (!factor_on_ground(island, false)) return false;
   linkage.targets(state.x, island.d, island.there, right);
   linkage.put(island.momentum, right);
+  aim_elastics(island);
   island.ground.add_pushes(linkage, right);
   linkage.plan().solve(state.factors, island.unknowns);
+  for (ElasticStep& step : island.elastics) step.p = 0;
+  pull_elastics(island, 1);
   island.take_pulls(island.pulls, 0, 1);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.d[k] = linkage.taken(right, k);
   island.ground.follow_solution(island.d);
@@ -41,7 +54,7 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
-  if (island.ground.is_stale() && !island.ground.factor(state)) return false;
+  if (island.ground.is_stale() && !factor_on_ground(island, false)) return false;
   island.ground.add_lack(linkage, right);
   linkage.plan().solve(state.factors, island.unknowns);
   island.step.assign(state.x.size(), Vec3{});
@@ -49,6 +62,7 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   island.ground.aim(island.step);
   const double share = island.ground.share_of(2 * linkage.kinetic(island.step));
   island.ground.take(share);
+  pull_elastics(island, share);
   island.take_pulls(island.pulls, 1, share);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
     island.d[k] += share * island.step[k];
@@ -65,7 +79,7 @@ void ClusterStepper::find_velocities_on_ground(Island& island) {
   for (int step = 0; step < most_ground_corrections; ++step) {
     island.ground.look(linkage, island.v, step < bounds_follow_for);
     if (step > 0 && island.ground.lack() <= ground_enough) return;
-    if ((step == 0 || island.ground.is_stale()) && !island.ground.factor(state)) return;
+    if ((step == 0 || island.ground.is_stale()) && !factor_on_ground(island, true)) return;
     std::fill(right.begin(), right.end(), 0.0);
     fill_velocities(island);
     island.ground.add_pushes(linkage, right);

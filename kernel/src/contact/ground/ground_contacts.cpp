@@ -183,14 +183,11 @@ void GroundContacts::find_laws(const Linkage& linkage) {
 }
 
 bool GroundContacts::factor(LinkageState& state) {
-  state.factors.resize(state.linkage->plan().blocks());
-  state.linkage->assemble(state.x, state.factors);
   for (Row& row : rows_) {
     row.slope = row.next;
     if (row.slope.xx + row.slope.yy + row.slope.zz > 0)
       state.linkage->stiffen(row.contact.at, row.slope, state.factors);
   }
-  state.factored = false;  // it is, but not as it is without contact
   return state.linkage->plan().factor(state.factors);
 }
 

@@ -55,7 +55,8 @@ class GroundContacts {
   double lack() const { return lack_; }
   /// Returns whether slopes differ so much from those in the matrix that it is worth a new factorisation.
   bool is_stale() const { return is_stale_; }
-  /// Factorises the island's matrix where it is, with the slopes of the last look().
+  /// Adds the slopes of the last look() to the island's matrix, which is assembled where it is, and
+  /// factorises it.
   bool factor(LinkageState& state);
 
   /// Adds to the right hand side what a whole solution starts from.

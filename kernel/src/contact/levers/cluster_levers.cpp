@@ -55,7 +55,7 @@ void ClusterStepper::add_contact_rows(const GroundContact& contact, std::span<co
   bool any_turns = false;
   for (const ContactEnd& end : ends) {
     Island& island = islands_[end.island];
-    const Linkage::Shape& shape = island.state->linkage->shapes()[end.shape];
+    const Linkage::Shape& shape = island.state->linkage->shape_of(end.shape);
     const double sign = &end == &ends[0] ? 1 : -1;
     const Sum sum = add_sum(island, *end.at);
     const std::uint32_t side = add_side(island, Side{sum, {}, sign * axes[0], {}});
@@ -104,7 +104,7 @@ void ClusterStepper::add_turning_rows(const GroundContact& contact, std::span<co
   }
   for (const ContactEnd& end : ends) {
     Island& island = islands_[end.island];
-    const Linkage::Shape& shape = island.state->linkage->shapes()[end.shape];
+    const Linkage::Shape& shape = island.state->linkage->shape_of(end.shape);
     if (shape.turning == Linkage::Shape::Turning::none) continue;
     const bool is_first = &end == &ends[0];
     const Lever lever(shape, *end.at, end.arm, island.state->x);
@@ -119,13 +119,14 @@ void ClusterStepper::add_turning_rows(const GroundContact& contact, std::span<co
 /// Turns contacts with ground into rows if they are few.
 void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   Island& island = islands_[i];
-  bool may_stand = island.state->laws.empty() && !island.state->linkage->is_redundant();
+  const Linkage& linkage = *island.state->linkage;
+  bool may_stand = linkage.has_only_bends() && !linkage.is_redundant();
   island.ground.for_all([&](const GroundContact& contact) {
     may_stand = may_stand && contact.rolling == 0 && contact.spinning == 0;
   });
   if (may_stand && island.ground.size() > few_on_ground) return;
   island.ground.for_all([&](const GroundContact& contact) {
-    const double radius = island.state->linkage->shapes()[contact.shape].radius;
+    const double radius = linkage.shape_of(contact.shape).radius;
     const ContactEnd end{i, &contact.at, contact.shape, -radius * contact.normal};
     add_contact_rows(contact, {&end, 1}, h);
   });
@@ -134,7 +135,7 @@ void ClusterStepper::spread_ground(std::uint32_t i, double h) {
 
 bool ClusterStepper::turns(const Levers::End& end) const {
   const Linkage& linkage = *islands_[end.island].state->linkage;
-  return linkage.shapes()[end.shape].turning != Linkage::Shape::Turning::none;
+  return linkage.shape_of(end.shape).turning != Linkage::Shape::Turning::none;
 }
 
 /// Lets levers follow to where islands are at the end of the substep. Two shapes are again pushed at one
@@ -173,7 +174,7 @@ void ClusterStepper::renew_lever(const Levers& contact, const Levers::End& end, 
   Combination at;
   for (std::uint32_t k = end.middle.first; k < end.middle.end; ++k)
     at.add(island.terms[k].particle, island.terms[k].weight);
-  const Lever lever(island.state->linkage->shapes()[end.shape], at, arm, island.state->x);
+  const Lever lever(island.state->linkage->shape_of(end.shape), at, arm, island.state->x);
   const auto [t1, t2] = across(contact.along);
   renew(end.normal + 1, lever.sliding(t1));
   renew(end.normal + 2, lever.sliding(t2));

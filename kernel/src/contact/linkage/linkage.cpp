@@ -68,6 +68,7 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use)
   add_angles(part, x);
   add_elastics(part);
   add_shapes(part, x);
+  add_hulls(part, x);
   has_air_ = !airs_.empty() || drag_ != 0 || joint_drag_ != 0;
   if (size_ == 0) size_ = 1;
   for (DotRow& each : dots_) each.over = 1 / (size_ * size_);
@@ -135,13 +136,16 @@ void Linkage::add_angles(const Scene& part, std::span<const Vec3> x) {
   }
 }
 
+void Linkage::add_filter(const Filter& filter) {
+  if (std::find(filters_.begin(), filters_.end(), filter) == filters_.end()) filters_.push_back(filter);
+}
+
 void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
   std::map<std::uint32_t, std::vector<std::size_t>> balls_at;
   const ShapeMaker maker(part);
   for (const Capsule& capsule : part.capsules) {
     const Shape& shape = shapes_.emplace_back(maker.make(capsule));
-    if (std::find(filters_.begin(), filters_.end(), shape.filter) == filters_.end())
-      filters_.push_back(shape.filter);
+    add_filter(shape.filter);
     const auto number = static_cast<std::uint32_t>(shapes_.size() - 1);
     size_ = std::max({size_, 2 * capsule.radius, norm(shape.a.of(x) - shape.b.of(x))});
     for (const Combination& end : {shape.a, shape.b}) {
@@ -199,6 +203,10 @@ void Linkage::couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>
     for (std::size_t i = 0; i < movable.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) pairs.emplace_back(3 * movable[i], 3 * movable[j]);
   }
+  for (const HullShape& hull : hulls_)
+    for (const std::uint32_t i : hull.particles)
+      for (const std::uint32_t j : hull.particles)
+        if (j < i && i < movable_) pairs.emplace_back(3 * i, 3 * j);
 }
 
 void Linkage::plan(Isa isa) {

@@ -7,8 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "contact/elastics/bend_elastics.hpp"
 #include "contact/elastics/elastic.hpp"
 #include "contact/pulls/linkage_pulls.hpp"
+#include "contact/shapes/hulls/convex.hpp"
 #include "linear/sparse_kkt.hpp"
 #include "math/elementary.hpp"
 #include "plumb/scene.hpp"
@@ -34,8 +36,30 @@ class Linkage {
     std::array<std::uint32_t, 4> body{};  ///< the particles of that body
     Combination line{};                   ///< the way along that line
   };
-  /// This is the end of a shape, which is what flat ground touches. Where several shapes end at one particle,
-  /// the largest end counts.
+  /// This is a hull on the four particles of a body. As a shape it has no line, and friction acts on it where
+  /// its core is touched.
+  struct HullShape : Shape {
+    using Vectors = std::array<Vec3, 4>;  ///< of its particles
+    std::array<std::uint32_t, 4> particles{};
+    std::vector<std::array<double, 4>> corners{};  ///< weights of its particles
+    ConvexParts parts{};
+    std::uint32_t number = 0;  ///< among shapes, where hulls follow capsules
+    double half_width = 0;     ///< m, of its least width
+
+    /// Picks its particles' vectors.
+    Vectors of(std::span<const Vec3> vectors) const {
+      return {vectors[particles[0]], vectors[particles[1]], vectors[particles[2]], vectors[particles[3]]};
+    }
+    /// Computes corners, or their motion, from those of its particles.
+    void find_corners(const Vectors& from, std::span<Vec3> out) const;
+    /// Returns the sum that a place is, with its particles in given places.
+    Combination at(const Vectors& from, Vec3 place) const { return sum(weights(from, place)); }
+    static std::array<double, 4> weights(const Vectors& from, Vec3 place);
+    /// Returns the sum of its particles with given weights.
+    Combination sum(const std::array<double, 4>& weights) const;
+  };
+  /// This is the end of a shape or a corner, which is what flat ground touches. Where several shapes end at
+  /// one particle, the largest end counts.
   struct Ball {
     Combination center;
     double radius;
@@ -104,13 +128,20 @@ class Linkage {
   Range fixed_ones() const { return {movable_, particles_}; }
   const KktPlan& plan() const { return plan_; }
   std::span<const Shape> shapes() const { return shapes_; }
+  std::span<const HullShape> hulls() const { return hulls_; }
+  /// Returns a shape or a hull by its number.
+  const Shape& shape_of(std::uint32_t number) const {
+    return number < shapes_.size() ? shapes_[number] : hulls_[number - shapes_.size()];
+  }
+  /// Balls of hulls come after those of capsules. Whatever has shapes has balls.
   std::span<const Ball> balls() const { return balls_; }
   /// Returns the filters of all shapes, each once.
   std::span<const Filter> filters() const { return filters_; }
   std::span<const Angle> angles() const { return angles_; }
   /// Returns what acts on them as the scene says.
   std::span<const AngleRule> angle_rules() const { return angle_rules_; }
-  /// Elastics are of rods that give, angles with drives or dampers, springs and torsions, in this order.
+  /// Elastics are of rods that give, angles with drives or dampers, springs, torsions and bends, in this
+  /// order.
   std::span<const Elastic> elastics() const { return elastics_; }
   /// Returns how they pull as the scene says.
   std::span<const ElasticLaw> elastic_laws() const { return elastic_laws_; }
@@ -121,6 +152,9 @@ class Linkage {
   ElasticRange elastics_of_angle(std::uint32_t i) const { return of_angles_[i]; }
   ElasticRange elastics_of_spring(std::uint32_t i) const { return of_springs_[i]; }
   ElasticRange elastics_of_torsion(std::uint32_t i) const { return of_torsions_[i]; }
+  std::span<const BendElastics> bends() const { return bends_; }
+  bool has_only_bends() const { return elastics_.empty() || is_of_bend(0); }
+  bool is_of_bend(std::size_t elastic) const { return !bends_.empty() && elastic >= bends_.front().first; }
   /// Returns whether some rod may break.
   bool breaks() const { return breaks_; }
   /// Returns how many rods give, which are the first elastics, and which of them the part's rod `number` is,
@@ -160,6 +194,7 @@ class Linkage {
   double thinness() const {
     double least = size_;
     for (const Shape& shape : shapes_) least = std::min(least, shape.radius);
+    for (const HullShape& hull : hulls_) least = std::min(least, hull.half_width);
     return std::max(least, 0.01 * size_);
   }
   double mass() const { return mass_; }  ///< mass of the movable particles, kg
@@ -264,11 +299,14 @@ class Linkage {
   void add_rods(const Scene& part, std::uint32_t& row);
   void add_joints(const Scene& part, std::span<const Vec3> x, std::uint32_t& row);
   void add_angles(const Scene& part, std::span<const Vec3> x);
+  void add_filter(const Filter& filter);
   void add_shapes(const Scene& part, std::span<const Vec3> x);
+  void add_hulls(const Scene& part, std::span<const Vec3> x);
   void weigh(const Scene& part);
   /// Elastics take their rows after all constraints.
   void add_elastics(const Scene& part);
   void add_elastic(Elastic elastic, const ElasticLaw& law);
+  void add_bends(const Scene& part);
   void couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
   void color_rods();
   void plan(Isa isa);
@@ -287,6 +325,7 @@ class Linkage {
   std::vector<double> weights_;      ///< kg, what gravity pulls on
   std::vector<Air> airs_;
   std::vector<Shape> shapes_;
+  std::vector<HullShape> hulls_;
   std::vector<Ball> balls_;
   std::vector<Filter> filters_;
   std::vector<Angle> angles_;
@@ -294,6 +333,7 @@ class Linkage {
   std::vector<Elastic> elastics_;
   std::vector<ElasticLaw> elastic_laws_;
   std::vector<ElasticRange> of_angles_, of_springs_, of_torsions_;
+  std::vector<BendElastics> bends_;
   std::vector<RodRow> giving_rods_;
   std::vector<ColoredRod> colored_rods_;
   std::vector<std::uint32_t> color_begin_{0};

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "contact/linkage/linkage.hpp"
+#include "scene/bends/bends.hpp"
+#include "scene/bends/curvature.hpp"
 #include "scene/springs/turn.hpp"
 
 namespace plumb::detail {
@@ -70,6 +74,30 @@ void Linkage::add_elastics(const Scene& part) {
                           difference(torsion.axis.to, torsion.axis.from)}},
                 {});
     set_laws(torsion, laws_from(of_torsions_.back().first));
+  }
+  add_bends(part);
+}
+
+void Linkage::add_bends(const Scene& part) {
+  using Kind = Elastic::Kind;
+  const std::vector<std::array<double, 2>> lengths = bend_lengths(part);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> giving;
+  for (std::uint32_t i = 0; i < giving_rods_.size() && !part.bends.empty(); ++i)
+    giving[std::minmax(giving_rods_[i].a, giving_rods_[i].b)] = i;
+  for (std::size_t i = 0; i < part.bends.size(); ++i) {
+    const Bend& bend = part.bends[i];
+    BendElastics& made =
+        bends_.emplace_back(BendElastics{bend.stiffness, bend.damping, curvature_of_angle(bend.angle),
+                                         static_cast<std::uint32_t>(elastics_.size())});
+    for (const std::uint32_t end : {bend.a, bend.c})
+      if (const auto rod = giving.find(std::minmax(bend.b, end)); rod != giving.end())
+        made.rods.push_back(rod->second);
+    const Combination w = bend_vector(bend, lengths[i]);
+    if (made.is_straight())
+      for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+        add_elastic({.kind = Kind::along, .sums = {w}, .axis = axis}, {});
+    if (!made.is_straight() || bend.damping > 0) add_elastic({.kind = Kind::distance, .sums = {w}}, {});
+    made.count = static_cast<std::uint32_t>(elastics_.size()) - made.first;
   }
 }
 

@@ -67,6 +67,18 @@ void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<si
   }
 }
 
+void LinkageState::follow_bends(double h) {
+  for (const BendElastics& bend : linkage->bends()) {
+    const std::span<ElasticLaw> of_bend = std::span(laws).subspan(bend.first, bend.count);
+    const Combination& w = linkage->elastics()[bend.first].sums[0];
+    if (!broken.empty() &&
+        std::any_of(bend.rods.begin(), bend.rods.end(), [&](std::uint32_t rod) { return broken[rod] != 0; }))
+      std::fill(of_bend.begin(), of_bend.end(), ElasticLaw{});
+    else
+      set_laws(bend, w.of(x) + h / 2 * w.of(v), of_bend);
+  }
+}
+
 void LinkageState::follow_elastics() {
   for (std::size_t i = 0; i < laws.size(); ++i)
     elastic_numbers[i] = linkage->number(linkage->elastics()[i], x, elastic_numbers[i]);
@@ -104,25 +116,31 @@ void LinkageState::find_gives() {
   gives.resize(laws.size());
   if (laws.empty() || !factor()) return;
   unknowns_.resize(linkage->plan().columns());
-  push_.resize(linkage->movable());
+  push_.assign(linkage->movable(), Vec3{});
   const std::span<double> right = detail::numbers(unknowns_);
   for (std::size_t i = 0; i < laws.size(); ++i) {
     gives[i] = 0;
     if (laws[i].stiffness == 0 && laws[i].damping == 0) continue;
     const Elastic& elastic = linkage->elastics()[i];
-    std::fill(push_.begin(), push_.end(), Vec3{});
-    std::fill(right.begin(), right.end(), 0.0);
     linkage->push_along(elastic, linkage->slope(elastic, x), 1, push_);
-    linkage->put(push_, right);
-    linkage->plan().solve(factors, unknowns_);
-    for (std::uint32_t k = 0; k < linkage->movable(); ++k)
-      gives[i] += dot(push_[k], linkage->taken(right, k));
+    if (std::isinf(laws[i].stiffness) || linkage->is_of_bend(i)) {
+      // What is rigid only needs a scale, which its particles alone give. Bends move them across rods.
+      for (const std::uint32_t k : elastic.touched) gives[i] += dot(push_[k], push_[k]) / linkage->mass_of(k);
+    } else {
+      std::fill(right.begin(), right.end(), 0.0);
+      linkage->put(push_, right);
+      linkage->plan().solve(factors, unknowns_);
+      for (std::uint32_t k = 0; k < linkage->movable(); ++k)
+        gives[i] += dot(push_[k], linkage->taken(right, k));
+    }
+    for (const std::uint32_t k : elastic.touched) push_[k] = {};
     gives[i] = std::max(gives[i], 0.0);
   }
 }
 
 bool LinkageState::can_follow_elastics(double h) {
-  if (std::any_of(laws.begin(), laws.end(), [](const ElasticLaw& law) { return law.one_sided; }))
+  if (!linkage->bends().empty() ||
+      std::any_of(laws.begin(), laws.end(), [](const ElasticLaw& law) { return law.one_sided; }))
     return false;
   find_gives();
   for (std::size_t i = 0; i < laws.size(); ++i)

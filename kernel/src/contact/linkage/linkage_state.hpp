@@ -7,19 +7,9 @@
 #include <vector>
 
 #include "contact/linkage/linkage.hpp"
+#include "contact/shapes/bounds.hpp"
 
 namespace plumb::detail {
-
-/// This is a box along the axes of space.
-struct Bounds {
-  Vec3 low{}, high{};
-
-  bool is_empty() const { return !(low.x <= high.x); }
-  bool overlaps(const Bounds& o) const {
-    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y &&
-           low.z <= o.high.z && o.low.z <= high.z;
-  }
-};
 
 /// Holds the forces of a contact, from which the next substep starts. Those on the way and those at the
 /// substep's end are kept apart, because they differ in the same way for many substeps.
@@ -92,13 +82,18 @@ struct LinkageState : LinkageMotion {
   /// Factorises it with elastics: soft(i) is 1/kg or 1/(kg m²), or less than 0 for one that takes no part.
   template <class Soft>
   bool factor_with_elastics(Soft&& soft) {
+    assemble_with_elastics(soft);
+    return linkage->plan().factor(factors);
+  }
+  /// Writes that matrix into its factors.
+  template <class Soft>
+  void assemble_with_elastics(Soft&& soft) {
     assemble();
     const std::span<const Elastic> elastics = linkage->elastics();
     for (std::size_t i = 0; i < elastics.size(); ++i)
       if (const double own = soft(i); own >= 0)
         linkage->couple(elastics[i], linkage->slope(elastics[i], x), std::max(own, least_soft(i)), factors);
     factored = false;
-    return linkage->plan().factor(factors);
   }
   /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`, and
   /// adds its multipliers to those that are given, if any.
@@ -107,6 +102,8 @@ struct LinkageState : LinkageMotion {
   /// Finds the gives of elastics at x, and factorises the matrix there without them. They change as things
   /// turn: a spring over its dead centre has none.
   void find_gives();
+  /// Lets the laws of bends follow them to where they are in the middle of a substep of h (s).
+  void follow_bends(double h);
   /// Finds the elastics' numbers at x.
   void follow_elastics();
   /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
@@ -129,7 +126,7 @@ struct LinkageState : LinkageMotion {
   bool can_follow_elastics(double h);
 
  private:
-  /// A rigid cable has this share of its own response on the diagonal, or something where it cannot move.
+  /// What is rigid has this share of its particles' response on the diagonal, or something where none moves.
   double least_soft(std::size_t i) const { return gives[i] > 0 ? 1e-11 * gives[i] : 1; }
   void assemble() {
     factors.resize(linkage->plan().blocks());

@@ -6,6 +6,7 @@
 
 #include "contact/platforms/anchored.hpp"
 #include "plumb/joints.hpp"
+#include "scene/bends/bends.hpp"
 #include "scene/refuse.hpp"
 #include "scene/scene_graph.hpp"
 
@@ -24,6 +25,7 @@ struct Bonds {
     for (const Spring& each : scene.springs) bond(each.a, each.b);
     for (const Torsion& each : scene.torsions)
       bond(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to);
+    for (const Bend& each : scene.bends) bond(Point{{each.a, each.b, each.c}, {1, 1, 1}});
     for (const Capsule& capsule : scene.capsules) bond(capsule.a, capsule.b);
   }
 
@@ -92,6 +94,14 @@ class Likeness {
     for (const Torsion& each : part.torsions)
       add(each.axis.from, each.axis.to, each.u.from, each.u.to, each.v.from, each.v.to, each.angle,
           each.stiffness, each.damping, each.torque);
+    add(part.bends.size());
+    const std::vector<std::array<double, 2>> lengths = bend_lengths(part);
+    for (std::size_t i = 0; i < part.bends.size(); ++i) {
+      const Bend& each = part.bends[i];
+      add(each.a, each.b, each.c, lengths[i][0], lengths[i][1], each.stiffness, each.angle, each.damping);
+    }
+    add(part.hulls.size());
+    for (const Hull& each : part.hulls) add_hull(part, each);
     add(part.capsules.size());
     for (const Capsule& each : part.capsules)
       add(each.a, each.b, each.radius, each.surface.friction, each.surface.restitution, each.surface.rolling,
@@ -105,6 +115,11 @@ class Likeness {
     return position_of(part, direction.to) - position_of(part, direction.from);
   }
 
+  /// Places of points on the body are the same wherever it is, to rounding.
+  void add_hull(const Scene& part, const Hull& hull) {
+    add(hull.body, hull.radius, hull.surface.friction, hull.surface.restitution, hull.points.size());
+    for (const Vec3 point : hull.points) add(point_on_body(part, hull.body, point));
+  }
   void add(const Vec3& v) { add(v.x, v.y, v.z); }
   void add(const Point& point) {
     for (std::size_t i = 0; i < 4; ++i)
@@ -134,8 +149,8 @@ bool is_plain(const Scene& part) {
   });
   const bool has_sleepers = std::any_of(part.particles.begin(), part.particles.end(),
                                         [](const Particle& each) { return each.asleep && !each.fixed; });
-  const bool gives =
-      std::any_of(part.rods.begin(), part.rods.end(), [](const Rod& rod) { return !rod.law.is_rigid(); });
+  const bool gives = !part.bends.empty() || std::any_of(part.rods.begin(), part.rods.end(),
+                                                        [](const Rod& rod) { return !rod.law.is_rigid(); });
   if (has_joints || has_air || has_sleepers || (gives && !part.capsules.empty())) return false;
   const auto is_inside = [](const Point& point) {
     return std::all_of(point.weights.begin(), point.weights.end(),
@@ -196,8 +211,10 @@ void SceneParts::hand_out() {
     rod.b = local(island, rod.b);
     hand(rod, island, parts_[island].rods, rods_);
   }
+  std::vector<Share> bodies;
   for (Body body : scene_.bodies) {
     const std::uint32_t island = movable_of({body.particles, {1, 1, 1, 1}});
+    bodies.push_back({island, island == none ? 0 : static_cast<std::uint32_t>(parts_[island].bodies.size())});
     if (island == none) continue;  // part of the ground
     for (std::uint32_t& particle : body.particles) particle = local(island, particle);
     parts_[island].bodies.push_back(body);
@@ -212,6 +229,13 @@ void SceneParts::hand_out() {
     each.a = local(island, each.a);
     each.b = local(island, each.b);
     hand(each, island, parts_[island].capsules, capsules_);
+  }
+  for (Hull each : scene_.hulls) {
+    const auto [island, number] = bodies[each.body];
+    if (island == none)
+      refuse("hull ", hulls_.size(), ": its body ", each.body, " cannot move; use ground hulls");
+    each.body = number;
+    hand(each, island, parts_[island].hulls, hulls_);
   }
 }
 
@@ -243,6 +267,11 @@ void SceneParts::hand_out_joints() {
     each.u = local(island, each.u);
     each.v = local(island, each.v);
     hand(each, island, parts_[island].torsions, torsions_);
+  }
+  for (const Bend& each : scene_.bends) {
+    const std::uint32_t island = movable_of({{each.a, each.b, each.c}, {1, 1, 1}});
+    parts_[island].bends.push_back({local(island, each.a), local(island, each.b), local(island, each.c),
+                                    each.stiffness, each.angle, each.damping});
   }
 }
 

@@ -30,6 +30,7 @@ class SceneParts {
   const std::vector<Share>& springs() const { return springs_; }
   const std::vector<Share>& torsions() const { return torsions_; }
   const std::vector<Share>& capsules() const { return capsules_; }
+  const std::vector<Share>& hulls() const { return hulls_; }
 
  private:
   void hand_out();
@@ -49,7 +50,7 @@ class SceneParts {
   std::vector<std::uint32_t> island_of_, local_;  ///< by particle
   std::vector<Scene> parts_;
   std::vector<std::vector<std::uint32_t>> particles_;
-  std::vector<Share> rods_, pins_, angles_, springs_, torsions_, capsules_;
+  std::vector<Share> rods_, pins_, angles_, springs_, torsions_, capsules_, hulls_;
 };
 
 /// Returns whether an island has nothing but particles, rods that hold it together, and shapes on its

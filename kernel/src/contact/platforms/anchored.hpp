@@ -6,7 +6,7 @@
 
 #include "contact/linkage/linkage.hpp"
 #include "contact/platforms/ground_rate.hpp"
-#include "contact/touch.hpp"
+#include "contact/shapes/touch.hpp"
 
 namespace plumb::detail {
 

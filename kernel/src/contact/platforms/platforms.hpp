@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "contact/platforms/ground_rate.hpp"
-#include "contact/touch.hpp"
+#include "contact/shapes/touch.hpp"
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {

@@ -12,7 +12,7 @@ std::array<double, 2> ClusterStepper::impulses_of(const Island& island, std::siz
   const ElasticStep& step = island.elastics[elastic];
   const bool is_held = step.soft_at_end() >= 0;
   const double end = is_held ? island.end_pulls[island.state->linkage->constraints() + elastic] : 0;
-  return {-step.p / h, end - step.end_kick(h)};
+  return {-step.p / h, end - step.end_push};
 }
 
 std::uint32_t ClusterStepper::break_rods(Island& island, double h) {

@@ -50,8 +50,8 @@ double ContactSolver::torsion_torque(std::uint32_t torsion) const {
   return -mean(pulls, pulls.elastics[states_[island].linkage->elastics_of_torsion(number).first]);
 }
 
-Vec3 ContactSolver::contact_force(std::uint32_t capsule) const {
-  const auto [island, number] = capsules_[capsule];
+Vec3 ContactSolver::contact_force(std::uint32_t shape) const {
+  const auto [island, number] = shapes_[shape];
   if (island == no_island) return mean(LinkagePulls{}, Vec3{});  // of ground, which is not known
   const LinkagePulls& pulls = states_[island].pulls;
   if (visitors_[island].is_at_home() || pulls.dt == 0) return {};

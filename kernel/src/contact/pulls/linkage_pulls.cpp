@@ -22,7 +22,7 @@ LinkagePulls Linkage::make_pulls() const {
           .angles = std::vector<double>(angles_.size()),
           .elastics = std::vector<double>(elastics_.size()),
           .along_first = std::vector<Vec3>(elastics_.size()),
-          .shapes = std::vector<Vec3>(shapes_.size()),
+          .shapes = std::vector<Vec3>(shapes_.size() + hulls_.size()),
           .fixed = std::vector<Vec3>(particles_ - movable_)};
 }
 

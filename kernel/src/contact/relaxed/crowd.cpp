@@ -189,6 +189,22 @@ void Crowd<T>::advance(double h, Gradient gradient) {
 }
 
 template <class T>
+double Crowd<T>::kinetic(const T* data) const {
+  double twice = 0;
+  for (std::uint32_t k = 0; k < particles_; ++k) {
+    const Vec3 each = at(data, record * k);
+    if (inverse_mass_[k] > 0) twice += dot(each, each) / inverse_mass_[k];
+  }
+  return 0.5 * twice;
+}
+
+template <class T>
+void Crowd<T>::slow(double share) {
+  for (std::uint32_t k = 0; k < particles_; ++k)
+    if (inverse_mass_[k] > 0) put(v_.data(), record * k, share * at(v_.data(), record * k));
+}
+
+template <class T>
 bool Crowd<T>::stop_if_broken(LinkageState& state, std::uint32_t island) {
   const std::uint32_t begin = record * first_[island], end = begin + record * state.linkage->movable();
   bool finite = true;

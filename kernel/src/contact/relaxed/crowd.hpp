@@ -53,6 +53,11 @@ class Crowd {
   T violation(const simd::AccessKernels<T>& kernels);
   /// Ends a substep: moves particles and finds their velocities.
   void advance(double h, Gradient gradient);
+  /// Returns the kinetic energy (J) of velocities, or of displacements in h (s).
+  double kinetic() const { return kinetic(v_.data()); }
+  double kinetic_of_moves(double h) const { return kinetic(p_.data()) / (h * h); }
+  /// Multiplies velocities by a share.
+  void slow(double share);
   /// Puts an island back to where the substep began, at rest. Returns whether it was not finite.
   bool stop_if_broken(LinkageState& state, std::uint32_t island);
   /// Adds the impulses with which rods pulled in a substep of h (s).
@@ -87,6 +92,7 @@ class Crowd {
   Vec3 position(std::uint32_t number) const { return at(x_.data(), number); }
   Vec3 moved(std::uint32_t number) const { return at(p_.data(), number); }
   Vec3 velocity(std::span<const Term> terms) const { return sum(terms, v_.data()); }
+  Vec3 velocity(std::uint32_t number) const { return at(v_.data(), number); }
   /// Pushes displacements by `push` (kg m), or velocities by that in kg m/s.
   void push(std::span<const Term> terms, Vec3 by) { push(terms, by, p_.data()); }
   void push(std::uint32_t number, Vec3 by) { put(p_.data(), number, at(p_.data(), number) + by); }
@@ -110,6 +116,7 @@ class Crowd {
   static void push(std::span<const Term> terms, Vec3 by, T* data) {
     for (const Term& term : terms) put(data, term.at, at(data, term.at) + term.move * by);
   }
+  double kinetic(const T* data) const;
   void lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules);
   void lay_out_rods(std::span<LinkageState* const> cluster, const CrowdRules& rules);
   simd::BlockView<T> view();

@@ -6,23 +6,33 @@
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// A contact of a hull, or of what is fast, that seems not to come about is watched if its gap is small.
+constexpr double sight = 0.1, sight_of_moves = 2;
+
+}  // namespace
 
 // --- Contacts of a substep
 
 template <class T>
-bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const GroundNow& ground,
-                             double h) {
+bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
+                             const Surroundings& surroundings, const GroundNow& ground, double h) {
   contacts_.clear();
+  left_out_.clear();
   terms_.clear();
   turn_terms_.clear();
   turnings_.clear();
   has_woken_ = false;
   next_kept_.assign(cluster.size(), 0);
-  const Substep in{cluster, crowd, ground, h};
+  const Substep in{cluster, crowd, surroundings, ground, h};
+  place_hulls(crowd);
   touch_planes(in);
   touch_boxes(in);
   touch_segments(in);
+  touch_ground(in);
   touch_pairs(in);
+  touch_hull_pairs(in);
   if (has_woken_) return false;
   for (const Contact& contact : contacts_) {
     if (!(contact.push > 0)) continue;
@@ -64,7 +74,8 @@ Vec3 CrowdContacts<T>::middle(const Substep& in, const Side& side) {
 template <class T>
 void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other, const Touch& touch,
                            std::uint64_t key) {
-  const auto& [cluster, crowd, ground, h] = in;
+  const Crowd<T>& crowd = in.crowd;
+  const double h = in.h;
   const std::array<Side, 2> sides{one, other};
   Contact contact{.key = key, .normal = touch.normal};
   add_ends(in, sides, contact);
@@ -78,14 +89,18 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   }
   const Vec3 shift = crowd.moved(terms_of(contact.terms)) - contact.carried;
   const double closing = dot(touch.normal, shift);
-  if (touch.gap + closing > settings_.margin + 0.25 * norm(shift) || !(contact.over < INFINITY)) {
+  const bool comes = touch.gap + closing <= settings_.margin + 0.25 * norm(shift);
+  const bool may_pass =
+      other.island == none && kind_of(key) != KeyKind::plane && norm(shift) > settings_.margin;
+  const bool is_watched = (is_hull(in, one) || is_hull(in, other) || may_pass) &&
+                          touch.gap <= sight * settings_.length_scale + sight_of_moves * norm(shift);
+  if (!(contact.over < INFINITY) || (!comes && !is_watched)) {
     terms_.resize(contact.terms.first);
     return;
   }
   for (const Side& side : sides) {
-    if (side.island == none || !cluster[side.island]->asleep || cluster[side.island]->frozen) continue;
-    if (!(touch.gap + closing < 0)) continue;
-    wake(*cluster[side.island]);
+    if (!comes || !(touch.gap + closing < 0) || side.island == none) continue;
+    if (LinkageState& state = *in.cluster[side.island]; state.asleep && !state.frozen) wake(state);
   }
   const double restitution = std::max(one.surface->restitution, other.surface->restitution);
   contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
@@ -93,8 +108,8 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   contact.bounce = bounce_of(restitution, settings_.bounce_speed, touch.gap, closing, arriving, h);
   add_sliding(in, sides, touch, contact);
   add_turning(in, sides, contact);
-  start_from_kept(in, contact);
-  contacts_.push_back(contact);
+  if (comes) start_from_kept(in, contact);
+  (comes ? contacts_ : left_out_).push_back(contact);
 }
 
 /// Adds the places that the normal push acts on.
@@ -212,40 +227,6 @@ void CrowdContacts<T>::touch_planes(const Substep& in) {
 }
 
 template <class T>
-void CrowdContacts<T>::touch_boxes(const Substep& in) {
-  for (const Pair& pair : near_.on_boxes()) {
-    const Body& each = near_.bodies()[pair.one];
-    const Surroundings::Solid& box = in.ground.boxes()[pair.other];
-    const Vec3 off = in.crowd.origin() - box.center;
-    const Vec3 p = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.a)));
-    const Vec3 q = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.b)));
-    for_touches_with_box(p, q, each.shape->radius, box,
-                         [&](std::uint64_t which, double t, const Touch& touch) {
-                           const Combination at = blend(each.shape->a, each.shape->b, t);
-                           add(in, {each.island, each.number, &at, &each.shape->surface},
-                               {.surface = &box.surface, .rate = in.ground.rate_of_box(pair.other)}, touch,
-                               contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
-                         });
-  }
-}
-
-template <class T>
-void CrowdContacts<T>::touch_segments(const Substep& in) {
-  for (const Pair& pair : near_.on_segments()) {
-    const Body& each = near_.bodies()[pair.one];
-    const Segment own{in.crowd.origin() + in.crowd.position(near_.terms_of(each.a)),
-                      in.crowd.origin() + in.crowd.position(near_.terms_of(each.b)), each.shape->radius};
-    const Touches near = touches(own, in.ground.segments()[pair.other]);
-    for (std::uint32_t n = 0; n < near.count; ++n) {
-      const Combination at = blend(each.shape->a, each.shape->b, near.at[n].a);
-      add(in, {each.island, each.number, &at, &each.shape->surface},
-          {.surface = &in.ground.shapes()[pair.other].surface, .rate = in.ground.rate_of_segment(pair.other)},
-          near.at[n], contact_key(KeyKind::segment, 4 * each.number + n, 0, pair.other));
-    }
-  }
-}
-
-template <class T>
 void CrowdContacts<T>::touch_pairs(const Substep& in) {
   const Crowd<T>& crowd = in.crowd;
   const auto middle_of = [&](const Body& body) {
@@ -328,10 +309,19 @@ void CrowdContacts<T>::resist(Crowd<T>& crowd, const Contact& contact) {
 }
 
 template <class T>
-void CrowdContacts<T>::bounce(Crowd<T>& crowd) {
+double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
+  double most = 0;
+  for (const Contact& contact : contacts_)
+    most = std::max(
+        most, -contact.gap - dot(contact.normal, crowd.moved(terms_of(contact.terms)) - contact.carried));
+  return most;
+}
+
+template <class T>
+bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
   constexpr int sweeps = 4;
   const auto bounces = [](const Contact& contact) { return contact.bounce > 0 && contact.push > 0; };
-  if (std::none_of(contacts_.begin(), contacts_.end(), bounces)) return;
+  if (std::none_of(contacts_.begin(), contacts_.end(), bounces)) return false;
   for (int i = 0; i < sweeps; ++i)
     for (Contact& contact : contacts_) {
       if (!bounces(contact)) continue;
@@ -341,6 +331,7 @@ void CrowdContacts<T>::bounce(Crowd<T>& crowd) {
       crowd.push_velocity(terms, (kick - contact.kick) * contact.normal);
       contact.kick = kick;
     }
+  return true;
 }
 
 template <class T>

@@ -5,8 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "contact/ground/ground_search.hpp"
 #include "contact/relaxed/crowd_pairs.hpp"
-#include "contact/touch.hpp"
+#include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
 #include "scene/barycentric.hpp"
 
@@ -36,16 +37,28 @@ class CrowdContacts {
   /// Returns whether any may touch at all.
   bool any_near() const { return !near_.are_empty(); }
 
+  /// Returns into how many parts a substep of h (s) is to be cut so that no hull that may touch moves far in
+  /// one. A blow would crush its rods flat, and they might come back the other way round.
+  std::uint32_t cuts(const Crowd<T>& crowd, double h) const;
+
   /// Makes contacts of those that may touch within a substep of h (s), once displacements are predicted, and
   /// starts from their last pushes. Returns false if an island woke because something is about to push it.
-  bool begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const GroundNow& ground, double h);
+  bool begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
+             const GroundNow& ground, double h);
+  /// Makes contacts of what goes into ground where it was not expected, because others push it. Returns
+  /// whether there are any.
+  bool find_missed(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
+                   const GroundNow& ground, double h);
   /// Visits all contacts once. Returns the largest change of a place, m.
   double sweep(Crowd<T>& crowd);
-  /// Lets velocities bounce, once they are known.
-  void bounce(Crowd<T>& crowd);
+  /// Returns how deep (m) some contact goes into what it should stay out of, at most.
+  double depth(const Crowd<T>& crowd) const;
+  /// Lets velocities bounce, once they are known. Returns whether anything does.
+  bool bounce(Crowd<T>& crowd);
   /// Ends a substep: keeps pushes for the next one, and adds up their impulses where pulls count.
   void end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h);
 
+  bool has_hulls() const { return !near_.hulls().empty(); }
   bool is_empty() const { return contacts_.empty(); }
   std::size_t count_pushes() const;
 
@@ -57,10 +70,14 @@ class CrowdContacts {
   using Pair = typename CrowdPairs<T>::Pair;
   static constexpr std::uint32_t none = 0xffffffff;
 
+  using Hull = typename CrowdPairs<T>::Hull;
+  using Vectors = Linkage::HullShape::Vectors;
+
   /// These do not change while contacts of a substep of h (s) are found.
   struct Substep {
     std::span<LinkageState* const> cluster;
     Crowd<T>& crowd;
+    const Surroundings& surroundings;
     const GroundNow& ground;
     double h;
   };
@@ -107,13 +124,18 @@ class CrowdContacts {
     return std::span(terms_).subspan(range.first, range.end - range.first);
   }
   static const Linkage::Shape& shape_of(const Substep& in, const Side& side) {
-    return in.cluster[side.island]->linkage->shapes()[side.shape];
+    return in.cluster[side.island]->linkage->shape_of(side.shape);
   }
   static bool turns(const Substep& in, const Side& side) {
     return side.island != none && shape_of(in, side).turning == Linkage::Shape::Turning::body;
   }
+  static bool is_hull(const Substep& in, const Side& side) {
+    return side.island != none && side.shape >= in.cluster[side.island]->linkage->shapes().size();
+  }
   static Barycentric body_of(const Substep& in, const Side& side);
   static Vec3 middle(const Substep& in, const Side& side);
+  /// Returns the side of a contact on one of the shapes that ground has.
+  static Side ground_side(const Substep& in, std::uint32_t ground);
   void add(const Substep& in, const Side& one, const Side& other, const Touch& touch, std::uint64_t key);
   void add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
   void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Contact& contact);
@@ -122,6 +144,17 @@ class CrowdContacts {
   void touch_planes(const Substep& in);
   void touch_boxes(const Substep& in);
   void touch_segments(const Substep& in);
+  void touch_ground(const Substep& in);
+  void touch_hull_pairs(const Substep& in);
+  void find_missed_bodies(const Substep& in);
+  void find_missed_hulls(const Substep& in);
+  void miss(const Substep& in, const Side& side, std::uint32_t ground, double width, const Touch& plane,
+            double time);
+  void place_hulls(const Crowd<T>& crowd);
+  MovingSegment motion_of(const Crowd<T>& crowd, const Body& body) const;
+  MovingHullShape hull_motion(const Crowd<T>& crowd, std::uint32_t hull);
+  /// Returns a body, or after all bodies a hull.
+  PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
   void touch_pairs(const Substep& in);
   void wake(LinkageState& state);
   void turn(Crowd<T>& crowd, const Turning& turning, Vec3 by) const;
@@ -132,8 +165,11 @@ class CrowdContacts {
   ContactSettings settings_;  ///< multiplied by their length scale
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
+  PlacedHulls placed_hulls_;
+  std::vector<std::uint32_t> near_ground_;
   std::vector<Term> terms_;
   std::vector<Contact> contacts_;
+  std::vector<Contact> left_out_;  ///< those that did not seem to come about
   std::vector<TurnTerm> turn_terms_;
   std::vector<Turning> turnings_;
   bool has_woken_ = false;

@@ -83,6 +83,8 @@ template <class T>
 void CrowdJoints<T>::begin(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h,
                            double recovery_rate) {
   h_ = h;
+  for (std::uint32_t i = 0; i < cluster.size(); ++i)
+    if (crowd.is_moving(i)) cluster[i]->follow_bends(h);
   for (BallJoint& joint : balls_) {
     joint.apart = crowd.position(terms_of(joint.terms));
     joint.push = {};

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contact/linkage/linkage_bounds.hpp"
+#include "scene/barycentric.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -28,8 +29,10 @@ void CrowdPairs<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>&
                          const Surroundings& surroundings, const GroundNow& ground, double dt,
                          double margin) {
   find_shapes(cluster, crowd, surroundings, dt, margin);
+  find_hulls(cluster, crowd, surroundings, dt, margin);
   find_pairs();
-  find_on_ground(crowd, ground, dt);
+  find_on_moving(crowd, ground, dt);
+  find_on_ground(crowd, surroundings);
 }
 
 template <class T>
@@ -46,6 +49,7 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
     if (crowd.is_moving(i)) fastest = std::max(fastest, top_speed(*cluster[i]));
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
+    const auto first_body = static_cast<std::uint32_t>(bodies_.size());
     const double fall = 0.5 * dt * dt * norm(linkage.gravity()) + margin;
     const auto add_terms = [&](const Combination& sum) {
       const auto first = static_cast<std::uint32_t>(ends_.size());
@@ -57,11 +61,6 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
       return passed_through(crowd.position(terms), dt * crowd.velocity(terms),
                             radius + (crowd.is_moving(i) ? fall : 0));
     };
-    const auto carried = [&](const Bounds& bounds, const Filter& filter) {
-      if (!crowd.is_moving(i) || !surroundings.any_moves()) return bounds;
-      return moved_by(surroundings.carried(moved_by(bounds, crowd.origin()), {&filter, 1}),
-                      -1.0 * crowd.origin());
-    };
     for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
       const Linkage::Shape& shape = linkage.shapes()[k];
       const TermRange a = add_terms(shape.a), b = add_terms(shape.b);
@@ -70,14 +69,51 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
       const Bounds other = reach_of(b, shape.radius);
       include(around, other.low, 0);
       include(around, other.high, 0);
-      bounds_.push_back(carried(around, shape.filter));
+      bounds_.push_back(carried(crowd, surroundings, i, around, shape.filter));
     }
     if (!crowd.is_moving(i)) continue;
     for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
       const Linkage::Ball& ball = linkage.balls()[k];
-      balls_.push_back({i, k, &ball, add_terms(ball.center)});
-      ball_bounds_.push_back(
-          carried(reach_of(balls_.back().center, ball.radius + dt * fastest), ball.filter));
+      const std::uint32_t body = ball.shape < linkage.shapes().size() ? first_body + ball.shape : none;
+      balls_.push_back({i, k, &ball, add_terms(ball.center), body});
+      ball_bounds_.push_back(carried(
+          crowd, surroundings, i, reach_of(balls_.back().center, ball.radius + dt * fastest), ball.filter));
+    }
+  }
+}
+
+/// Returns the box `bounds` of an island's shape and what it reaches when ground carries it.
+template <class T>
+Bounds CrowdPairs<T>::carried(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t island,
+                              const Bounds& bounds, const Filter& filter) const {
+  if (!crowd.is_moving(island) || !surroundings.any_moves()) return bounds;
+  return moved_by(surroundings.carried(moved_by(bounds, crowd.origin()), {&filter, 1}),
+                  -1.0 * crowd.origin());
+}
+
+template <class T>
+void CrowdPairs<T>::find_hulls(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+                               const Surroundings& surroundings, double dt, double margin) {
+  hulls_.clear();
+  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
+    const Linkage& linkage = *cluster[i]->linkage;
+    const double fall = crowd.is_moving(i) ? 0.5 * dt * dt * norm(linkage.gravity()) + margin : 0;
+    for (const Linkage::HullShape& shape : linkage.hulls()) {
+      Hull& hull = hulls_.emplace_back(Hull{i, &shape, {}});
+      Linkage::HullShape::Vectors particles, velocities;
+      for (std::size_t k = 0; k < 4; ++k) {
+        hull.at[k] = crowd.number_of(i, shape.particles[k]);
+        particles[k] = crowd.origin() + crowd.position(hull.at[k]);
+        velocities[k] = crowd.velocity(hull.at[k]);
+      }
+      Bounds around = nowhere;
+      for (const std::array<double, 4>& corner : shape.corners) {
+        const Bounds way = passed_through(weighted(corner, particles) - crowd.origin(),
+                                          dt * weighted(corner, velocities), shape.radius + fall);
+        include(around, way.low, 0);
+        include(around, way.high, 0);
+      }
+      bounds_.push_back(carried(crowd, surroundings, i, around, shape.filter));
     }
   }
 }
@@ -85,27 +121,34 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
 template <class T>
 void CrowdPairs<T>::find_pairs() {
   pairs_.clear();
-  if (bodies_.empty() || bodies_.front().island == bodies_.back().island) return;
+  hull_pairs_.clear();
+  const auto lines = static_cast<std::uint32_t>(bodies_.size());
+  bool is_one = true;
+  for (std::uint32_t i = 1; i < bounds_.size() && is_one; ++i) is_one = island_of(i) == island_of(0);
+  if (is_one) return;
   double sum = 0;
   for (const Bounds& each : bounds_)
     sum += std::max({each.high.x - each.low.x, each.high.y - each.low.y, each.high.z - each.low.z});
   hash_.start(sum / static_cast<double>(bounds_.size()), 4 * bounds_.size());
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i)
+  for (std::uint32_t i = 0; i < bounds_.size(); ++i)
     hash_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
-      if (bodies_[i].island != bodies_[j].island && bounds_[i].overlaps(bounds_[j]) &&
-          plumb::may_touch(bodies_[i].shape->filter, bodies_[j].shape->filter))
-        pairs_.push_back({j, i});
+      if (island_of(i) != island_of(j) && bounds_[i].overlaps(bounds_[j]) &&
+          plumb::may_touch(filter_of(i), filter_of(j)))
+        (i < lines ? pairs_ : hull_pairs_).push_back({j, i});
     });
   const auto number = [](const Pair& pair) { return std::uint64_t{pair.one} << 32 | pair.other; };
-  std::sort(pairs_.begin(), pairs_.end(),
-            [&](const Pair& a, const Pair& b) { return number(a) < number(b); });
-  pairs_.erase(std::unique(pairs_.begin(), pairs_.end(),
-                           [&](const Pair& a, const Pair& b) { return number(a) == number(b); }),
-               pairs_.end());
+  for (std::vector<Pair>* const each : {&pairs_, &hull_pairs_}) {
+    std::sort(each->begin(), each->end(),
+              [&](const Pair& a, const Pair& b) { return number(a) < number(b); });
+    each->erase(std::unique(each->begin(), each->end(),
+                            [&](const Pair& a, const Pair& b) { return number(a) == number(b); }),
+                each->end());
+  }
 }
 
+/// Finds who may touch planes, and ground that may move.
 template <class T>
-void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const GroundNow& ground, double dt) {
+void CrowdPairs<T>::find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt) {
   on_planes_.clear();
   on_boxes_.clear();
   on_segments_.clear();
@@ -128,7 +171,8 @@ void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const GroundNow& groun
     const Filter& filter = bodies_[i].shape->filter;
     for (std::uint32_t b = 0; b < ground.boxes().size(); ++b) {
       const Surroundings::Solid& box = ground.boxes()[b];
-      if (box.bounds.overlaps(met(at, ground.rate_of_box(b))) && plumb::may_touch(filter, box.filter))
+      if (box.motion.platform && box.bounds.overlaps(met(at, ground.rate_of_box(b))) &&
+          plumb::may_touch(filter, box.filter))
         on_boxes_.push_back({i, b});
     }
     for (std::uint32_t s = 0; s < ground.segments().size(); ++s) {
@@ -137,6 +181,34 @@ void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const GroundNow& groun
           plumb::may_touch(filter, ground.shapes()[s].filter))
         on_segments_.push_back({i, s});
     }
+  }
+}
+
+/// Finds who may touch all other ground.
+template <class T>
+void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings) {
+  on_ground_.clear();
+  ends_on_ground_.clear();
+  hulls_on_ground_.clear();
+  if (surroundings.tree.is_empty()) return;
+  const auto find = [&](std::uint32_t i, const Bounds& around, const Filter& filter, std::vector<Pair>& to) {
+    const Bounds at = moved_by(around, crowd.origin());
+    surroundings.find(at, near_);
+    for (const std::uint32_t shape : near_)
+      if (surroundings.shapes[shape].reaches_into(at) &&
+          plumb::may_touch(filter, surroundings.filter_of(shape)))
+        to.push_back({i, shape});
+  };
+  for (std::uint32_t i = 0; i < balls_.size(); ++i)
+    if (const Ball& each = balls_[i]; each.body != none)
+      find(i, bounds_[each.body], each.ball->filter, ends_on_ground_);
+  const auto lines = static_cast<std::uint32_t>(bodies_.size());
+  for (std::uint32_t i = 0; i < bounds_.size(); ++i) {
+    if (!crowd.is_moving(island_of(i))) continue;
+    if (i < lines)
+      find(i, bounds_[i], filter_of(i), on_ground_);
+    else
+      find(i - lines, bounds_[i], filter_of(i), hulls_on_ground_);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,7 +31,15 @@ class CrowdPairs {
     std::uint32_t island, number;
     const Linkage::Ball* ball;
     TermRange center;
+    std::uint32_t body;  ///< whose end it is; none of hulls
   };
+  /// This is a hull of an island, with the numbers at which records of its particles start.
+  struct Hull {
+    std::uint32_t island;
+    const Linkage::HullShape* shape;
+    std::array<std::uint32_t, 4> at;
+  };
+  static constexpr std::uint32_t none = 0xffffffff;
   struct Pair {
     std::uint32_t one, other;
   };
@@ -40,17 +49,28 @@ class CrowdPairs {
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double margin);
   bool are_empty() const {
-    return pairs_.empty() && on_planes_.empty() && on_boxes_.empty() && on_segments_.empty();
+    return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
+           on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
   }
 
   std::span<const Body> bodies() const { return bodies_; }
   std::span<const Ball> balls() const { return balls_; }
+  std::span<const Hull> hulls() const { return hulls_; }
   /// Names two bodies.
   std::span<const Pair> pairs() const { return pairs_; }
-  /// These name a ball and a plane, or a body and a box or a shape on anchors.
+  /// Names a hull and a body or another hull. Numbers of hulls follow those of bodies.
+  std::span<const Pair> hull_pairs() const { return hull_pairs_; }
+  std::uint32_t island_of(std::uint32_t number) const {
+    return number < bodies_.size() ? bodies_[number].island : hulls_[number - bodies_.size()].island;
+  }
+  /// These name a ball and a plane, or a body and a box on a platform or a shape on anchors.
   std::span<const Pair> on_planes() const { return on_planes_; }
   std::span<const Pair> on_boxes() const { return on_boxes_; }
   std::span<const Pair> on_segments() const { return on_segments_; }
+  /// These name a body, a ball or a hull, and one of the shapes that ground has.
+  std::span<const Pair> on_ground() const { return on_ground_; }
+  std::span<const Pair> ends_on_ground() const { return ends_on_ground_; }
+  std::span<const Pair> hulls_on_ground() const { return hulls_on_ground_; }
   std::span<const Term> terms_of(TermRange range) const {
     return std::span(ends_).subspan(range.first, range.end - range.first);
   }
@@ -58,14 +78,27 @@ class CrowdPairs {
  private:
   void find_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                    const Surroundings& surroundings, double dt, double margin);
+  void find_hulls(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+                  const Surroundings& surroundings, double dt, double margin);
+  Bounds carried(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t island,
+                 const Bounds& bounds, const Filter& filter) const;
+  const Filter& filter_of(std::uint32_t number) const {
+    return number < bodies_.size() ? bodies_[number].shape->filter
+                                   : hulls_[number - bodies_.size()].shape->filter;
+  }
   void find_pairs();
-  void find_on_ground(const Crowd<T>& crowd, const GroundNow& ground, double dt);
+  void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
+  void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
 
   std::vector<Term> ends_;
   std::vector<Body> bodies_;
   std::vector<Ball> balls_;
-  std::vector<Bounds> bounds_, ball_bounds_;  ///< within the step, from the crowd's origin
-  std::vector<Pair> pairs_, on_planes_, on_boxes_, on_segments_;
+  std::vector<Hull> hulls_;
+  /// Of bodies, then hulls, and of balls, within the step and from the crowd's origin.
+  std::vector<Bounds> bounds_, ball_bounds_;
+  std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
+  std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
+  std::vector<std::uint32_t> near_;
   SpatialHash hash_;
 };
 

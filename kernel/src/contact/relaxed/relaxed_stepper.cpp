@@ -2,31 +2,56 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace plumb::detail {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// A substep is relaxed at most so often again because something went into ground unexpectedly.
+constexpr int most_missed = 4;
+/// Where hulls are hit, sweeps go on until rods are violated by at most a share, or so often.
+constexpr int most_hit_sweeps = 400;
+constexpr double least_crushed = 1e-3;
+/// Contacts alone are visited at most so often more, so that what sweeps leave is not in the ground.
+constexpr int most_presses = 50;
+
 }  // namespace
 
 template <class T>
 void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              const ClusterRules& rules, double dt, Tally& report) {
-  const std::uint32_t substeps = rules.substeps;
-  const double h = dt / substeps;
-  recovery_rate_ = settings_.recovery / h;
+  recovery_rate_ = settings_.recovery * rules.substeps / dt;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;
   ground_.find(surroundings, start);
   gather(cluster, surroundings, dt);
+  const std::uint32_t cuts = contacts_.cuts(crowd_, dt / rules.substeps), substeps = rules.substeps * cuts;
+  is_hit_ = cuts > 1 || (contacts_.has_hulls() && is_crushed());
+  const double h = dt / substeps;
   for (std::uint32_t i = 0; i < substeps; ++i) {
     if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
     substep(cluster, surroundings, h, dt, report);
   }
   scatter(cluster);
+}
+
+/// Returns whether a blow has left rods far from their lengths.
+template <class T>
+bool RelaxedStepper<T>::is_crushed() {
+  crowd_.predict(0, Gradient::new_);
+  crowd_.prepare(*kernels_);
+  return crowd_.violation(*kernels_) > least_crushed;
+}
+
+template <class T>
+bool RelaxedStepper<T>::is_driven(std::span<LinkageState* const> cluster) {
+  return std::any_of(cluster.begin(), cluster.end(), [](const LinkageState* state) {
+    return state->linkage->is_grounded() || !state->linkage->elastics().empty();
+  });
 }
 
 template <class T>
@@ -50,21 +75,34 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
                                 double h, double dt, Tally& report) {
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
-  while (!contacts_.begin(cluster, crowd_, ground_, h)) {
+  double most_energy = crowd_.kinetic_of_moves(h);
+  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h)) {
     scatter(cluster);
     gather(cluster, surroundings, dt);
     crowd_.predict(h, Gradient::new_);
+    most_energy = crowd_.kinetic_of_moves(h);
   }
   const bool is_new = !contacts_.is_empty() || joints_.has_elastics();
-  const Gradient gradient = is_new ? Gradient::new_ : asked;
+  Gradient gradient = is_new ? Gradient::new_ : asked;
   if (gradient != Gradient::new_) crowd_.predict(h, gradient);
-  crowd_.prepare(*kernels_);
-  if (!joints_.are_empty()) scatter(cluster);
-  joints_.begin(cluster, crowd_, h, recovery_rate_);
+  begin_rows(cluster, h);
   solve(gradient, report);
+  for (int i = 0; i < most_missed && contacts_.find_missed(cluster, crowd_, surroundings, ground_, h); ++i) {
+    if (gradient != Gradient::new_) {
+      gradient = Gradient::new_;
+      crowd_.predict(h, gradient);
+      begin_rows(cluster, h);
+    }
+    solve(gradient, report);
+  }
   crowd_.advance(h, gradient);
-  contacts_.bounce(crowd_);
+  const bool bounces = contacts_.bounce(crowd_);
   brake_joints(cluster, h);
+  // Bounces by single places, and what a blow to a hull winds up, give no energy to what is not driven.
+  if (const double energy = crowd_.kinetic(); (is_hit_ || bounces) && gradient == Gradient::new_ &&
+                                              energy > most_energy && !surroundings.any_moves() &&
+                                              !is_driven(cluster))
+    crowd_.slow(std::sqrt(most_energy / energy));
   contacts_.end(cluster, crowd_, h);
   if (counts_) crowd_.count_pulls(h, gradient, cluster);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
@@ -75,6 +113,13 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     cluster[i]->frozen = true;
     ++report.frozen_islands;
   }
+}
+
+template <class T>
+void RelaxedStepper<T>::begin_rows(std::span<LinkageState* const> cluster, double h) {
+  crowd_.prepare(*kernels_);
+  if (!joints_.are_empty()) scatter(cluster);
+  joints_.begin(cluster, crowd_, h, recovery_rate_);
 }
 
 template <class T>
@@ -113,6 +158,14 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     left = contacts_.sweep(crowd_);
     ++done;
   }
+  for (int i = 0; is_hit_ && i < most_hit_sweeps && crowd_.violation(*kernels_) > least_crushed;
+       ++i, ++done) {
+    crowd_.sweep(*kernels_, gradient, counts_);
+    joints_.sweep(crowd_);
+    contacts_.sweep(crowd_);
+  }
+  for (int i = 0; is_hit_ && i < most_presses && contacts_.depth(crowd_) > settings_.slop; ++i)
+    contacts_.sweep(crowd_);
   report.block_sweeps += done;
   report.rod_projections += std::uint64_t{done} * crowd_.rods();
   report.stopped_by = std::max(report.stopped_by, reason);

@@ -39,8 +39,11 @@ class RelaxedStepper final : public ClusterMover {
  private:
   void substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h, double dt,
                Tally& report);
+  bool is_crushed();
+  static bool is_driven(std::span<LinkageState* const> cluster);
   void scatter(std::span<LinkageState* const> cluster);
   void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
+  void begin_rows(std::span<LinkageState* const> cluster, double h);
   void solve(Gradient gradient, Tally& report);
   void brake_joints(std::span<LinkageState* const> cluster, double h);
 
@@ -53,6 +56,7 @@ class RelaxedStepper final : public ClusterMover {
   CrowdJoints<T> joints_;
   std::vector<Vec3> rigid_;
   double recovery_rate_ = 0;
+  bool is_hit_ = false;  ///< hulls move fast near what they may touch
   bool counts_ = false;  ///< some island's pulls count
 };
 

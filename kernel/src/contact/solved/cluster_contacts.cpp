@@ -11,13 +11,11 @@ using namespace contact_limits;
 
 namespace {
 
-/// This is the place of a side on something fixed, which has no particles.
-constexpr Combination nothing{};
-
 /// Returns the distance (m) within which a contact is watched whose ends move by `moves` (m) in a substep.
 double in_sight(double moves, double length_scale) {
   return sight * length_scale + sight_of_moves * moves;
 }
+
 }  // namespace
 
 void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key,
@@ -27,7 +25,7 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   const auto motion = [&](const Island* island, const Combination& sum, std::span<const Vec3> of) {
     return island && island->awake ? sum.of(of) : Vec3{};
   };
-  const double radius = one->state->linkage->shapes()[a.shape].radius;
+  const double radius = one->state->linkage->shape_of(a.shape).radius;
   Vec3 carried{}, carried_now{}, carried_at_end{};  // by ground that moves
   if (b.rate) {
     const Vec3 place = a.at.of(one->state->x) - radius * touch.normal;
@@ -71,7 +69,7 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                               .spin = b.rate ? b.rate->spin : Vec3{}};
   if (!two) return one->ground.add(*one->state->linkage, contact);
   // Both are pushed at one place, half way between their surfaces.
-  const double other_radius = two->state->linkage->shapes()[b.shape].radius;
+  const double other_radius = two->state->linkage->shape_of(b.shape).radius;
   const ContactEnd ends[] = {{a.island, &a.at, a.shape, -(radius + 0.5 * touch.gap) * touch.normal},
                              {b.island, &b.at, b.shape, (other_radius + 0.5 * touch.gap) * touch.normal}};
   add_contact_rows(contact, ends, h);
@@ -120,6 +118,7 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
 void ClusterStepper::find_bounds() {
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
+    place_hulls(island);
     if (!island.awake) {
       island.bounds = bounds_of(*island.state->linkage, island.state->x, settings_.margin);
       continue;
@@ -151,6 +150,7 @@ void ClusterStepper::find_contacts(double h) {
     const Island& island = islands_[i];
     if (island.awake) {
       touch_planes(i, h);
+      touch_ground(i, h);
       touch_boxes(i, h);
       touch_anchored(i, h);
       spread_ground(i, h);
@@ -158,7 +158,9 @@ void ClusterStepper::find_contacts(double h) {
     }
     for (std::uint32_t j = i + 1; j < count_; ++j) {
       const Island& other = islands_[j];
-      if ((island.awake || other.awake) && island.bounds.overlaps(other.bounds)) touch_island(i, j, h);
+      if (!(island.awake || other.awake) || !island.bounds.overlaps(other.bounds)) continue;
+      touch_island(i, j, h);
+      if (island.hulls.size() + other.hulls.size() > 0) touch_island_hulls(i, j, h);
     }
   }
 }
@@ -175,7 +177,7 @@ void ClusterStepper::touch_planes(std::uint32_t i, double h) {
       const Linkage::Ball& ball = balls[k];
       if (!plumb::may_touch(ball.filter, plane.filter)) continue;
       const double gap = dot(plane.normal, ball.center.of(island.state->x)) - plane.offset - ball.radius;
-      add_contact({i, ball.center, ball.surface, ball.shape}, {none, nothing, plane.surface, 0, rate},
+      add_contact({i, ball.center, ball.surface, ball.shape}, {none, no_particles, plane.surface, 0, rate},
                   {gap, plane.normal}, contact_key(KeyKind::plane, k, 0, p), h);
     }
   }
@@ -187,6 +189,7 @@ void ClusterStepper::touch_boxes(std::uint32_t i, double h) {
   const std::span<const Vec3> x = island.state->x;
   for (std::uint32_t b = 0; b < ground_.boxes().size(); ++b) {
     const Surroundings::Solid& box = ground_.boxes()[b];
+    if (!box.motion.platform) continue;  // it is among the other shapes
     const GroundRate* const rate = ground_.rate_of_box(b);
     if (!box.bounds.overlaps(grown(island.bounds, h * fastest(rate, island.bounds, h)))) continue;
     for (std::uint32_t k = 0; k < shapes.size(); ++k) {
@@ -195,8 +198,9 @@ void ClusterStepper::touch_boxes(std::uint32_t i, double h) {
       const Vec3 p = box.frame.to_local(shape.a.of(x) - box.center);
       const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
       for_touches_with_box(p, q, shape.radius, box, [&](std::uint64_t which, double t, const Touch& touch) {
-        add_contact({i, blend(shape.a, shape.b, t), shape.surface, k}, {none, nothing, box.surface, 0, rate},
-                    touch, contact_key(KeyKind::box, 16 * k + which, 0, b), h);
+        add_contact({i, blend(shape.a, shape.b, t), shape.surface, k},
+                    {none, no_particles, box.surface, 0, rate}, touch,
+                    contact_key(KeyKind::box, 16 * k + which, 0, b), h);
       });
     }
   }
@@ -217,7 +221,7 @@ void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
       const Touches found = touches(first, other);
       for (std::uint32_t n = 0; n < found.count; ++n)
         add_contact({i, blend(shape.a, shape.b, found.at[n].a), shape.surface, k},
-                    {none, nothing, others[l].surface, 0, rate}, found.at[n],
+                    {none, no_particles, others[l].surface, 0, rate}, found.at[n],
                     contact_key(KeyKind::segment, 4 * k + n, 0, l), h);
     }
   }

@@ -13,6 +13,7 @@ using namespace contact_limits;
 void ClusterStepper::begin_elastics(Island& island, double h) const {
   LinkageState& state = *island.state;
   const std::span<const Elastic> elastics = state.linkage->elastics();
+  state.follow_bends(h);
   state.find_gives();
   for (std::size_t i = 0; i < elastics.size(); ++i) {
     const ElasticLaw& law = state.laws[i];
@@ -21,14 +22,13 @@ void ClusterStepper::begin_elastics(Island& island, double h) const {
     step = {.acts = law.stiffness != 0 || law.damping != 0, .start = state.elastic_numbers[i]};
     if (law.one_sided) {
       const double there = state.linkage->number(elastics[i], island.there, step.start);
-      step.acts = step.acts && (keeps_slack_ ? was_taut : std::max(there, step.start) > law.rest);
+      // What just fits may pull as well: free flight keeps lengths, so that it finds the uppermost alone.
+      const bool may_pull = std::max(there, step.start) >= (1 - exact) * law.rest;
+      step.acts = step.acts && (keeps_slack_ ? was_taut : may_pull);
     }
     if (step.acts) step.begin(law, state.gives[i], h);
   }
-  state.factor_with_elastics([&](std::size_t i) {
-    const ElasticStep& step = island.elastics[i];
-    return step.acts ? step.soft : -1;
-  });
+  state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_of_positions(); });
 }
 
 /// Writes what rows of elastics ask of a solution near Island::d, as Linkage::targets() does for constraints.
@@ -59,18 +59,19 @@ double ClusterStepper::elastic_misfit(Island& island) {
     const double off = linkage.number(elastic, island.there, step.start) - state.laws[i].rest;
     const double miss = off + step.soft * step.p + step.before;
     island.right()[linkage.plan().position(elastic.row)] = -miss;
-    const bool is_length = elastic.kind == Elastic::Kind::distance || elastic.kind == Elastic::Kind::along;
+    const bool is_length = !linkage.is_of_bend(i) &&
+                           (elastic.kind == Elastic::Kind::distance || elastic.kind == Elastic::Kind::along);
     worst = std::max(worst, std::abs(miss) / (is_length ? linkage.size() : 1));
   }
   return std::isfinite(worst) ? worst : INFINITY;
 }
 
-/// Adds to pulls what the last solution says of them.
-void ClusterStepper::pull_elastics(Island& island) {
+/// Adds to pulls this share of what the last solution says of them.
+void ClusterStepper::pull_elastics(Island& island, double share) {
   const Linkage& linkage = *island.state->linkage;
   for (std::size_t i = 0; i < island.state->laws.size(); ++i)
     if (island.elastics[i].acts)
-      island.elastics[i].p -= island.right()[linkage.plan().position(linkage.elastics()[i].row)];
+      island.elastics[i].p -= share * island.right()[linkage.plan().position(linkage.elastics()[i].row)];
 }
 
 /// Kicks Island::impulse by what pulls leave for the end, and factorises the matrix of velocities.
@@ -82,11 +83,31 @@ void ClusterStepper::end_elastics(Island& island, double h) {
     const Elastic& elastic = linkage.elastics()[i];
     ElasticStep& step = island.elastics[i];
     if (!step.acts) continue;
-    linkage.push_along(elastic, linkage.slope(elastic, state.x), step.end_kick(h), island.impulse);
+    step.end_push = step.p / h;
+    linkage.push_along(elastic, linkage.slope(elastic, state.x), step.end_push, island.impulse);
     // What is damped goes on as it goes. What is stiff has come to rest.
     step.end_rate = step.damped / h * (linkage.number(elastic, state.x, step.start) - step.start);
   }
   state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_at_end(); });
+}
+
+/// Lets go of cables that would push where the substep ends, and factorises the matrix of velocities without
+/// them. Returns whether there are any, so that velocities are to be found again.
+bool ClusterStepper::let_go_at_end(Island& island) {
+  LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  bool is_changed = false;
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    ElasticStep& step = island.elastics[i];
+    if (!state.laws[i].one_sided || step.soft_at_end() < 0) continue;
+    const Elastic& elastic = linkage.elastics()[i];
+    if (island.right()[linkage.plan().position(elastic.row)] >= step.end_push) continue;
+    linkage.push_along(elastic, linkage.slope(elastic, state.x), -step.end_push, island.impulse);
+    step.end_push = 0;
+    step.lets_go = is_changed = true;
+  }
+  if (is_changed) state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_at_end(); });
+  return is_changed;
 }
 
 /// Writes the rates to which elastics hold velocities, beside anchors that move.

@@ -43,9 +43,11 @@ void ClusterStepper::find_velocities(Island& island) {
   const LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
-  fill_velocities(island);
-  linkage.plan().solve(state.factors, island.unknowns);
-  island.take_pulls(island.end_pulls, 0, 1);
+  do {
+    fill_velocities(island);
+    linkage.plan().solve(state.factors, island.unknowns);
+    island.take_pulls(island.end_pulls, 0, 1);
+  } while (let_go_at_end(island));
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);
   if (linkage.is_redundant()) state.correct_velocities(island.v, island.unknowns, island.end_pulls);
 }
@@ -79,6 +81,8 @@ void ClusterStepper::finish(double h, bool touched) {
 // Pushes act along the constraints where the islands are now; the responses of where they were only lead
 // there, in a few rounds.
 void ClusterStepper::bounce(double h) {
+  // Where the substep ends, elastics that it resolves do not hold what is pushed.
+  find_responses(true);
   // What pushed at the end of the last substep, if the row was there then and pushes in this one. Else, at
   // rest, what pushes in the second half is what pushed in the first.
   bool pushes = false;  // rows of a contact follow their normal

@@ -16,9 +16,11 @@ std::uint32_t padded(std::size_t batches) {
 
 }  // namespace
 
-void ClusterStepper::find_responses() {
+void ClusterStepper::find_responses(bool of_elastic_ones_alone) {
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (!islands_[i].sides.empty()) couple(islands_[i]);
+    if (Island& each = islands_[i];
+        !each.sides.empty() && !(of_elastic_ones_alone && each.state->laws.empty()))
+      couple(each);
   for (std::size_t r = rows_.size(); r-- > 0;) {
     Row& row = rows_[r];
     double own = 0, heaviest = 0;
@@ -340,11 +342,8 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   const double wanted = state.laws.empty() ? exact : exact_if_elastic;
   progress.violation = std::max(progress.violation, violation);
   progress.to_do = std::max(progress.to_do, violation / wanted);
-  bool lacks = false;
-  if (on_ground) {
-    island.ground.look(linkage, island.d, correction < bounds_follow_for);
-    lacks = island.ground.lack() > ground_enough;
-  }
+  if (on_ground) island.ground.look(linkage, island.d, correction < bounds_follow_for);
+  const bool lacks = on_ground && island.ground.lack() > ground_enough;
   progress.lacks = progress.lacks || lacks;
   if (violation <= wanted && !lacks) return true;
   if (!std::isfinite(violation)) return false;
@@ -353,7 +352,7 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
     if (!correct_on_ground(island)) return false;
   } else {
     linkage.plan().solve(state.factors, island.unknowns);
-    pull_elastics(island);
+    pull_elastics(island, 1);
     island.take_pulls(island.pulls, 1, 1);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
       island.d[k] += linkage.taken(right, k);

@@ -54,6 +54,7 @@ Bounds reach(const LinkageState& state, double speed, double dt, double margin) 
 void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                           const ClusterRules& rules, double dt, Tally& report) {
   const std::uint32_t substeps = rules.substeps;
+  surroundings_ = &surroundings;
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -99,7 +100,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
 /// Whether nothing is near the only island in a substep.
 bool ClusterStepper::is_alone(const Surroundings& surroundings, double h) const {
   const LinkageState& state = *islands_[0].state;
-  return state.linkage->shapes().empty() ||
+  return state.linkage->balls().empty() ||
          !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin),
                                   state.linkage->filters());
 }
@@ -210,7 +211,7 @@ void ClusterStepper::predict(Island& island) {
   linkage.put(island.momentum, right);
   aim_elastics(island);
   linkage.plan().solve(state.factors, island.unknowns);
-  pull_elastics(island);
+  pull_elastics(island, 1);
   island.take_pulls(island.pulls, 0, 1);
   for (std::uint32_t i = 0; i < linkage.movable(); ++i) island.d[i] = linkage.taken(right, i);
   island.is_predicted = true;
@@ -224,13 +225,8 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
                                   norm(islands_[i].state->linkage->gravity()));
   keeps_slack_ = false;
   switches_ = 0;
-  do {
-    if (!find_positions(h, report)) return false;
-    if (!all_near_ && is_contact_missed()) {
-      all_near_ = keeps_slack_ = true;
-      if (!find_positions(h, report)) return false;
-    }
-  } while (switch_elastics());
+  missed_ground_.clear();
+  if (!find_sound_positions(h, report)) return false;
   double before = energy();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
@@ -277,6 +273,24 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   return true;
 }
 
+/// Finds positions again while something is missed, or elastics are slack that were not.
+bool ClusterStepper::find_sound_positions(double h, Tally& report) {
+  do {
+    if (!find_positions(h, report)) return false;
+    if (!all_near_ && is_contact_missed()) {
+      all_near_ = keeps_slack_ = true;
+      if (!find_positions(h, report)) return false;
+    }
+    for (int i = 0; find_missed_ground(); ++i) {
+      if (i == most_missed && h > shortest_) return false;
+      if (i == most_missed) break;
+      keeps_slack_ = true;
+      if (!find_positions(h, report)) return false;
+    }
+  } while (switch_elastics());
+  return true;
+}
+
 /// Returns the work (J) that ground which moves does in the substep.
 double ClusterStepper::work_of_ground(double h) const {
   double sum = 0;
@@ -311,7 +325,7 @@ bool ClusterStepper::find_positions(double h, Tally& report) {
   } while (woken_);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].ground.is_empty() && !start_on_ground(islands_[i])) return false;
-  if (!rows_.empty()) find_responses();
+  if (!rows_.empty()) find_responses(false);
   return solve_positions(report);
 }
 

@@ -9,13 +9,14 @@
 
 #include "contact/cluster_mover.hpp"
 #include "contact/ground/ground_contacts.hpp"
+#include "contact/ground/ground_search.hpp"
 #include "contact/levers/lever.hpp"
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/linkage/visitor.hpp"
 #include "contact/platforms/ground_now.hpp"
+#include "contact/shapes/touch.hpp"
 #include "contact/surroundings.hpp"
-#include "contact/touch.hpp"
 #include "interface/tally.hpp"
 
 namespace plumb::detail {
@@ -139,6 +140,7 @@ class ClusterStepper final : public ClusterMover {
     std::vector<ElasticStep> elastics;
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
+    PlacedHulls hulls;
     GroundContacts ground;      ///< those with fixed things, if there are many
     bool is_predicted = false;  ///< d is where it flies, or else a guess
     std::size_t next_kept = 0;  ///< where the next contact is likely to be found again
@@ -188,12 +190,13 @@ class ClusterStepper final : public ClusterMover {
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
-  bool bring_to_lengths();
+  bool bring_to_lengths(const Surroundings& surroundings);
   double longest_substep(double most, double turn) const;
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
   void predict(Island& island);
+  static bool factor_on_ground(Island& island, bool is_end);
   bool start_on_ground(Island& island);
   /// Says how far corrections of all islands are.
   struct Progress {
@@ -209,15 +212,18 @@ class ClusterStepper final : public ClusterMover {
   bool is_on_ground() const;
   bool is_landing() const;
   bool any_touch() const;
+  bool any_bends() const;
   std::size_t count_pushes() const;
   void freeze(Island& island, Tally& report);
   void begin_elastics(Island& island, double h) const;
   static void aim_elastics(Island& island);
   static double elastic_misfit(Island& island);
-  static void pull_elastics(Island& island);
+  static void pull_elastics(Island& island, double share);
   void end_elastics(Island& island, double h);
+  static bool let_go_at_end(Island& island);
   static void hold_elastics(Island& island);
   bool switch_elastics();
+  bool find_sound_positions(double h, Tally& report);
   bool find_positions(double h, Tally& report);
   bool is_contact_missed() const;
   void find_contacts(double h);
@@ -226,7 +232,18 @@ class ClusterStepper final : public ClusterMover {
   void touch_planes(std::uint32_t i, double h);
   void touch_boxes(std::uint32_t i, double h);
   void touch_anchored(std::uint32_t i, double h);
+  /// Finds contacts with ground that is not a plane.
+  void touch_ground(std::uint32_t i, double h);
+  void touch_ends(std::uint32_t i, std::uint32_t ground, double h);
+  Place place_on(std::uint32_t ground) const;
+  static MovingSegment motion_of(const Island& island, const Linkage::Shape& shape);
+  static MovingHullShape hull_motion(Island& island, std::uint32_t hull);
+  bool passes_ground(const Island& island, const Surroundings& surroundings);
+  bool find_missed_ground();
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
+  static void place_hulls(Island& island);
+  static PlacedShape placed(Island& island, std::uint32_t number);
+  void touch_island_hulls(std::uint32_t i, std::uint32_t j, double h);
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
   void spread_ground(std::uint32_t i, double h);
@@ -240,7 +257,7 @@ class ClusterStepper final : public ClusterMover {
   static Sum add_sum(Island& island, const Combination& sum);
   static std::uint32_t add_side(Island& island, const Side& side);
   static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
-  void find_responses();
+  void find_responses(bool of_elastic_ones_alone);
   void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
   static double see(const Row& row);
@@ -303,7 +320,16 @@ class ClusterStepper final : public ClusterMover {
   std::vector<Row> rows_;
   std::vector<Levers> levers_;
   std::vector<LeftOut> left_out_;
-  GroundNow ground_;  ///< as the substep starts
+  const Surroundings* surroundings_ = nullptr;  ///< of this step
+  GroundNow ground_;                            ///< as the substep starts
+  std::vector<std::uint32_t> near_ground_;      ///< an island's or a shape's, ascending
+  /// A shape went into ground unexpectedly.
+  struct MissedGround {
+    std::uint32_t island, shape, ground, number;
+    Combination at;
+    Touch touch;
+  };
+  std::vector<MissedGround> missed_ground_;
   bool woken_ = false, all_near_ = false;
   bool loose_ = false;        ///< ground grips loosely, since nothing was found with its whole grip
   bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try

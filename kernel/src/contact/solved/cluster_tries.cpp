@@ -33,7 +33,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
     if (std::exchange(loose_, false)) h = halved;
     h /= 2;
     ++report.halvings;
-    if (h < few_cuts * whole && overload_.state == nullptr && any_touch() &&
+    if (h < few_cuts * whole && overload_.state == nullptr && any_touch() && !any_bends() &&
         relax(cluster, surroundings, 1, whole, report)) {
       ++report.fallbacks;
       for (LinkageState* const state : cluster) state->relax_for = patience;
@@ -55,6 +55,12 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
 bool ClusterStepper::is_on_ground() const {
   return std::any_of(islands_.begin(), islands_.begin() + count_,
                      [](const Island& each) { return !each.ground.is_empty(); });
+}
+
+/// Returns whether any island has bends, which a blow along them makes stiffer than what few sweeps solve.
+bool ClusterStepper::any_bends() const {
+  return std::any_of(islands_.begin(), islands_.begin() + count_,
+                     [](const Island& each) { return !each.state->linkage->bends().empty(); });
 }
 
 /// Returns whether most of what touches ground did not do so a substep ago.
@@ -99,13 +105,16 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
 }
 
-/// Brings the rods of what is awake to their lengths. Returns false where they are too far from them.
-bool ClusterStepper::bring_to_lengths() {
+/// Brings the rods of what is awake to their lengths. Returns false where they are too far from them, or
+/// where something passed ground on its way there.
+bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
     if (!islands_[i].awake) continue;
-    if (!(project_positions(state, projection_) <= most_left)) return false;
+    islands_[i].there = state.x;
+    if (!(project_positions(state, projection_) <= most_left) || passes_ground(islands_[i], surroundings))
+      return false;
     project_velocities(state, projection_);
     std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
     state.energy.reset();
@@ -125,7 +134,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   for (std::size_t i = 0; i < cluster.size(); ++i) before_[i] = cluster[i]->motion();
   Tally tried = report;
   relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, tried);
-  if (bring_to_lengths()) {
+  if (bring_to_lengths(surroundings)) {
     report = tried;
     return true;
   }

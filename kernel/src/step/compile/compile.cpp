@@ -130,7 +130,7 @@ class Compiler {
   /// Makes solvers for islands with bodies or joints by a method that needs no contact solver for them.
   void make_jointed(const SceneParts& parts) {
     for (std::uint32_t p = 0; p < parts.count(); ++p) {
-      if (!parts.part(p).capsules.empty())
+      if (!parts.part(p).capsules.empty() || !parts.part(p).hulls.empty())
         refuse("particle ", parts.particles(p).front(), ": its island has shapes, and method ",
                to_string(settings_.method), " lets nothing touch; relax, direct and auto do");
       if (is_plain(parts.part(p))) continue;
@@ -150,10 +150,9 @@ class Compiler {
       refuse(what, " 0: method ", to_string(settings_.method), " moves no ", what, "s; direct and auto do");
   }
 
-  /// Refuses elements in an island with joints or shapes.
+  /// Refuses elements in an island with joints or shapes, but for bends.
   void require_no_elements(std::span<const std::uint32_t> particles) {
-    if (scene_.bends.empty() && scene_.tackles.empty() && scene_.twists.empty() && scene_.reels.empty())
-      return;
+    if (scene_.tackles.empty() && scene_.twists.empty() && scene_.reels.empty()) return;
     if (element_at_.empty()) find_elements();
     for (const std::uint32_t particle : particles)
       if (!scene_.particles[particle].fixed && element_at_[particle].name)
@@ -166,7 +165,6 @@ class Compiler {
       for (const std::uint32_t particle : particles)
         if (!element_at_[particle].name) element_at_[particle] = {name, i};
     };
-    for (std::size_t i = 0; i < scene_.bends.size(); ++i) mark("bend", i, particles_of(scene_.bends[i]));
     for (std::size_t i = 0; i < scene_.tackles.size(); ++i) mark("tackle", i, scene_.tackles[i].particles);
     for (std::size_t i = 0; i < scene_.twists.size(); ++i) mark("twist", i, scene_.twists[i].particles);
     for (std::size_t i = 0; i < scene_.reels.size(); ++i) mark("reel", i, scene_.reels[i].particles);
@@ -175,16 +173,23 @@ class Compiler {
   /// Refuses elements where the method or the gradient does not know them.
   void require_elements_moved() const {
     constexpr const char* straight = ": a straight chain has no direction at the old position";
-    if (!scene_.bends.empty()) require_moved("bend", straight);
-    if (!scene_.tackles.empty()) require_moved("tackle", "");
-    if (!scene_.twists.empty()) require_moved("twist", straight);
-    if (!scene_.reels.empty()) require_moved("reel", "");
+    const auto is_alone = [&](const Bend& bend) {
+      const auto of = particles_of(bend);
+      return std::none_of(of.begin(), of.end(), [&](std::uint32_t i) { return is_jointed_[i] != 0; });
+    };
+    const auto bend = std::find_if(scene_.bends.begin(), scene_.bends.end(), is_alone);
+    if (bend != scene_.bends.end())
+      require_moved("bend", static_cast<std::size_t>(bend - scene_.bends.begin()), straight);
+    if (!scene_.tackles.empty()) require_moved("tackle", 0, "");
+    if (!scene_.twists.empty()) require_moved("twist", 0, straight);
+    if (!scene_.reels.empty()) require_moved("reel", 0, "");
   }
-  void require_moved(const char* name, const char* why) const {
+  void require_moved(const char* name, std::size_t i, const char* why) const {
     if (!method_row(settings_.method).moves_elements)
-      refuse(name, " 0: method ", to_string(settings_.method), " moves no ", name, "s; direct and auto do");
+      refuse(name, " ", i, ": method ", to_string(settings_.method), " moves no ", name,
+             "s; direct and auto do");
     if (settings_.gradient == Gradient::old)
-      refuse(name, " 0: gradient old moves no ", name, "s", why, "; mid and new do");
+      refuse(name, " ", i, ": gradient old moves no ", name, "s", why, "; mid and new do");
   }
 
   /// Refuses what relaxation does not move of an island with joints.

@@ -7,7 +7,7 @@
 
 #include "plumb/vec3.hpp"
 
-/// This file finds where rounded shapes come nearest: the closest points of lines, planes and boxes.
+/// This file finds where rounded shapes come nearest: the closest points of lines and of boxes.
 namespace plumb::detail {
 
 /// Says how near two shapes are to touching. `a` and `b` are places along the lines of the pair, from 0 to 1.

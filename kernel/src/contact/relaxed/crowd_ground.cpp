@@ -1,0 +1,249 @@
+// This file finds where a crowd touches ground that is not a plane, and where its hulls touch.
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/ground/ground_search.hpp"
+#include "contact/relaxed/crowd_contacts.hpp"
+
+namespace plumb::detail {
+
+template <class T>
+void CrowdContacts<T>::touch_boxes(const Substep& in) {
+  for (const Pair& pair : near_.on_boxes()) {
+    const Body& each = near_.bodies()[pair.one];
+    const Surroundings::Solid& box = in.ground.boxes()[pair.other];
+    const Vec3 off = in.crowd.origin() - box.center;
+    const Vec3 p = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.a)));
+    const Vec3 q = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.b)));
+    for_touches_with_box(p, q, each.shape->radius, box,
+                         [&](std::uint64_t which, double t, const Touch& touch) {
+                           const Combination at = blend(each.shape->a, each.shape->b, t);
+                           add(in, {each.island, each.number, &at, &each.shape->surface},
+                               {.surface = &box.surface, .rate = in.ground.rate_of_box(pair.other)}, touch,
+                               contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
+                         });
+  }
+}
+
+template <class T>
+void CrowdContacts<T>::touch_segments(const Substep& in) {
+  for (const Pair& pair : near_.on_segments()) {
+    const Body& each = near_.bodies()[pair.one];
+    const Segment own{in.crowd.origin() + in.crowd.position(near_.terms_of(each.a)),
+                      in.crowd.origin() + in.crowd.position(near_.terms_of(each.b)), each.shape->radius};
+    const Touches near = touches(own, in.ground.segments()[pair.other]);
+    for (std::uint32_t n = 0; n < near.count; ++n) {
+      const Combination at = blend(each.shape->a, each.shape->b, near.at[n].a);
+      add(in, {each.island, each.number, &at, &each.shape->surface},
+          {.surface = &in.ground.shapes()[pair.other].surface, .rate = in.ground.rate_of_segment(pair.other)},
+          near.at[n], contact_key(KeyKind::segment, 4 * each.number + n, 0, pair.other));
+    }
+  }
+}
+
+template <class T>
+void CrowdContacts<T>::place_hulls(const Crowd<T>& crowd) {
+  placed_hulls_.clear();
+  for (const Hull& hull : near_.hulls()) {
+    Vectors particles;
+    for (std::size_t k = 0; k < 4; ++k) particles[k] = crowd.origin() + crowd.position(hull.at[k]);
+    placed_hulls_.add(*hull.shape, particles);
+  }
+}
+
+template <class T>
+MovingSegment CrowdContacts<T>::motion_of(const Crowd<T>& crowd, const Body& body) const {
+  return {{crowd.origin() + crowd.position(near_.terms_of(body.a)),
+           crowd.origin() + crowd.position(near_.terms_of(body.b)), body.shape->radius},
+          crowd.moved(near_.terms_of(body.a)),
+          crowd.moved(near_.terms_of(body.b))};
+}
+
+template <class T>
+MovingHullShape CrowdContacts<T>::hull_motion(const Crowd<T>& crowd, std::uint32_t hull) {
+  Vectors by;
+  for (std::size_t k = 0; k < 4; ++k) by[k] = crowd.moved(near_.hulls()[hull].at[k]);
+  return placed_hulls_.moving(hull, by);
+}
+
+template <class T>
+std::uint32_t CrowdContacts<T>::cuts(const Crowd<T>& crowd, double h) const {
+  constexpr double farthest = 0.2, most_cuts = 1024;
+  double most = 1;
+  const auto see = [&](const Hull& hull) {
+    if (!crowd.is_moving(hull.island)) return;
+    Vectors velocities;
+    for (std::size_t k = 0; k < 4; ++k) velocities[k] = crowd.velocity(hull.at[k]);
+    for (const std::array<double, 4>& corner : hull.shape->corners)
+      most = std::max(most, h * norm(weighted(corner, velocities)) / (farthest * hull.shape->half_width));
+  };
+  const auto lines = static_cast<std::uint32_t>(near_.bodies().size());
+  for (const Pair& pair : near_.hulls_on_ground()) see(near_.hulls()[pair.one]);
+  for (const Pair& pair : near_.hull_pairs())
+    for (const std::uint32_t i : {pair.one, pair.other})
+      if (i >= lines) see(near_.hulls()[i - lines]);
+  for (const Pair& pair : near_.on_planes())
+    if (const Ball& ball = near_.balls()[pair.one]; ball.body == none)
+      for (const Hull& hull : near_.hulls())
+        if (hull.island == ball.island && hull.shape->number == ball.ball->shape) see(hull);
+  return static_cast<std::uint32_t>(std::ceil(std::min(most, most_cuts)));
+}
+
+template <class T>
+auto CrowdContacts<T>::ground_side(const Substep& in, std::uint32_t ground) -> Side {
+  const GroundShape& shape = in.surroundings.shapes[ground];
+  const GroundRate* const rate =
+      shape.box() == GroundShape::none ? nullptr : in.ground.rate_of_box(shape.box());
+  return {.surface = &shape.surface(), .rate = rate};
+}
+
+template <class T>
+void CrowdContacts<T>::touch_ground(const Substep& in) {
+  const Surroundings& surroundings = in.surroundings;
+  const Crowd<T>& crowd = in.crowd;
+  const GroundSearch search{settings_.margin, settings_.tolerance};
+  for (const auto& [number, ground] : near_.on_ground()) {
+    const Body& each = near_.bodies()[number];
+    const Side other = ground_side(in, ground);
+    for_line_touches(surroundings, ground, motion_of(crowd, each), each.number, search,
+                     [&](std::uint64_t key, const Touch& touch) {
+                       const Combination at = blend(each.shape->a, each.shape->b, touch.a);
+                       add(in, {each.island, each.number, &at, &each.shape->surface}, other, touch, key);
+                     });
+  }
+  for (const auto& [number, ground] : near_.ends_on_ground()) {
+    const Ball& each = near_.balls()[number];
+    const Side other = ground_side(in, ground);
+    const auto [line, p_by, q_by] = motion_of(crowd, near_.bodies()[each.body]);
+    const MovingEnd end{crowd.origin() + crowd.position(near_.terms_of(each.center)), 0.5 * (line.p + line.q),
+                        each.ball->radius, norm(crowd.moved(near_.terms_of(each.center)))};
+    for_end_touches(surroundings, ground, end, each.number, search,
+                    [&](std::uint64_t key, const Touch& touch) {
+                      add(in, {each.island, each.ball->shape, &each.ball->center, &each.ball->surface}, other,
+                          touch, key);
+                    });
+  }
+  for (const auto& [number, ground] : near_.hulls_on_ground()) {
+    const Hull& each = near_.hulls()[number];
+    const Side other = ground_side(in, ground);
+    for_hull_touches(
+        surroundings, ground, hull_motion(crowd, number), search,
+        [&](std::uint64_t key, const Combination& at, const Touch& touch) {
+          add(in, {each.island, each.shape->number, &at, &each.shape->surface}, other, touch, key);
+        });
+  }
+}
+
+template <class T>
+PlacedShape CrowdContacts<T>::placed(const Crowd<T>& crowd, std::uint32_t number) {
+  const auto lines = static_cast<std::uint32_t>(near_.bodies().size());
+  if (number >= lines) return {placed_hulls_, number - lines};
+  const Body& body = near_.bodies()[number];
+  const Segment line = motion_of(crowd, body).at;
+  return {*body.shape, body.number, line.p, line.q};
+}
+
+template <class T>
+void CrowdContacts<T>::touch_hull_pairs(const Substep& in) {
+  const Crowd<T>& crowd = in.crowd;
+  const auto lines = static_cast<std::uint32_t>(near_.bodies().size());
+  const auto moves = [&](std::uint32_t i) {
+    return i < lines ? moves_of(motion_of(crowd, near_.bodies()[i])) : hull_motion(crowd, i - lines).moves();
+  };
+  for (const auto& [one, two] : near_.hull_pairs()) {
+    const std::uint32_t i = near_.island_of(one), j = near_.island_of(two);
+    if (!crowd.is_moving(i) && !crowd.is_moving(j)) continue;
+    const PlacedShape a = placed(crowd, one), b = placed(crowd, two);
+    for_pair_touches(
+        a, b, settings_.margin + moves(one) + moves(two), in.cluster[j]->number,
+        [&](std::uint64_t key, const Combination& at_a, const Combination& at_b, const Touch& touch) {
+          add(in, {i, a.number, &at_a, a.surface}, {j, b.number, &at_b, b.surface}, touch, key);
+        });
+  }
+}
+
+template <class T>
+bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
+                                   const Surroundings& surroundings, const GroundNow& ground, double h) {
+  const std::size_t before = contacts_.size();
+  const auto comes = [&](const Contact& contact) {
+    const Vec3 moved = crowd.moved(terms_of(contact.terms)) - contact.carried;
+    if (contact.gap + dot(contact.normal, moved) > -settings_.slop) return false;
+    contacts_.push_back(contact);
+    return true;
+  };
+  left_out_.erase(std::remove_if(left_out_.begin(), left_out_.end(), comes), left_out_.end());
+  if (surroundings.tree.is_empty()) return contacts_.size() > before;
+  const Substep in{cluster, crowd, surroundings, ground, h};
+  find_missed_bodies(in);
+  find_missed_hulls(in);
+  return contacts_.size() > before;
+}
+
+/// Adds a contact with what a shape went into, if that was not expected. `width` (m) is half of the shape's.
+template <class T>
+void CrowdContacts<T>::miss(const Substep& in, const Side& side, std::uint32_t ground, double width,
+                            const Touch& plane, double time) {
+  // What sweeps leave may be a share of a shape.
+  constexpr double harmless = 0.25;
+  if (is_missed(plane, time, std::max(settings_.tolerance, std::min(settings_.margin, harmless * width))) &&
+      plumb::may_touch(shape_of(in, side).filter, in.surroundings.filter_of(ground)))
+    add(in, side, ground_side(in, ground), plane,
+        ground_key(GroundPart::missed, side.shape, ground, contacts_.size()));
+}
+
+template <class T>
+void CrowdContacts<T>::find_missed_bodies(const Substep& in) {
+  const GroundSearch search{settings_.margin, settings_.tolerance};
+  for (const Body& each : near_.bodies()) {
+    if (!in.crowd.is_moving(each.island)) continue;
+    const MovingSegment moving = motion_of(in.crowd, each);
+    if (!search.is_fast(moves_of(moving), each.shape->radius)) continue;
+    in.surroundings.find(bounds_of(moving), near_ground_);
+    for (const std::uint32_t ground : near_ground_)
+      for_first_touches(in.surroundings, ground, moving, search.close,
+                        [&](std::uint64_t, const Touch& plane, double time) {
+                          const Combination at = blend(each.shape->a, each.shape->b, plane.a);
+                          miss(in, {each.island, each.number, &at, &each.shape->surface}, ground,
+                               each.shape->radius, plane, time);
+                        });
+  }
+}
+
+template <class T>
+void CrowdContacts<T>::find_missed_hulls(const Substep& in) {
+  const GroundSearch search{settings_.margin, settings_.tolerance};
+  for (std::uint32_t k = 0; k < near_.hulls().size(); ++k) {
+    const Hull& each = near_.hulls()[k];
+    if (!in.crowd.is_moving(each.island)) continue;
+    const MovingHullShape moving = hull_motion(in.crowd, k);
+    if (!search.is_fast(moving.moves(), each.shape->half_width)) continue;
+    in.surroundings.find(bounds_of(moving.hull), near_ground_);
+    for (const std::uint32_t ground : near_ground_)
+      for_first_touches(in.surroundings, ground, moving, search.close,
+                        [&](std::uint64_t, const Combination& at, const Touch& plane, double time) {
+                          miss(in, {each.island, each.shape->number, &at, &each.shape->surface}, ground,
+                               each.shape->half_width, plane, time);
+                        });
+  }
+}
+
+template void CrowdContacts<float>::touch_boxes(const Substep&);
+template void CrowdContacts<float>::touch_segments(const Substep&);
+template std::uint32_t CrowdContacts<float>::cuts(const Crowd<float>&, double) const;
+template void CrowdContacts<float>::place_hulls(const Crowd<float>&);
+template void CrowdContacts<float>::touch_ground(const Substep&);
+template void CrowdContacts<float>::touch_hull_pairs(const Substep&);
+template bool CrowdContacts<float>::find_missed(std::span<LinkageState* const>, Crowd<float>&,
+                                                const Surroundings&, const GroundNow&, double);
+template void CrowdContacts<double>::touch_boxes(const Substep&);
+template void CrowdContacts<double>::touch_segments(const Substep&);
+template std::uint32_t CrowdContacts<double>::cuts(const Crowd<double>&, double) const;
+template void CrowdContacts<double>::place_hulls(const Crowd<double>&);
+template void CrowdContacts<double>::touch_ground(const Substep&);
+template void CrowdContacts<double>::touch_hull_pairs(const Substep&);
+template bool CrowdContacts<double>::find_missed(std::span<LinkageState* const>, Crowd<double>&,
+                                                 const Surroundings&, const GroundNow&, double);
+
+}  // namespace plumb::detail

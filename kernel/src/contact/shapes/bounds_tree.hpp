@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/shapes/bounds.hpp"
+
+namespace plumb::detail {
+
+/// This is a hierarchy of bounding volumes over boxes that do not move. It is built once, and lies in one
+/// array in the order in which it is searched. Searching takes no memory.
+class BoundsTree {
+ public:
+  BoundsTree() = default;
+  explicit BoundsTree(std::span<const Bounds> boxes);
+
+  bool is_empty() const { return nodes_.empty(); }
+  /// Returns the box around all boxes.
+  Bounds bounds() const { return nodes_.empty() ? nowhere : nodes_[0].bounds; }
+
+  /// Calls `found(number)` for every box that overlaps `bounds`, and for some that are near. The order is
+  /// always the same.
+  template <class Found>
+  void find(const Bounds& bounds, Found&& found) const {
+    for (std::uint32_t i = 0; i < nodes_.size();) {
+      const Node& node = nodes_[i];
+      if (!node.bounds.overlaps(bounds)) {
+        i = node.next;
+        continue;
+      }
+      for (std::uint32_t k = node.first; k < node.end; ++k) found(items_[k]);
+      ++i;
+    }
+  }
+
+  /// Returns whether some box overlaps `bounds`, or a few that lie together almost do.
+  bool reaches_into(const Bounds& bounds) const {
+    for (std::uint32_t i = 0; i < nodes_.size();) {
+      const Node& node = nodes_[i];
+      const bool overlaps = node.bounds.overlaps(bounds);
+      if (overlaps && node.first != node.end) return true;
+      i = overlaps ? i + 1 : node.next;
+    }
+    return false;
+  }
+
+  /// Finds what is nearest to a point. `distance2_of(number)` returns the square (m²) of how far what a box
+  /// holds is from it. What is farther than the square `least` need not be asked. Returns the least square.
+  template <class Distance2Of>
+  double find_nearest(Vec3 p, double least, Distance2Of&& distance2_of) const {
+    std::uint32_t waiting[most_depth];
+    int count = 0;
+    if (!nodes_.empty()) waiting[count++] = 0;
+    while (count > 0) {
+      const std::uint32_t i = waiting[--count];
+      const Node& node = nodes_[i];
+      if (distance2(node.bounds, p) >= least) continue;
+      for (std::uint32_t k = node.first; k < node.end; ++k) {
+        const double square = distance2_of(items_[k]);
+        if (square < least) least = square;
+      }
+      if (node.first != node.end) continue;
+      const std::uint32_t left = i + 1, right = nodes_[left].next;
+      const bool left_first = distance2(nodes_[left].bounds, p) <= distance2(nodes_[right].bounds, p);
+      waiting[count++] = left_first ? right : left;
+      waiting[count++] = left_first ? left : right;
+    }
+    return least;
+  }
+
+ private:
+  static constexpr int most_depth = 64;        ///< halving 2^32 boxes takes 32 levels
+  static constexpr std::uint32_t at_leaf = 4;  ///< boxes that one node lists
+
+  /// A leaf lists items; what lies below another node follows it, up to `next`.
+  struct Node {
+    Bounds bounds;
+    std::uint32_t next = 0, first = 0, end = 0;
+  };
+
+  void build(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> items_;
+};
+
+}  // namespace plumb::detail

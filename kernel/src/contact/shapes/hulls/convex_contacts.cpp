@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+
+#include "contact/shapes/hulls/convex.hpp"
+#include "contact/shapes/touch.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// A face is clipped if the normal has at least this cosine with its own. What is farther off touches at one
+/// place.
+constexpr double flatly = 0.9;
+/// Of faces with more corners than these, corners at even distances stand for all.
+constexpr std::uint32_t most_corners = 48;
+/// Of equally good faces that of a counts, unless the other is better by this much.
+constexpr double better = 1e-3;
+/// Places closer than this share of the size are one.
+constexpr double same_place = 1e-6;
+
+/// This is a convex polygon. Every corner has a key, by the corner or the edges that it comes from.
+struct Polygon {
+  std::array<Vec3, 2 * most_corners> at;
+  std::array<std::uint32_t, 2 * most_corners> keys;
+  std::uint32_t count = 0;
+
+  void add(Vec3 p, std::uint32_t key) {
+    if (count == at.size()) return;
+    at[count] = p;
+    keys[count++] = key;
+  }
+};
+
+struct Facing {
+  std::uint32_t face = 0;
+  double cosine = -2;
+};
+
+/// Finds the face that looks most along a unit vector.
+Facing facing(const Convex& shape, Vec3 along) {
+  Facing best;
+  for (std::uint32_t i = 0; i < shape.normals.size(); ++i)
+    if (const double cosine = dot(shape.normals[i], along); cosine > best.cosine) best = {i, cosine};
+  return best;
+}
+
+Polygon polygon_of(const Convex& shape, Vec3 along) {
+  Polygon out;
+  if (shape.faces() == 0) {
+    for (std::uint32_t i = 0; i < shape.vertices.size(); ++i) out.add(shape.vertices[i], i);
+    return out;
+  }
+  const auto corners = shape.parts->face(facing(shape, along).face);
+  const auto all = static_cast<std::uint32_t>(corners.size()), count = std::min(all, most_corners);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t corner = corners[std::size_t{i} * all / count];
+    out.add(shape.vertices[corner], corner);
+  }
+  return out;
+}
+
+/// Cuts off what is beyond a plane: dot(normal, x) > offset. New corners have a key of the cut edge and the
+/// plane's number.
+Polygon cut(const Polygon& polygon, Vec3 normal, double offset, std::uint32_t number) {
+  Polygon out;
+  const std::uint32_t n = polygon.count;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t next = (i + 1) % n;
+    const double here = dot(normal, polygon.at[i]) - offset, there = dot(normal, polygon.at[next]) - offset;
+    if (here <= 0) out.add(polygon.at[i], polygon.keys[i]);
+    if ((here <= 0) == (there <= 0) || (n == 2 && i == 1)) continue;
+    const std::uint32_t key = (polygon.keys[i] * 31 + polygon.keys[next] * 17 + number * 7 + 1) << 8;
+    out.add(between(polygon.at[i], polygon.at[next], here / (here - there)), key);
+  }
+  return out;
+}
+
+/// Takes what of a polygon is over a face.
+Polygon clip(Polygon polygon, const Convex& shape, std::uint32_t face) {
+  const auto corners = shape.parts->face(face);
+  const auto count = static_cast<std::uint32_t>(corners.size());
+  for (std::uint32_t i = 0; i < count && polygon.count > 0; ++i) {
+    const Vec3 p = shape.vertices[corners[i]], q = shape.vertices[corners[(i + 1) % count]];
+    const Vec3 out = cross(q - p, shape.normals[face]);
+    polygon = cut(polygon, out, dot(out, p), corners[i]);
+  }
+  return polygon;
+}
+
+}  // namespace
+
+std::uint32_t spread(std::span<ConvexContact> list) {
+  if (list.size() <= ConvexContacts::most) return static_cast<std::uint32_t>(list.size());
+  const auto first = std::min_element(
+      list.begin(), list.end(), [](const ConvexContact& a, const ConvexContact& b) { return a.gap < b.gap; });
+  std::swap(*first, list[0]);
+  constexpr std::size_t count = ConvexContacts::most;
+  for (std::size_t kept = 1; kept < count; ++kept) {
+    double most = -1;
+    std::size_t farthest = kept;
+    for (std::size_t i = kept; i < list.size(); ++i) {
+      double least = INFINITY;
+      for (std::size_t k = 0; k < kept; ++k) {
+        const Vec3 apart = list[i].on_a - list[k].on_a;
+        least = std::min(least, dot(apart, apart));
+      }
+      if (least > most) {
+        most = least;
+        farthest = i;
+      }
+    }
+    std::swap(list[kept], list[farthest]);
+  }
+  std::sort(list.begin(), list.begin() + count,
+            [](const ConvexContact& a, const ConvexContact& b) { return a.key < b.key; });
+  return count;
+}
+
+ConvexContacts contacts_of(const Convex& a, const Convex& b, double reach) {
+  ConvexContacts out;
+  const double radii = a.radius + b.radius;
+  const Nearness near = nearness(a, b);
+  if (near.distance - radii > reach) return out;
+  std::array<ConvexContact, 2 * most_corners> found;
+  std::uint32_t count = 0;
+  const Facing of_a = facing(a, -1.0 * near.normal), of_b = facing(b, near.normal);
+  const bool over_b = of_b.cosine > of_a.cosine + better;
+  const Convex &base = over_b ? b : a, &other = over_b ? a : b;
+  double narrowest = INFINITY;
+  if (const Facing face = over_b ? of_b : of_a; face.cosine >= flatly) {
+    const Vec3 n = base.normals[face.face], from = base.vertices[base.parts->face(face.face)[0]];
+    const Polygon polygon = clip(polygon_of(other, -1.0 * n), base, face.face);
+    for (std::uint32_t i = 0; i < polygon.count; ++i) {
+      const double distance = dot(n, polygon.at[i] - from);
+      if (distance - radii > reach) continue;
+      const Vec3 foot = polygon.at[i] - distance * n;
+      narrowest = std::min(narrowest, distance);
+      found[count++] = over_b
+                           ? ConvexContact{distance - radii, n, polygon.at[i], foot, polygon.keys[i]}
+                           : ConvexContact{distance - radii, -1.0 * n, foot, polygon.at[i], polygon.keys[i]};
+    }
+  }
+  // The nearest places are among them where a face is met flatly. Elsewhere they come first.
+  if (narrowest > near.distance + same_place * norm(base.vertices[0] - base.vertices.back()) &&
+      count < found.size())
+    found[count++] = {near.distance - radii, near.normal, near.on_a, near.on_b, ~0u};
+  out.count = spread({found.data(), count});
+  std::copy_n(found.begin(), out.count, out.list.begin());
+  return out;
+}
+
+}  // namespace plumb::detail

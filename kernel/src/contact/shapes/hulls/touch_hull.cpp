@@ -1,0 +1,138 @@
+#include "contact/shapes/hulls/touch_hull.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "contact/shapes/meshes/touch_mesh.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Cosines of no more than this count as none.
+constexpr double no_cosine = 1e-8;
+
+/// Gathers contacts. When there is no more room, they are thinned out.
+class Contacts {
+ public:
+  Contacts(double radius, double reach) : radius_(radius), reach_(reach) {}
+
+  void add(double distance, Vec3 normal, Vec3 on_hull, std::uint32_t key) {
+    if (distance - radius_ > reach_) return;
+    if (count_ == list_.size()) count_ = spread(list_);
+    list_[count_++] = {distance - radius_, normal, on_hull, on_hull - distance * normal, key};
+  }
+  /// Returns the distance (m) of the hull's vertices beyond which nothing counts.
+  double farthest() const { return reach_ + radius_; }
+  ConvexContacts list() {
+    ConvexContacts out;
+    out.count = spread({list_.data(), count_});
+    std::copy_n(list_.begin(), out.count, out.list.begin());
+    return out;
+  }
+
+ private:
+  std::array<ConvexContact, 96> list_;
+  std::size_t count_ = 0;
+  double radius_, reach_;
+};
+
+struct Pair {
+  const Convex& hull;
+  Vec3 middle;
+  const TriangleMesh& mesh;
+};
+
+/// Returns how far a point is above the face that it is highest above; that is less than 0 inside.
+std::pair<std::uint32_t, double> highest_above(const Convex& hull, Vec3 p) {
+  std::pair<std::uint32_t, double> out{0, -INFINITY};
+  for (std::uint32_t i = 0; i < hull.faces(); ++i) {
+    const double height = dot(hull.normals[i], p - hull.vertices[hull.parts->face(i)[0]]);
+    if (height > out.second) out = {i, height};
+  }
+  return out;
+}
+
+/// What is inside of the hull is pushed out to the side where the hull's middle is not. Places on its surface
+/// are inside to rounding.
+bool is_sound(const Pair& pair, double distance, Vec3 normal, Vec3 on_mesh) {
+  return distance >= 0 || (dot(normal, pair.middle - on_mesh) > 0 &&
+                           highest_above(pair.hull, on_mesh).second <= -0.1 * distance);
+}
+
+/// A vertex of the mesh counts where it is nearest to the hull. Inside it counts for the face that it is
+/// least below.
+void add_vertex(const Pair& pair, std::uint32_t number, Contacts& out) {
+  const Vec3 vertex = pair.mesh.vertex(number);
+  const auto [face, height] = highest_above(pair.hull, vertex);
+  if (height > out.farthest()) return;
+  double distance = height;
+  Vec3 n = -1.0 * pair.hull.normals[face];
+  if (height > 0) {
+    const Nearness near = nearness(pair.hull, {.vertices = {&vertex, 1}, .normals = {}});
+    distance = near.distance;
+    n = near.normal;
+  }
+  const MeshPart part{MeshPart::Kind::vertex, number};
+  if (!pair.mesh.faces(part, n) || pair.mesh.leads_inside(part, n)) return;
+  if (is_sound(pair, distance, n, vertex)) out.add(distance, n, vertex + distance * n, 1u << 30 | number);
+}
+
+/// Two edges count where they cross and both shapes are on their own sides of the plane along both.
+void add_edges(const Pair& pair, std::uint32_t number, std::uint32_t of_hull, Contacts& out) {
+  const TriangleMesh::Edge& edge = pair.mesh.edge(number);
+  const Convex& hull = pair.hull;
+  const ConvexParts::Edge& own = hull.parts->edges[of_hull];
+  const Segment one{hull.vertices[own.a], hull.vertices[own.b], 0};
+  const Segment other{pair.mesh.vertex(edge.a), pair.mesh.vertex(edge.b), 0};
+  const Vec3 along = one.q - one.p, across = cross(along, other.q - other.p);
+  const double size = norm(across);
+  if (!(size > 1e-6 * norm(along) * norm(other.q - other.p))) return;
+  const Vec3 left = cross(hull.normals[own.left], along), right = cross(along, hull.normals[own.right]);
+  for (const double sign : {1.0, -1.0}) {
+    const Vec3 n = (sign / size) * across;
+    const double least = -no_cosine * norm(along);
+    if (dot(n, left) < least || dot(n, right) < least) continue;
+    const MeshPart part{MeshPart::Kind::edge, number};
+    if (!pair.mesh.faces(part, n) || pair.mesh.leads_inside(part, n)) continue;
+    const Touch near = touch(one, other);
+    if (!(near.a > 0 && near.a < 1 && near.b > 0 && near.b < 1)) return;
+    const Vec3 at = between(one.p, one.q, near.a), on_mesh = between(other.p, other.q, near.b);
+    const double gap = dot(n, at - on_mesh);
+    if (is_sound(pair, gap, n, on_mesh)) out.add(gap, n, at, 2u << 30 | (number * 61 + of_hull));
+    return;
+  }
+}
+
+}  // namespace
+
+ConvexContacts contacts_of(const Convex& hull, Vec3 middle, const TriangleMesh& mesh, double reach) {
+  Contacts out(hull.radius, reach);
+  const double around = reach + hull.radius;
+  Bounds box = nowhere;
+  for (std::uint32_t i = 0; i < hull.vertices.size(); ++i) {
+    const Vec3 p = hull.vertices[i];
+    include(box, p, around);
+    LineTouches touches;
+    touch_mesh(mesh, p, middle, around, 0, touches);
+    for (std::uint32_t k = 0; k < touches.count; ++k)
+      out.add(touches.list[k].gap, touches.list[k].normal, p, LineTouches::most * i + k);
+  }
+  const Pair pair{hull, middle, mesh};
+  mesh.find(box, [&](std::uint32_t i) {
+    for (const std::uint32_t vertex : mesh.vertices_of(i))
+      if (mesh.owner_of_vertex(vertex) == i && !mesh.is_flat(vertex) && hull.faces() > 0)
+        add_vertex(pair, vertex, out);
+    for (const std::uint32_t edge : mesh.edges_of(i)) {
+      if (mesh.owner_of_edge(edge) != i || mesh.edge(edge).is_flat || hull.faces() == 0) continue;
+      Bounds around_edge = nowhere;
+      include(around_edge, mesh.vertex(mesh.edge(edge).a), 0);
+      include(around_edge, mesh.vertex(mesh.edge(edge).b), 0);
+      if (!box.overlaps(around_edge)) continue;
+      for (std::uint32_t k = 0; k < hull.parts->edges.size(); ++k) add_edges(pair, edge, k, out);
+    }
+  });
+  return out.list();
+}
+
+}  // namespace plumb::detail

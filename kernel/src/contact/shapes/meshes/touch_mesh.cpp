@@ -1,0 +1,135 @@
+#include "contact/shapes/meshes/touch_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumb::detail {
+namespace {
+
+/// Two touches of one point are the same if their normals have this cosine.
+constexpr double same_direction = 1 - 1e-10;
+/// Places nearer than this share of a segment to its ends count as ends.
+constexpr double at_end = 1e-9;
+/// What is nearer than this (m) lies in the mesh and has no side of its own.
+constexpr double no_side = 1e-12;
+
+Bounds ball(Vec3 p, double radius) {
+  Bounds out = nowhere;
+  include(out, p, radius);
+  return out;
+}
+
+/// Finds the touch of a point with one triangle, or none if another one is nearer there.
+bool touch_triangle(const TriangleMesh& mesh, std::uint32_t i, Vec3 p, Vec3 middle, LineTouch& out) {
+  const Triangle triangle = mesh.triangle(i);
+  const TrianglePlace place = nearest_on(triangle, p);
+  out.part = mesh.part(i, place.part);
+  const Vec3 apart = p - place.at;
+  const bool on_face = place.part == TrianglePart::face;
+  const double height = on_face ? dot(mesh.normal(i), p - triangle[0]) : norm(apart);
+  if (std::abs(height) > no_side) {
+    out.normal = on_face ? std::copysign(1.0, height) * mesh.normal(i) : (1 / height) * apart;
+    out.gap = std::abs(height);
+  } else {
+    const Vec3 n = mesh.normal(i);
+    const bool turned = mesh.sides() == MeshSides::both && dot(n, middle - place.at) < 0;
+    out.normal = turned ? -1.0 * n : n;
+    out.gap = 0;
+    return true;
+  }
+  return mesh.faces(out.part, out.normal);
+}
+
+void turn(LineTouch& touch) {
+  touch.normal = -1.0 * touch.normal;
+  touch.gap = -touch.gap;
+}
+
+bool is_listed(const LineTouches& list, const LineTouch& touch) {
+  return std::any_of(list.begin(), list.end(), [&](const LineTouch& other) {
+    return other.part == touch.part || dot(other.normal, touch.normal) > same_direction;
+  });
+}
+
+/// Adds a segment's touch with an edge, if both are nearest within themselves.
+void touch_edge(const TriangleMesh& mesh, std::uint32_t number, const Segment& segment, double reach,
+                LineTouches& out) {
+  const TriangleMesh::Edge& edge = mesh.edge(number);
+  if (edge.is_flat) return;
+  const Touch near = touch(segment, {mesh.vertex(edge.a), mesh.vertex(edge.b), 0});
+  const auto is_inner = [](double t) { return t > at_end && t < 1 - at_end; };
+  const MeshPart part{MeshPart::Kind::edge, number};
+  if (near.gap > reach || near.gap <= no_side || !is_inner(near.a) || !is_inner(near.b)) return;
+  if (!mesh.faces(part, near.normal) || mesh.leads_inside(part, near.normal)) return;
+  out.add({part, near.normal, near.gap, near.a});
+}
+
+/// Adds a segment's touch with a vertex, if it is nearest within the segment.
+void touch_vertex(const TriangleMesh& mesh, std::uint32_t number, const Segment& segment, double reach,
+                  LineTouches& out) {
+  const Vec3 vertex = mesh.vertex(number), along = segment.q - segment.p;
+  const double at = dot(along, vertex - segment.p) / dot(along, along);
+  if (!(at > at_end && at < 1 - at_end)) return;
+  const Vec3 apart = between(segment.p, segment.q, at) - vertex;
+  const double gap = norm(apart);
+  if (gap > reach || gap <= no_side) return;
+  const Vec3 n = (1 / gap) * apart;
+  const MeshPart part{MeshPart::Kind::vertex, number};
+  if (mesh.faces(part, n) && !mesh.leads_inside(part, n)) out.add({part, n, gap, at});
+}
+
+}  // namespace
+
+void LineTouches::add(const LineTouch& touch) {
+  if (count < most) {
+    list[count++] = touch;
+    return;
+  }
+  const auto widest = std::max_element(list.begin(), list.end(),
+                                       [](const LineTouch& a, const LineTouch& b) { return a.gap < b.gap; });
+  if (touch.gap < widest->gap) *widest = touch;
+}
+
+void touch_mesh(const TriangleMesh& mesh, Vec3 p, Vec3 middle, double reach, double at, LineTouches& out) {
+  LineTouches own;
+  LineTouch nearest{.gap = INFINITY};
+  bool is_through = false;
+  mesh.find(ball(p, reach), [&](std::uint32_t i) {
+    LineTouch touch{.at = at};
+    if (mesh.sides() == MeshSides::both && !is_through) is_through = crosses(mesh.triangle(i), middle, p);
+    if (!touch_triangle(mesh, i, p, middle, touch) || touch.gap > reach) return;
+    if (touch.gap < nearest.gap) nearest = touch;
+    if (!mesh.leads_inside(touch.part, touch.normal) && !is_listed(own, touch)) own.add(touch);
+  });
+  if (mesh.sides() == MeshSides::outward && !(nearest.gap < INFINITY) && distance2(mesh.bounds(), p) == 0) {
+    const TriangleMesh::Nearest far = mesh.nearest(p, norm(mesh.bounds().high - mesh.bounds().low));
+    nearest = {.at = at};
+    const bool is_found =
+        far.triangle != TriangleMesh::none && touch_triangle(mesh, far.triangle, p, middle, nearest);
+    is_through = is_found && mesh.leads_inside(nearest.part, nearest.normal);
+  } else if (mesh.sides() == MeshSides::outward && nearest.gap < INFINITY) {
+    is_through = mesh.leads_inside(nearest.part, nearest.normal);
+  }
+  // What lies in the surface is on its middle's side already.
+  if (is_through && nearest.gap > 0 && nearest.gap < INFINITY) {
+    turn(nearest);
+    out.add(nearest);
+    return;
+  }
+  for (const LineTouch& touch : own) out.add(touch);
+}
+
+void touch_mesh_between(const TriangleMesh& mesh, Vec3 p, Vec3 q, double reach, LineTouches& out) {
+  Bounds box = nowhere;
+  include(box, p, reach);
+  include(box, q, reach);
+  mesh.find(box, [&](std::uint32_t i) {
+    for (const std::uint32_t edge : mesh.edges_of(i))
+      if (mesh.owner_of_edge(edge) == i) touch_edge(mesh, edge, {p, q, 0}, reach, out);
+    for (const std::uint32_t vertex : mesh.vertices_of(i))
+      if (mesh.owner_of_vertex(vertex) == i && !mesh.is_flat(vertex))
+        touch_vertex(mesh, vertex, {p, q, 0}, reach, out);
+  });
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,151 @@
+// This file finds where islands touch ground that is not a plane.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "contact/ground/ground_search.hpp"
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+/// Returns how a shape moves in the substep.
+MovingSegment ClusterStepper::motion_of(const Island& island, const Linkage::Shape& shape) {
+  const std::span<const Vec3> x = island.state->x;
+  return {{shape.a.of(x), shape.b.of(x), shape.radius}, shape.a.of(island.d), shape.b.of(island.d)};
+}
+
+/// Returns how an island's hull moves in the substep.
+MovingHullShape ClusterStepper::hull_motion(Island& island, std::uint32_t hull) {
+  return island.hulls.moving(hull, island.hulls.shape(hull).of(island.d));
+}
+
+/// Returns the side of a contact that is on ground.
+ClusterStepper::Place ClusterStepper::place_on(std::uint32_t ground) const {
+  const GroundShape& shape = surroundings_->shapes[ground];
+  const GroundRate* const rate =
+      shape.box() == GroundShape::none ? nullptr : ground_.rate_of_box(shape.box());
+  return {none, no_particles, shape.surface(), 0, rate};
+}
+
+void ClusterStepper::touch_ground(std::uint32_t i, double h) {
+  const Surroundings& surroundings = *surroundings_;
+  Island& island = islands_[i];
+  const Linkage& linkage = *island.state->linkage;
+  Bounds bounds = island.bounds;
+  const double further = sight_of_moves * island.moves + sight * settings_.length_scale;
+  include(bounds, bounds.low, further);
+  include(bounds, bounds.high, further);
+  surroundings.find(bounds, near_ground_);
+  const GroundSearch search{settings_.margin, settings_.tolerance};
+  for (const std::uint32_t ground : near_ground_) {
+    const Place other = place_on(ground);
+    const Filter& filter = surroundings.filter_of(ground);
+    touch_ends(i, ground, h);
+    for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
+      const Linkage::Shape& shape = linkage.shapes()[k];
+      if (!plumb::may_touch(shape.filter, filter)) continue;
+      const auto add = [&](std::uint64_t key, const Touch& touch) {
+        add_contact({i, blend(shape.a, shape.b, touch.a), shape.surface, k}, other, touch, key, h);
+      };
+      for_line_touches(surroundings, ground, motion_of(island, shape), k, search, add);
+    }
+    for (std::uint32_t k = 0; k < island.hulls.size(); ++k) {
+      const Linkage::HullShape& hull = linkage.hulls()[k];
+      if (!plumb::may_touch(hull.filter, filter)) continue;
+      const auto add = [&](std::uint64_t key, const Combination& at, const Touch& touch) {
+        add_contact({i, at, hull.surface, hull.number}, other, touch, key, h);
+      };
+      for_hull_touches(surroundings, ground, hull_motion(island, k), search, add);
+    }
+  }
+  for (const MissedGround& each : missed_ground_)
+    if (each.island == i)
+      add_contact({i, each.at, linkage.shape_of(each.shape).surface, each.shape}, place_on(each.ground),
+                  each.touch, ground_key(GroundPart::missed, each.shape, each.ground, each.number), h);
+}
+
+/// Ends of shapes are kept off as balls, which neighbours share.
+void ClusterStepper::touch_ends(std::uint32_t i, std::uint32_t ground, double h) {
+  const Surroundings& surroundings = *surroundings_;
+  const Island& island = islands_[i];
+  const Linkage& linkage = *island.state->linkage;
+  const std::span<const Vec3> x = island.state->x;
+  for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
+    const Linkage::Ball& ball = linkage.balls()[k];
+    if (ball.shape >= linkage.shapes().size()) break;  // corners of hulls
+    if (!plumb::may_touch(ball.filter, surroundings.filter_of(ground))) continue;
+    const Linkage::Shape& shape = linkage.shapes()[ball.shape];
+    const MovingEnd end{ball.center.of(x), 0.5 * (shape.a.of(x) + shape.b.of(x)), ball.radius,
+                        norm(ball.center.of(island.d))};
+    for_end_touches(
+        surroundings, ground, end, k, {settings_.margin, settings_.tolerance},
+        [&](std::uint64_t key, const Touch& touch) {
+          add_contact({i, ball.center, ball.surface, ball.shape}, place_on(ground), touch, key, h);
+        });
+  }
+}
+
+/// Returns whether the line of a shape goes through ground on its way from `there` to where the island is.
+bool ClusterStepper::passes_ground(const Island& island, const Surroundings& surroundings) {
+  if (surroundings.tree.is_empty()) return false;
+  const std::span<const Vec3> from = island.there, to = island.state->x;
+  for (const Linkage::Shape& shape : island.state->linkage->shapes()) {
+    const Vec3 p = shape.a.of(from), q = shape.b.of(from);
+    const MovingSegment moving{{p, q, 0}, shape.a.of(to) - p, shape.b.of(to) - q};
+    if (!(moves_of(moving) > 0.5 * shape.radius)) continue;
+    surroundings.find(bounds_of(moving), near_ground_);
+    for (const std::uint32_t ground : near_ground_)
+      if (plumb::may_touch(shape.filter, surroundings.filter_of(ground)) &&
+          surroundings.shapes[ground].first_touch(moving, settings_.tolerance))
+        return true;
+  }
+  return false;
+}
+
+/// Finds shapes that went into ground where it was not expected, because others pushed them. They keep off it
+/// when positions are sought again. Returns whether there are any.
+bool ClusterStepper::find_missed_ground() {
+  const Surroundings& surroundings = *surroundings_;
+  if (surroundings.tree.is_empty()) return false;
+  const std::size_t before = missed_ground_.size();
+  const GroundSearch search{settings_.margin, settings_.tolerance};
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const Linkage& linkage = *island.state->linkage;
+    const auto miss = [&](std::uint32_t shape, std::uint32_t ground, const Combination& at,
+                          const Touch& plane, double time) {
+      if (plumb::may_touch(linkage.shape_of(shape).filter, surroundings.filter_of(ground)) &&
+          is_missed(plane, time, settings_.tolerance))
+        missed_ground_.push_back(
+            {i, shape, ground, static_cast<std::uint32_t>(missed_ground_.size()), at, plane});
+    };
+    for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
+      const Linkage::Shape& shape = linkage.shapes()[k];
+      const MovingSegment moving = motion_of(island, shape);
+      if (!search.is_fast(moves_of(moving), shape.radius)) continue;
+      surroundings.find(bounds_of(moving), near_ground_);
+      for (const std::uint32_t ground : near_ground_)
+        for_first_touches(surroundings, ground, moving, settings_.tolerance,
+                          [&](std::uint64_t, const Touch& plane, double time) {
+                            miss(k, ground, blend(shape.a, shape.b, plane.a), plane, time);
+                          });
+    }
+    for (std::uint32_t k = 0; k < island.hulls.size(); ++k) {
+      const MovingHullShape moving = hull_motion(island, k);
+      if (!search.is_fast(moving.moves(), moving.shape.half_width)) continue;
+      surroundings.find(bounds_of(moving.hull), near_ground_);
+      for (const std::uint32_t ground : near_ground_)
+        for_first_touches(surroundings, ground, moving, settings_.tolerance,
+                          [&](std::uint64_t, const Combination& at, const Touch& plane, double time) {
+                            miss(moving.shape.number, ground, at, plane, time);
+                          });
+    }
+  }
+  return missed_ground_.size() > before;
+}
+
+}  // namespace plumb::detail
