@@ -68,7 +68,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   double left = dt;
   shortest_ = dt / most_guards;
   recovery_rate_ = settings_.recovery * substeps / dt;
-  tight_ = false;
+  tight_ = is_fitted_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;

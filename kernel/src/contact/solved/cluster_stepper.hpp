@@ -191,6 +191,9 @@ class ClusterStepper final : public ClusterMover {
              double dt, Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
+  bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
+  void keep_motion(std::span<LinkageState* const> cluster);
+  void return_to_motion(std::span<LinkageState* const> cluster);
   double longest_substep(double most, double turn) const;
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);
@@ -308,7 +311,7 @@ class ClusterStepper final : public ClusterMover {
   std::unique_ptr<ClusterMover> relaxed_;
   bool relaxes_crowds_;
   ProjectionWork projection_;
-  std::vector<LinkageMotion> before_;  ///< what was relaxed
+  std::vector<LinkageMotion> before_;  ///< what to return to
   std::vector<Island> islands_;
   /// A rod that is pulled beyond its strength in a substep that is not solved.
   struct Overload {
@@ -331,6 +334,7 @@ class ClusterStepper final : public ClusterMover {
   };
   std::vector<MissedGround> missed_ground_;
   bool woken_ = false, all_near_ = false;
+  bool is_fitted_ = false;    ///< rods were brought to their lengths in this step
   bool loose_ = false;        ///< ground grips loosely, since nothing was found with its whole grip
   bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try
   int switches_ = 0;          ///< how often that was changed in this substep

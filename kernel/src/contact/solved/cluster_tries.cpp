@@ -40,7 +40,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       return whole;
     }
     if (h >= least / 16) continue;
-    if (!break_overload(report)) {
+    if (!break_overload(report) && !fit(cluster, surroundings)) {
       ++report.unsolved;
       for (std::uint32_t i = 0; i < count_; ++i)
         if (islands_[i].awake)
@@ -122,6 +122,28 @@ bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   return true;
 }
 
+/// Brings rods to their lengths where they are, once in a step: they may not fit to what else resists.
+/// Returns whether they are there.
+bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
+  if (std::exchange(is_fitted_, true)) return false;
+  keep_motion(cluster);
+  if (bring_to_lengths(surroundings)) return true;
+  return_to_motion(cluster);
+  return false;
+}
+
+void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
+  if (before_.size() < cluster.size()) before_.resize(cluster.size());
+  for (std::size_t i = 0; i < cluster.size(); ++i) before_[i] = cluster[i]->motion();
+}
+
+void ClusterStepper::return_to_motion(std::span<LinkageState* const> cluster) {
+  for (std::size_t i = 0; i < cluster.size(); ++i) {
+    cluster[i]->return_to(before_[i]);
+    islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
+  }
+}
+
 /// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false, and nothing has moved,
 /// if some island cannot be relaxed or its rods are too far from their lengths.
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
@@ -130,8 +152,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
     return state->linkage->can_relax() && throw_of(*state, dt) <= farthest_throw * state->linkage->size();
   };
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
-  if (before_.size() < cluster.size()) before_.resize(cluster.size());
-  for (std::size_t i = 0; i < cluster.size(); ++i) before_[i] = cluster[i]->motion();
+  keep_motion(cluster);
   Tally tried = report;
   relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, tried);
   if (bring_to_lengths(surroundings)) {
@@ -139,10 +160,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
     return true;
   }
   report.block_sweeps = tried.block_sweeps;
-  for (std::size_t i = 0; i < cluster.size(); ++i) {
-    cluster[i]->return_to(before_[i]);
-    islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
-  }
+  return_to_motion(cluster);
   return false;
 }
 
