@@ -224,6 +224,23 @@ Scene make_fallen_wire() {
   return scene;
 }
 
+/// A rope that is wound up falls on the floor and on itself, with a link that touches nothing of it.
+Scene make_knot() {
+  Scene scene;
+  scene.planes.push_back({.surface = rough});
+  for (std::uint32_t i = 0; i <= 30; ++i) {
+    // A helix of polygons, without a sine whose bits would be the library's own.
+    constexpr double x[] = {0, 0.06, 0.06, 0, -0.06, -0.06},
+                     z[] = {0.07, 0.035, -0.035, -0.07, -0.035, 0.035};
+    scene.particles.push_back(test::movable({x[i % 6], 0.1 + 0.012 * i, z[i % 6]}, 0.02));
+    if (i == 0) continue;
+    scene.rods.push_back({.a = i - 1, .b = i});
+    scene.capsules.push_back({.a = point_at(i - 1), .b = point_at(i), .radius = 0.015, .surface = rough});
+    scene.capsules.back().filter.own_island = i != 11;
+  }
+  return scene;
+}
+
 /// Planks on cables and rigid rods that break under a ball.
 Scene make_bridge() {
   Scene scene;

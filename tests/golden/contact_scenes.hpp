@@ -15,6 +15,7 @@ Scene make_pool();
 Scene make_draped_rope();
 Scene make_hilly();
 Scene make_fallen_wire();
+Scene make_knot();
 Scene make_bridge();
 
 }  // namespace plumb::golden

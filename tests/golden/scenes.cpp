@@ -89,6 +89,7 @@ const std::map<std::string, Maker>& makers() {
       {"hilly", make_hilly},
       {"fallen_wire", make_fallen_wire},
       {"bridge", make_bridge},
+      {"knot", make_knot},
       {"hoist", make_hoist},
       {"rollers", make_rollers},
   };

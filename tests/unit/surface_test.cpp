@@ -36,11 +36,12 @@ TEST(Filter, OfACommonGroupDecidesAlone) {
 Scene scene_with_all() {
   Scene scene;
   scene.particles.push_back(test::movable({0, 1, 0}, 1));
-  scene.capsules = {{.a = point_at(0),
-                     .b = point_at(0),
-                     .radius = 0.1,
-                     .surface = {.rolling = 0.1 / 3, .spinning = 0.2 / 3},
-                     .filter = {.category = 0x80000000, .mask = 0, .group = -2147483647}}};
+  scene.capsules = {
+      {.a = point_at(0),
+       .b = point_at(0),
+       .radius = 0.1,
+       .surface = {.rolling = 0.1 / 3, .spinning = 0.2 / 3},
+       .filter = {.category = 0x80000000, .mask = 0, .group = -2147483647, .own_island = true}}};
   scene.planes = {{.surface = {.rolling = 0.5}, .motion = {.platform = 1, .belt = {1.0 / 3, 0, -1}}}};
   scene.boxes = {{.half_size = {1, 1, 1}, .filter = {.mask = 6}, .motion = {.platform = 0}}};
   scene.platforms = {{}, {.position = {1, 2, 1.0 / 3}, .orientation = {0.6, 0, 0.8, 0}}};

@@ -186,6 +186,7 @@ void ContactSolver::begin_step(double dt, Team& team) {
 bool ContactSolver::can_stay_home(std::span<LinkageState* const> cluster) const {
   const LinkageState& state = *cluster.front();
   return cluster.size() == 1 && visitors_[state.number].has_home() && !state.frozen &&
+         !state.linkage->neighbors().any_may_touch() &&
          !surroundings_.reach_into(clusters_.reach_of(state.number), state.linkage->filters());
 }
 

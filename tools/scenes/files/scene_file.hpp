@@ -36,7 +36,7 @@
 ///    "platforms": [{"position": [x, y, z], "orientation": [w, x, y, z]}, ...]}
 ///
 /// Capsules, planes and boxes also have "friction": 0.5, "restitution": 0, "rolling": 0, "spinning": 0,
-/// "category": 1, "mask": 4294967295 and "group": 0.
+/// "category": 1, "mask": 4294967295 and "group": 0, and capsules "own_island": false.
 ///
 /// A point is the number of a particle, or {"particles": [0, 1], "weights": [0.5, 0.5]} with up to four of
 /// each. A direction is {"from": point, "to": point}.

@@ -79,7 +79,8 @@ Filter filter(const Object& item) {
   const Filter usual;
   return {.category = whole_or(item, "category", usual.category),
           .mask = whole_or(item, "mask", usual.mask),
-          .group = whole_or(item, "group", usual.group)};
+          .group = whole_or(item, "group", usual.group),
+          .own_island = truth_or(item, "own_island", usual.own_island)};
 }
 
 GroundMotion motion(const Object& item) {
@@ -150,9 +151,9 @@ Torsion torsion(const json& value, const std::string& path) {
 }
 
 Capsule capsule(const json& value, const std::string& path) {
-  const Object item(
-      value, path,
-      {"a", "b", "radius", "friction", "restitution", "rolling", "spinning", "category", "mask", "group"});
+  const Object item(value, path,
+                    {"a", "b", "radius", "friction", "restitution", "rolling", "spinning", "category", "mask",
+                     "group", "own_island"});
   return {.a = point(item, "a"),
           .b = point(item, item.find("b") ? "b" : "a"),
           .radius = number(item, "radius"),

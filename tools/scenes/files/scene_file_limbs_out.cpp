@@ -104,7 +104,9 @@ Json to_json(const Capsule& c) {
   Json object{{"a", to_json(c.a)}};
   if (const Json b = to_json(c.b); b.dump() != object["a"].dump()) object["b"] = b;
   object["radius"] = c.radius;
-  return with_surface(object, c.surface, c.filter);
+  object = with_surface(object, c.surface, c.filter);
+  if (c.filter.own_island) object["own_island"] = true;
+  return object;
 }
 
 Json to_json(const Plane& p) {

@@ -64,6 +64,7 @@ Scene make_rope(const RopeShape& shape) {
       return Vec3{shape.length * i, low + ripple * std::sin(0.7 * i), ripple * std::cos(1.3 * i)};
     return Vec3{shape.coil * std::cos(turn * i), low + climb * i, shape.coil * std::sin(turn * i)};
   });
+  for (Capsule& capsule : scene.capsules) capsule.filter.own_island = shape.coil > 0;
   scene.planes.push_back({.surface = link.surface});
   return scene;
 }

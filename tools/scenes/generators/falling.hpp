@@ -7,7 +7,8 @@
 /// These are ropes and nets that fall on ground and on each other.
 namespace plumb::scenes {
 
-/// A rope of capsules falls on a plane: level, with ripples of 1 mm, or wound to a coil.
+/// A rope of capsules falls on a plane: level, with ripples of 1 mm, or wound to a coil, which touches
+/// itself.
 struct RopeShape {
   std::uint32_t links = 100;
   double length = 0.1;   ///< Length of a rod, in m.

@@ -32,6 +32,9 @@ struct Filter {
   std::uint32_t category = 1;       ///< Bits, what the shape is.
   std::uint32_t mask = 0xffffffff;  ///< Bits of the categories that it may touch.
   std::int32_t group = 0;           ///< Group that it belongs to; 0 is none.
+  /// Whether it may touch shapes of its own island that say so, too. Neighbours never touch: those that rods
+  /// join over no more than the sum of their radii, or that share a pin.
+  bool own_island = false;
 
   /// Returns whether all members are equal.
   friend constexpr bool operator==(const Filter&, const Filter&) = default;

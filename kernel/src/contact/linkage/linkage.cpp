@@ -143,6 +143,7 @@ void Linkage::add_filter(const Filter& filter) {
 void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
   std::map<std::uint32_t, std::vector<std::size_t>> balls_at;
   const ShapeMaker maker(part);
+  neighbors_ = Neighbors(part);
   for (const Capsule& capsule : part.capsules) {
     const Shape& shape = shapes_.emplace_back(maker.make(capsule));
     add_filter(shape.filter);

@@ -11,6 +11,7 @@
 #include "contact/elastics/elastic.hpp"
 #include "contact/pulls/linkage_pulls.hpp"
 #include "contact/shapes/hulls/convex.hpp"
+#include "contact/shapes/neighbors.hpp"
 #include "linear/sparse_kkt.hpp"
 #include "math/elementary.hpp"
 #include "plumb/scene.hpp"
@@ -133,6 +134,8 @@ class Linkage {
   const Shape& shape_of(std::uint32_t number) const {
     return number < shapes_.size() ? shapes_[number] : hulls_[number - shapes_.size()];
   }
+  /// Says which shapes may touch each other.
+  const Neighbors& neighbors() const { return neighbors_; }
   /// Balls of hulls come after those of capsules. Whatever has shapes has balls.
   std::span<const Ball> balls() const { return balls_; }
   /// Returns the filters of all shapes, each once.
@@ -326,6 +329,7 @@ class Linkage {
   std::vector<Air> airs_;
   std::vector<Shape> shapes_;
   std::vector<HullShape> hulls_;
+  Neighbors neighbors_;
   std::vector<Ball> balls_;
   std::vector<Filter> filters_;
   std::vector<Angle> angles_;

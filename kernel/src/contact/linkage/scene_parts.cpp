@@ -105,7 +105,8 @@ class Likeness {
     add(part.capsules.size());
     for (const Capsule& each : part.capsules)
       add(each.a, each.b, each.radius, each.surface.friction, each.surface.restitution, each.surface.rolling,
-          each.surface.spinning, each.filter.category, each.filter.mask, each.filter.group);
+          each.surface.spinning, each.filter.category, each.filter.mask, each.filter.group,
+          each.filter.own_island);
   }
 
   const std::vector<double>& numbers() const { return numbers_; }

@@ -363,6 +363,7 @@ void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, co
     LinkagePulls& pulls = cluster[island]->pulls;
     if (!pulls.counts) continue;
     pulls.shapes[contact.shape[side]] += (side == 0 ? 1.0 : -1.0) * (along + across);
+    if (side == 1 && island == contact.island[0]) continue;
     crowd.push_fixed(terms_of(contact.terms), island, along, pulls);
     crowd.push_fixed(terms_of(contact.sliding), island, across, pulls);
     if (contact.turning == none) continue;

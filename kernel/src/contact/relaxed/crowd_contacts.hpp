@@ -176,7 +176,4 @@ class CrowdContacts {
   std::vector<std::size_t> next_kept_;  ///< by island: where the next contact is likely to be found again
 };
 
-extern template class CrowdContacts<float>;
-extern template class CrowdContacts<double>;
-
 }  // namespace plumb::detail

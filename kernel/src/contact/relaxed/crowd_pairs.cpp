@@ -30,7 +30,7 @@ void CrowdPairs<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>&
                          double margin) {
   find_shapes(cluster, crowd, surroundings, dt, margin);
   find_hulls(cluster, crowd, surroundings, dt, margin);
-  find_pairs();
+  find_pairs(cluster);
   find_on_moving(crowd, ground, dt);
   find_on_ground(crowd, surroundings);
 }
@@ -119,21 +119,28 @@ void CrowdPairs<T>::find_hulls(std::span<LinkageState* const> cluster, const Cro
 }
 
 template <class T>
-void CrowdPairs<T>::find_pairs() {
+void CrowdPairs<T>::find_pairs(std::span<LinkageState* const> cluster) {
   pairs_.clear();
   hull_pairs_.clear();
   const auto lines = static_cast<std::uint32_t>(bodies_.size());
+  const auto neighbors_in = [&](std::uint32_t i) -> const Neighbors& {
+    return cluster[island_of(i)]->linkage->neighbors();
+  };
   bool is_one = true;
-  for (std::uint32_t i = 1; i < bounds_.size() && is_one; ++i) is_one = island_of(i) == island_of(0);
+  for (std::uint32_t i = 0; i < bounds_.size() && is_one; ++i)
+    is_one = island_of(i) == island_of(0) && !neighbors_in(i).any_may_touch();
   if (is_one) return;
+  const auto may_meet = [&](std::uint32_t i, std::uint32_t j) {
+    if (island_of(i) != island_of(j)) return true;
+    return i < lines && j < lines && neighbors_in(i).may_touch(bodies_[i].number, bodies_[j].number);
+  };
   double sum = 0;
   for (const Bounds& each : bounds_)
     sum += std::max({each.high.x - each.low.x, each.high.y - each.low.y, each.high.z - each.low.z});
   hash_.start(sum / static_cast<double>(bounds_.size()), 4 * bounds_.size());
   for (std::uint32_t i = 0; i < bounds_.size(); ++i)
     hash_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
-      if (island_of(i) != island_of(j) && bounds_[i].overlaps(bounds_[j]) &&
-          plumb::may_touch(filter_of(i), filter_of(j)))
+      if (bounds_[i].overlaps(bounds_[j]) && may_meet(i, j) && plumb::may_touch(filter_of(i), filter_of(j)))
         (i < lines ? pairs_ : hull_pairs_).push_back({j, i});
     });
   const auto number = [](const Pair& pair) { return std::uint64_t{pair.one} << 32 | pair.other; };

@@ -86,7 +86,7 @@ class CrowdPairs {
     return number < bodies_.size() ? bodies_[number].shape->filter
                                    : hulls_[number - bodies_.size()].shape->filter;
   }
-  void find_pairs();
+  void find_pairs(std::span<LinkageState* const> cluster);
   void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
 

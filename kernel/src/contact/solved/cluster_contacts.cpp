@@ -154,6 +154,7 @@ void ClusterStepper::find_contacts(double h) {
       touch_boxes(i, h);
       touch_anchored(i, h);
       spread_ground(i, h);
+      if (island.state->linkage->neighbors().any_may_touch()) touch_itself(i, h);
       add_angles(i, h);
     }
     for (std::uint32_t j = i + 1; j < count_; ++j) {
@@ -228,22 +229,57 @@ void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
 }
 
 void ClusterStepper::touch_island(std::uint32_t i, std::uint32_t j, double h) {
+  const std::span<const Linkage::Shape> shapes = islands_[i].state->linkage->shapes(),
+                                        others = islands_[j].state->linkage->shapes();
+  for (std::uint32_t k = 0; k < shapes.size(); ++k)
+    for (std::uint32_t l = 0; l < others.size(); ++l)
+      if (plumb::may_touch(shapes[k].filter, others[l].filter)) touch_capsules(i, k, j, l, h);
+}
+
+/// Adds contacts between capsule k of island i and capsule l of island j.
+void ClusterStepper::touch_capsules(std::uint32_t i, std::uint32_t k, std::uint32_t j, std::uint32_t l,
+                                    double h) {
   const LinkageState &own = *islands_[i].state, &other = *islands_[j].state;
-  const std::span<const Linkage::Shape> shapes = own.linkage->shapes(), others = other.linkage->shapes();
-  for (std::uint32_t k = 0; k < shapes.size(); ++k) {
-    const Linkage::Shape& a = shapes[k];
-    const Segment first{a.a.of(own.x), a.b.of(own.x), a.radius};
-    for (std::uint32_t l = 0; l < others.size(); ++l) {
-      const Linkage::Shape& b = others[l];
-      if (!plumb::may_touch(a.filter, b.filter)) continue;
-      const Touches near = touches(first, {b.a.of(other.x), b.b.of(other.x), b.radius});
-      for (std::uint32_t n = 0; n < near.count; ++n) {
-        const Touch& at = near.at[n];
-        add_contact({i, blend(a.a, a.b, at.a), a.surface, k}, {j, blend(b.a, b.b, at.b), b.surface, l}, at,
-                    contact_key(KeyKind::island, 4 * k + n, other.number, l), h);
-      }
-    }
+  const Linkage::Shape &a = own.linkage->shapes()[k], &b = other.linkage->shapes()[l];
+  const Touches near =
+      touches({a.a.of(own.x), a.b.of(own.x), a.radius}, {b.a.of(other.x), b.b.of(other.x), b.radius});
+  for (std::uint32_t n = 0; n < near.count; ++n) {
+    const Touch& at = near.at[n];
+    add_contact({i, blend(a.a, a.b, at.a), a.surface, k}, {j, blend(b.a, b.b, at.b), b.surface, l}, at,
+                contact_key(KeyKind::island, 4 * k + n, other.number, l), h);
   }
+}
+
+/// Finds where capsules of an island touch each other.
+void ClusterStepper::touch_itself(std::uint32_t i, double h) {
+  const Island& island = islands_[i];
+  const Linkage& linkage = *island.state->linkage;
+  const std::span<const Linkage::Shape> shapes = linkage.shapes();
+  own_bounds_.clear();
+  own_pairs_.clear();
+  double sum = 0;
+  for (const Linkage::Shape& shape : shapes) {
+    Bounds& bounds = own_bounds_.emplace_back(nowhere);
+    for (const Combination* const end : {&shape.a, &shape.b}) {
+      const Vec3 at = end->of(island.state->x);
+      include(bounds, at, shape.radius + settings_.margin);
+      include(bounds, at + 1.25 * end->of(island.d), shape.radius + settings_.margin);
+    }
+    const Vec3 spread = bounds.high - bounds.low;
+    sum += std::max({spread.x, spread.y, spread.z});
+  }
+  const auto count = static_cast<std::uint32_t>(shapes.size());
+  own_shapes_.start(sum / count, 4 * shapes.size());
+  for (std::uint32_t l = 0; l < count; ++l)
+    own_shapes_.find_and_insert(l, own_bounds_[l], [&](std::uint32_t k) {
+      if (own_bounds_[k].overlaps(own_bounds_[l]) && linkage.neighbors().may_touch(k, l) &&
+          plumb::may_touch(shapes[k].filter, shapes[l].filter))
+        own_pairs_.push_back(std::uint64_t{std::min(k, l)} << 32 | std::max(k, l));
+    });
+  std::sort(own_pairs_.begin(), own_pairs_.end());
+  own_pairs_.erase(std::unique(own_pairs_.begin(), own_pairs_.end()), own_pairs_.end());
+  for (const std::uint64_t pair : own_pairs_)
+    touch_capsules(i, static_cast<std::uint32_t>(pair >> 32), i, static_cast<std::uint32_t>(pair), h);
 }
 
 /// Returns whether other contacts pushed something through a surface that it was not expected to reach.

@@ -29,6 +29,8 @@ inline constexpr double few_cuts = 0.25;
 inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
 /// Where rods cannot be brought to their lengths after that, they may keep this strain.
 inline constexpr double most_left = 1e-2;
+/// Rods that bringing them to their lengths moves by no more than this share of their sizes fitted before.
+inline constexpr double unfitting = 1e-6;
 /// Islands that touched each other in more places than these are a crowd, and so are nets that touched
 /// anything. They take longer to solve than to relax.
 inline constexpr std::size_t few_touching = 24;

@@ -101,8 +101,9 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
 bool ClusterStepper::is_alone(const Surroundings& surroundings, double h) const {
   const LinkageState& state = *islands_[0].state;
   return state.linkage->balls().empty() ||
-         !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin),
-                                  state.linkage->filters());
+         (!state.linkage->neighbors().any_may_touch() &&
+          !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin),
+                                   state.linkage->filters()));
 }
 
 /// One substep of a higher order. False, and nothing has moved, if limits, drives or friction of joints may

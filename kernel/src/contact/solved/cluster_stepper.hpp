@@ -16,6 +16,7 @@
 #include "contact/linkage/visitor.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/shapes/touch.hpp"
+#include "contact/spatial_hash.hpp"
 #include "contact/surroundings.hpp"
 #include "interface/tally.hpp"
 
@@ -244,6 +245,8 @@ class ClusterStepper final : public ClusterMover {
   bool passes_ground(const Island& island, const Surroundings& surroundings);
   bool find_missed_ground();
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
+  void touch_itself(std::uint32_t i, double h);
+  void touch_capsules(std::uint32_t i, std::uint32_t k, std::uint32_t j, std::uint32_t l, double h);
   static void place_hulls(Island& island);
   static PlacedShape placed(Island& island, std::uint32_t number);
   void touch_island_hulls(std::uint32_t i, std::uint32_t j, double h);
@@ -261,6 +264,7 @@ class ClusterStepper final : public ClusterMover {
   static std::uint32_t add_side(Island& island, const Side& side);
   static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
   void find_responses(bool of_elastic_ones_alone);
+  static double couple_ends(Row& row);
   void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
   static double see(const Row& row);
@@ -323,6 +327,9 @@ class ClusterStepper final : public ClusterMover {
   std::vector<Row> rows_;
   std::vector<Levers> levers_;
   std::vector<LeftOut> left_out_;
+  SpatialHash own_shapes_;                      ///< of one island
+  std::vector<Bounds> own_bounds_;              ///< around those
+  std::vector<std::uint64_t> own_pairs_;        ///< of those, the first one's number in the high half
   const Surroundings* surroundings_ = nullptr;  ///< of this step
   GroundNow ground_;                            ///< as the substep starts
   std::vector<std::uint32_t> near_ground_;      ///< an island's or a shape's, ascending

@@ -123,13 +123,17 @@ bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
 }
 
 /// Brings rods to their lengths where they are, once in a step: they may not fit to what else resists.
-/// Returns whether they are there.
+/// Returns false, and nothing has moved, where they were at their lengths or cannot be brought there.
 bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
   if (std::exchange(is_fitted_, true)) return false;
   keep_motion(cluster);
-  if (bring_to_lengths(surroundings)) return true;
-  return_to_motion(cluster);
-  return false;
+  bool moves = false;
+  if (bring_to_lengths(surroundings))
+    for (std::size_t i = 0; i < cluster.size(); ++i)
+      for (std::size_t k = 0; k < cluster[i]->x.size(); ++k)
+        moves = moves || norm(cluster[i]->x[k] - before_[i].x[k]) > unfitting * cluster[i]->linkage->size();
+  if (!moves) return_to_motion(cluster);
+  return moves;
 }
 
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
