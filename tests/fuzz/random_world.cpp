@@ -86,6 +86,31 @@ void add_particles_and_rods(Bytes& bytes, Scene& scene) {
   }
 }
 
+RodLaw law(Bytes& bytes) {
+  RodLaw out;
+  if (bytes.ConsumeBool()) out.stiffness = rarely(bytes, 3) ? number(bytes, 0, 1e9) : number(bytes, 1, 1e4);
+  if (rarely(bytes, 3)) out.damping = number(bytes, 0, 100);
+  out.one_sided = bytes.ConsumeBool();
+  return out;
+}
+
+void add_laws(Bytes& bytes, Scene& scene) {
+  for (Rod& rod : scene.rods) {
+    if (rarely(bytes, 3)) continue;
+    rod.law = law(bytes);
+    if (rarely(bytes, 3)) rod.law.strength = number(bytes, 0.1, 200);
+  }
+}
+
+void add_tackle(Bytes& bytes, Scene& scene) {
+  Tackle& tackle = scene.tackles.emplace_back();
+  for (int i = bytes.ConsumeIntegralInRange(2, 5); i > 0; --i)
+    tackle.particles.push_back(index(bytes, scene.particles.size()));
+  if (rarely(bytes, 3)) tackle.length = number(bytes, 0.1, 3);
+  tackle.law = law(bytes);
+  if (rarely(bytes, 3)) tackle.friction = number(bytes, 0, 0.5);
+}
+
 /// Bends most rods against the next one, where they share a particle.
 void add_bends(Bytes& bytes, Scene& scene) {
   for (std::size_t i = 1; i < scene.rods.size(); ++i) {
@@ -123,12 +148,21 @@ void add_limbs(Bytes& bytes, Scene& scene) {
     scene.capsules.push_back({.a = point(bytes, scene),
                               .b = point(bytes, scene),
                               .radius = number(bytes, 0, 0.2),
-                              .surface = surface(bytes)});
+                              .surface = surface(bytes),
+                              .filter = {.own_island = bytes.ConsumeBool()}});
   if (bytes.ConsumeBool())
     scene.planes.push_back({.offset = number(bytes, -2, 0), .surface = surface(bytes)});
   if (rarely(bytes, 4))
     scene.boxes.push_back(
         {.center = place(bytes) + Vec3{0, -2.5, 0}, .half_size = {0.5, 0.2, 0.3}, .surface = surface(bytes)});
+  if (rarely(bytes, 4))
+    scene.ground_hulls.push_back({.points = {place(bytes), place(bytes), place(bytes), place(bytes)},
+                                  .radius = number(bytes, 0, 0.1),
+                                  .surface = surface(bytes)});
+  if (rarely(bytes, 4))
+    scene.meshes.push_back({.vertices = {place(bytes), place(bytes), place(bytes), place(bytes)},
+                            .triangles = {{0, 1, 2}, {0, 2, 3}},
+                            .surface = surface(bytes)});
   if (rarely(bytes, 4)) add_spherical(scene, point(bytes, scene), point(bytes, scene));
   if (rarely(bytes, 4))
     scene.alignments.push_back(
@@ -200,13 +234,13 @@ RandomWorld make_random_world(const std::uint8_t* data, std::size_t size) {
   if (rarely(bytes, 10)) out.scene.gravity = {number(bytes, -10, 10), number(bytes, -10, 10), 0};
   if (rarely(bytes, 10)) out.scene.drag = number(bytes, 0, 5);
   add_particles_and_rods(bytes, out.scene);
-  if (rarely(bytes, 3)) {
-    add_limbs(bytes, out.scene);
-  }
+  if (rarely(bytes, 3)) add_limbs(bytes, out.scene);
   out.pushed = index(bytes, out.scene.particles.size());
   out.push = place(bytes);
   if (rarely(bytes, 4)) add_bends(bytes, out.scene);
   if (rarely(bytes, 6)) add_twist(bytes, out.scene);
+  if (rarely(bytes, 3)) add_laws(bytes, out.scene);
+  if (rarely(bytes, 6)) add_tackle(bytes, out.scene);
   return out;
 }
 

@@ -19,10 +19,12 @@ class Graph {
       rods_[to].push_back({from, rod_length(part, i)});
     }
     for (const Pin& pin : part.pins)
-      for (const auto& [from, to] : {std::pair{&pin.a, &pin.b}, std::pair{&pin.b, &pin.a}})
-        for_particles(*from, [&](std::uint32_t a) {
-          for_particles(*to, [&](std::uint32_t b) { pins_[a].push_back(b); });
+      for_particles(pin.a, [&](std::uint32_t a) {
+        for_particles(pin.b, [&](std::uint32_t b) {
+          pins_[a].push_back(b);
+          pins_[b].push_back(a);
         });
+      });
   }
 
   /// Calls f(particle) for all particles that have a weight in a place.
