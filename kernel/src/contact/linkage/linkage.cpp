@@ -247,6 +247,20 @@ void Linkage::plan(Isa isa) {
       fixed[plan_.place(3 * c.a + axis, 3 * c.b + axis)] = c.mass;
   for (const Elastic& each : elastics_) fixed[plan_.place(each.row, each.row)] = -1;
   place_constraints();
+  find_loose();
+}
+
+void Linkage::find_loose() {
+  std::vector<std::uint8_t> is_held(particles_, 0);
+  for (const RodRow& rod : rods_) is_held[rod.a] = is_held[rod.b] = 1;
+  for (const Coupling& each : couplings_) is_held[each.a] = is_held[each.b] = 1;
+  for (const DotRow& each : dots_)
+    for (const std::uint32_t particle : each.touched) is_held[particle] = 1;
+  for (const PinRow& pin : pins_)
+    for (std::uint32_t i = 0; i < pin.sum.count; ++i) is_held[pin.sum.terms[i].particle] = 1;
+  for (Elastic& each : elastics_)
+    each.is_loose = std::none_of(each.touched.begin(), each.touched.end(),
+                                 [&](std::uint32_t particle) { return is_held[particle] != 0; });
 }
 
 void Linkage::hold_constraints(std::span<const Vec3> x) {

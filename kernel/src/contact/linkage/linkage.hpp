@@ -314,6 +314,7 @@ class Linkage {
   void color_rods();
   void plan(Isa isa);
   void place_constraints();
+  void find_loose();
   void hold_constraints(std::span<const Vec3> x);
 
   std::uint32_t particles_ = 0, movable_ = 0, constraints_ = 0;

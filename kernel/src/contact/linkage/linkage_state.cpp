@@ -114,7 +114,14 @@ double LinkageState::elastic_pull(std::size_t i) const {
 
 void LinkageState::find_gives() {
   gives.resize(laws.size());
-  if (laws.empty() || !factor()) return;
+  const auto is_solved = [&](std::size_t i) {
+    const bool is_slack = laws[i].stiffness == 0 && laws[i].damping == 0;
+    return !is_slack && !std::isinf(laws[i].stiffness) && !linkage->is_of_bend(i) &&
+           !linkage->elastics()[i].is_loose;
+  };
+  bool any_solved = false;
+  for (std::size_t i = 0; i < laws.size() && !any_solved; ++i) any_solved = is_solved(i);
+  if (any_solved && !factor()) return;
   unknowns_.resize(linkage->plan().columns());
   push_.assign(linkage->movable(), Vec3{});
   const std::span<double> right = detail::numbers(unknowns_);
@@ -123,7 +130,7 @@ void LinkageState::find_gives() {
     if (laws[i].stiffness == 0 && laws[i].damping == 0) continue;
     const Elastic& elastic = linkage->elastics()[i];
     linkage->push_along(elastic, linkage->slope(elastic, x), 1, push_);
-    if (std::isinf(laws[i].stiffness) || linkage->is_of_bend(i)) {
+    if (!is_solved(i)) {
       // What is rigid only needs a scale, which its particles alone give. Bends move them across rods.
       for (const std::uint32_t k : elastic.touched) gives[i] += dot(push_[k], push_[k]) / linkage->mass_of(k);
     } else {
