@@ -144,8 +144,9 @@ TEST(ContactRows, TakeBackAShareOfOverlapsAndBounceByTheSpeedOfArrival) {
   EXPECT_EQ(recovered(-0.5e-3, 1e-3, 0.1), 0) << "a slop stays";
   EXPECT_NEAR(recovered(-0.011, 1e-3, 0.1), -1e-3, 1e-18);
   // It is a metre above, falls with 1 m/s, and gains 2 g on the way.
-  EXPECT_NEAR(bounce_of(0.5, 0.05, 1, -1 - 0.5 * 9.81, -1, 1), 0.5 * std::sqrt(1 + 2 * 9.81), 1e-12);
-  EXPECT_EQ(bounce_of(0.5, 0.05, 0, -1e-4, -0.01, 0.01), 0) << "too slow to bounce";
+  EXPECT_NEAR(bounce_of(0.5, 0.05, approach_of(1, -1 - 0.5 * 9.81, -1, 1)), 0.5 * std::sqrt(1 + 2 * 9.81),
+              1e-12);
+  EXPECT_EQ(bounce_of(0.5, 0.05, approach_of(0, -1e-4, -0.01, 0.01)), 0) << "too slow to bounce";
   const Combination middle = blend(combination(point_at(3)), combination(point_at(5)), 0.25);
   ASSERT_EQ(middle.count, 2u);
   EXPECT_EQ(middle.terms[0].weight, 0.75);

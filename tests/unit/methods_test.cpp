@@ -150,6 +150,9 @@ TEST(Methods, RefuseSettingsThatTheyDoNotRead) {
       case detail::Reads::tensions:
         s.tensions = true;
         break;
+      case detail::Reads::contacts:
+        s.contacts = true;
+        break;
       case detail::Reads::contact:
         s.contact.margin = 1e-3;
         break;

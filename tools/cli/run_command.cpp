@@ -12,6 +12,7 @@
 #include "export/vtk.hpp"
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/files/contacts.hpp"
 #include "scenes/files/trajectory.hpp"
 #include "scenes/runs/report.hpp"
 #include "scenes/spec.hpp"
@@ -24,7 +25,7 @@ struct RunOptions {
   scenes::RunPlan plan;
   std::vector<double> save_at;
   std::string trajectory;
-  std::string tensions, forces;
+  std::string tensions, forces, contacts;
   std::string truth, truth_tensions;
   std::string report;
   std::string vtk;   ///< Folder for VTK files.
@@ -41,13 +42,14 @@ class SavedFrames {
     if (!options.trajectory.empty()) trajectory_.emplace(options.trajectory).write(scenes::trajectory_header);
     if (!options.tensions.empty()) tensions_.emplace(options.tensions).write(scenes::tensions_header);
     if (!options.forces.empty()) forces_.emplace(options.forces).write(scenes::forces_header);
+    if (!options.contacts.empty()) contacts_.emplace(options.contacts).write(scenes::contacts_header);
     if (!options.vtk.empty()) vtk_.emplace(options.vtk, scene);
     if (options.gltf.empty()) return;
     gltf_file_.emplace(options.gltf);
     gltf_.emplace(scene);
   }
 
-  bool wanted() const { return trajectory_ || tensions_ || forces_ || vtk_ || gltf_; }
+  bool wanted() const { return trajectory_ || tensions_ || forces_ || contacts_ || vtk_ || gltf_; }
 
   void add(const scenes::RunFrame& frame) {
     if (trajectory_) {
@@ -65,6 +67,11 @@ class SavedFrames {
       scenes::append_forces(rows, frame.t, scene_, frame.forces);
       forces_->write(rows);
     }
+    if (contacts_) {
+      std::string rows;
+      scenes::append_contacts(rows, frame.t, frame.contacts);
+      contacts_->write(rows);
+    }
     if (vtk_) vtk_->add(frame);
     if (gltf_) gltf_->add(frame);
   }
@@ -73,6 +80,7 @@ class SavedFrames {
     if (trajectory_) trajectory_->commit();
     if (tensions_) tensions_->commit();
     if (forces_) forces_->commit();
+    if (contacts_) contacts_->commit();
     if (vtk_) vtk_->finish();
     if (!gltf_) return;
     gltf_file_->write(gltf_->to_text(binary_));
@@ -82,7 +90,7 @@ class SavedFrames {
  private:
   const Scene& scene_;
   bool binary_;
-  std::optional<scenes::OutputFile> trajectory_, tensions_, forces_;
+  std::optional<scenes::OutputFile> trajectory_, tensions_, forces_, contacts_;
   std::optional<VtkSeries> vtk_;
   std::optional<scenes::OutputFile> gltf_file_;
   std::optional<GltfAnimation> gltf_;
@@ -96,6 +104,7 @@ int run(const RunOptions& options) {
   require_different_files({{"--trajectory", options.trajectory},
                            {"--tensions", options.tensions},
                            {"--forces", options.forces},
+                           {"--contacts", options.contacts},
                            {"--report", options.report},
                            {"--gltf", options.gltf}});
   SavedFrames saved(options, scene);
@@ -127,6 +136,24 @@ int run(const RunOptions& options) {
   return fine;
 }
 
+/// A file for what is counted only if a setting asks for it.
+struct CountedFile {
+  RunOptions& options;
+  std::string& name;
+  bool Settings::*asks;
+};
+
+void add_counted(Command& command, const char* option, const char* value, const CountedFile& file,
+                 const char* help) {
+  command.add_option(
+      option, value,
+      [file](const std::string& given) {
+        file.name = given;
+        file.options.plan.settings.*file.asks = true;
+      },
+      help);
+}
+
 }  // namespace
 
 void add_run_command(Command& plumb) {
@@ -143,20 +170,14 @@ void add_run_command(Command& plumb) {
       command, o.save_at,
       "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
   command.add_option("--trajectory", "OUT.csv", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file");
-  const auto add_forces = [&](const char* name, const char* value, std::string& file, const char* help) {
-    command.add_option(
-        name, value,
-        [&o, &file](const std::string& given) {
-          file = given;
-          o.plan.settings.tensions = true;
-        },
-        help);
-  };
-  add_forces("--tensions", "OUT.csv", o.tensions,
-             "Write t,rod,tension to this file: how rods pull, in N, in files of --vtk too");
-  add_forces(
-      "--forces", "OUT.csv", o.forces,
+  add_counted(command, "--tensions", "OUT.csv", {o, o.tensions, &Settings::tensions},
+              "Write t,rod,tension to this file: how rods pull, in N, in files of --vtk too");
+  add_counted(
+      command, "--forces", "OUT.csv", {o, o.forces, &Settings::tensions},
       "Write t,kind,number,x,y,z to this file: what holds anchors, joints, springs and shapes, likewise");
+  add_counted(
+      command, "--contacts", "OUT.csv", {o, o.contacts, &Settings::contacts},
+      "Write t,a,b,phase,x,y,z,nx,ny,nz,ix,iy,iz,speed to this file: which shapes touched in the frame");
   command.add_option("--vtk", "DIR", o.vtk,
                      "Write a VTK file (.vtp) per frame, and run.pvd, for ParaView, into this folder");
   command.add_option(
@@ -167,8 +188,8 @@ void add_run_command(Command& plumb) {
       },
       "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text");
   command.add_option("--truth", "TRUTH.csv", o.truth, "Compare positions with this trajectory");
-  add_forces("--truth-tensions", "TENSIONS.csv", o.truth_tensions,
-             "Compare tensions with these, at times of --truth");
+  add_counted(command, "--truth-tensions", "TENSIONS.csv", {o, o.truth_tensions, &Settings::tensions},
+              "Compare tensions with these, at times of --truth");
   command.add_option("--report", "OUT.json", o.report,
                      "Write settings, machine, time and errors to this file");
   command.add_flag("--quiet", o.quiet, "Print nothing but errors");

@@ -11,6 +11,7 @@
 ///
 /// - scene.hpp: what is simulated.
 /// - shapes/ground.hpp: ground beside planes and boxes.
+/// - shapes/contact.hpp: what touched in a step.
 /// - shapes/surface.hpp: how shapes feel, what they may touch, and how ground moves.
 /// - settings.hpp: how it is simulated.
 /// - world.hpp: the compiled scene and its step.
@@ -40,6 +41,7 @@
 #include "plumb/problem.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/shapes/contact.hpp"
 #include "plumb/shapes/ground.hpp"
 #include "plumb/shapes/surface.hpp"
 #include "plumb/vec3.hpp"

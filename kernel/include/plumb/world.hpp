@@ -14,6 +14,7 @@
 #include "plumb/problem.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/shapes/contact.hpp"
 
 namespace plumb {
 
@@ -70,8 +71,12 @@ struct StepReport {
 
   // The next members describe scenes with shapes that touch.
   std::uint64_t contacts = 0;  ///< Most points at which something pushed in one cluster's substep.
-  /// Substeps that would have gained energy by contact, air or drag and were held back.
+  /// Substeps in which contact would have gained more than a hundredth of the energy of motion, and was held
+  /// back.
   std::uint64_t guarded_energy = 0;
+  /// Other substeps whose energy was held back: by less, as the order of a substep explains, or out of
+  /// contact.
+  std::uint64_t trimmed_energy = 0;
   std::uint32_t awake_islands = 0;  ///< Islands awake at the end of the step.
   std::uint32_t fell_asleep = 0;    ///< Islands that fell asleep in this step.
 
@@ -268,12 +273,23 @@ class PLUMB_API World {
   /// Returns the torque in N m that a torsion (Scene::torsions) puts on the side of `v`. See pin_force().
   double torsion_torque(std::uint32_t torsion) const;
   /// Returns the force in N with which all that touches a shape pushes it, averaged over the last step; zero
-  /// if nothing does. That of ground is NaN. Shapes are those of Scene::capsules, then those of Scene::hulls.
-  /// Throws InputError on an unknown shape, or without Settings::tensions.
+  /// if nothing does. Shapes are those of Scene::capsules, then those of Scene::hulls. Throws InputError on
+  /// an unknown shape, or without Settings::tensions.
   Vec3 contact_force(std::uint32_t shape) const;
+  /// Returns that of a shape or a piece of ground by name, so that ground is a scale. Of ground it is NaN
+  /// before the first step.
+  Vec3 contact_force(ShapeId shape) const;
   /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
   /// as the scene has shapes, or without Settings::tensions.
   void copy_contact_forces(std::span<Vec3> out) const;
+
+  /// Returns the pairs of shapes that touched in the last step, and those that did in the step before alone,
+  /// one entry each. They stay until the next step, and are in the order of their names.
+  ///
+  /// Their impulses, with gravity and forces, make the change of momentum. Pairs that sleep persist as they
+  /// were in their last step awake; what sleeps does not end by that. Throws InputError without
+  /// Settings::contacts.
+  std::span<const Contact> contacts() const;
 
   /// Returns what went wrong in the last step, by particle, and which rods that are not elastic are off their
   /// length by more than `most_strain` of it. An empty list means that all is well.

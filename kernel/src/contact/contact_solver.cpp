@@ -94,26 +94,16 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*kind, number, part).particles = parts.particles(p);
-    if (settings.tensions) states_.back().pulls = kind->make_pulls();
     number_of[p] = number;
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
     island_of_.resize(island_of_.size() + part.particles.size(), number);
   }
-  const auto own = [&](std::span<const SceneParts::Share> shares, std::vector<Owner>& owners) {
-    for (const auto& [part, number] : shares)
-      owners.push_back({part < number_of.size() ? number_of[part] : no_island, number});
-  };
-  own(parts.springs(), springs_);
-  own(parts.torsions(), torsions_);
-  own(parts.angles(), angles_);
-  own(parts.rods(), rods_);
-  if (settings.tensions) {
-    own(parts.pins(), pins_);
-    own(parts.capsules(), shapes_);
-    for (const auto& [part, number] : parts.hulls())
-      shapes_.push_back({number_of[part], states_[number_of[part]].linkage->hulls()[number].number});
-  }
+  own(parts.springs(), number_of, springs_);
+  own(parts.torsions(), number_of, torsions_);
+  own(parts.angles(), number_of, angles_);
+  own(parts.rods(), number_of, rods_);
+  if (settings.tensions || settings.contacts) begin_pulls(parts, number_of, settings);
   visitors_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
   clusters_.start(states_, settings_.margin);
@@ -210,7 +200,10 @@ void ContactSolver::begin_piece(std::uint32_t piece, unsigned) {
 
 void ContactSolver::end_piece(std::uint32_t piece, double dt) {
   for (LinkageState* const state : cluster(piece))
-    if (!state->asleep) state->pulls.dt = dt;
+    if (!state->asleep) {
+      state->pulls.dt = dt;
+      state->pulls.touched.merge();
+    }
   rests_[pieces_[piece]] = rests(cluster(piece), dt);
 }
 

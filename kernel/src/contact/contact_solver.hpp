@@ -9,6 +9,7 @@
 #include "contact/clusters.hpp"
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/linkage/visitor.hpp"
+#include "contact/pulls/contact_list.hpp"
 #include "interface/made_solver.hpp"
 #include "interface/solver.hpp"
 
@@ -70,8 +71,7 @@ class ContactSolver final : public Solver {
     surroundings_.platforms.set_target(number, target);
   }
   /// Begins to move the ground through a step of dt (s), which wakes what sleeps on it. at(anchor) says where
-  /// a fixed particle is (m) and its velocity (m/s) in the step. Call it before see_rest(), and end_ground()
-  /// after the step.
+  /// a fixed particle is (m) and its velocity (m/s) in the step. Call it before see_rest().
   template <class At>
   void begin_ground(double dt, At&& at) {
     for (const std::uint32_t anchor : surroundings_.anchored.anchors()) {
@@ -81,7 +81,11 @@ class ContactSolver final : public Solver {
     surroundings_.begin_step(dt);
     wake_carried();
   }
-  void end_ground() { surroundings_.end_step(); }
+  /// Ends a step, whether anything was awake in it or not.
+  void after_step() {
+    surroundings_.end_step();
+    list_contacts();
+  }
   /// Names the islands at home that the last begin_ground() has woken.
   std::span<const Return> woken() const { return woken_; }
 
@@ -100,6 +104,9 @@ class ContactSolver final : public Solver {
   Vec3 spring_force(std::uint32_t spring) const;
   double torsion_torque(std::uint32_t torsion) const;
   Vec3 contact_force(std::uint32_t shape) const;
+  /// Returns the force on ground, which has the opposite of what it pushes with.
+  Vec3 force_on_ground(ShapeId ground) const { return ground_force(surroundings_.numbers.of(ground)); }
+  std::span<const Contact> contacts() const { return contacts_.all(); }
   /// Takes from the initial velocities what constraints forbid. Returns the largest change in m/s.
   double project_initial_velocities();
   /// Returns the slots of the scene's particles.
@@ -165,6 +172,17 @@ class ContactSolver final : public Solver {
   /// Returns a mean over the last step of what an island counts.
   template <class Number>
   static Number mean(const LinkagePulls& pulls, const Number& sum);
+  static void own(std::span<const SceneParts::Share> shares, std::span<const std::uint32_t> number_of,
+                  std::vector<Owner>& owners) {
+    for (const auto& [part, number] : shares)
+      owners.push_back({part < number_of.size() ? number_of[part] : no_island, number});
+  }
+  /// Begins to count what the settings ask for.
+  void begin_pulls(const SceneParts& parts, std::span<const std::uint32_t> number_of,
+                   const Settings& settings);
+  Vec3 ground_force(std::uint32_t ground) const;
+  /// Makes the list of contacts of a step, and adds up what ground was pushed with.
+  void list_contacts();
   LinkageState& state_of(Slot slot) { return states_[island_of_[slot]]; }
   const LinkageState& state_of(Slot slot) const { return states_[island_of_[slot]]; }
   std::uint32_t local(Slot slot) const { return slot - first_slot_[island_of_[slot]]; }
@@ -192,6 +210,12 @@ class ContactSolver final : public Solver {
   std::vector<std::uint32_t> island_of_;            ///< the island of each slot
   std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
   std::vector<Owner> rods_, pins_, shapes_;         ///< likewise; the last two if pulls count
+  std::vector<ShapeId> shape_ids_;                  ///< of the shapes of all islands, if they count
+  std::vector<std::uint32_t> first_shape_;          ///< by island's number: where its own begin
+  std::vector<Vec3> ground_pushes_;                 ///< N, by ground; none before the first step
+  ContactList contacts_;
+  bool counts_touches_ = false, lists_contacts_ = false;
+  bool is_listed_ = false;  ///< nothing was moved in the last step, and its list is made
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
   std::vector<Return> returned_, woken_;

@@ -78,15 +78,17 @@ inline KeptContact kept_at(const LinkageState& state, std::uint64_t key, std::si
   return {};
 }
 
-/// Returns the speed (m/s) with which a contact leaves the surface. `closing` (m) is how its gap changes in
-/// the substep, and `arriving` (m/s) its rate now. The speed of arrival includes what is gained on the way;
-/// restitution acts on it.
-inline double bounce_of(double restitution, double least, double gap, double closing, double arriving,
-                        double h) {
+/// Returns the speed (m/s) at which a contact closes. `closing` (m) is how its gap changes in a substep of h
+/// (s), and `arriving` (m/s) its rate now. What is gained on the way is included.
+inline double approach_of(double gap, double closing, double arriving, double h) {
   const double gain = 2 * (closing - h * arriving) / (h * h);
   const double square = arriving * arriving - 2 * gain * std::max(gap, 0.0);
-  const double hit = arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
-  return hit > least ? restitution * hit : 0;
+  return arriving < 0 ? std::sqrt(std::max(square, 0.0)) : 0;
+}
+
+/// Returns the speed (m/s) with which a contact leaves the surface that it hits at `approach`.
+inline double bounce_of(double restitution, double least, double approach) {
+  return approach > least ? restitution * approach : 0;
 }
 
 /// Returns what a contact or a limit must keep of a gap (m or rad). A gap that is open may close. Of an

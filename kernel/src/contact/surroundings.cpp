@@ -22,13 +22,15 @@ bool may_move(const GroundMotion& motion) {
 
 }  // namespace
 
-Surroundings::Surroundings(const Scene& scene) : planes(scene.planes), platforms(scene), anchored(scene) {
+Surroundings::Surroundings(const Scene& scene)
+    : planes(scene.planes), platforms(scene), anchored(scene), numbers(scene) {
   for (const Box& box : scene.boxes) {
     const Frame3 frame = frame_of(box.orientation);
     boxes.push_back({box.center, box.half_size, frame, bounds_of(box.center, box.half_size, frame),
                      box.surface, box.filter, box.motion});
     if (!box.motion.platform) shapes.emplace_back(box, static_cast<std::uint32_t>(boxes.size() - 1));
   }
+  standing_boxes_ = static_cast<std::uint32_t>(shapes.size());
   for (const GroundCapsule& each : scene.ground_capsules) shapes.emplace_back(each);
   for (const GroundHull& each : scene.ground_hulls) shapes.emplace_back(each);
   for (const GroundMesh& each : scene.meshes) shapes.emplace_back(each);

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/ground/ground_numbers.hpp"
 #include "contact/ground/ground_shape.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/platforms/anchored.hpp"
@@ -51,6 +52,11 @@ struct Surroundings {
     static constexpr Filter any{};
     return shapes[shape].box() == GroundShape::none ? any : boxes[shapes[shape].box()].filter;
   }
+  /// Returns the number of a shape among all ground.
+  std::uint32_t number_of(std::uint32_t shape) const {
+    if (const std::uint32_t box = shapes[shape].box(); box != GroundShape::none) return numbers.of_box(box);
+    return numbers.of_other(shape - standing_boxes_);
+  }
   /// Lists the shapes whose bounds overlap a box, ascending.
   void find(const Bounds& bounds, std::vector<std::uint32_t>& out) const;
   /// Returns whether what seems to touch a convex shape touches another one instead, which lies against it.
@@ -70,6 +76,7 @@ struct Surroundings {
   BoundsTree tree;                  ///< around their bounds
   Platforms platforms;
   Anchored anchored;
+  GroundNumbers numbers;
 
  private:
   /// Returns whether a place is within `near` (m) of a convex shape, but for one.
@@ -80,6 +87,7 @@ struct Surroundings {
   template <class F>
   bool any_ground(const Bounds& bounds, std::span<const Filter> filters, F&& f) const;
 
+  std::uint32_t standing_boxes_ = 0;  ///< the first of `shapes`
   bool may_move_ = false;
   bool moves_ = false;  ///< some ground does in this step
   double dt_ = 0;       ///< s, of this step

@@ -27,15 +27,17 @@ constexpr SettingRow settings_table[] = {
     {Reads::sleep, "sleep", [](const Settings& s) { return !s.sleep; }},
     {Reads::contact, "contact", [](const Settings& s) { return s.contact != ContactSettings{}; }},
     {Reads::tensions, "tensions", [](const Settings& s) { return s.tensions; }},
+    {Reads::contacts, "contacts", [](const Settings& s) { return s.contacts; }},
     {Reads::layout, "layout", [](const Settings& s) { return s.layout != LayoutChoice::automatic; }},
 };
 
 constexpr Reads stop_rule = Reads::sweeps | Reads::tolerance | Reads::budget_us;
 constexpr Reads relax_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::weights |
                               Reads::order | Reads::omega | Reads::accuracy | stop_rule | Reads::sleep |
-                              Reads::contact | Reads::tensions | Reads::layout;
+                              Reads::contact | Reads::tensions | Reads::contacts | Reads::layout;
 constexpr Reads direct_reads = Reads::precision | Reads::gradient | Reads::mass | Reads::accuracy |
-                               Reads::tolerance | Reads::sleep | Reads::contact | Reads::tensions;
+                               Reads::tolerance | Reads::sleep | Reads::contact | Reads::tensions |
+                               Reads::contacts;
 
 void validate_relax(const Settings& settings) {
   if (settings.mass == MassModel::consistent)

@@ -32,6 +32,7 @@ enum class Reads : std::uint32_t {
   layout = 1u << 15,
   contact = 1u << 16,
   tensions = 1u << 17,
+  contacts = 1u << 18,
 };
 constexpr Reads operator|(Reads a, Reads b) {
   return static_cast<Reads>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));

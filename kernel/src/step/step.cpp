@@ -189,7 +189,7 @@ void Step::measure(StepReport& report) {
   }
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
   lengths_.end_step(compiled_.cords, compiled_.solvers);
-  if (compiled_.contact) compiled_.contact->end_ground();
+  if (compiled_.contact) compiled_.contact->after_step();
 }
 
 bool Step::uses_threads() const {

@@ -65,6 +65,13 @@ class Step {
   bool is_broken(std::uint32_t rod) const;
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   const ContactSolver& contact() const { return *compiled_.contact; }
+  /// Returns the force (N) of the last step on ground that the scene has. Without shapes nothing touches it.
+  Vec3 force_on_ground(ShapeId ground) const {
+    return compiled_.contact ? compiled_.contact->force_on_ground(ground) : Vec3{};
+  }
+  std::span<const Contact> contacts() const {
+    return compiled_.contact ? compiled_.contact->contacts() : std::span<const Contact>{};
+  }
 
   double twist(std::uint32_t twist) const;
   void set_twist(std::uint32_t twist, double angle);

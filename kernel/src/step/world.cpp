@@ -41,9 +41,10 @@ struct World::Impl {
   std::uint32_t rods = 0, tackles = 0, twists = 0;
   std::vector<std::size_t> tackle_segments;
   std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, shapes = 0;
+  std::vector<std::uint32_t> of_kind;    ///< Numbers of shapes and pieces of ground, by ShapeKind.
   std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
   std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
-  bool tensions = false;
+  bool tensions = false, contacts = false;
   double time = 0;
 
   void require_known(std::uint32_t particle) const {
@@ -92,6 +93,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->precision = settings.precision;
   impl_->substeps = settings.substeps;
   impl_->tensions = settings.tensions;
+  impl_->contacts = settings.contacts;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
   impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
   for (const Tackle& tackle : scene.tackles) impl_->tackle_segments.push_back(tackle.particles.size() - 1);
@@ -101,6 +103,10 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->springs = static_cast<std::uint32_t>(scene.springs.size());
   impl_->torsions = static_cast<std::uint32_t>(scene.torsions.size());
   impl_->shapes = static_cast<std::uint32_t>(scene.capsules.size() + scene.hulls.size());
+  for (const std::size_t count : {scene.capsules.size(), scene.hulls.size(), scene.planes.size(),
+                                  scene.boxes.size(), scene.ground_capsules.size(), scene.ground_hulls.size(),
+                                  scene.meshes.size(), scene.height_fields.size()})
+    impl_->of_kind.push_back(static_cast<std::uint32_t>(count));
   impl_->platforms = impl_->targets = scene.platforms;
   if (!scene.reels.empty()) {
     const detail::RodTable rods(scene);
@@ -270,6 +276,21 @@ double World::torsion_torque(std::uint32_t torsion) const {
 Vec3 World::contact_force(std::uint32_t shape) const {
   return impl_->contact(impl_->shapes, "shape", shape).contact_force(shape);
 }
+Vec3 World::contact_force(ShapeId shape) const {
+  const auto kind = static_cast<std::size_t>(shape.kind);
+  if (kind >= impl_->of_kind.size()) refuse("shape ", shape.number, ": its kind ", kind, " is unknown");
+  if (shape.number >= impl_->of_kind[kind])
+    refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the scene has ", impl_->of_kind[kind],
+           " of them");
+  if (shape.kind == ShapeKind::capsule) return contact_force(shape.number);
+  if (shape.kind == ShapeKind::hull) return contact_force(impl_->of_kind[0] + shape.number);
+  impl_->require_tensions();
+  return impl_->step->force_on_ground(shape);
+}
+std::span<const Contact> World::contacts() const {
+  if (!impl_->contacts) refuse("contacts are not known: Settings::contacts asks for them");
+  return impl_->step->contacts();
+}
 void World::copy_contact_forces(std::span<Vec3> out) const {
   impl_->require_tensions();
   if (out.size() != impl_->shapes)
@@ -336,6 +357,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   broken_rods += other.broken_rods;
   contacts = std::max(contacts, other.contacts);
   guarded_energy += other.guarded_energy;
+  trimmed_energy += other.trimmed_energy;
   awake_islands = other.awake_islands;
   fell_asleep += other.fell_asleep;
   return *this;

@@ -28,7 +28,9 @@ constexpr Counter table[] = {
     {"largest_gap", &StepReport::largest_gap, "largest gap at a joint, m"},
     {"rms_gap", &StepReport::rms_gap, "RMS gap at joints, m"},
     {"points", &StepReport::contacts, "most points touched at once", "contact"},
-    {"guarded_energy", &StepReport::guarded_energy, "substeps kept from gaining energy", "contact"},
+    {"guarded_energy", &StepReport::guarded_energy, "substeps kept from gaining energy by contact",
+     "contact"},
+    {"trimmed_energy", &StepReport::trimmed_energy, "substeps kept from gaining a little energy", "contact"},
     {"awake_islands", &StepReport::awake_islands, "islands awake at last", "contact"},
     {"fell_asleep", &StepReport::fell_asleep, "islands that fell asleep", "contact"},
 };

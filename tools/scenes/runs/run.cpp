@@ -172,6 +172,7 @@ RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Fra
     if (!observer.save || (it == save.end() && !observer.save_at.empty())) return;
     now.t = it != save.end() ? it->second : static_cast<double>(number) * plan.dt;
     if (!now.forces.is_empty()) copy_forces(world, now.forces);
+    if (plan.settings.contacts) now.contacts = world.contacts();
     observer.save(now);
   };
 

@@ -9,6 +9,7 @@
 #include "plumb/measures.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/shapes/contact.hpp"
 #include "plumb/world.hpp"
 #include "scenes/basics/length_rate.hpp"
 #include "scenes/files/forces.hpp"
@@ -24,9 +25,11 @@ struct RunPlan {
   std::vector<LengthRate> rates{};  ///< Rods that are reeled in or paid out all the time.
 };
 
-/// A saved frame has forces if the settings ask for tensions.
+/// A saved frame has forces and contacts if the settings ask for tensions and contacts. The latter are the
+/// world's and hold until its next step.
 struct RunFrame : Frame {
   Forces forces{};
+  std::span<const Contact> contacts{};
 };
 
 /// An observer sees a run on its way. Both functions may be empty. The time they take is not measured.

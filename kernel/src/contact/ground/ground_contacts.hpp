@@ -18,6 +18,8 @@ struct GroundContact {
   double bounce = 0;                 ///< m/s, what it leaves with
   std::uint64_t key = 0;
   std::uint32_t shape = 0;  ///< its number
+  std::uint32_t other = 0;  ///< the number of the ground, or of the other island's shape
+  double approach = 0;      ///< m/s, how fast it was about to be hit
   bool is_held = false;     ///< it pushed in the last substep, by what follows
   Vec3 held{};              ///< kg m, on positions
   Vec3 held_end{};          ///< kg m/s, on velocities

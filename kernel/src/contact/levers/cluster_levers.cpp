@@ -30,6 +30,7 @@ std::uint32_t ClusterStepper::add_side(Island& island, const Lever::Rate& rate, 
 /// two more for rolling, and one for spinning.
 void ClusterStepper::add_contact_rows(const GroundContact& contact, std::span<const ContactEnd> ends,
                                       double h) {
+  note_touch(contact, ends);
   const auto first = static_cast<std::uint32_t>(rows_.size());
   const auto [t1, t2] = across(contact.normal);
   const Vec3 axes[3] = {contact.normal, t1, t2};

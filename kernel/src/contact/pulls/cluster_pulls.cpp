@@ -85,15 +85,52 @@ void ClusterStepper::count_pushes(const Row& row, double h) {
   }
 }
 
+/// Keeps where a contact is whose rows are about to be added, if that counts.
+void ClusterStepper::note_touch(const GroundContact& contact, std::span<const ContactEnd> ends) {
+  if (!islands_[ends[0].island].state->pulls.touched.counts) return;
+  RowsTouch& touch = touches_.emplace_back();
+  touch.row = static_cast<std::uint32_t>(rows_.size());
+  touch.ends = static_cast<std::uint32_t>(ends.size());
+  touch.other = contact.other;
+  touch.approach = contact.approach;
+  for (std::uint32_t i = 0; i < touch.ends; ++i) {
+    touch.at[i] = *ends[i].at;
+    touch.radius[i] = islands_[ends[i].island].state->linkage->shape_of(ends[i].shape).radius;
+  }
+}
+
+/// Adds what a contact with rows pushed shapes with. It acts half way between them where the substep ends.
+void ClusterStepper::count_touch(const RowsTouch& touch, double h) {
+  const Row& normal = rows_[touch.row];
+  Vec3 impulse{};
+  for (std::uint32_t i = touch.row; i < touch.row + 3; ++i)
+    impulse += (rows_[i].p / h + rows_[i].q) * rows_[i].along;
+  const auto surface = [&](std::uint32_t i, double sign) {
+    const LinkageState& state = *islands_[normal.island[i]].state;
+    return touch.at[i].of(state.x) - sign * touch.radius[i] * normal.along;
+  };
+  const Vec3 place = touch.ends == 1 ? surface(0, 1) : 0.5 * (surface(0, 1) + surface(1, -1));
+  islands_[normal.island[0]].state->pulls.touched.add(
+      normal.of[0], touch.ends == 1 ? TouchedPair::ground : islands_[normal.island[1]].state->number,
+      touch.other, {impulse, place, normal.along, touch.approach});
+}
+
 void ClusterStepper::count_pushes(double h) {
   for (const Row& row : rows_) count_pushes(row, h);
+  for (const RowsTouch& touch : touches_) count_touch(touch, h);
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
-    if (!state.pulls.counts) continue;
+    if (!state.pulls.counts && !state.pulls.touched.counts) continue;
     islands_[i].ground.for_kept([&](const GroundContact& contact, Vec3 position, Vec3 end) {
       const Vec3 impulse = (1 / h) * position + end;
-      state.pulls.shapes[contact.shape] += impulse;
-      state.linkage->push_fixed(contact.at, impulse, state.pulls);
+      if (state.pulls.counts) {
+        state.pulls.shapes[contact.shape] += impulse;
+        state.linkage->push_fixed(contact.at, impulse, state.pulls);
+      }
+      const double radius = state.linkage->shape_of(contact.shape).radius;
+      const Vec3 place = contact.at.of(state.x) - radius * contact.normal;
+      state.pulls.touched.add(contact.shape, TouchedPair::ground, contact.other,
+                              {impulse, place, contact.normal, contact.approach});
     });
   }
 }

@@ -6,6 +6,62 @@
 
 namespace plumb::detail {
 
+void ContactSolver::begin_pulls(const SceneParts& parts, std::span<const std::uint32_t> number_of,
+                                const Settings& settings) {
+  own(parts.pins(), number_of, pins_);
+  own(parts.capsules(), number_of, shapes_);
+  for (const auto& [part, number] : parts.hulls())
+    shapes_.push_back({number_of[part], states_[number_of[part]].linkage->hulls()[number].number});
+  std::uint32_t count = 0;
+  for (LinkageState& state : states_) {
+    if (settings.tensions) state.pulls = state.linkage->make_pulls();
+    state.pulls.touched.counts = true;
+    first_shape_.push_back(count);
+    count += static_cast<std::uint32_t>(state.linkage->shapes().size() + state.linkage->hulls().size());
+  }
+  shape_ids_.resize(count);
+  const auto capsules = static_cast<std::uint32_t>(parts.capsules().size());
+  std::uint32_t anchored = 0;
+  for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
+    Owner& owner = shapes_[i];
+    if (owner.island == no_island)
+      owner.number = surroundings_.numbers.of_anchored(anchored++);
+    else
+      shape_ids_[first_shape_[owner.island] + owner.number] =
+          i < capsules ? ShapeId{ShapeKind::capsule, i} : ShapeId{ShapeKind::hull, i - capsules};
+  }
+  counts_touches_ = true;
+  lists_contacts_ = settings.contacts;
+}
+
+void ContactSolver::list_contacts() {
+  if (!counts_touches_) return;
+  const bool moved = !pieces_.empty();
+  if (!moved && is_listed_ && contacts_.is_steady()) return;  // while all sleep it stays as it is
+  is_listed_ = !moved;
+  ground_pushes_.assign(surroundings_.numbers.count(), Vec3{});
+  contacts_.begin();
+  const auto id_of = [&](std::uint32_t island, std::uint32_t shape) {
+    return shape_ids_[first_shape_[island] + shape];
+  };
+  for (const LinkageState& state : states_) {
+    if (visitors_[state.number].is_at_home()) continue;
+    for (const TouchedPair& pair : state.pulls.touched.pairs()) {
+      const bool on_ground = pair.island == TouchedPair::ground;
+      if (on_ground) ground_pushes_[pair.other] -= mean(state.pulls, pair.impulse);
+      if (lists_contacts_)
+        contacts_.add(id_of(state.number, pair.shape),
+                      on_ground ? surroundings_.numbers.id(pair.other) : id_of(pair.island, pair.other),
+                      pair);
+    }
+  }
+  contacts_.end();
+}
+
+Vec3 ContactSolver::ground_force(std::uint32_t ground) const {
+  return ground < ground_pushes_.size() ? ground_pushes_[ground] : mean(LinkagePulls{}, Vec3{});
+}
+
 template <class Number>
 Number ContactSolver::mean(const LinkagePulls& pulls, const Number& sum) {
   return (pulls.dt > 0 ? 1 / pulls.dt : std::numeric_limits<double>::quiet_NaN()) * sum;
@@ -52,7 +108,7 @@ double ContactSolver::torsion_torque(std::uint32_t torsion) const {
 
 Vec3 ContactSolver::contact_force(std::uint32_t shape) const {
   const auto [island, number] = shapes_[shape];
-  if (island == no_island) return mean(LinkagePulls{}, Vec3{});  // of ground, which is not known
+  if (island == no_island) return ground_force(number);
   const LinkagePulls& pulls = states_[island].pulls;
   if (visitors_[island].is_at_home() || pulls.dt == 0) return {};
   return mean(pulls, pulls.shapes[number]);

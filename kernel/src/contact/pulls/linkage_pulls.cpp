@@ -13,6 +13,7 @@ void LinkagePulls::begin_step() {
   for (std::vector<double>* const of : {&rods, &angles, &elastics}) std::fill(of->begin(), of->end(), 0.0);
   for (std::vector<Vec3>* const of : {&pins, &along_first, &shapes, &fixed})
     std::fill(of->begin(), of->end(), Vec3{});
+  touched.begin_step();
 }
 
 LinkagePulls Linkage::make_pulls() const {
@@ -23,7 +24,8 @@ LinkagePulls Linkage::make_pulls() const {
           .elastics = std::vector<double>(elastics_.size()),
           .along_first = std::vector<Vec3>(elastics_.size()),
           .shapes = std::vector<Vec3>(shapes_.size() + hulls_.size()),
-          .fixed = std::vector<Vec3>(particles_ - movable_)};
+          .fixed = std::vector<Vec3>(particles_ - movable_),
+          .touched = {}};
 }
 
 std::optional<std::size_t> Linkage::elastic_of_rod(std::uint32_t number) const {

@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "contact/pulls/touched_pairs.hpp"
 #include "plumb/vec3.hpp"
 
 namespace plumb::detail {
 
 /// Adds up the impulses by which an island was held together and pushed in a step. It has no numbers unless
-/// it counts.
+/// it counts, but for what touched.
 struct LinkagePulls {
   bool counts = false;
   double dt = 0;                  ///< s, of the step; 0 before the first
@@ -19,6 +20,7 @@ struct LinkagePulls {
   std::vector<Vec3> along_first;  ///< N s or N s/m, by elastic: that pull along the gradient of its first sum
   std::vector<Vec3> shapes;       ///< N s, by which contacts pushed
   std::vector<Vec3> fixed;        ///< N s, on the fixed particles
+  TouchedPairs touched;           ///< what pushed shapes, which may count without the others
 
   /// Begins a step. The pulls of the one before are kept until then, also through sleep.
   void begin_step();

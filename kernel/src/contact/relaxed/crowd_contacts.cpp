@@ -105,7 +105,8 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const double restitution = std::max(one.surface->restitution, other.surface->restitution);
   contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
   contact.friction = std::sqrt(one.surface->friction * other.surface->friction);
-  contact.bounce = bounce_of(restitution, settings_.bounce_speed, touch.gap, closing, arriving, h);
+  contact.approach = approach_of(touch.gap, closing, arriving, h);
+  contact.bounce = bounce_of(restitution, settings_.bounce_speed, contact.approach);
   add_sliding(in, sides, touch, contact);
   add_turning(in, sides, contact);
   if (comes) start_from_kept(in, contact);
@@ -121,6 +122,7 @@ void CrowdContacts<T>::add_ends(const Substep& in, const std::array<Side, 2>& si
     const Side& side = sides[i];
     contact.island[i] = side.island;
     contact.shape[i] = side.shape;
+    contact.other_terms = static_cast<std::uint32_t>(terms_.size());
     if (side.island == none) continue;
     moves +=
         in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, *side.at, i == 0 ? 1 : -1, terms_);
@@ -221,8 +223,10 @@ void CrowdContacts<T>::touch_planes(const Substep& in) {
     const Vec3 at = in.crowd.origin() + in.crowd.position(near_.terms_of(each.center));
     const double gap = dot(plane.normal, at) - plane.offset - each.ball->radius;
     add(in, {each.island, each.ball->shape, &each.ball->center, &each.ball->surface},
-        {.surface = &plane.surface, .rate = in.ground.rate_of_plane(pair.other)}, {gap, plane.normal},
-        contact_key(KeyKind::plane, each.number, 0, pair.other));
+        {.shape = in.surroundings.numbers.of_plane(pair.other),
+         .surface = &plane.surface,
+         .rate = in.ground.rate_of_plane(pair.other)},
+        {gap, plane.normal}, contact_key(KeyKind::plane, each.number, 0, pair.other));
   }
 }
 
@@ -348,32 +352,7 @@ void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T
             {turnings_[contact.turning].key, 1 / (h * h) * turnings_[contact.turning].push, {}});
     }
     count_impulses(cluster, crowd, contact, h);
-  }
-}
-
-/// Adds the impulses of a contact to what pushed its shapes and the fixed particles of its islands.
-template <class T>
-void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                                      const Contact& contact, double h) const {
-  const Vec3 across = 1 / h * contact.across;
-  const Vec3 along = (1 / h * contact.push + contact.kick) * contact.normal;
-  for (int side = 0; side < 2; ++side) {
-    const std::uint32_t island = contact.island[side];
-    if (island == none) continue;
-    LinkagePulls& pulls = cluster[island]->pulls;
-    if (!pulls.counts) continue;
-    pulls.shapes[contact.shape[side]] += (side == 0 ? 1.0 : -1.0) * (along + across);
-    if (side == 1 && island == contact.island[0]) continue;
-    crowd.push_fixed(terms_of(contact.terms), island, along, pulls);
-    crowd.push_fixed(terms_of(contact.sliding), island, across, pulls);
-    if (contact.turning == none) continue;
-    const Turning& turning = turnings_[contact.turning];
-    for (std::uint32_t k = turning.first; k < turning.end; ++k) {
-      const TurnTerm& term = turn_terms_[k];
-      const Term whole{term.at, 1, 0};
-      if (term.island == island)
-        crowd.push_fixed({&whole, 1}, island, 0.5 / h * cross(turning.push, term.gradient), pulls);
-    }
+    count_touch(cluster, crowd, contact, h);
   }
 }
 

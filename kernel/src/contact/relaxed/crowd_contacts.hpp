@@ -81,7 +81,8 @@ class CrowdContacts {
     const GroundNow& ground;
     double h;
   };
-  /// One side of a contact is on a shape's middle or, without an island, on the ground.
+  /// One side of a contact is on a shape's middle or, without an island, on the ground, whose number stands
+  /// in `shape`.
   struct Side {
     std::uint32_t island = none, shape = 0;
     const Combination* at = nullptr;
@@ -89,13 +90,15 @@ class CrowdContacts {
     const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   struct Contact {
-    TermRange terms{}, sliding{};  ///< of the middles of shapes, and of the places that friction holds
+    TermRange terms{}, sliding{};   ///< of the middles of shapes, and of the places that friction holds
+    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
     std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
     std::uint32_t turning = none;
     std::uint64_t key = 0;
     Vec3 normal{};
     double gap = 0;                     ///< m, what may be lost
     double friction = 0;                ///< Coulomb's coefficient
+    double approach = 0;                ///< m/s, how fast it is about to be hit
     double bounce = 0;                  ///< m/s, what it leaves the surface with
     double over = 0, over_sliding = 0;  ///< kg, what changes its places by a metre
     double push = 0;                    ///< kg m
@@ -161,6 +164,8 @@ class CrowdContacts {
   void resist(Crowd<T>& crowd, const Contact& contact);
   void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Contact& contact,
                       double h) const;
+  void count_touch(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Contact& contact,
+                   double h) const;
 
   ContactSettings settings_;  ///< multiplied by their length scale
   double recovery_rate_ = 0;

@@ -20,8 +20,10 @@ void CrowdContacts<T>::touch_boxes(const Substep& in) {
                          [&](std::uint64_t which, double t, const Touch& touch) {
                            const Combination at = blend(each.shape->a, each.shape->b, t);
                            add(in, {each.island, each.number, &at, &each.shape->surface},
-                               {.surface = &box.surface, .rate = in.ground.rate_of_box(pair.other)}, touch,
-                               contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
+                               {.shape = in.surroundings.numbers.of_box(pair.other),
+                                .surface = &box.surface,
+                                .rate = in.ground.rate_of_box(pair.other)},
+                               touch, contact_key(KeyKind::box, 16 * each.number + which, 0, pair.other));
                          });
   }
 }
@@ -36,7 +38,9 @@ void CrowdContacts<T>::touch_segments(const Substep& in) {
     for (std::uint32_t n = 0; n < near.count; ++n) {
       const Combination at = blend(each.shape->a, each.shape->b, near.at[n].a);
       add(in, {each.island, each.number, &at, &each.shape->surface},
-          {.surface = &in.ground.shapes()[pair.other].surface, .rate = in.ground.rate_of_segment(pair.other)},
+          {.shape = in.surroundings.numbers.of_anchored(pair.other),
+           .surface = &in.ground.shapes()[pair.other].surface,
+           .rate = in.ground.rate_of_segment(pair.other)},
           near.at[n], contact_key(KeyKind::segment, 4 * each.number + n, 0, pair.other));
     }
   }
@@ -95,7 +99,7 @@ auto CrowdContacts<T>::ground_side(const Substep& in, std::uint32_t ground) -> S
   const GroundShape& shape = in.surroundings.shapes[ground];
   const GroundRate* const rate =
       shape.box() == GroundShape::none ? nullptr : in.ground.rate_of_box(shape.box());
-  return {.surface = &shape.surface(), .rate = rate};
+  return {.shape = in.surroundings.number_of(ground), .surface = &shape.surface(), .rate = rate};
 }
 
 template <class T>

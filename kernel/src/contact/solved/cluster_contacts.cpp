@@ -51,6 +51,7 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
     }
   const KeptContact held = kept_at(*one->state, key, one->next_kept);
   const double arriving = dot(touch.normal, a.at.of(one->v) - (two ? b.at.of(two->v) : carried_now));
+  const double approach = approach_of(touch.gap, closing, arriving, h);
   const GroundContact contact{.at = a.at,
                               .normal = touch.normal,
                               .gap = recovered(touch.gap, settings_.slop, h * recovery_rate_),
@@ -58,9 +59,11 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                               .rolling = std::max(a.surface.rolling, b.surface.rolling),
                               .spinning = std::max(a.surface.spinning, b.surface.spinning),
                               .bounce = bounce_of(std::max(a.surface.restitution, b.surface.restitution),
-                                                  settings_.bounce_speed, touch.gap, closing, arriving, h),
+                                                  settings_.bounce_speed, approach),
                               .key = key,
                               .shape = a.shape,
+                              .other = b.shape,
+                              .approach = approach,
                               .is_held = held.key == key,
                               .held = (h * h) * held.force,
                               .held_end = (0.5 * h) * held.end_force,
@@ -139,6 +142,7 @@ void ClusterStepper::find_contacts(double h) {
   rows_.clear();
   left_out_.clear();
   levers_.clear();
+  touches_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
     islands_[i].terms.clear();
     islands_[i].sides.clear();
@@ -178,7 +182,8 @@ void ClusterStepper::touch_planes(std::uint32_t i, double h) {
       const Linkage::Ball& ball = balls[k];
       if (!plumb::may_touch(ball.filter, plane.filter)) continue;
       const double gap = dot(plane.normal, ball.center.of(island.state->x)) - plane.offset - ball.radius;
-      add_contact({i, ball.center, ball.surface, ball.shape}, {none, no_particles, plane.surface, 0, rate},
+      add_contact({i, ball.center, ball.surface, ball.shape},
+                  {none, no_particles, plane.surface, surroundings_->numbers.of_plane(p), rate},
                   {gap, plane.normal}, contact_key(KeyKind::plane, k, 0, p), h);
     }
   }
@@ -200,7 +205,7 @@ void ClusterStepper::touch_boxes(std::uint32_t i, double h) {
       const Vec3 q = box.frame.to_local(shape.b.of(x) - box.center);
       for_touches_with_box(p, q, shape.radius, box, [&](std::uint64_t which, double t, const Touch& touch) {
         add_contact({i, blend(shape.a, shape.b, t), shape.surface, k},
-                    {none, no_particles, box.surface, 0, rate}, touch,
+                    {none, no_particles, box.surface, surroundings_->numbers.of_box(b), rate}, touch,
                     contact_key(KeyKind::box, 16 * k + which, 0, b), h);
       });
     }
@@ -222,8 +227,8 @@ void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
       const Touches found = touches(first, other);
       for (std::uint32_t n = 0; n < found.count; ++n)
         add_contact({i, blend(shape.a, shape.b, found.at[n].a), shape.surface, k},
-                    {none, no_particles, others[l].surface, 0, rate}, found.at[n],
-                    contact_key(KeyKind::segment, 4 * k + n, 0, l), h);
+                    {none, no_particles, others[l].surface, surroundings_->numbers.of_anchored(l), rate},
+                    found.at[n], contact_key(KeyKind::segment, 4 * k + n, 0, l), h);
     }
   }
 }

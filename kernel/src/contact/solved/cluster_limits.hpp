@@ -41,6 +41,9 @@ inline constexpr double most_guards = 64;
 /// Islands at rest may gain this share of the energy that lifts them by their size. Larger values repeat
 /// fewer substeps and let resting things creep.
 inline constexpr double unnoticed = 3e-9;
+/// Contact that would gain more than this share of the energy of motion is counted as such. Less is what the
+/// order of a substep explains where rods turn by a quarter of a radian.
+inline constexpr double gained = 1e-2;
 /// In free flight an energy error of this share stays uncorrected. Correcting a rigid motion would change its
 /// momentum.
 inline constexpr double let_be = 1e-6;

@@ -206,7 +206,8 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     return true;
   }
   // In flight it is given back as often as it is taken.
-  if (excess > 0 && !free) ++report.guarded_energy;
+  if (excess > 0 && !free)
+    ++(touched && excess > gained * moving ? report.guarded_energy : report.trimmed_energy);
   return true;
 }
 

@@ -128,6 +128,13 @@ class ClusterStepper final : public ClusterMover {
     std::uint32_t ends = 0;
     Vec3 along{};  ///< the contact's normal
   };
+  /// Says where shapes touch whose contact has rows from `row` on, for those who count that.
+  struct RowsTouch {
+    std::uint32_t row, ends, other;
+    Combination at[2];
+    double radius[2];
+    double approach;  ///< m/s
+  };
   using Lanes = simd::Lanes;
   struct Island {
     LinkageState* state = nullptr;
@@ -173,7 +180,7 @@ class ClusterStepper final : public ClusterMover {
     std::uint32_t island;
     const Combination& at;
     const Surface& surface;
-    std::uint32_t shape = 0;
+    std::uint32_t shape = 0;           ///< its number, or that of the ground
     const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   /// A contact that does not seem to come about in this substep.
@@ -253,6 +260,7 @@ class ClusterStepper final : public ClusterMover {
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
   void spread_ground(std::uint32_t i, double h);
+  void note_touch(const GroundContact& contact, std::span<const ContactEnd> ends);
   void add_contact_rows(const GroundContact& contact, std::span<const ContactEnd> ends, double h);
   void add_turning_rows(const GroundContact& contact, std::span<const ContactEnd> ends, std::uint32_t normal,
                         double h);
@@ -308,6 +316,7 @@ class ClusterStepper final : public ClusterMover {
   bool break_overload(Tally& report);
   void count_pulls(Island& island, double h) const;
   void count_pushes(const Row& row, double h);
+  void count_touch(const RowsTouch& touch, double h);
   void count_pushes(double h);
 
   const simd::KktKernels* kernels_;
@@ -326,6 +335,7 @@ class ClusterStepper final : public ClusterMover {
   std::uint32_t count_ = 0;
   std::vector<Row> rows_;
   std::vector<Levers> levers_;
+  std::vector<RowsTouch> touches_;  ///< empty unless they count
   std::vector<LeftOut> left_out_;
   SpatialHash own_shapes_;                      ///< of one island
   std::vector<Bounds> own_bounds_;              ///< around those

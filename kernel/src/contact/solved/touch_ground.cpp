@@ -27,7 +27,7 @@ ClusterStepper::Place ClusterStepper::place_on(std::uint32_t ground) const {
   const GroundShape& shape = surroundings_->shapes[ground];
   const GroundRate* const rate =
       shape.box() == GroundShape::none ? nullptr : ground_.rate_of_box(shape.box());
-  return {none, no_particles, shape.surface(), 0, rate};
+  return {none, no_particles, shape.surface(), surroundings_->number_of(ground), rate};
 }
 
 void ClusterStepper::touch_ground(std::uint32_t i, double h) {

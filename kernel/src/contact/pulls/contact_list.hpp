@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/pulls/touched_pairs.hpp"
+#include "plumb/shapes/contact.hpp"
+
+namespace plumb::detail {
+
+/// Lists the pairs that touched in a step, in the order of their shapes, and says which of them began and
+/// ended.
+class ContactList {
+ public:
+  /// Begins a step.
+  void begin() { added_.clear(); }
+  /// Adds a pair, with the names that the scene has for an island's shape and for the other.
+  void add(ShapeId shape, ShapeId other, const TouchedPair& pair);
+  /// Ends the step: sorts what was added and compares it with the step before.
+  void end();
+
+  std::span<const Contact> all() const { return contacts_; }
+  /// Returns whether all of them were there in the step before.
+  bool is_steady() const { return is_steady_; }
+
+ private:
+  struct Added {
+    ShapeId a, b;
+    TouchedPair sum;  ///< on a
+  };
+
+  std::vector<Added> added_;
+  std::vector<Contact> contacts_, last_;
+  bool is_steady_ = true;
+};
+
+}  // namespace plumb::detail
