@@ -207,10 +207,18 @@ void GroundContacts::add_lack(const Linkage& linkage, std::span<double> right) c
   add(linkage, right, [](const Row& row) { return row.law - row.push; });
 }
 
-void GroundContacts::follow(std::span<const Vec3> motion, bool from_law) {
+void GroundContacts::follow_solution(std::span<const Vec3> motion) {
   for (Row& row : rows_) {
     const Vec3 moved = row.contact.at.of(motion);
-    row.push = (from_law ? row.law : row.push) - row.slope * (moved - row.moved);
+    row.push = row.law - row.slope * (moved - row.moved);
+    row.moved = moved;
+  }
+}
+
+void GroundContacts::follow_change(std::span<const Vec3> motion) {
+  for (Row& row : rows_) {
+    const Vec3 moved = row.contact.at.of(motion);
+    row.push = row.push - row.answering * (moved - row.moved);
     row.moved = moved;
   }
 }

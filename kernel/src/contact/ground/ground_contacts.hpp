@@ -66,9 +66,14 @@ class GroundContacts {
   /// Adds what the last solution lacks, from which a correction starts.
   void add_lack(const Linkage& linkage, std::span<double> right) const;
   /// Takes in a whole solution.
-  void follow_solution(std::span<const Vec3> motion) { follow(motion, true); }
-  /// Takes in how other pushes changed the solution, through the same matrix.
-  void follow_change(std::span<const Vec3> motion) { follow(motion, false); }
+  void follow_solution(std::span<const Vec3> motion);
+  /// Keeps the slopes in the matrix by which the island's answers to other pushes have been found.
+  void keep_slopes() {
+    for (Row& row : rows_) row.answering = row.slope;
+  }
+  /// Takes in how other pushes changed the solution, through that matrix. Slopes that are newer would make
+  /// pushes that nothing acts with.
+  void follow_change(std::span<const Vec3> motion);
   /// Takes note of a correction.
   void aim(std::span<const Vec3> correction);
   /// Returns the share of that correction to take, from 0 to 1. `inertia` is the correction's product with
@@ -107,9 +112,10 @@ class GroundContacts {
     Vec3 moved{}, correction{};
     Vec3 carried{};  ///< m or m/s, how the ground moves
     State state = State::open;
-    Vec3 given{};  ///< the part of `moved` that is that of fixed particles
-    Sym3 slope{};  ///< in the matrix
-    Sym3 next{};   ///< at `moved`
+    Vec3 given{};      ///< the part of `moved` that is that of fixed particles
+    Sym3 slope{};      ///< in the matrix
+    Sym3 next{};       ///< at `moved`
+    Sym3 answering{};  ///< in the matrix when other pushes' effects were found
 
     /// Splits what the contact would push by if it neither slid nor let go.
     struct Wanted {
@@ -128,7 +134,6 @@ class GroundContacts {
   void begin(Row& row, double gap, Vec3 held, bool is_open);
   void find_laws(const Linkage& linkage);
   bool springs_back() const;
-  void follow(std::span<const Vec3> motion, bool from_law);
   /// Calls push(row) for every row and adds what it returns to the particles of the row's place.
   template <class Push>
   void add(const Linkage& linkage, std::span<double> right, Push&& push) const;

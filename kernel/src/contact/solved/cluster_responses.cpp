@@ -94,6 +94,7 @@ void ClusterStepper::couple(Island& island) {
   }
   kernels_->solve_lanes(linkage.plan().pattern(), island.state->factors.data(), batches,
                         island.response.front().of);
+  island.ground.keep_slopes();
   for (std::size_t s = 0; s < count; ++s) {
     const std::uint32_t used = gather(island.sides[s]);
     kernels_->combine(island.response.front().of, unknowns, batches, {slots, factors, used},
