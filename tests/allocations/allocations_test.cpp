@@ -394,6 +394,36 @@ TEST_F(Allocations, AreNoneWherePullsCount) {
   }
 }
 
+// Once as much has touched as ever does: here all at once, again and again.
+TEST_F(Allocations, AreNoneWhereContactIsReported) {
+  for (const Method method : {Method::direct, Method::relax})
+    for (const std::optional<double> accuracy : {std::optional<double>{}, std::optional{1e-2}}) {
+      Scene scene;
+      for (std::uint32_t i = 0; i < 40; ++i) {
+        scene.particles.push_back(test::movable({0.3 * i, 0.3, 0}, 1));
+        scene.capsules.push_back(
+            {.a = point_at(i), .b = point_at(i), .radius = 0.1, .surface = {.restitution = 0.5}});
+      }
+      scene.planes = {{.surface = {.restitution = 1}}};
+      Settings settings{.method = method, .substeps = 2, .tensions = true, .contacts = true, .threads = 1};
+      settings.accuracy = accuracy;
+      settings.sleep = false;
+      World world(scene, settings);
+      test::run(world, 1.0 / 60, 200);
+      std::size_t seen = 0;
+      EXPECT_EQ(allocations_in([&] {
+                  for (int i = 0; i < 100; ++i) {
+                    world.step(1.0 / 60);
+                    seen += world.contacts().size();
+                    world.contact_force({ShapeKind::plane, 0});
+                  }
+                }),
+                0u)
+          << to_string(method);
+      EXPECT_GT(seen, 100u);
+    }
+}
+
 // The step in which a rod breaks allocates nothing. The next one makes solvers of the parts where the island
 // falls apart, which one with shapes does not.
 TEST_F(Allocations, AreNoneWhereRodsBreak) {

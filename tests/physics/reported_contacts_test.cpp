@@ -276,7 +276,7 @@ TEST(ReportedContacts, MakeTheChangeOfMomentum) {
   for (const std::uint32_t substeps : {1u, 4u}) {
     const Balance off = balance(jumble(), reporting(substeps), 90);
     EXPECT_LE(off.worst, 1e-11) << substeps;
-    EXPECT_GE(off.most, 8u);
+    EXPECT_GE(off.most, 7u);
     EXPECT_GE(off.counted, 20);
   }
 }
@@ -566,27 +566,47 @@ Scene bricard() {
   return scene;
 }
 
-// What nothing touches keeps its energy by itself: no substep of it counts as held back.
-TEST(GuardedEnergy, IsNoneOfConservativeMechanisms) {
-  const Scene closed = bricard(), figure = scenes::load_scene("humanoid:body=medium");
-  World world(closed, test::body_settings(4));
-  const StepReport report = test::run(world, frame, 250);
-  EXPECT_GT(norm(world.velocity(closed.bodies[3].particles[0])), 0.1) << "it moves";
-  EXPECT_EQ(report.guarded_energy, 0u);
-  EXPECT_EQ(report.trimmed_energy, 0u);
+/// Two double pendulums that swing past each other, closely enough to be solved together, and never touch.
+Scene near_pendulums() {
+  Scene scene;
+  for (std::uint32_t k = 0; k < 2; ++k) {
+    const auto first = static_cast<std::uint32_t>(scene.particles.size());
+    const double z = 0.15 * k, dip = 0.1 * k;
+    scene.particles.push_back(test::fixed({0, 0, z}));
+    for (const double x : {0.3, 0.6, 0.9}) scene.particles.push_back(test::movable({x, dip, z}, 1));
+    for (const std::uint32_t i : {0u, 1u, 2u}) scene.rods.push_back({.a = first + i, .b = first + i + 1});
+    scene.capsules.push_back({.a = point_at(first + 1), .b = point_at(first + 3), .radius = 0.05});
+  }
+  return scene;
 }
 
-// Blows of balls at figures would gain by more than a hundredth: at friction, in joints of unequal limbs.
+// What nothing touches keeps its energy by itself, to the order of a substep: no substep of it counts as held
+// back by contact. Alone, none is held back at all.
+TEST(GuardedEnergy, IsNoneOfConservativeMechanisms) {
+  const Scene closed = bricard();
+  World world(closed, test::body_settings(4));
+  const StepReport alone = test::run(world, frame, 250);
+  EXPECT_GT(norm(world.velocity(closed.bodies[3].particles[0])), 0.1) << "it moves";
+  EXPECT_EQ(alone.direct_substeps, 1000u);
+  EXPECT_EQ(alone.guarded_energy, 0u);
+  EXPECT_EQ(alone.trimmed_energy, 0u);
+  World pair(near_pendulums(), test::body_settings(4));
+  const StepReport near = test::run(pair, frame, 240);
+  EXPECT_EQ(near.contacts, 0u);
+  EXPECT_EQ(near.guarded_energy, 0u);
+  EXPECT_GT(near.trimmed_energy, 0u) << "half of those that are solved together, as errors have either sign";
+}
+
+// Blows to figures would now and then gain more than a hundredth. Their rest, which gains shares of nothing,
+// does not count.
 TEST(GuardedEnergy, CountsBlowsThatWouldGain) {
-  StepReport sum;
-  for (const char* spec : {"humanoid:body=medium", "drop", "crowd:humanoids=4,hit=4"}) {
-    Scene scene = scenes::load_scene(spec);
-    for (Particle& particle : scene.particles) particle.asleep = false;
-    World world(scene, test::body_settings());
-    sum += test::run(world, frame, 120);
-  }
-  EXPECT_GT(sum.guarded_energy, 0u);
-  EXPECT_GT(sum.trimmed_energy, sum.guarded_energy);
+  Scene scene = scenes::load_scene("crowd:humanoids=8,hit=8");
+  for (Particle& particle : scene.particles) particle.asleep = false;
+  World world(scene, test::body_settings());
+  const StepReport report = test::run(world, frame, 240);
+  EXPECT_GT(report.guarded_energy, 0u);
+  EXPECT_LT(report.guarded_energy, report.direct_substeps / 100);
+  EXPECT_GT(report.trimmed_energy, report.guarded_energy);
 }
 
 }  // namespace

@@ -205,9 +205,11 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   } else {
     return true;
   }
-  // In flight it is given back as often as it is taken.
-  if (excess > 0 && !free)
-    ++(touched && excess > gained * moving ? report.guarded_energy : report.trimmed_energy);
+  // In flight it is given back as often as it is taken. What rests gains shares of next to nothing.
+  if (excess > 0 && !free) {
+    const bool is_of_contact = touched && excess > gained * moving + unnoticed * weight;
+    ++(is_of_contact ? report.guarded_energy : report.trimmed_energy);
+  }
   return true;
 }
 
