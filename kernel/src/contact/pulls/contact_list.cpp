@@ -17,37 +17,40 @@ auto names(const Pair& pair) {
 }  // namespace
 
 void ContactList::add(ShapeId shape, ShapeId other, const TouchedPair& pair) {
-  Added& added = added_.emplace_back(Added{shape, other, pair});
-  added.sum.order = static_cast<std::uint32_t>(added_.size());
+  keys_.push_back({shape, other, static_cast<std::uint32_t>(added_.size())});
+  TouchedPair& added = added_.emplace_back(pair);
   if (shape < other) return;
-  std::swap(added.a, added.b);
-  added.sum.impulse = -1.0 * pair.impulse;
-  added.sum.normal = -1.0 * pair.normal;
+  std::swap(keys_.back().a, keys_.back().b);
+  added.impulse = -1.0 * pair.impulse;
+  added.normal = -1.0 * pair.normal;
 }
 
 void ContactList::end() {
-  std::sort(added_.begin(), added_.end(), [](const Added& one, const Added& two) {
-    return std::tuple(names(one), one.sum.order) < std::tuple(names(two), two.sum.order);
-  });
+  const auto is_before = [](const Key& one, const Key& two) {
+    return std::tuple(names(one), one.index) < std::tuple(names(two), two.index);
+  };
+  // Islands mostly come in the order of their shapes.
+  if (!std::is_sorted(keys_.begin(), keys_.end(), is_before))
+    std::sort(keys_.begin(), keys_.end(), is_before);
   std::swap(contacts_, last_);
   contacts_.clear();
   std::erase_if(last_, [](const Contact& each) { return each.phase == ContactPhase::ended; });
   auto old = last_.begin();
-  const auto end_before = [&](const Added* next) {
+  const auto end_before = [&](const Key* next) {
     for (; old != last_.end() && (next == nullptr || names(*old) < names(*next)); ++old)
       contacts_.push_back({old->a, old->b, ContactPhase::ended, old->point, old->normal, Vec3{}, 0});
   };
-  for (auto it = added_.begin(); it != added_.end();) {
-    Added pair = *it;
-    for (++it; it != added_.end() && names(*it) == names(pair); ++it) pair.sum.add(it->sum);
-    end_before(&pair);
-    const bool lasts = old != last_.end() && names(*old) == names(pair);
+  for (auto it = keys_.begin(); it != keys_.end();) {
+    const Key key = *it;
+    TouchedPair& sum = added_[key.index];
+    for (++it; it != keys_.end() && names(*it) == names(key); ++it) sum.add(added_[it->index]);
+    end_before(&key);
+    const bool lasts = old != last_.end() && names(*old) == names(key);
     old += lasts;
-    const double size = norm(pair.sum.normal);
-    contacts_.push_back({pair.a, pair.b, lasts ? ContactPhase::persisted : ContactPhase::began,
-                         (1 / pair.sum.weight) * pair.sum.place,
-                         size > 0 ? (1 / size) * pair.sum.normal : Vec3{}, pair.sum.impulse,
-                         pair.sum.approach});
+    const double size = norm(sum.normal);
+    contacts_.push_back({key.a, key.b, lasts ? ContactPhase::persisted : ContactPhase::began,
+                         (1 / sum.weight) * sum.place, size > 0 ? (1 / size) * sum.normal : Vec3{},
+                         sum.impulse, sum.approach});
   }
   end_before(nullptr);
   is_steady_ = std::all_of(contacts_.begin(), contacts_.end(),

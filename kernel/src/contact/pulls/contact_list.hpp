@@ -14,7 +14,10 @@ namespace plumb::detail {
 class ContactList {
  public:
   /// Begins a step.
-  void begin() { added_.clear(); }
+  void begin() {
+    added_.clear();
+    keys_.clear();
+  }
   /// Adds a pair, with the names that the scene has for an island's shape and for the other.
   void add(ShapeId shape, ShapeId other, const TouchedPair& pair);
   /// Ends the step: sorts what was added and compares it with the step before.
@@ -25,12 +28,14 @@ class ContactList {
   bool is_steady() const { return is_steady_; }
 
  private:
-  struct Added {
+  /// Names a pair, in order, and where it is listed.
+  struct Key {
     ShapeId a, b;
-    TouchedPair sum;  ///< on a
+    std::uint32_t index;
   };
 
-  std::vector<Added> added_;
+  std::vector<TouchedPair> added_;  ///< on the shapes a
+  std::vector<Key> keys_;
   std::vector<Contact> contacts_, last_;
   bool is_steady_ = true;
 };

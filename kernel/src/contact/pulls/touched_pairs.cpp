@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace plumb::detail {
 
@@ -27,7 +28,6 @@ void TouchedPair::add(const TouchedPair& of_same) {
 void TouchedPairs::begin_step() {
   pairs_.clear();
   added_ = 0;
-  few_ = least;
 }
 
 void TouchedPairs::add(std::uint32_t shape, std::uint32_t island, std::uint32_t other,
@@ -35,26 +35,28 @@ void TouchedPairs::add(std::uint32_t shape, std::uint32_t island, std::uint32_t 
   if (!counts || push.impulse == Vec3{} || !is_finite(push.impulse) || !is_finite(push.place)) return;
   pairs_.push_back({.shape = shape, .island = island, .other = other, .order = added_++});
   pairs_.back().add(push);
-  if (pairs_.size() < few_) return;
-  merge();
-  few_ = std::max(least, 2 * pairs_.size());
+  if (pairs_.size() >= few_) merge();
 }
 
 void TouchedPairs::merge() {
-  const auto numbers = [](const TouchedPair& each) {
-    return std::tuple(each.shape, each.island, each.other);
-  };
-  std::sort(pairs_.begin(), pairs_.end(), [&](const TouchedPair& a, const TouchedPair& b) {
-    return std::tuple(numbers(a), a.order) < std::tuple(numbers(b), b.order);
-  });
-  std::size_t kept = 0;
-  for (const TouchedPair& each : pairs_) {
-    if (kept > 0 && numbers(pairs_[kept - 1]) == numbers(each))
-      pairs_[kept - 1].add(each);
-    else
-      pairs_[kept++] = each;
+  for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
+    const TouchedPair& each = pairs_[i];
+    keys_.push_back({each.shape, std::uint64_t{each.island} << 32 | each.other, each.order, i});
   }
-  pairs_.resize(kept);
+  std::sort(keys_.begin(), keys_.end(), [](const Key& a, const Key& b) {
+    return std::tie(a.own, a.other, a.order) < std::tie(b.own, b.other, b.order);
+  });
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    const TouchedPair& each = pairs_[keys_[k].index];
+    if (k > 0 && std::tie(keys_[k - 1].own, keys_[k - 1].other) == std::tie(keys_[k].own, keys_[k].other))
+      merged_.back().add(each);
+    else
+      merged_.push_back(each);
+  }
+  std::swap(pairs_, merged_);
+  merged_.clear();
+  keys_.clear();
+  few_ = std::max(least, 4 * pairs_.size());
 }
 
 }  // namespace plumb::detail

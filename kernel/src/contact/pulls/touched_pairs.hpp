@@ -35,8 +35,8 @@ struct TouchedPair {
 /// Adds up what an island's shapes touched in a step. It takes in nothing unless it counts.
 ///
 /// Points are listed as they come, those of several substeps, and are added up by pairs whenever there are
-/// twice as many as after the last time. Sums run in the order in which points came, so that their bits do
-/// not depend on when that is.
+/// four times as many as there were pairs the last time. Sums run in the order in which points came, so that
+/// their bits do not depend on when that is.
 class TouchedPairs {
  public:
   bool counts = false;
@@ -52,8 +52,14 @@ class TouchedPairs {
 
  private:
   static constexpr std::size_t least = 64;
+  /// Names a pair and when it came, in order, and where it is listed.
+  struct Key {
+    std::uint64_t own, other;  ///< the shape; the island and its shape, or ground
+    std::uint32_t order, index;
+  };
 
-  std::vector<TouchedPair> pairs_;
+  std::vector<TouchedPair> pairs_, merged_;  ///< the latter while they are merged
+  std::vector<Key> keys_;                    ///< likewise
   std::uint32_t added_ = 0;
   std::size_t few_ = least;  ///< at so many they are merged
 };
