@@ -224,7 +224,7 @@ std::string name_of(const Settings& s, std::uint32_t frames) {
       break;
     case Method::relax:
     case Method::direct:
-      word(to_string(gradient_of(s)));
+      if (s.gradient || s.method == Method::relax) word(to_string(gradient_of(s)));
       if (s.method == Method::relax && s.order == SweepOrder::jacobi) word(to_string(s.order));
       if (s.method == Method::relax && s.omega != 1) word("w" + short_number(s.omega));
       if (s.time_order != 2) word("order " + std::to_string(s.time_order));
