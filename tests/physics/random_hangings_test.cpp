@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "stability/hangings.hpp"
+#include "stability/hangings/hangings.hpp"
 
 namespace plumb {
 namespace {

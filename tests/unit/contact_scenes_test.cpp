@@ -238,5 +238,66 @@ TEST(Drop, BeginsAtItsHeight) {
   EXPECT_NE(message_of("drop:height=-1").find("height"), std::string::npos);
 }
 
+TEST(FallingThings, StartAboveTheirGround) {
+  const Scene net = load_scene("drape:size=5,sphere=1,height=0.25");
+  ASSERT_EQ(net.ground_capsules.size(), 1u);
+  EXPECT_TRUE(net.boxes.empty());
+  const GroundCapsule& sphere = net.ground_capsules[0];
+  EXPECT_EQ(sphere.a, sphere.b);
+  EXPECT_NEAR(sphere.a.y, sphere.radius, 1e-15) << "it stands on the plane";
+  // The net is level, but for ripples of 1 mm.
+  for (const Particle& each : net.particles)
+    EXPECT_NEAR(each.position.y - net.capsules[0].radius - 2 * sphere.radius, 0.25, 1e-3);
+  const Scene rope = load_scene("rope:links=19,coil=0.3,pitch=0.3,height=0.1");
+  EXPECT_NEAR(clearance(rope, 0, 19), 0.1, 1e-15);
+  // 19 rods of 10 cm go once around 2 pi 0.3 m, and so climb by a pitch.
+  EXPECT_NEAR(rope.particles.back().position.y - rope.particles[0].position.y, 0.3, 0.02);
+  EXPECT_NE(message_of("rope:pitch=0.3").find("coil"), std::string::npos);
+  EXPECT_NE(message_of("rope:coil=0.05,pitch=3,length=0.09").find("climbs"), std::string::npos);
+}
+
+TEST(FallingThings, BoxesWeighAsTheyAreTurned) {
+  const Scene scene = load_scene("boxes:boxes=4,mass=2,height=0.05");
+  ASSERT_EQ(scene.hulls.size(), 4u);
+  double top = 0;
+  for (const Hull& hull : scene.hulls) {
+    const Body& body = scene.bodies[hull.body];
+    double low = 1e9, high = 0;
+    for (const Vec3 corner : hull.points) {
+      low = std::min(low, corner.y);
+      high = std::max(high, corner.y);
+    }
+    EXPECT_GE(low, top + 0.05 - 1e-12);
+    top = high;
+    // Along each edge of a box there is a principal axis. Its moment is m/3 of the squares of the other two
+    // half sides.
+    const Inertia& i = body.inertia;
+    for (const int other : {1, 2, 4}) {
+      const Vec3 edge = hull.points[other] - hull.points[0];
+      double squares = 0;
+      for (const int each : {1, 2, 4}) {
+        const Vec3 side = 0.5 * (hull.points[each] - hull.points[0]);
+        if (each != other) squares += dot(side, side);
+      }
+      const Vec3 turned{i.xx * edge.x + i.xy * edge.y + i.xz * edge.z,
+                        i.xy * edge.x + i.yy * edge.y + i.yz * edge.z,
+                        i.xz * edge.x + i.yz * edge.y + i.zz * edge.z};
+      EXPECT_LT(norm(turned - (body.mass / 3 * squares) * edge), 1e-14);
+    }
+  }
+  EXPECT_NE(message_of("boxes:boxes=0").find("boxes"), std::string::npos);
+}
+
+TEST(SlackNet, StartsAtItsLengthsBetweenNearerCorners) {
+  for (const char* spec :
+       {"net:width=7,height=4,slack=0.25,end_mass=7", "net:width=7,height=4,slack=0.25,end_mass=7,level=1"}) {
+    const Scene scene = load_scene(spec);
+    EXPECT_LT(measure_stretch(scene, positions_of(scene)).max, 1e-14) << spec;
+    EXPECT_NEAR(scene.particles[6].position.x, 0.6 / 1.25, 1e-15) << spec;
+    EXPECT_EQ(scene.particles.back().mass, 7) << spec;
+  }
+  EXPECT_NE(message_of("net:slack=-1").find("slack"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace plumb::scenes

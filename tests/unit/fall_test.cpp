@@ -6,6 +6,7 @@
 
 #include "fall/measure.hpp"
 #include "fall/pictures.hpp"
+#include "fall/view.hpp"
 #include "scenes/runs/depth.hpp"
 #include "scenes/spec.hpp"
 #include "support/bodies.hpp"
@@ -55,10 +56,42 @@ TEST(Fall, DrawsEveryCapsuleAtEveryInstant) {
   const std::string svg = draw_fall(scene, run_fall(fall).shown);
   std::size_t times = 0, strokes = 0;
   for (std::size_t at = 0; (at = svg.find("t = ", at)) != std::string::npos; ++at) ++times;
-  for (std::size_t at = 0; (at = svg.find("stroke=\"#1f5fa8\"", at)) != std::string::npos; ++at) ++strokes;
+  for (std::size_t at = 0; (at = svg.find("class=\"shape\"", at)) != std::string::npos; ++at) ++strokes;
   EXPECT_EQ(times, 2u);
   EXPECT_EQ(strokes, 2 * scene.capsules.size());
   EXPECT_NE(svg.find("fill=\"#e4e4e4\""), std::string::npos) << "the box's upper face";
+}
+
+TEST(Fall, DepthInRoundGroundAndOfCorners) {
+  Scene scene;
+  scene.particles = {test::movable({0.3, 0.4, 0}, 1)};
+  scene.capsules = {{.a = point_at(0), .b = point_at(0), .radius = 0.2}};
+  scene.ground_capsules = {{.a = {-1, 0, 0}, .b = {0, 0, 0}, .radius = 0.4}};
+  // 0.5 m from the capsule's end.
+  EXPECT_NEAR(scenes::depth_in_ground(scene, {{scene.particles[0].position}}), 0.1, 1e-15);
+  scene.capsules.clear();
+  scene.ground_capsules.clear();
+  scene.planes = {{.offset = 0.25}};
+  const std::uint32_t body = add_body(scene, solid_box(1, {1, 1, 1}));
+  scene.hulls = {box_on_body(body, {.half_size = {0.5, 0.5, 0.5}})};
+  std::vector<Vec3> at;
+  for (const Particle& each : scene.particles) at.push_back(each.position + Vec3{0, 0.5, 0});
+  EXPECT_NEAR(scenes::depth_in_ground(scene, at), 0.25, 1e-12);
+}
+
+// The eye is above, in front and to the right: a place behind and below a solid is hidden.
+TEST(Fall, SolidsHideWhatIsBehindThem) {
+  Scene scene;
+  EXPECT_FALSE(is_hidden(scene, {0, 0, -2}));
+  scene.ground_capsules = {{.a = {0, 0, 0}, .b = {0, 0, 0}, .radius = 1}};
+  EXPECT_TRUE(is_hidden(scene, {-0.7, -0.5, -1.2}));
+  EXPECT_FALSE(is_hidden(scene, {0.7, 0.5, 1.2}));
+  EXPECT_FALSE(is_hidden(scene, {0, 1.1, 0}));
+  scene.ground_capsules.clear();
+  scene.boxes = {{.half_size = {1, 1, 1}}};
+  EXPECT_TRUE(is_hidden(scene, {-0.7, -0.5, -1.2}));
+  EXPECT_FALSE(is_hidden(scene, {0.7, 0.5, 1.2}));
+  EXPECT_FALSE(is_hidden(scene, {0, 1.1, 0}));
 }
 
 }  // namespace

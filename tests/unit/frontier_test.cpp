@@ -70,6 +70,38 @@ TEST(FrontierProblems, ExtrapolatedTruthsAreAsGoodAsTheySay) {
   EXPECT_LE(apart, 10 * extrapolated.truth_error * bounding_diagonal(extrapolated.scene));
 }
 
+// A figure is struck after a fifth of a second and compared after two. Contact is of first order here, so
+// that the last two runs are nearer to each other than a tenth of a step's error, which is 1e-2.
+TEST(FrontierProblems, ConvergedRunsAreAsGoodAsTheySay) {
+  for (Problem problem : all_problems()) {
+    if (problem.name != "struck") continue;
+    ASSERT_TRUE(problem.touches);
+    prepare(problem, 1e-3);
+    EXPECT_EQ(problem.truth_source, "direct with 32 substeps against half as many");
+    const double rough = problem.truth_error;
+    const std::vector<Vec3> coarse = problem.truth[0].positions;
+    EXPECT_LE(rough, 1e-3);
+    EXPECT_GT(rough, 0);
+    prepare(problem, 1);
+    EXPECT_LT(problem.truth_error, rough);
+    // Halved errors add up to twice the first.
+    EXPECT_LE(rms_distance(coarse, problem.truth[0].positions), 2 * rough * bounding_diagonal(problem.scene));
+  }
+}
+
+TEST(FrontierProblems, FewMethodsMoveWhatTouches) {
+  std::uint32_t touching = 0;
+  for (const Problem& problem : all_problems()) {
+    if (!problem.touches) continue;
+    ++touching;
+    for (const std::string& family : all_families())
+      EXPECT_EQ(paths_of(family, problem).empty(),
+                family != "auto" && family != "direct" && family != "relax")
+          << family;
+  }
+  EXPECT_EQ(touching, 3u);
+}
+
 TEST(Contest, KnowsItsFamilies) {
   Problem problem{.name = "N5_r10", .spec = "chain:links=5,end_mass=10"};
   prepare(problem, 1);

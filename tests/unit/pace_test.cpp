@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "stability/hangings.hpp"
+#include "stability/hangings/hangings.hpp"
 #include "time/effort.hpp"
 #include "time/progress.hpp"
 

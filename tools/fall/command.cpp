@@ -36,8 +36,10 @@ std::vector<Contest> contests(bool quick) {
   std::vector<Contest> out = {
       {"a level rope", {rope("100"), rope("1000")}, {}},
       {"a rope that coils", {rope("100", ",coil=0.3"), rope("1000", ",coil=0.3")}, {0, 20, 40, 90}},
+      {"a rope let down in turns", {rope("200", ",coil=0.25,pitch=0.12,length=0.06")}, {0, 20, 40, 90}},
       {"a heap of ropes", {"heap", "heap:ropes=64"}, {0, 20, 40, 90}},
-      {"a net on a box", {"drape:size=20", "drape:size=40"}, {0, 15, 30, 90}}};
+      {"a net on a box", {"drape:size=20", "drape:size=40"}, {0, 15, 30, 90}},
+      {"a net on a sphere", {"drape:size=20,sphere=1", "drape:size=40,sphere=1"}, {0, 15, 30, 90}}};
   if (quick)
     for (Contest& each : out) each.scenes.resize(1);
   else
@@ -76,8 +78,8 @@ std::vector<std::string> row_of(const std::string& scene, const Fall& fall, cons
 }
 
 constexpr const char* fall_text =
-    "Ropes of capsules and a net fall on a plane, on a box and on each other, for 1.5 s at 60 frames a "
-    "second, "
+    "Ropes of capsules and nets fall on a plane, on a box, on a sphere and on each other, for 1.5 s at 60 "
+    "frames a second, "
     "on one thread. Method auto solves what touches in few places and relaxes crowds; method relax takes 4 "
     "substeps of 10 sweeps. Times are of a frame, in ms, and of a rod and frame, in ns; strain is the "
     "largest at "

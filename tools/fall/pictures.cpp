@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <vector>
 
-#include "plot/table.hpp"
+#include "fall/view.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/humanoid/limbs.hpp"
-#include "scenes/runs/depth.hpp"
 
 namespace plumb::tools {
 namespace {
@@ -20,53 +20,86 @@ using scenes::short_number;
 
 // Sizes are in pixels.
 constexpr double width = 960, between = 8, below = 24, highest = 300;
-constexpr std::array colors = {"#1f5fa8", "#d1495b", "#2e8b57", "#e6a532",
-                               "#7b5ea7", "#4aa3b5", "#8c6239", "#5a6b7b"};
-
-/// A point as it is seen: to the right, up and towards the eye, in m.
-struct Seen {
-  double right, up, near;
-};
-
-/// Looks from a corner, 30° to the side and 25° down.
-Seen seen(Vec3 at) {
-  const double side_sin = 0.5, side_cos = std::sqrt(0.75), down_sin = 0.4226182617, down_cos = 0.9063077870;
-  const double right = side_cos * at.x - side_sin * at.z, away = side_sin * at.x + side_cos * at.z;
-  return {right, down_cos * at.y - down_sin * away, down_sin * at.y + down_cos * away};
-}
-
-struct Window {
-  double left = INFINITY, right = -INFINITY, low = INFINITY, high = -INFINITY;
-
-  void take_in(const Seen& at, double radius) {
-    left = std::min(left, at.right - radius);
-    right = std::max(right, at.right + radius);
-    low = std::min(low, at.up - radius);
-    high = std::max(high, at.up + radius);
-  }
-};
+constexpr std::array<std::uint32_t, 8> colors = {0x1f5fa8, 0xd1495b, 0x2e8b57, 0xe6a532,
+                                                 0x7b5ea7, 0x4aa3b5, 0x8c6239, 0x5a6b7b};
+constexpr double paleness = 0.45;  // What is farthest away is so near to white.
 
 /// Maps metres to a panel's pixels.
 struct Panel {
   double x = 0, scale = 1;
   Window window;
 
-  std::string at(const Seen& point) const {
+  std::string at(Vec3 place) const {
+    const Seen point = seen(place);
     return short_number(x + scale * (point.right - window.left), 5) + " " +
            short_number(scale * (window.high - point.up), 5);
   }
+  std::string line(Vec3 a, Vec3 b) const { return "M" + at(a) + " L" + at(b); }
 };
 
-std::array<Vec3, 8> corners_of(const Box& box) {
-  Box back = box;
-  for (int i = 1; i < 4; ++i) back.orientation[i] = -back.orientation[i];
-  std::array<Vec3, 8> out;
-  for (std::size_t i = 0; i < 8; ++i) {
-    const auto side = [&](std::size_t bit, double half) { return (i >> bit & 1) != 0 ? half : -half; };
-    out[i] = box.center + scenes::to_axes(back, {side(0, box.half_size.x), side(1, box.half_size.y),
-                                                 side(2, box.half_size.z)});
+/// The level rectangle on which everything stands, and the distance of the lines on it, all in m.
+struct Floor {
+  double height = 0, left = INFINITY, right = -INFINITY, back = INFINITY, front = -INFINITY, spacing = 1;
+
+  void take_in(Vec3 at, double radius) {
+    left = std::min(left, at.x - radius);
+    right = std::max(right, at.x + radius);
+    back = std::min(back, at.z - radius);
+    front = std::max(front, at.z + radius);
   }
-  return out;
+  /// Makes room around, to whole lines.
+  void finish() {
+    const double size = std::max(right - left, front - back);
+    spacing = std::pow(10, std::floor(std::log10(size)));
+    while (size < 5 * spacing) spacing /= 2;
+    for (double* least : {&left, &back}) *least = spacing * std::floor(*least / spacing);
+    for (double* most : {&right, &front}) *most = spacing * std::ceil(*most / spacing);
+  }
+  std::array<Vec3, 4> corners() const {
+    return {Vec3{left, height, back}, {right, height, back}, {right, height, front}, {left, height, front}};
+  }
+};
+
+template <class Places>
+std::string outline(const Panel& panel, const Places& places) {
+  std::string path;
+  for (const Vec3& place : places) path += (path.empty() ? "M" : " L") + panel.at(place);
+  return path + " Z";
+}
+
+std::string draw_floor(const Panel& panel, const Floor& floor) {
+  std::string lines;
+  const auto count = [&](double low, double high) { return std::lround((high - low) / floor.spacing); };
+  for (long i = 0; i <= count(floor.left, floor.right); ++i) {
+    const double x = floor.left + floor.spacing * static_cast<double>(i);
+    lines += panel.line({x, floor.height, floor.back}, {x, floor.height, floor.front});
+  }
+  for (long i = 0; i <= count(floor.back, floor.front); ++i) {
+    const double z = floor.back + floor.spacing * static_cast<double>(i);
+    lines += panel.line({floor.left, floor.height, z}, {floor.right, floor.height, z});
+  }
+  return "<path d=\"" + outline(panel, floor.corners()) + "\" fill=\"#f3f1ec\"/>\n<path d=\"" + lines +
+         "\" stroke=\"#dcd8cf\"/>\n";
+}
+
+/// Draws what lies straight below shapes, so that one sees how high they are.
+std::string draw_shadows(const Panel& panel, const Scene& scene, double height, const Frame& instant) {
+  std::string out = "<g opacity=\"0.16\" stroke=\"#000\">\n";
+  const auto add = [&](Vec3 a, Vec3 b, double radius) {
+    a.y = b.y = height;
+    out += "<path d=\"" + panel.line(a, b) + "\" stroke-width=\"" +
+           short_number(std::max(2 * panel.scale * radius, 1.0), 3) + "\"/>\n";
+  };
+  for (const Capsule& each : scene.capsules)
+    add(place_of(each.a, instant.positions), place_of(each.b, instant.positions), each.radius);
+  for (const GroundCapsule& each : scene.ground_capsules) {
+    const std::string across = short_number(panel.scale * each.radius, 4);
+    const std::string at = panel.at({each.a.x, height, each.a.z});
+    out += "<ellipse transform=\"translate(" + at + ")\" rx=\"" + across + "\" ry=\"" +
+           short_number(panel.scale * each.radius * slope_of_view(), 4) +
+           "\" fill=\"#000\" stroke=\"none\"/>\n";
+  }
+  return out + "</g>\n";
 }
 
 /// Draws the faces that are turned to the eye.
@@ -78,11 +111,31 @@ std::string draw_box(const Panel& panel, const Box& box) {
   std::string out;
   for (std::size_t f = 0; f < 6; ++f) {
     Vec3 middle{};
-    for (const int corner : faces[f]) middle += 0.25 * corners[corner];
+    std::array<Vec3, 4> face;
+    for (std::size_t i = 0; i < 4; ++i) {
+      face[i] = corners[faces[f][i]];
+      middle += 0.25 * face[i];
+    }
     if (seen(middle).near <= seen(box.center).near) continue;
-    std::string path;
-    for (const int corner : faces[f]) path += (path.empty() ? "M" : " L") + panel.at(seen(corners[corner]));
-    out += "<path d=\"" + path + " Z\" fill=\"" + shades[f] + "\" stroke=\"#999\"/>\n";
+    out += "<path d=\"" + outline(panel, face) + "\" fill=\"" + shades[f] + "\" stroke=\"#999\"/>\n";
+  }
+  return out;
+}
+
+/// Draws a capsule of the ground as a thick line in light and shade: bands that are ever paler and thinner,
+/// and lie ever nearer to where the light comes from.
+std::string draw_round(const Panel& panel, const GroundCapsule& capsule) {
+  constexpr int bands = 12;
+  std::string out;
+  for (int i = 0; i <= bands; ++i) {
+    const double share = static_cast<double>(i) / bands, thin = std::sqrt(1 - share * share * 0.98);
+    const Vec3 aside = (0.45 * share * capsule.radius) * Vec3{-0.35, 0.9, 0.1};
+    char shade[8];
+    const int grey = 0xb4 + static_cast<int>(share * 0x38);
+    std::snprintf(shade, sizeof shade, "#%02x%02x%02x", grey, grey, grey);
+    out += "<path d=\"" + panel.line(capsule.a + aside, capsule.b + aside) + "\" stroke=\"" + shade +
+           "\" stroke-width=\"" +
+           short_number(2 * panel.scale * capsule.radius * (i == 0 ? 1 : 0.97 * thin), 4) + "\"/>\n";
   }
   return out;
 }
@@ -101,40 +154,93 @@ std::vector<std::uint32_t> islands_of(const Scene& scene) {
   return out;
 }
 
-std::string draw_panel(const Panel& panel, const Scene& scene, std::span<const std::uint32_t> islands,
-                       const Frame& instant) {
-  std::string out;
-  for (const Box& box : scene.boxes) out += draw_box(panel, box);
-  std::vector<std::size_t> order(scene.capsules.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto near = [&](std::size_t i) {
-    const Capsule& each = scene.capsules[i];
-    return seen(place_of(each.a, instant.positions)).near + seen(place_of(each.b, instant.positions)).near;
+/// Mixes a colour with white.
+std::string paler(std::uint32_t color, double share) {
+  const auto mixed = [&](int shift) {
+    const auto part = static_cast<int>(color >> shift & 0xff);
+    return part + static_cast<int>(share * (255 - part));
   };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t i, std::size_t k) { return near(i) < near(k); });
-  for (const std::size_t i : order) {
-    const Capsule& each = scene.capsules[i];
-    const std::string path = "<path d=\"M" + panel.at(seen(place_of(each.a, instant.positions))) + " L" +
-                             panel.at(seen(place_of(each.b, instant.positions))) + "\" stroke=\"";
-    const double thick = std::max(2 * panel.scale * each.radius, 1.0);
-    if (thick > 3) out += path + "#fff\" stroke-width=\"" + short_number(thick + 1, 3) + "\"/>\n";
-    out += path + colors[islands[each.a.particles[0]] % colors.size()] + "\" stroke-width=\"" +
-           short_number(thick, 3) + "\"/>\n";
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", mixed(16), mixed(8), mixed(0));
+  return text;
+}
+
+/// A shape as it lies in a picture.
+struct Shown {
+  Vec3 a, b;
+  double radius, near;
+  std::uint32_t color;
+  bool hidden;
+};
+
+std::vector<Shown> shown_shapes(const Scene& scene, std::span<const std::uint32_t> islands,
+                                const Frame& instant) {
+  std::vector<Shown> out;
+  for (const Capsule& each : scene.capsules) {
+    const Vec3 a = place_of(each.a, instant.positions), b = place_of(each.b, instant.positions);
+    const Vec3 middle = 0.5 * (a + b);
+    out.push_back({a, b, each.radius, seen(middle).near, colors[islands[each.a.particles[0]] % colors.size()],
+                   is_hidden(scene, middle)});
   }
+  std::stable_sort(out.begin(), out.end(), [](const Shown& l, const Shown& r) { return l.near < r.near; });
   return out;
+}
+
+std::string draw_shape(const Panel& panel, const Shown& shape) {
+  const Window& window = panel.window;
+  const double deep = std::max(window.near - window.far, 1e-9);
+  const double thick = std::max(2 * panel.scale * shape.radius, 1.0);
+  const std::string path = "d=\"" + panel.line(shape.a, shape.b) + "\" stroke=\"";
+  std::string out;
+  if (thick > 3) out += "<path " + path + "#fff\" stroke-width=\"" + short_number(thick + 1, 3) + "\"/>\n";
+  return out + "<path class=\"shape\" " + path +
+         paler(shape.color, paleness * (window.near - shape.near) / deep) + "\" stroke-width=\"" +
+         short_number(thick, 3) + "\"/>\n";
+}
+
+/// Draws from the back to the front: the floor, shadows, what is behind solids, these, and all the rest.
+std::string draw_panel(const Panel& panel, const Scene& scene, std::span<const Shown> shapes) {
+  std::string out;
+  for (const Shown& each : shapes)
+    if (each.hidden) out += draw_shape(panel, each);
+  for (const Box& box : scene.boxes) out += draw_box(panel, box);
+  for (const GroundCapsule& capsule : scene.ground_capsules) out += draw_round(panel, capsule);
+  for (const Shown& each : shapes)
+    if (!each.hidden) out += draw_shape(panel, each);
+  return out;
+}
+
+bool is_level(const Plane& plane) {
+  return plane.normal.y == 1;
+}
+
+/// Takes in all that is ever seen, and makes the floor as wide.
+Window window_of(const Scene& scene, std::span<const Frame> instants, Floor& floor) {
+  Window window;
+  const auto take_in = [&](Vec3 at, double radius) {
+    window.take_in(seen(at), radius);
+    floor.take_in(at, radius);
+  };
+  for (const Frame& instant : instants)
+    for (const Capsule& each : scene.capsules)
+      for (const Point* point : {&each.a, &each.b}) take_in(place_of(*point, instant.positions), each.radius);
+  for (const Box& box : scene.boxes)
+    for (const Vec3 corner : corners_of(box)) take_in(corner, 0);
+  for (const GroundCapsule& each : scene.ground_capsules)
+    for (const Vec3 end : {each.a, each.b}) take_in(end, each.radius);
+  floor.finish();
+  if (std::any_of(scene.planes.begin(), scene.planes.end(), is_level))
+    for (const Vec3 corner : floor.corners()) window.take_in(seen(corner), 0);
+  return window;
 }
 
 }  // namespace
 
 std::string draw_fall(const Scene& scene, std::span<const Frame> instants) {
-  Window window;
-  for (const Frame& instant : instants)
-    for (const Capsule& each : scene.capsules)
-      for (const Point* point : {&each.a, &each.b})
-        window.take_in(seen(place_of(*point, instant.positions)), each.radius);
-  for (const Box& box : scene.boxes)
-    for (const Vec3 corner : corners_of(box)) window.take_in(seen(corner), 0);
+  Floor floor;
+  const auto ground = std::find_if(scene.planes.begin(), scene.planes.end(), is_level);
+  if (ground != scene.planes.end()) floor.height = ground->offset;
+  const Window window = window_of(scene, instants, floor);
   const auto columns = static_cast<double>(std::max<std::size_t>(instants.size(), 1));
   const double room = (width - between * (columns - 1)) / columns;
   const double scale = std::min(room / (window.right - window.left), highest / (window.high - window.low));
@@ -148,9 +254,12 @@ std::string draw_fall(const Scene& scene, std::span<const Frame> instants) {
   for (std::size_t i = 0; i < instants.size(); ++i) {
     const double left = static_cast<double>(i) * (room + between);
     const double aside = 0.5 * (room - scale * (window.right - window.left));
-    out += "<g stroke-linecap=\"round\" fill=\"none\">\n" +
-           draw_panel({.x = left + aside, .scale = scale, .window = window}, scene, islands, instants[i]) +
-           "</g>\n<text x=\"" + short_number(left + room / 2, 5) + "\" y=\"" + short_number(high + 17, 5) +
+    const Panel panel{.x = left + aside, .scale = scale, .window = window};
+    out += "<g stroke-linecap=\"round\" fill=\"none\">\n";
+    if (ground != scene.planes.end())
+      out += draw_floor(panel, floor) + draw_shadows(panel, scene, floor.height, instants[i]);
+    out += draw_panel(panel, scene, shown_shapes(scene, islands, instants[i])) + "</g>\n<text x=\"" +
+           short_number(left + room / 2, 5) + "\" y=\"" + short_number(high + 17, 5) +
            "\" text-anchor=\"middle\" font-size=\"12\">t = " + scenes::plain_number(instants[i].t, 2) +
            " s</text>\n";
   }

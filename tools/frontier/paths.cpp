@@ -98,6 +98,22 @@ std::vector<Path> direct(const std::string& family, const Problem& problem, Meth
   return out;
 }
 
+/// Returns the paths of what moves things that touch. Contact takes gradient old where it is solved, and new
+/// where it is relaxed, so that none is set.
+std::vector<Path> touching(const std::string& family) {
+  std::vector<Path> out;
+  if (family == "auto" || family == "direct") {
+    Settings settings{.method = family == "auto" ? Method::automatic : Method::direct, .threads = 1};
+    add(out, family, settings);
+    settings.accuracy = 0.3;
+    add(out, family, settings);
+  }
+  if (family == "relax")
+    for (const std::uint32_t sweeps : {4u, 16u, 64u})
+      add(out, family, {.method = Method::relax, .stop = {.sweeps = sweeps}, .threads = 1});
+  return out;
+}
+
 /// Makes springs so stiff that the substep is a fixed share of what the integrators allow. The stiffer the
 /// springs, the finer the substep.
 std::vector<Path> sprung(const std::string& family, const Problem& problem, SpringModel model,
@@ -184,6 +200,7 @@ std::vector<std::string> all_families() {
 }
 
 std::vector<Path> paths_of(const std::string& family, const Problem& problem) {
+  if (problem.touches) return touching(family);
   if (family == "auto") return direct(family, problem, Method::automatic);
   if (family == "direct") return direct(family, problem, Method::direct);
   if (has_laws(problem.scene) || is_bent(problem.scene) || !problem.rates.empty()) return {};
@@ -207,7 +224,7 @@ std::string name_of(const Settings& s, std::uint32_t frames) {
       break;
     case Method::relax:
     case Method::direct:
-      word(to_string(gradient_of(s)));
+      if (s.gradient || s.method == Method::relax) word(to_string(gradient_of(s)));
       if (s.method == Method::relax && s.order == SweepOrder::jacobi) word(to_string(s.order));
       if (s.method == Method::relax && s.omega != 1) word("w" + short_number(s.omega));
       if (s.time_order != 2) word("order " + std::to_string(s.time_order));

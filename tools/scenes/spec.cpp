@@ -15,6 +15,7 @@
 #include "scenes/generators/generators.hpp"
 #include "scenes/generators/wires.hpp"
 #include "scenes/humanoid/humanoid.hpp"
+#include "scenes/shots/shots.hpp"
 
 namespace plumb::scenes {
 namespace {
@@ -153,7 +154,9 @@ std::vector<Generator> chains_and_nets() {
            {"height", &N::height},
            {"spacing", &N::spacing},
            {"mass", &N::mass},
-           {"level", &N::level}}),
+           {"level", &N::level},
+           {"slack", &N::slack},
+           {"end_mass", &N::end_mass}}),
       describe<E>("ensemble", "separate chains side by side, each from a fixed particle", make_ensemble,
                   {{"chains", &E::chains},
                    {"links", &E::links},
@@ -236,6 +239,8 @@ std::vector<Generator> what_falls() {
   using R = RopeShape;
   using H = HeapShape;
   using D = DrapeShape;
+  using S = ShotShape;
+  using B = BoxesShape;
   return {
       describe<R>("rope", "a rope that falls on a plane, level or, with the radius of a coil, wound",
                   make_rope,
@@ -245,6 +250,7 @@ std::vector<Generator> what_falls() {
                    {"radius", &R::radius},
                    {"height", &R::height},
                    {"coil", &R::coil},
+                   {"pitch", &R::pitch},
                    {"friction", &R::friction}}),
       describe<H>("heap", "level ropes that fall on a plane and on each other", make_heap,
                   {{"ropes", &H::ropes},
@@ -255,14 +261,26 @@ std::vector<Generator> what_falls() {
                    {"spacing", &H::spacing},
                    {"friction", &H::friction},
                    {"seed", &H::seed}}),
-      describe<D>("drape", "a level net that falls on a box, or with box=0 on a plane", make_drape,
+      describe<D>("drape",
+                  "a level net that falls on a box, with sphere=1 on a sphere, or with box=0 on a plane",
+                  make_drape,
                   {{"size", &D::size},
                    {"spacing", &D::spacing},
                    {"mass", &D::mass},
                    {"radius", &D::radius},
                    {"height", &D::height},
                    {"friction", &D::friction},
-                   {"box", &D::box}}),
+                   {"box", &D::box},
+                   {"sphere", &D::sphere}}),
+      describe<B>("boxes", "turned boxes that fall on a plane and on each other", make_boxes,
+                  {{"boxes", &B::boxes},
+                   {"size", &B::size},
+                   {"mass", &B::mass},
+                   {"height", &B::height},
+                   {"friction", &B::friction},
+                   {"seed", &B::seed}}),
+      describe<S>("shot", "something random that flies at a wall, a rope, a net, a figure or a box",
+                  make_shot_scene, {{"number", &S::number}, {"seed", &S::seed}}),
   };
 }
 

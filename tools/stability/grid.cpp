@@ -1,21 +1,17 @@
 #include "stability/grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "plumb/error.hpp"
-#include "plumb/measures.hpp"
-#include "scenes/basics/clock.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/basics/require.hpp"
-#include "scenes/generators/generators.hpp"
-#include "scenes/runs/counters.hpp"
 
 namespace plumb::scenes {
 namespace {
 
-constexpr double rod_length = 0.1;  // Length of a rod, in m.
 constexpr std::uint32_t most_links = 10'000'000;
 
 template <class T>
@@ -29,9 +25,10 @@ void require_one_of(const std::vector<T>& values, T value, const char* what) {
 }
 
 void require_grid(const StabilityGrid& grid) {
-  if (grid.methods.empty() || grid.ratios.empty() || grid.links.empty() || grid.dts.empty())
+  if (grid.methods.empty() || grid.severities.empty() || grid.links.empty() || grid.dts.empty())
     throw InputError("the grid is empty");
-  for (const double ratio : grid.ratios) require_positive(ratio, "the end-mass ratio");
+  for (const double each : grid.severities)
+    require_positive(each, is_landing(grid.scene) ? "the speed" : "the end-mass ratio");
   for (const double dt : grid.dts) require_positive(dt, "dt");
   for (const std::uint32_t links : grid.links)
     if (links == 0 || links > most_links)
@@ -39,15 +36,6 @@ void require_grid(const StabilityGrid& grid) {
   require_positive(grid.duration, "the duration");
   require_one_of(grid.dts, grid.at_dt, "dt");
   require_one_of(grid.links, grid.at_links, "links");
-}
-
-/// Keeps the larger value. It is written so that a value that is not a number wins and stays.
-void keep_largest(double& largest, double value) {
-  if (!(value <= largest) && !std::isnan(largest)) largest = value;
-}
-
-bool all_finite(const std::vector<Vec3>& values) {
-  return std::all_of(values.begin(), values.end(), is_finite);
 }
 
 }  // namespace
@@ -58,6 +46,8 @@ const std::vector<StabilityMethod>& all_stability_methods() {
       {"relax-mid", Method::relax, Gradient::mid},
       {"relax-new", Method::relax, Gradient::new_},
       {"relax-jacobi", Method::relax, Gradient::new_, SweepOrder::jacobi},
+      {.name = "springs", .method = Method::springs, .integrator = Integrator::semi_implicit_euler},
+      {.name = "springs-implicit", .method = Method::springs, .integrator = Integrator::implicit_euler},
       {"direct-old", Method::direct, Gradient::old},
       {"direct-mid", Method::direct, Gradient::mid},
       {"direct-new", Method::direct, Gradient::new_},
@@ -72,6 +62,41 @@ std::vector<StabilityMethod> default_stability_methods() {
   return out;
 }
 
+std::vector<StabilityMethod> landing_methods() {
+  std::vector<StabilityMethod> out = all_stability_methods();
+  std::erase_if(out, [](const StabilityMethod& m) {
+    return m.name != "auto" && m.name != "direct-old" && m.name != "relax-new";
+  });
+  return out;
+}
+
+std::string_view to_string(StabilityScene scene) {
+  constexpr std::array<std::string_view, 5> names = {"chains", "nets", "ropes", "drapes", "boxes"};
+  return names[static_cast<std::size_t>(scene)];
+}
+
+bool is_landing(StabilityScene scene) {
+  return scene >= StabilityScene::ropes;
+}
+
+StabilityGrid default_grid(StabilityScene scene) {
+  StabilityGrid grid{.scene = scene};
+  if (scene == StabilityScene::nets) {
+    grid.severities = {1, 100, 1e4, 1e6};
+    grid.links = {4, 8, 16, 32};
+    grid.dts = {0.003, 0.01, 1.0 / 60, 0.033, 0.1};
+    grid.at_links = 8;
+  } else if (is_landing(scene)) {
+    grid.methods = landing_methods();
+    grid.severities = {1, 3, 10, 30, 100};
+    grid.at_links = scene == StabilityScene::ropes ? 20 : scene == StabilityScene::drapes ? 8 : 5;
+    grid.links = {grid.at_links};
+    grid.dts = {0.003, 0.01, 1.0 / 60, 0.033, 0.1};
+    grid.duration = 1;
+  }
+  return grid;
+}
+
 std::vector<StabilityCase> list_cells(const StabilityGrid& grid) {
   require_grid(grid);
   std::vector<StabilityCase> out;
@@ -80,104 +105,12 @@ std::vector<StabilityCase> list_cells(const StabilityGrid& grid) {
       for (const double dt : grid.dts) {
         if (!grid.full && links != grid.at_links && dt != grid.at_dt) continue;
         const auto frames = static_cast<std::uint64_t>(std::max(1.0, std::round(grid.duration / dt)));
-        for (const double ratio : grid.ratios) out.push_back({method, ratio, links, dt, frames});
+        for (const double each : grid.severities)
+          out.push_back({method, each, links, dt, frames, grid.scene});
       }
     }
   }
   return out;
-}
-
-std::string_view to_string(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::survived:
-      return "survived";
-    case Outcome::not_finite:
-      return "not-finite";
-    case Outcome::frozen:
-      return "frozen";
-    case Outcome::unsolved:
-      return "unsolved";
-    case Outcome::stretched:
-      return "stretched";
-    case Outcome::gained_energy:
-      return "gained-energy";
-    case Outcome::too_slow:
-      break;
-  }
-  return "too-slow";
-}
-
-double StabilityResult::ms_per_s() const {
-  return 1e3 * wall_s / (cell.dt * static_cast<double>(frames));
-}
-
-Outcome judge(const StabilityResult& result) {
-  if (!result.finite) return Outcome::not_finite;
-  if (result.total.frozen_islands > 0) return Outcome::frozen;
-  if (result.total.unsolved > 0) return Outcome::unsolved;
-  // The comparisons are negated, so that what overflowed counts too.
-  if (!(result.stretch_max <= most_stretch)) return Outcome::stretched;
-  if (!(result.energy_gain <= most_gain)) return Outcome::gained_energy;
-  return result.frames < result.cell.frames ? Outcome::too_slow : Outcome::survived;
-}
-
-StabilityResult measure_stability(const StabilityCase& cell, std::uint32_t sweeps, double budget_s) {
-  const auto begin = Clock::now();
-  const Scene scene = make_chain(cell.links, rod_length, cell.ratio);
-  Settings settings;
-  settings.method = cell.method.method;
-  settings.order = cell.method.order;
-  settings.gradient = cell.method.gradient;
-  settings.threads = 1;
-  if (settings.method == Method::relax) settings.stop.sweeps = sweeps;
-  World world(scene, settings);
-
-  StabilityResult result{.cell = cell};
-  std::vector<Vec3> positions(world.particle_count());
-  std::vector<Vec3> velocities(world.particle_count());
-  const auto energy = [&] {
-    world.copy_positions(positions);
-    world.copy_velocities(velocities);
-    return measure_energy(scene, positions, velocities, mass_model_of(settings)).total() /
-           energy_range(scene);
-  };
-  const double at_first = energy();
-  while (result.frames < cell.frames && (result.frames == 0 || seconds_since(begin) < budget_s)) {
-    const auto start = Clock::now();
-    result.total += world.step(cell.dt);
-    result.wall_s += seconds_since(start);
-    ++result.frames;
-    const double change = energy() - at_first;
-    result.finite = result.finite && all_finite(positions) && all_finite(velocities);
-    keep_largest(result.energy_gain, change);
-    keep_largest(result.energy_drift, std::abs(change));
-    keep_largest(result.stretch_max, measure_stretch(scene, positions).max);
-  }
-  result.outcome = judge(result);
-  return result;
-}
-
-std::string stability_csv(const std::vector<StabilityResult>& results) {
-  std::string csv =
-      "method,ratio,links,dt_s,frames,frames_asked,outcome,stretch_max,energy_drift,energy_gain,"
-      "ms_per_simulated_s";
-  for (const Counter& counter : counters()) append_item(csv, flat_name(counter), ",");
-  csv += "\n";
-  for (const StabilityResult& r : results) {
-    std::string line = r.cell.method.name;
-    append_item(line, short_number(r.cell.ratio, 9), ",");
-    append_item(line, std::to_string(r.cell.links), ",");
-    append_item(line, short_number(r.cell.dt, 9), ",");
-    append_item(line, std::to_string(r.frames), ",");
-    append_item(line, std::to_string(r.cell.frames), ",");
-    append_item(line, to_string(r.outcome), ",");
-    for (const double v : {r.stretch_max, r.energy_drift, r.energy_gain})
-      append_item(line, short_number(v), ",");
-    append_item(line, short_number(r.ms_per_s()), ",");
-    for (const Counter& counter : counters()) append_item(line, text_of(counter, r.total), ",");
-    csv += line + "\n";
-  }
-  return csv;
 }
 
 }  // namespace plumb::scenes

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "plot/heat_map.hpp"
@@ -8,13 +9,20 @@
 namespace plumb::tools {
 
 /// The colours of a map show one of these.
-enum class StabilityQuantity { stretch, energy };
+enum class StabilityQuantity { stretch, energy, depth };
+
+/// A grid that was measured.
+struct MeasuredGrid {
+  scenes::StabilityGrid grid;
+  std::vector<scenes::StabilityResult> results{};
+};
 
 /// Draws end-mass ratio × links, at the grid's at_dt, with one panel per method.
-HeatMap map_of_links(const scenes::StabilityGrid& grid, const std::vector<scenes::StabilityResult>& results,
-                     StabilityQuantity quantity);
+HeatMap map_of_links(const MeasuredGrid& measured, StabilityQuantity quantity);
 /// Draws end-mass ratio × step, at the grid's at_links, with one panel per method.
-HeatMap map_of_steps(const scenes::StabilityGrid& grid, const std::vector<scenes::StabilityResult>& results,
-                     StabilityQuantity quantity);
+HeatMap map_of_steps(const MeasuredGrid& measured, StabilityQuantity quantity);
+/// Draws speed × step of what lands, with one panel per scene and method. All grids have the axes of the
+/// first.
+HeatMap map_of_landings(std::span<const MeasuredGrid> landings, StabilityQuantity quantity);
 
 }  // namespace plumb::tools

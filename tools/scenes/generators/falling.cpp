@@ -1,5 +1,6 @@
 #include "scenes/generators/falling.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -43,18 +44,43 @@ void add_rope(Scene& scene, std::uint32_t links, const Link& link, Where&& where
   }
 }
 
+/// Weighs a box as it is turned: the sum of its principal moments times the squares of its axes.
+MassProperties mass_of(const Box& box, double mass) {
+  const Inertia own = solid_box(mass, 2.0 * box.half_size).inertia;
+  const auto& [w, x, y, z] = box.orientation;
+  const std::array<Vec3, 3> axes = {Vec3{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+                                    Vec3{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+                                    Vec3{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+  const std::array<double, 3> moments = {own.xx, own.yy, own.zz};
+  MassProperties out{.mass = mass, .center = box.center};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 u = axes[i];
+    const Vec3 scaled = moments[i] * u;
+    out.inertia.xx += scaled.x * u.x;
+    out.inertia.yy += scaled.y * u.y;
+    out.inertia.zz += scaled.z * u.z;
+    out.inertia.xy += scaled.x * u.y;
+    out.inertia.xz += scaled.x * u.z;
+    out.inertia.yz += scaled.y * u.z;
+  }
+  return out;
+}
+
 }  // namespace
 
 Scene make_rope(const RopeShape& shape) {
   const Link link = link_of(shape);
   require_not_negative(shape.height, "height");
   require_not_negative(shape.coil, "coil");
+  require_not_negative(shape.pitch, "pitch");
   if (shape.coil > 0 && !(2 * shape.coil > shape.length)) throw InputError("coil must be wider than a rod");
+  if (shape.pitch > 0 && shape.coil == 0) throw InputError("pitch is that of a coil");
   Scene scene;
   const double low = shape.radius + shape.height;
-  // A turn of the coil climbs by three radii, so that it is open.
-  const double climb =
-      shape.coil > 0 ? 3 * shape.radius * shape.length / (2 * std::numbers::pi * shape.coil) : 0;
+  // A turn that climbs by three radii is open.
+  const double pitch = shape.pitch > 0 ? shape.pitch : 3 * shape.radius;
+  const double climb = shape.coil > 0 ? pitch * shape.length / (2 * std::numbers::pi * shape.coil) : 0;
+  if (!(climb < shape.length)) throw InputError("a rod of the coil must be longer than it climbs");
   const double turn =
       shape.coil > 0
           ? 2 * std::asin(std::sqrt(shape.length * shape.length - climb * climb) / (2 * shape.coil))
@@ -100,7 +126,7 @@ Scene make_drape(const DrapeShape& shape) {
   require_countable(std::uint64_t{shape.size} * shape.size);
   const Link link{shape.spacing, shape.mass, shape.radius, {.friction = require_friction(shape.friction)}};
   const double side = shape.spacing * (shape.size - 1), quarter = side / 4;
-  const double top = shape.box == 0 ? 0 : 2 * quarter;
+  const double top = shape.box == 0 && shape.sphere == 0 ? 0 : 2 * quarter;
   Scene scene;
   for (std::uint32_t row = 0; row < shape.size; ++row)
     for (std::uint32_t column = 0; column < shape.size; ++column) {
@@ -113,9 +139,40 @@ Scene make_drape(const DrapeShape& shape) {
       if (row > 0) add_capsule(scene, here - shape.size, here, link);
     }
   scene.planes.push_back({.surface = link.surface});
-  if (shape.box != 0)
+  const Vec3 middle{0, top / 2, 0};
+  if (shape.sphere != 0)
+    scene.ground_capsules.push_back({.a = middle, .b = middle, .radius = quarter, .surface = link.surface});
+  else if (shape.box != 0)
     scene.boxes.push_back(
-        {.center = {0, top / 2, 0}, .half_size = {quarter, top / 2, quarter}, .surface = link.surface});
+        {.center = middle, .half_size = {quarter, top / 2, quarter}, .surface = link.surface});
+  return scene;
+}
+
+Scene make_boxes(const BoxesShape& shape) {
+  require_at_least(shape.boxes, 1, "boxes");
+  require_positive(shape.size, "size");
+  require_positive(shape.mass, "mass");
+  require_not_negative(shape.height, "height");
+  require_countable(4 * std::uint64_t{shape.boxes});
+  const Surface surface{.friction = require_friction(shape.friction)};
+  Random random(shape.seed);
+  Scene scene;
+  scene.planes.push_back({.surface = surface});
+  double top = 0;
+  for (std::uint32_t i = 0; i < shape.boxes; ++i) {
+    const auto half_side = [&] { return 0.5 * shape.size * random.between(0.7, 1.3); };
+    const double x = half_side(), y = half_side(), z = half_side();
+    const double reach = norm(Vec3{x, y, z});
+    const Vec3 axis = random.in_cube();
+    const double angle = random.between(0, 1.5), c = std::cos(angle), s = std::sin(angle) / norm(axis);
+    const Box box{.center = {0.3 * shape.size * random.between(-1, 1), top + shape.height + reach,
+                             0.3 * shape.size * random.between(-1, 1)},
+                  .half_size = {x, y, z},
+                  .orientation = {c, s * axis.x, s * axis.y, s * axis.z},
+                  .surface = surface};
+    top = box.center.y + reach;
+    scene.hulls.push_back(box_on_body(add_body(scene, mass_of(box, shape.mass)), box));
+  }
   return scene;
 }
 

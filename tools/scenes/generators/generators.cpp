@@ -76,14 +76,18 @@ Scene make_net(const NetShape& shape) {
   require_at_least(shape.height, 1, "height");
   require_positive(shape.spacing, "spacing");
   require_positive(shape.mass, "mass");
+  require_not_negative(shape.slack, "slack");
+  require_not_negative(shape.end_mass, "end_mass");
   require_countable(std::uint64_t{shape.width} * shape.height);
+  const double share = 1 / (1 + shape.slack), aside = shape.spacing * std::sqrt(1 - share * share);
   Scene scene;
   scene.particles.reserve(std::size_t{shape.width} * shape.height);
   for (std::uint32_t row = 0; row < shape.height; ++row) {
     for (std::uint32_t column = 0; column < shape.width; ++column) {
       const bool fixed = row == 0 && (shape.level || column == 0 || column + 1 == shape.width);
-      const double x = column * shape.spacing, along = row * shape.spacing;
-      scene.particles.push_back({.position = shape.level ? Vec3{x, 0, along} : Vec3{x, 0 - along, 0},
+      const double x = column * shape.spacing * share, along = row * shape.spacing;
+      const double off = column % 2 == 1 ? aside : 0;
+      scene.particles.push_back({.position = shape.level ? Vec3{x, off, along} : Vec3{x, 0 - along, off},
                                  .velocity = {},
                                  .mass = fixed ? 0 : shape.mass,
                                  .fixed = fixed});
@@ -94,6 +98,7 @@ Scene make_net(const NetShape& shape) {
         scene.rods.push_back({.a = id, .b = id + shape.width, .length = shape.spacing});
     }
   }
+  if (shape.end_mass > 0 && !scene.particles.back().fixed) scene.particles.back().mass = shape.end_mass;
   return scene;
 }
 

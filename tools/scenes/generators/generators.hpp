@@ -43,6 +43,8 @@ struct NetShape {
   double mass = 1;            ///< Mass of every movable particle, in kg.
   /// 1 holds the net along its whole first row, and starts it level, in the x-z plane.
   std::uint32_t level = 0;
+  double slack = 0;     ///< Share by which its rows are longer than what they span, at first in zigzag.
+  double end_mass = 0;  ///< Mass of the last particle, in kg; 0 is that of the others.
 };
 
 /// Separate chains lie side by side in z, each with a fixed root. Particles and rods are numbered chain after

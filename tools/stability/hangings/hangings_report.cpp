@@ -1,4 +1,4 @@
-#include "stability/hangings_report.hpp"
+#include "stability/hangings/hangings_report.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,7 +8,7 @@
 #include "cli/commands.hpp"
 #include "plot/table.hpp"
 #include "scenes/basics/numbers.hpp"
-#include "stability/hangings.hpp"
+#include "stability/hangings/hangings.hpp"
 
 namespace plumb::tools {
 namespace {

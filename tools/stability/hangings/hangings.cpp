@@ -1,4 +1,4 @@
-#include "stability/hangings.hpp"
+#include "stability/hangings/hangings.hpp"
 
 #include <algorithm>
 #include <cmath>

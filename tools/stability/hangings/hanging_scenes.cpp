@@ -1,30 +1,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <random>
 
 #include "plumb/measures.hpp"
 #include "scenes/basics/seeded.hpp"
 #include "scenes/generators/generators.hpp"
-#include "stability/hangings.hpp"
+#include "stability/hangings/hangings.hpp"
 
 namespace plumb::scenes {
 namespace {
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double between(double low, double high) { return low + (high - low) * unit_double(engine_); }
-  /// Returns a number whose logarithm is even.
-  double scaled(double low, double high) { return low * std::pow(high / low, unit_double(engine_)); }
-  std::uint32_t count(std::uint32_t low, std::uint32_t high) {
-    return low + static_cast<std::uint32_t>(unit_double(engine_) * (high - low + 1));
-  }
-  bool chance(double share) { return unit_double(engine_) < share; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// Returns the share by which something is longer than it need be: none, some, much, or too short.
 double random_slack(Random& random) {
