@@ -21,8 +21,8 @@ namespace {
 constexpr const char* usage =
     "bench_direct [--full] [--only SECTIONS] [--rounds N] [--csv FILE] [--summary FILE]\n"
     "  --full             a net that folds and longer searches: about half an hour\n"
-    "  --only SECTIONS    some of lanes, line, wires, targets, loops; more than one with commas [all]\n"
-    "  --rounds N         samples of each contestant of lanes, line and wires, at least 2 [25]\n"
+    "  --only SECTIONS    some of lanes, line, laws, wires, targets, loops; more than one with commas [all]\n"
+    "  --rounds N         samples of each contestant of lanes, line, laws and wires, at least 2 [25]\n"
     "  --csv FILE         all numbers\n"
     "  --summary FILE     the tables that are printed at the end, as Markdown\n";
 
@@ -41,7 +41,7 @@ int run(int argc, char** argv) {
   Plan plan;
   plan.full = flags.take("--full");
   plan.rounds = flags.take_count("--rounds", plan.rounds, 2);
-  const std::string only = flags.take_value("--only").value_or("lanes,line,wires,targets,loops");
+  const std::string only = flags.take_value("--only").value_or("lanes,line,laws,wires,targets,loops");
   const std::string list = std::string(1, ',').append(only).append(1, ',');
   std::optional<scenes::OutputFile> csv = open_output(flags.take_value("--csv").value_or("")),
                                     summary = open_output(flags.take_value("--summary").value_or(""));
@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   Section all;
   if (wants("lanes")) all += lanes_section(plan);
   if (wants("line")) all += line_section(plan);
+  if (wants("laws")) all += laws_section(plan);
   if (wants("wires")) all += wires_section(plan);
   if (wants("targets")) all += targets_section(plan);
   if (wants("loops")) all += loops_section(plan);

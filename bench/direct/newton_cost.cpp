@@ -275,6 +275,38 @@ void measure_long_chain(Precision precision, std::uint32_t links, std::uint32_t 
   costs.insert(costs.end(), more.begin(), more.end());
 }
 
+Scene with_law(Scene scene, const RodLaw& law) {
+  for (Rod& rod : scene.rods) rod.law = law;
+  return scene;
+}
+
+/// Enters chains alone, in lanes and in segments for every law, in the order of Form.
+template <class T>
+std::vector<LawCosts> measure_laws_in(Gradient gradient, const std::vector<RodLaw>& laws,
+                                      std::uint32_t rounds) {
+  const Scene ensemble = scenes::make_ensemble({.chains = 256, .links = 32, .end_mass = 10});
+  const Scene chain = scenes::make_chain({.links = 1000, .end_mass = 10});
+  std::vector<std::unique_ptr<Contestant>> all;
+  const Isa best = best_isa();
+  for (const RodLaw& law : laws) {
+    const Scene scene = with_law(ensemble, law);
+    enter<InLanes<T>>(all, {}, scene, gradient, Isa::scalar, 1u);
+    enter<InLanes<T>>(all, {}, scene, gradient, best, layouts::lane_width<T>);
+    if (gradient == Gradient::old) enter<InSegments<T>>(all, {}, with_law(chain, law), best);
+  }
+  hold(all, rounds);
+  const std::size_t forms = all.size() / laws.size();
+  std::vector<LawCosts> out;
+  for (std::size_t form = 0; form < forms; ++form) {
+    LawCosts& of = out.emplace_back(LawCosts{static_cast<Form>(form), {}});
+    for (std::size_t k = 0; k < laws.size(); ++k) of.costs.push_back(all[forms * k + form]->cost);
+  }
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    if (all[forms * k]->positions() != all[forms * k + 1]->positions())
+      throw CheckFailed("chains alone and in lanes ended in different bits");
+  return out;
+}
+
 }  // namespace
 
 std::vector<NewtonCost> measure_lanes(std::uint32_t rounds) {
@@ -291,6 +323,12 @@ std::vector<NewtonCost> measure_long_chain(std::uint32_t links, std::uint32_t ro
   measure_long_chain<float>(Precision::single, links, rounds, costs);
   measure_long_chain<double>(Precision::double_, links, rounds, costs);
   return costs;
+}
+
+std::vector<LawCosts> measure_laws(Precision precision, Gradient gradient, const std::vector<RodLaw>& laws,
+                                   std::uint32_t rounds) {
+  return precision == Precision::single ? measure_laws_in<float>(gradient, laws, rounds)
+                                        : measure_laws_in<double>(gradient, laws, rounds);
 }
 
 const NewtonCost* find_cost(const std::vector<NewtonCost>& costs, Precision precision, Gradient gradient,

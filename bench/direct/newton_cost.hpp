@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 
 namespace plumb::bench {
@@ -30,6 +31,20 @@ std::vector<NewtonCost> measure_lanes(std::uint32_t rounds);
 /// Times one chain of that many links with gradient old: in segments with every instruction set, and as a
 /// whole.
 std::vector<NewtonCost> measure_long_chain(std::uint32_t links, std::uint32_t rounds);
+
+/// How chains are stepped whose rods give.
+enum class Form : std::uint8_t { alone, lanes, segments };
+
+/// Times chains whose rods all have one of `laws`, by turns, so that what a law costs can be compared: the
+/// ensemble above alone and in lanes, or one chain of 1000 links in segments. The instruction set is the best
+/// one. Returns an entry per law. Throws CheckFailed if a substep was not solved, or if chains alone and in
+/// lanes end in different bits.
+struct LawCosts {
+  Form form;
+  std::vector<NewtonCost> costs;  ///< Of every law.
+};
+std::vector<LawCosts> measure_laws(Precision precision, Gradient gradient, const std::vector<RodLaw>& laws,
+                                   std::uint32_t rounds);
 
 /// Returns the entry of `costs` that matches, or null.
 const NewtonCost* find_cost(const std::vector<NewtonCost>& costs, Precision precision, Gradient gradient,
