@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <string>
+#include <vector>
 
 #include "contest/case.hpp"
 #include "direct/goal.hpp"
@@ -53,6 +56,48 @@ Sheet cost_sheet(const std::vector<NewtonCost>& costs) {
   return sheet;
 }
 
+struct NamedLaw {
+  const char* name;
+  RodLaw law;
+};
+/// The first is what others are compared with.
+const std::vector<NamedLaw>& named_laws() {
+  static const std::vector<NamedLaw> laws{
+      {"rigid", {}},
+      {"elastic", {.stiffness = 1e5}},
+      {"damped", {.stiffness = 1e5, .damping = 10}},
+      {"elastic cables", {.stiffness = 1e5, .one_sided = true}},
+      {"rigid cables", {.one_sided = true}},
+  };
+  return laws;
+}
+constexpr std::array form_names{"alone", "in lanes", "in segments"};
+
+/// Returns ns per rod of a Newton step with its share of a substep that takes `count` of them.
+double step_ns(const NewtonCost& cost, double count) {
+  return (cost.substep_ns - cost.newton_per_substep * cost.kernel_ns) / count + cost.kernel_ns;
+}
+
+/// Adds the rows of one way of stepping, and a goal for each law.
+void add_costs(const LawCosts& of, const std::string& setting, Sheet& sheet, Goals& goals, std::string& csv) {
+  const char* const form = form_names.at(static_cast<std::size_t>(of.form));
+  const NewtonCost& rigid = of.costs.front();
+  for (std::size_t k = 0; k < of.costs.size(); ++k) {
+    const NewtonCost& cost = of.costs[k];
+    const std::string name = named_laws()[k].name;
+    const double count = rigid.newton_per_substep, ns = step_ns(cost, count);
+    const double ratio = ns / step_ns(rigid, count);
+    sheet.add_row({setting, form, name, plain_number(cost.newton_per_substep), plain_number(ns),
+                   plain_number(cost.kernel_ns), plain_number(ratio),
+                   plain_number(cost.kernel_ns / rigid.kernel_ns), std::to_string(cost.halvings)});
+    const std::string start = "laws," + std::string(form) + "," + name + ",";
+    csv += start + "newton_step," + short_number(ns) + ",ns per rod," + setting + "\n";
+    csv += start + "newton_kernel," + short_number(cost.kernel_ns) + ",ns per rod," + setting + "\n";
+    csv += start + "newton_per_substep," + short_number(cost.newton_per_substep) + ",," + setting + "\n";
+    if (k > 0) goals.at_most(setting + ", " + form + ": " + name + " / rigid", ratio, 1.15);
+  }
+}
+
 }  // namespace
 
 Section lanes_section(const Plan& plan) {
@@ -102,6 +147,33 @@ Section line_section(const Plan& plan) {
       "baseline, `alone`, eliminates the line as a whole, one number at a time, as plumb did before lines "
       "were cut into segments (and does where both ends are fixed); `scalar` cuts it too.\n\n" +
       cost_sheet(costs).to_markdown() + "\n" + goals.to_markdown();
+  return out;
+}
+
+Section laws_section(const Plan& plan) {
+  Section out;
+  Sheet sheet({"", "chains", "rods", "Newton steps", "per Newton step", "kernel", "step, this / rigid",
+               "kernel, this / rigid", "halvings"});
+  Goals goals;
+  std::vector<RodLaw> laws;
+  for (const NamedLaw& named : named_laws()) laws.push_back(named.law);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid})
+    for (const Precision precision : {Precision::single, Precision::double_}) {
+      const std::string setting =
+          std::string(to_string(gradient)) + " " + std::string(number_name(precision));
+      std::fprintf(stderr, "laws, %s\n", setting.c_str());
+      for (const LawCosts& of : measure_laws(precision, gradient, laws, plan.rounds))
+        add_costs(of, setting, sheet, goals, out.csv);
+    }
+  out.text =
+      "\n## Rods that give\n\nChains as above, 16 of 32 links alone and in lanes, one of 1000 in segments, "
+      "with "
+      "rods that give 10^5 N/m. ns per rod, least of the rounds: the Newton kernel alone on prepared state, "
+      "and "
+      "the same with its share of all else in a substep of as many Newton steps as rigid rods take. Substeps "
+      "are "
+      "of 1/480 s.\n\n" +
+      sheet.to_markdown() + "\n" + goals.to_markdown();
   return out;
 }
 

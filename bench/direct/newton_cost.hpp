@@ -35,10 +35,10 @@ std::vector<NewtonCost> measure_long_chain(std::uint32_t links, std::uint32_t ro
 /// How chains are stepped whose rods give.
 enum class Form : std::uint8_t { alone, lanes, segments };
 
-/// Times chains whose rods all have one of `laws`, by turns, so that what a law costs can be compared: the
-/// ensemble above alone and in lanes, or one chain of 1000 links in segments. The instruction set is the best
-/// one. Returns an entry per law. Throws CheckFailed if a substep was not solved, or if chains alone and in
-/// lanes end in different bits.
+/// Times chains whose rods all have one of `laws`, by turns, so that what a law costs can be compared: 16
+/// chains of 32 links alone and in lanes, and with gradient old one of 1000 in segments, all with the best
+/// instruction set. Throws CheckFailed if a substep was not solved, or if chains alone and in lanes do not
+/// move alike.
 struct LawCosts {
   Form form;
   std::vector<NewtonCost> costs;  ///< Of every law.

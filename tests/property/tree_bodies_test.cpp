@@ -14,6 +14,7 @@
 #include "simd/tree/lines/segment_lanes.hpp"
 // clang-format on
 
+#include "direct/laws/law_factors.hpp"
 #include "scenes/generators/generators.hpp"
 #include "support/tree_numbers.hpp"
 
@@ -59,8 +60,8 @@ TEST(TreeBody, NewtonOfTreesAndOfLinesAgree) {
   prepare_lanes<double, 1>(line.view(), 0);
   ASSERT_TRUE(tree.view().is_plain);
   for (int i = 0; i < 8; ++i) {
-    newton_lanes<false, double, 1>(tree.view(), 0, 0.0);
-    newton_line_lanes<false, double, 1>(line.view(), 0);
+    newton_lanes<Laws::none, double, 1>(tree.view(), 0, 0.0);
+    newton_line_lanes<Laws::none, double, 1>(line.view(), 0);
   }
   double moved = 0;
   for (std::uint32_t i = 0; i < 12; ++i) {
@@ -73,6 +74,44 @@ TEST(TreeBody, NewtonOfTreesAndOfLinesAgree) {
   }
   EXPECT_GT(moved, 1e-4);
   EXPECT_LE(tree.work.change[0], 1e-28) << "the last change, squared";
+}
+
+// Rods that give obey mu l0 + kick k (c0 + c1)/2 = 0 with gradient old, to rounding, however the row is made:
+// along a tree, along a line, and along a line that knows of cables, of which none is one.
+TEST(TreeBody, ElasticRowsOfTreesLinesAndCablesAgree) {
+  constexpr double stiffness = 2000, h = 0.01;
+  Scene scene = scenes::make_chain(12, 0.1, 10);
+  for (Rod& rod : scene.rods) rod.law.stiffness = stiffness;
+  const auto begin = [&](Numbers& n, bool is_line, bool cables) {
+    n.work.is_line = is_line;
+    n.state.laws.cables = cables;
+    n.state.laws.set_factors(0, detail::LawFactors::of(Gradient::old, n.work.kick[0], 0, h, 0));
+    prepare_lanes<double, 1>(n.view(), 0);
+  };
+  Numbers tree(scene, 1), line(scene, 1), cables(scene, 1);
+  begin(tree, false, false);
+  begin(line, true, false);
+  begin(cables, true, true);
+  for (int i = 0; i < 8; ++i) {
+    newton_lanes<Laws::two_sided, double, 1>(tree.view(), 0, 0.0);
+    newton_line_lanes<Laws::two_sided, double, 1>(line.view(), 0);
+    newton_line_lanes<Laws::cables, double, 1>(cables.view(), 0);
+  }
+  double most = 0;
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(tree.work.delta[3 * i + c], line.work.delta[3 * i + c], 1e-13);
+      EXPECT_NEAR(cables.work.delta[3 * i + c], line.work.delta[3 * i + c], 1e-13);
+    }
+    const double length2 = i > 0 ? line.state.length2[i] : line.state.tie_length2[0],
+                 length = std::sqrt(length2);
+    const double after = std::sqrt(left_of(line, i) + length2),
+                 mu = i > 0 ? line.state.mu[i] : line.state.tie_mu[0];
+    const double pull = line.work.kick[0] * stiffness / line.state.mass_unit[0] * (after - length) / 2;
+    EXPECT_NEAR(mu * length + pull, 0, 1e-14) << "it starts at its length";
+    most = std::max(most, std::abs(pull));
+  }
+  EXPECT_GT(most, 1e-5) << "rods pull";
 }
 
 // advance_lanes(): x moves by delta, and only of active lanes.

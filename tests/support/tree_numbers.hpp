@@ -28,7 +28,8 @@ struct TreeNumbers {
       work.u_delta[lane] = work.active[lane] = 1;
     }
     for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(0.1 * (i % 7));
-    work.guesses = work.keeps_acceleration = false;
+    work.is_line = true;  // no displacements are guessed
+    work.keeps_acceleration = false;
   }
   simd::TreeView<T> view() { return work.view(state); }
 

@@ -8,6 +8,18 @@
 namespace plumb::simd {
 namespace {
 
+/// What rods are like for which the loops are compiled: all rigid, some that give, some cables among them, or
+/// what the tree says.
+enum class Laws { none, two_sided, cables, any };
+
+/// Calls f with the constant for a tree.
+template <class T, class F>
+PLUMB_INLINE void with_laws(const TreeView<T>& tree, F&& f) {
+  if (!tree.has_laws) return f.template operator()<Laws::none>();
+  if (tree.has_cables) return f.template operator()<Laws::cables>();
+  return f.template operator()<Laws::two_sided>();
+}
+
 /// The rods to parents, or those to anchors, have these arrays of what gives.
 template <class T>
 struct LawArrays {
@@ -56,17 +68,24 @@ PLUMB_INLINE V growth_of(const Vec<V>& d, const Vec<V>& e) {
   const V along = dot(d, e);
   return (along + along) + dot(e, e);
 }
+template <class V, class T, class At>
+PLUMB_INLINE LawTerms<V> law_terms_of(const At& at, const T* starts, std::size_t i) {
+  const std::size_t f = i * tree_fields::law_start;
+  return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2), at.get(starts, f + 3)};
+}
 /// Returns the row of rod i of `arrays`. `theta` is 0 if the gradient `is_old`.
-template <bool is_old, class V, class T, class At>
+template <Laws laws, bool is_old, class V, class T, class At>
 PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
                                   std::size_t i, const LawIterate<V>& iterate, const V& theta) {
-  const LawStart<V> start = law_start<V>(at, arrays.start, i);
-  if (tree.has_cables)
-    return cable_row<is_old>(law_numbers<V>(at, arrays.law, i), law_step<V>(at, arrays.step, i), start,
-                             iterate, theta, tree.is_mid);
-  const std::size_t f = i * tree_fields::law_step;
-  return law_row<is_old>(at.get(arrays.step, f), at.get(arrays.step, f + 1), start, iterate.growth,
-                         iterate.mu, theta);
+  if (laws == Laws::cables || (laws == Laws::any && tree.has_cables))
+    return cable_row<is_old>(law_numbers<V>(at, arrays.law, i), law_step<V>(at, arrays.step, i),
+                             law_start<V>(at, arrays.start, i), iterate, theta, tree.is_mid);
+  const LawTerms<V> terms = law_terms_of<V>(at, arrays.start, i);
+  if constexpr (is_old) {
+    return line_law_row(terms, iterate.growth, iterate.mu);
+  } else {
+    return law_row(terms, iterate.growth, iterate.mu, theta);
+  }
 }
 template <class V, class T, class At>
 PLUMB_INLINE KnownPull<V> known_pull_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,

@@ -156,10 +156,25 @@ PLUMB_INLINE Pull<V> cable_pull(const V& step_slope, const LawStart<V>& start, c
   return {pull * share, slope * share + pull * share_slope};
 }
 
-/// Returns l1 of a rod whose squared length has grown by `growth` (m²).
+/// Returns l1 of a rod of the length l0 whose squared length has grown by `growth` (m²).
 template <class V>
-PLUMB_INLINE V end_length(const LawStart<V>& start, const V& growth) {
-  return root(larger(start.length * start.length + growth, V(0)));
+PLUMB_INLINE V end_length(const V& length, const V& growth) {
+  return root(larger(length * length + growth, V(0)));
+}
+
+/// A rod that is no cable has these numbers in a Newton step, see tree_fields::law_start. Lines of gradient
+/// old have them multiplied by l0 (before and slope) and by its square (give), so that they multiply less
+/// later.
+template <class V>
+struct LawTerms {
+  V length, before, slope, give;
+};
+template <class V>
+PLUMB_INLINE LawTerms<V> law_terms(const LawStep<V>& step, const LawStart<V>& start, bool is_line) {
+  const LawTerms<V> terms{start.length, start.before, step.slope, step.give};
+  if (!is_line) return terms;
+  return {terms.length, terms.before * terms.length, terms.slope * terms.length,
+          terms.give * (terms.length * terms.length)};
 }
 
 /// This is a rod in the middle of a Newton step: its length l1, l0 + l1 and l (m).
@@ -168,9 +183,9 @@ struct LawSpan {
   V end, sum, along;
 };
 template <bool is_old, class V>
-PLUMB_INLINE LawSpan<V> law_span(const LawStart<V>& start, const V& growth, const V& theta) {
-  const V end = end_length(start, growth);
-  return {end, start.length + end, is_old ? start.length : start.length + theta * (end - start.length)};
+PLUMB_INLINE LawSpan<V> law_span(const V& length, const V& growth, const V& theta) {
+  const V end = end_length(length, growth);
+  return {end, length + end, is_old ? length : length + theta * (end - length)};
 }
 
 /// Returns the row of a rod whose psi times l0 + l1 is `psi`, and grows with l1 by `slope`, both times
@@ -183,22 +198,27 @@ PLUMB_INLINE LawRow<V> row_of(const LawSpan<V>& span, const Pull<V>& pull, const
   return {use, over * gives, over * (pull.psi + mu * gives)};
 }
 
-/// Returns the row of a rod that is no cable. `theta` is 0 for all if the gradient `is_old`.
-template <bool is_old, class V>
-PLUMB_INLINE LawRow<V> law_row(const V& slope, const V& give, const LawStart<V>& start, const V& growth,
-                               const V& mu, const V& theta) {
-  const LawSpan<V> span = law_span<is_old>(start, growth, theta);
-  return row_of<is_old>(span, {slope * growth + span.sum * start.before, slope}, give, mu, theta);
+/// Returns the row of a rod that is no cable.
+template <class V>
+PLUMB_INLINE LawRow<V> law_row(const LawTerms<V>& rod, const V& growth, const V& mu, const V& theta) {
+  const LawSpan<V> span = law_span<false>(rod.length, growth, theta);
+  return row_of<false>(span, {rod.slope * growth + span.sum * rod.before, rod.slope}, rod.give, mu, theta);
+}
+/// Returns the same of a line with gradient old, whose terms are multiplied. Where there is no rod all of
+/// them are 0, and so is the row.
+template <class V>
+PLUMB_INLINE LawRow<V> line_law_row(const LawTerms<V>& rod, const V& growth, const V& mu) {
+  const V end = end_length(rod.length, growth), sum = rod.length + end, gives = sum * rod.give;
+  return {sum * rod.slope, end * gives, end * (rod.slope * growth + (sum * rod.before + mu * gives))};
 }
 
-/// Returns the row of a rod among which some are cables, for every lane as its law asks. It has the bits of
-/// law_row() where a rod is none.
+/// Returns the row of a rod among which some are cables, for every lane as its law asks.
 template <bool is_old, class V>
 PLUMB_INLINE LawRow<V> cable_row(const LawNumbers<V>& law, const LawStep<V>& step, const LawStart<V>& start,
                                  const LawIterate<V>& iterate, const V& theta, bool is_mid) {
   const auto [growth, violation, mu] = iterate;
   const V zero(0), one(1);
-  const LawSpan<V> span = law_span<is_old>(start, growth, theta);
+  const LawSpan<V> span = law_span<is_old>(start.length, growth, theta);
   const Pull<V> cable = cable_pull(step.slope, start, start.excess + growth / span.sum, is_mid);
   const Pull<V> pull{
       select_nonzero(law.one_sided, span.sum * cable.psi, step.slope * growth + span.sum * start.before),

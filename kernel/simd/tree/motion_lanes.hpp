@@ -56,11 +56,11 @@ PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* ro
   if (tree.keeps_half_kicks)
     add_kick(step, at.get(tree.law_factors, law_factors::kick_before) * at.get(arrays.half_kick, i), start);
   const std::size_t f = i * tree_fields::law_start;
+  const LawTerms<V> terms = law_terms(step, start, tree.is_line);
   at.put(arrays.start, f, start.length);
-  at.put(arrays.start, f + 1, start.before);
-  if (!tree.has_cables) return;
-  at.put(arrays.start, f + 2, start.excess);
-  at.put(arrays.start, f + 3, start.left);
+  at.put(arrays.start, f + 1, tree.has_cables ? start.before : terms.before);
+  at.put(arrays.start, f + 2, tree.has_cables ? start.excess : terms.slope);
+  at.put(arrays.start, f + 3, tree.has_cables ? start.left : terms.give);
 }
 /// Keeps what is left of the kicks of all rods for the next substep.
 template <class V, std::size_t lanes, class T>

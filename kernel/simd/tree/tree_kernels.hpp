@@ -25,7 +25,7 @@ inline constexpr std::uint32_t tie_elimination =
 /// frequency (1/s^2); strength divided by the unit of mass, or 0 if it never breaks. A broken rod has zeros.
 inline constexpr std::uint32_t law = 6;
 inline constexpr std::uint32_t law_step = 5;   ///< See LawStep in simd/tree/law_math.hpp.
-inline constexpr std::uint32_t law_start = 4;  ///< See LawStart there.
+inline constexpr std::uint32_t law_start = 4;  ///< See LawTerms there, or LawStart if there are cables.
 /// Weights of a bend's particles in w, from the root on (1/m); stiffness, curvature at rest, damping.
 inline constexpr std::uint32_t bend = 6;
 inline constexpr std::uint32_t bent_elimination =
@@ -73,6 +73,7 @@ struct TreeView {
   bool has_laws = false;       ///< Whether there are such rods.
   bool has_cables = false;     ///< Whether some of them are one-sided.
   bool is_mid = false;         ///< Whether the substep is of gradient mid.
+  bool is_line = false;        ///< Whether newton_line() or newton_segments() takes its steps.
   const T* law = nullptr;      ///< tree_fields::law numbers of the rod to the parent, per node.
   const T* tie_law = nullptr;  ///< The same of the rod to the anchor, per tie.
   /// Whether prepare() makes `law_step` anew, as where `law`, `law_factors` or lengths have changed.

@@ -71,7 +71,7 @@ struct Free {
 
 /// Eliminates the ties of node i one after the other. `linear` leaves theta and C out, as projections of
 /// velocities do.
-template <bool linear, bool laws, class V, class T, class At>
+template <bool linear, Laws laws, class V, class T, class At>
 PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_t i, NodeBlock<V> block,
                                const Vec<V>& delta, V theta) {
   using namespace tree_fields;
@@ -84,7 +84,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
     } else {
       block.r =
           block.r + at.get(tree.tie, k * tie) * (at.get3(tree.tie_u, 3 * k) - at.get3(tree.tie_delta, 3 * k));
-      if constexpr (laws) {
+      if constexpr (laws != Laws::none) {
         const Vec<V> d = at.get3(tree.tie_rod, k * rod);
         block.r = block.r + known_pull_of<V>(tree, at, tie_laws(tree), k, d, V(0)).mu * d;
       }
@@ -106,11 +106,11 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
       c = at.get(tree.tie_rod, k * rod + 3) + (c + V(T(0.5)) * dot(e, e));
     }
     V soft(0);
-    if constexpr (laws) {
-      const LawRow<V> row = linear
-                                ? known_pull_of<V>(tree, at, tie_laws(tree), k, d, c).row
-                                : law_row_of<false, V>(tree, at, tie_laws(tree), k,
-                                                       {growth_of(d, e), c, at.get(tree.tie_mu, k)}, theta);
+    if constexpr (laws != Laws::none) {
+      const LawRow<V> row =
+          linear ? known_pull_of<V>(tree, at, tie_laws(tree), k, d, c).row
+                 : law_row_of<laws, false, V>(tree, at, tie_laws(tree), k,
+                                              {growth_of(d, e), c, at.get(tree.tie_mu, k)}, theta);
       b = row.use * b;
       soft = row.soft;
       c = row.c;
@@ -118,7 +118,7 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
     if constexpr (!linear) node.residual = node.residual + c * c;
     const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
     V pivot = dot(b, u);
-    if constexpr (laws) pivot = pivot + soft;
+    if constexpr (laws != Laws::none) pivot = pivot + soft;
     const V over = reciprocal_or_zero(pivot, (at.get(tree.tie, k * tie + 1) * size) * dot(b, b));
     const V rho = (V(0) - c - dot(b, node.q)) * over;
     const Vec<V> y = over * w;
@@ -140,7 +140,7 @@ struct RodEquation {
 };
 
 /// Makes the equation of node i's rod and adds what the node itself has to its block.
-template <bool linear, bool plain, bool laws, class V, class T, class At>
+template <bool linear, bool plain, Laws laws, class V, class T, class At>
 PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, std::size_t i,
                                          NodeBlock<V>& block, V theta) {
   using namespace tree_fields;
@@ -152,7 +152,7 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
   RodEquation<V> own{d, d, dot(d, e), coupling, V(0), V(0)};
   if constexpr (linear) {
     block.r = block.r + at.get(tree.kick, 0) * at.get3(tree.force, 3 * i);
-    if constexpr (laws) {
+    if constexpr (laws != Laws::none) {
       const KnownPull<V> known = known_pull_of<V>(tree, at, rod_laws(tree), i, d, own.c);
       own.mu = known.mu;
       own.b = known.row.use * d;
@@ -165,9 +165,9 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
     own.b = d + e;
     own.c = at.get(tree.rod, i * rod + 3) + (own.c + V(T(0.5)) * dot(e, e));
     own.mu = at.get(tree.mu, i);
-    if constexpr (laws) {
+    if constexpr (laws != Laws::none) {
       const LawRow<V> row =
-          law_row_of<false, V>(tree, at, rod_laws(tree), i, {growth_of(d, e), own.c, own.mu}, theta);
+          law_row_of<laws, false, V>(tree, at, rod_laws(tree), i, {growth_of(d, e), own.c, own.mu}, theta);
       own.b = row.use * own.b;
       own.soft = row.soft;
       own.c = row.c;
@@ -185,7 +185,7 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
 /// Eliminates node i. `block` holds everything below it and becomes what is added to its parent. The C^2 of
 /// its rod and its ties are added to `residual`. All is passed by reference, since copies of blocks would go
 /// through memory.
-template <bool linear, bool plain, bool laws, class V, class T, class At>
+template <bool linear, bool plain, Laws laws, class V, class T, class At>
 PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
                                  NodeBlock<V>& block, V& residual) {
   using namespace tree_fields;
@@ -199,7 +199,7 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
   if constexpr (!linear) residual = residual + (node.residual + c * c);
   const Vec<V> u = multiply(node.h, a), w = multiply_transposed(node.h, b);
   V pivot = dot(b, u);
-  if constexpr (laws) pivot = pivot + soft;
+  if constexpr (laws != Laws::none) pivot = pivot + soft;
   const V over = plain
                      ? V(1) / pivot
                      : reciprocal_or_zero(
@@ -229,7 +229,7 @@ PLUMB_INLINE void eliminate_node(const TreeView<T>& tree, const At& at, std::siz
 
 /// Eliminates all nodes from the tips to the root and returns the root's displacement. `plain` trees have
 /// lumped masses and at most one tie, so that no rod can be redundant. Trees with `laws` have rods that give.
-template <bool linear, bool plain, bool laws, class V, class T, class At>
+template <bool linear, bool plain, Laws laws, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate(const TreeView<T>& tree, const At& at, V theta) {
   using namespace tree_fields;
   for (std::size_t slot = 0; slot < tree.below_slots * tree_fields::below; ++slot)
@@ -322,7 +322,7 @@ PLUMB_INLINE void substitute(const TreeView<T>& tree, const At& at, const Vec<V>
   at.put(tree.change, 0, sum);
 }
 
-template <bool laws, class V, std::size_t lanes, class T>
+template <Laws laws, class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
   const At<V, T, lanes> at{lane};
   const Vec<V> root = tree.is_plain ? eliminate<false, true, laws>(tree, at, V(theta))
@@ -333,8 +333,8 @@ PLUMB_INLINE void newton_lanes(const TreeView<T>& tree, std::size_t lane, T thet
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void project_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
-  const Vec<V> root = tree.has_laws ? eliminate<true, false, true>(tree, at, V(0))
-                                    : eliminate<true, false, false>(tree, at, V(0));
+  const Vec<V> root = tree.has_laws ? eliminate<true, false, Laws::any>(tree, at, V(0))
+                                    : eliminate<true, false, Laws::none>(tree, at, V(0));
   substitute<true>(tree, at, root);
 }
 

@@ -21,17 +21,24 @@ void prepare(const TreeView<T>& tree) {
   if (tree.lanes == 1) return prepare_lanes<T, 1>(tree, 0);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane) prepare_lanes<T, logical_width<T>>(tree, lane);
 }
-template <bool laws, class T>
+template <Laws laws, class T>
 void newton_with(const TreeView<T>& tree, T theta) {
-  if (tree.lanes == 1) return newton_any_lanes<laws, T, 1>(tree, 0, theta);
+  if (tree.lanes == 1) return newton_lanes<laws, T, 1>(tree, 0, theta);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
-    newton_any_lanes<laws, T, logical_width<T>>(tree, lane, theta);
+    newton_lanes<laws, T, logical_width<T>>(tree, lane, theta);
+}
+template <Laws laws, class T>
+void newton_bent(const TreeView<T>& tree, T theta) {
+  if (tree.lanes == 1) return newton_bent_lanes<laws, T, 1>(tree, 0, theta);
+  for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
+    newton_bent_lanes<laws, T, logical_width<T>>(tree, lane, theta);
 }
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {
-  return tree.has_laws ? newton_with<true>(tree, theta) : newton_with<false>(tree, theta);
+  if (!tree.has_bends) return with_laws(tree, [&]<Laws laws>() { newton_with<laws>(tree, theta); });
+  return tree.has_laws ? newton_bent<Laws::any>(tree, theta) : newton_bent<Laws::none>(tree, theta);
 }
-template <bool laws, class T>
+template <Laws laws, class T>
 void newton_line_with(const TreeView<T>& tree) {
   if (tree.lanes == 1) return newton_line_lanes<laws, T, 1>(tree, 0);
   for (std::size_t lane = 0; lane < logical_width<T>; ++lane)
@@ -39,9 +46,9 @@ void newton_line_with(const TreeView<T>& tree) {
 }
 template <class T>
 void newton_line(const TreeView<T>& tree) {
-  return tree.has_laws ? newton_line_with<true>(tree) : newton_line_with<false>(tree);
+  with_laws(tree, [&]<Laws laws>() { newton_line_with<laws>(tree); });
 }
-template <bool laws, class T>
+template <Laws laws, class T>
 void newton_segments_with(const TreeView<T>& tree) {
   newton_segments_lanes<laws, T>(tree, [](auto&& f) {
     for (std::size_t lane = 0; lane < logical_width<T>; ++lane) f(At<T, T, logical_width<T>>{lane});
@@ -49,7 +56,7 @@ void newton_segments_with(const TreeView<T>& tree) {
 }
 template <class T>
 void newton_segments(const TreeView<T>& tree) {
-  return tree.has_laws ? newton_segments_with<true>(tree) : newton_segments_with<false>(tree);
+  with_laws(tree, [&]<Laws laws>() { newton_segments_with<laws>(tree); });
 }
 template <class T>
 void find_stiffness(const TreeView<T>& tree) {

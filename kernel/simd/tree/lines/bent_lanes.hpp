@@ -155,7 +155,7 @@ PLUMB_INLINE Mat<V> get_matrix(const At& at, const T* from, std::size_t f) {
 }
 
 /// Eliminates node i and its rod. `block` becomes what is left to its parent.
-template <bool laws, class V, class T, class At>
+template <Laws laws, class V, class T, class At>
 PLUMB_INLINE void eliminate_bent_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
                                       const PlacedBend<V>& bend, BentBlock<V>& block) {
   using namespace tree_fields;
@@ -208,7 +208,7 @@ PLUMB_INLINE void eliminate_bent_node(const TreeView<T>& tree, const At& at, std
 }
 
 /// Eliminates all nodes from the tip to the root and returns the root's displacement.
-template <bool is_mid, bool laws, class V, class T, class At>
+template <bool is_mid, Laws laws, class V, class T, class At>
 PLUMB_INLINE Vec<V> eliminate_bent(const TreeView<T>& tree, const At& at, const V& theta) {
   const BentLine<V, T, At> line{tree, at};
   const V zero(0);
@@ -272,19 +272,12 @@ PLUMB_INLINE void substitute_bent(const TreeView<T>& tree, const At& at, const V
   at.put(tree.change, 0, sum);
 }
 
-template <bool laws, class V, std::size_t lanes, class T>
+template <Laws laws, class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_bent_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
   const At<V, T, lanes> at{lane};
   const Vec<V> root = theta < 1 ? eliminate_bent<true, laws>(tree, at, V(theta))
                                 : eliminate_bent<false, laws>(tree, at, V(theta));
   substitute_bent(tree, at, root);
-}
-
-/// Takes a Newton step of a tree, or of a line with bends.
-template <bool laws, class V, std::size_t lanes, class T>
-PLUMB_INLINE void newton_any_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
-  return tree.has_bends ? newton_bent_lanes<laws, V, lanes>(tree, lane, theta)
-                        : newton_lanes<laws, V, lanes>(tree, lane, theta);
 }
 
 }  // namespace

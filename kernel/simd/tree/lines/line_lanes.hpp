@@ -45,26 +45,23 @@ struct LineSpan {
   std::size_t index;
 };
 
-template <bool laws, class V, class T, class At>
+template <Laws laws, class V, class T, class At>
 PLUMB_INLINE LineRow<V> line_row(const TreeView<T>& tree, const At& at, const LineSpan<V>& span) {
   const auto& [last, from, rod, to, next, is_tie, index] = span;
-  const Vec<V> e = to.delta - from.delta;
-  Vec<V> b = rod.d + e;
-  V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e)), soft(0);
-  if constexpr (laws) {
-    const LawArrays<T> arrays = is_tie ? tie_laws(tree) : rod_laws(tree);
-    const LawRow<V> row =
-        law_row_of<true, V>(tree, at, arrays, index, {growth_of(rod.d, e), violation, rod.mu}, V(0));
-    b = row.use * b;
-    violation = row.c;
-    soft = row.soft;
+  const Vec<V> e = to.delta - from.delta, b = rod.d + e;
+  const V violation = rod.violation + (dot(rod.d, e) + V(0.5f) * dot(e, e));
+  const V there = dot(rod.d, rod.d);  // a rod that is not there is never violated
+  if constexpr (laws == Laws::none) {
+    return {V(0) - from.w * dot(b, last.d), (from.w + to.w) * dot(b, rod.d), V(0) - to.w * dot(b, next.d),
+            select_nonzero(there, V(0) - violation, V(0))};
+  } else {
+    const LawRow<V> row = law_row_of<laws, true, V>(tree, at, is_tie ? tie_laws(tree) : rod_laws(tree), index,
+                                                    {growth_of(rod.d, e), violation, rod.mu}, V(0));
+    const V of_from = row.use * from.w, of_to = row.use * to.w, right = V(0) - row.c;
+    return {V(0) - of_from * dot(b, last.d), (of_from + of_to) * dot(b, rod.d) + row.soft,
+            V(0) - of_to * dot(b, next.d),
+            laws == Laws::two_sided ? right : select_nonzero(there, right, V(0))};
   }
-  LineRow<V> row{V(0) - from.w * dot(b, last.d), (from.w + to.w) * dot(b, rod.d),
-                 V(0) - to.w * dot(b, next.d),
-                 // A rod that is not there is never violated.
-                 select_nonzero(dot(rod.d, rod.d), V(0) - violation, V(0))};
-  if constexpr (laws) row.diagonal = row.diagonal + soft;
-  return row;
 }
 
 template <class V, class T, class At>
@@ -121,7 +118,7 @@ PLUMB_INLINE V move_multiplier(const At& at, const V& active, T* mu, std::size_t
 }
 
 /// Takes a Newton step on one line per lane. Lines with `laws` have rods that give.
-template <bool laws, class V, std::size_t lanes, class T>
+template <Laws laws, class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_line_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const LineEnds<T> ends(tree);

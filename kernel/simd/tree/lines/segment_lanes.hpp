@@ -105,7 +105,7 @@ PLUMB_INLINE void put_last_delta(const TreeView<T>& tree, const At& at, SegmentE
       at.lane, line_node<V>(tree, at, s, line_rod<V>(tree, at, s), first_rod_after<V>(at, ends)).delta);
 }
 
-template <bool laws, class V, class T, class At>
+template <Laws laws, class V, class T, class At>
 PLUMB_INLINE void eliminate_segment(const TreeView<T>& tree, const At& at, SegmentEnds<T>& ends,
                                     Separators<T>& rows) {
   const std::size_t s = tree.nodes, lane = at.lane;
@@ -221,7 +221,7 @@ PLUMB_INLINE void substitute_segment(const TreeView<T>& tree, const At& at, cons
 
 /// Takes a Newton step. `for_lanes(f)` calls f(at) for every machine vector of the logical one. Lines with
 /// `laws` have rods that give.
-template <bool laws, class V, class T, class ForLanes>
+template <Laws laws, class V, class T, class ForLanes>
 PLUMB_INLINE void newton_segments_lanes(const TreeView<T>& tree, ForLanes&& for_lanes) {
   SegmentEnds<T> ends;
   Separators<T> rows;

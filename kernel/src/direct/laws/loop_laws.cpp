@@ -99,7 +99,7 @@ LawPull law_pull(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k
   const auto step = step_of(work.starts[k].step);
   const auto start = start_of(work.starts[k].start);
   if (step.slope == 0) return {0, 0};  // it is broken
-  const double end = simd::end_length(start, growth), slope = step.slope / step.give;
+  const double end = simd::end_length(start.length, growth), slope = step.slope / step.give;
   double off = growth / (start.length + end) + start.before / step.slope;
   if (laws.is_one_sided(k)) off = std::max(off, 0.0);
   return {-slope * off / end, 0.5 * slope * off * off};

@@ -124,6 +124,10 @@ void LineSegments::trim(TreeWorkspace<T>& work) const {
     T* const rods = entry(i) > 0 ? work.rod.data() : work.tie_rod.data();
     for (std::uint32_t c = 0; c < tree_fields::rod; ++c)
       rods[(std::size_t{tree_fields::rod} * entry(i) + c) * lanes_ + lane(i)] = 0;
+    if (work.law_start.size() == 0) continue;
+    T* const laws = entry(i) > 0 ? work.law_start.data() : work.tie_law_start.data();
+    for (std::uint32_t c = 0; c < tree_fields::law_start; ++c)
+      laws[(std::size_t{tree_fields::law_start} * entry(i) + c) * lanes_ + lane(i)] = 0;
   }
 }
 

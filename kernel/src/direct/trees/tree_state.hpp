@@ -160,7 +160,7 @@ struct TreeWorkspace {
       bent_elimination;
   bool is_mid = false;            ///< The substep is of gradient mid.
   bool keeps_half_kicks = false;  ///< The gradient is old, though a substep may be of another.
-  bool guesses = true;  ///< Displacements are guessed from accelerations; lines find theirs from multipliers.
+  bool is_line = false;  ///< Multipliers alone are solved for. Others guess displacements from accelerations.
   bool keeps_acceleration = true;         ///< Guesses and estimates of error need them.
   std::vector<std::uint32_t> iterations;  ///< The last solve took so many in each lane.
   std::vector<std::uint8_t> failed;       ///< The last solve failed in these lanes.

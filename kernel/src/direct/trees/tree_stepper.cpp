@@ -84,8 +84,8 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
   if (state.ties_move) set_tie_displacements(state, h, work);
   if (state.laws.moves) set_substep_lengths(state, h);
   if (state.bends.any()) begin_bends(state, h, work);
-  work.guesses = !is_line(state, gradient);
-  work.keeps_acceleration = estimates_ || work.guesses;
+  work.is_line = is_line(state, gradient);
+  work.keeps_acceleration = estimates_ || !work.is_line;
   kernels(state).prepare(work.view(state));
   if (state.laws.cables) draw_cables(state);
   state.laws.steps_are_old = false;

@@ -47,7 +47,7 @@ simd::TreeView<T> TreeWorkspace<T>::view(TreeState<T>& state) {
                          .tie_x = state.tie_x.data(),
                          .tie_delta = state.tie_delta.data(),
                          .tie_u = state.tie_u.data(),
-                         .guesses = guesses,
+                         .guesses = !is_line,
                          .keeps_acceleration = keeps_acceleration,
                          .acceleration_before = state.acceleration_before.data(),
                          .acceleration = state.acceleration.data(),
@@ -106,6 +106,7 @@ void TreeWorkspace<T>::add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t
   to.has_laws = true;
   to.has_cables = laws.cables;
   to.is_mid = is_mid;
+  to.is_line = is_line;
   to.law = laws.law.rods.data();
   to.tie_law = laws.law.ties.data();
   to.makes_law_steps = laws.steps_are_old;
