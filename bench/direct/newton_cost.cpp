@@ -23,6 +23,7 @@ using namespace detail;
 
 constexpr double substep = 1.0 / 480;  // length of a substep, s
 constexpr double sample_s = 1e-3;
+constexpr int law_steps = 96;             // a fifth of a second, before chains whip
 constexpr std::uint32_t law_chains = 16;  // they stay in the caches
 
 double seconds_of(const std::function<void()>& work) {
@@ -64,6 +65,9 @@ class Contestant {
   /// Saves what repeated calls change for good, which is the multipliers, by rounding.
   virtual void save() = 0;
   virtual void restore() = 0;
+  /// Keeps the motion of now, to go back to it.
+  virtual void keep() = 0;
+  virtual void rewind() = 0;
   virtual double rods_per_kernel() const = 0;
   virtual double rods_per_newton() const = 0;
   virtual double rods() const = 0;
@@ -89,6 +93,10 @@ class InLanes final : public Contestant {
  public:
   void save() override { saved_.take(trees_.states.back()); }
   void restore() override { saved_.give_back(trees_.states.back()); }
+  void keep() override { kept_ = trees_.states; }
+  void rewind() override {
+    for (std::size_t i = 0; i < kept_.size(); ++i) trees_.states[i].copy_motion(kept_[i]);
+  }
 
   InLanes(const Scene& scene, Gradient gradient, Isa isa, std::uint32_t lanes)
       : gradient_(gradient),
@@ -132,6 +140,7 @@ class InLanes final : public Contestant {
   TreeState<T> alone_;
   TreeWorkspace<T> alone_work_;
   Multipliers<T> saved_;
+  std::vector<TreeState<T>> kept_;
 };
 
 template <class T>
@@ -139,6 +148,8 @@ class InSegments final : public Contestant {
  public:
   void save() override { saved_.take(state_); }
   void restore() override { saved_.give_back(state_); }
+  void keep() override { kept_.assign(1, state_); }
+  void rewind() override { state_.copy_motion(kept_.front()); }
 
   InSegments(const Scene& scene, Isa isa)
       : kernels_(simd::tree_kernels<T>(isa)),
@@ -173,6 +184,7 @@ class InSegments final : public Contestant {
   TreeWorkspace<T> work_;
   TreeWorkspace<T> alone_work_;
   Multipliers<T> saved_;
+  std::vector<TreeState<T>> kept_;
 };
 
 template <class C, class... Args>
@@ -181,8 +193,9 @@ void enter(std::vector<std::unique_ptr<Contestant>>& all, const NewtonCost& cost
   all.back()->cost = cost;
 }
 
-/// Times all contestants by turns, as many substeps each.
-void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
+/// Times all contestants by turns, as many substeps each. With `most_steps` every round begins where the
+/// first one did and takes no more than these.
+void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds, int most_steps = 0) {
   const FlushDenormals flush;
   constexpr double never = std::numeric_limits<double>::infinity();
   detail::Tally ignored;
@@ -191,16 +204,19 @@ void hold(std::vector<std::unique_ptr<Contestant>>& all, std::uint32_t rounds) {
   for (auto& one : all) {
     for (int i = 0; i < 4; ++i) one->step(ignored);
     fastest = std::min(fastest, seconds_of([&] { one->step(ignored); }));
+    if (most_steps > 0) one->keep();
     one->save();
     calls.push_back(static_cast<int>(std::ceil(sample_s / seconds_of([&] { one->call_kernel(); }))));
     one->restore();
     one->cost.substep_ns = one->cost.newton_ns = one->cost.kernel_ns = never;
   }
   // A sample of the fastest is so long that what the others left in caches does not count.
-  const int steps = static_cast<int>(std::ceil(sample_s / fastest));
+  int steps = static_cast<int>(std::ceil(sample_s / fastest));
+  if (most_steps > 0) steps = std::min(steps, most_steps);
   for (std::uint32_t round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       Contestant& one = *all[i];
+      if (most_steps > 0) one.rewind();
       detail::Tally counters;
       const double step_s = seconds_of([&] {
         for (int k = 0; k < steps; ++k) one.step(counters);
@@ -310,7 +326,7 @@ LawCosts measure_form(Form form, Gradient gradient, const std::vector<RodLaw>& l
       enter<InLanes<T>>(all, {}, law_ensemble(law), gradient, best_isa(), layouts::lane_width<T>);
     if (form == Form::alone) enter<InLanes<T>>(all, {}, law_ensemble(law), gradient, Isa::scalar, 1u);
   }
-  hold(all, rounds);
+  hold(all, rounds, law_steps);
   return {form, costs_of(all)};
 }
 
