@@ -93,7 +93,10 @@ class InLanes final : public Contestant {
  public:
   void save() override { saved_.take(trees_.states.back()); }
   void restore() override { saved_.give_back(trees_.states.back()); }
-  void keep() override { kept_ = trees_.states; }
+  void keep() override {
+    for (const TreeState<T>& state : trees_.states)
+      kept_.emplace_back(trees_.topology, state.lanes).copy_motion(state);
+  }
   void rewind() override {
     for (std::size_t i = 0; i < kept_.size(); ++i) trees_.states[i].copy_motion(kept_[i]);
   }
@@ -148,7 +151,7 @@ class InSegments final : public Contestant {
  public:
   void save() override { saved_.take(state_); }
   void restore() override { saved_.give_back(state_); }
-  void keep() override { kept_.assign(1, state_); }
+  void keep() override { kept_.emplace_back(state_.topology, state_.lanes).copy_motion(state_); }
   void rewind() override { state_.copy_motion(kept_.front()); }
 
   InSegments(const Scene& scene, Isa isa)

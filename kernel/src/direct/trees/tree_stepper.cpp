@@ -57,10 +57,13 @@ auto TreeStepper<T>::coefficients(double last, double h, Gradient gradient) cons
 
 template <class T>
 void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work) const {
-  Coefficients of_lane{};  // it is mostly the same in all, and exp() is dear
+  Coefficients of_lane{};  // these are mostly the same in all, and exp() is dear
+  LawFactors of_laws;
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
-    if (lane == 0 || state.u_step[lane] != state.u_step[lane - 1])
+    if (lane == 0 || state.u_step[lane] != state.u_step[lane - 1]) {
       of_lane = coefficients(state.u_step[lane], h, gradient);
+      if (state.laws.gives) of_laws = LawFactors::of(gradient, of_lane.kick, state.u_step[lane], h, drag_);
+    }
     const auto& [ratio, kick, u_delta, u_before] = of_lane;
     work.ratio[lane] = static_cast<T>(ratio);
     work.kick[lane] = static_cast<T>(kick);
@@ -76,8 +79,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
     work.mu_scale[lane] = static_cast<T>(scale);
     work.mu_scale_before[lane] = static_cast<T>(scale_before);
     work.active[lane] = state.idle[lane] ? T(0) : T(1);
-    if (state.laws.gives)
-      state.laws.set_factors(lane, LawFactors::of(gradient, kick, state.u_step[lane], h, drag_));
+    if (state.laws.gives) state.laws.set_factors(lane, of_laws);
   }
   work.is_mid = gradient == Gradient::mid;
   work.keeps_half_kicks = gradient_ == Gradient::old;
