@@ -30,11 +30,18 @@ double beyond_wall(const Shot& shot, std::span<const Vec3> positions) {
   return most;
 }
 
-bool is_through_net(const Shot& shot, std::span<const Vec3> positions) {
-  return std::any_of(shot.missiles.begin(), shot.missiles.end(), [&](const Core& core) {
-    return is_behind_net(positions, shot.net, place_of(core.a, positions), shot.out) ||
-           is_behind_net(positions, shot.net, place_of(core.b, positions), shot.out);
-  });
+/// Says whether an end of an axis is behind a held net. Ends that were beside the frame, as `beside` tells,
+/// may have gone round it.
+bool is_through_net(const Shot& shot, std::span<const Vec3> positions, std::vector<bool>& beside) {
+  const Vec3 corner = positions.front();
+  bool through = false;
+  for (std::size_t i = 0; i < 2 * shot.missiles.size(); ++i) {
+    const Core& core = shot.missiles[i / 2];
+    const Vec3 at = place_of(i % 2 == 0 ? core.a : core.b, positions);
+    if (std::abs(at.x) > std::abs(corner.x) || std::abs(at.z) > std::abs(corner.z)) beside[i] = true;
+    through = through || (!beside[i] && is_behind_net(positions, shot.net, at, shot.out));
+  }
+  return through;
 }
 
 /// The state of a flight, and the energy that it started with.
@@ -43,6 +50,7 @@ struct Flight {
   World world;
   MassModel mass;
   std::vector<Vec3> positions, velocities;
+  std::vector<bool> beside;  ///< Two for each core of the missile: whether that end was beside a held net.
   double energy_before = 0;
 
   Flight(const Shot& of, const Settings& settings)
@@ -50,7 +58,8 @@ struct Flight {
         world(of.scene, settings),
         mass(mass_model_of(settings)),
         positions(of.scene.particles.size()),
-        velocities(of.scene.particles.size()) {
+        velocities(of.scene.particles.size()),
+        beside(2 * of.missiles.size(), false) {
     energy_before = energy();
   }
   double energy() {
@@ -73,7 +82,7 @@ struct Flight {
 };
 
 /// Looks at the target after a step. Returns false once there is nothing more to see.
-bool look(const Shot& shot, const Flight& flight, ShotResult& result) {
+bool look(const Shot& shot, Flight& flight, ShotResult& result) {
   if (is_wall(shot.target)) {
     const double beyond = beyond_wall(shot, flight.positions);
     if (std::isinf(beyond)) return false;
@@ -83,7 +92,8 @@ bool look(const Shot& shot, const Flight& flight, ShotResult& result) {
   }
   result.depth = std::max(result.depth, share_inside(shot.targets, shot.missiles, flight.positions));
   result.deep = result.depth > most_inside;
-  if (shot.target == Target::net) result.through = result.through || is_through_net(shot, flight.positions);
+  if (shot.target == Target::net)
+    result.through = result.through || is_through_net(shot, flight.positions, flight.beside);
   return true;
 }
 

@@ -39,8 +39,8 @@ struct ShotResult {
 
 /// Moves a shot. A missile is through a wall if an end or a corner is more than 1 mm beyond its middle. It
 /// is through a held net if an end of its axis is on the other side. It is through anything else if it flies
-/// on as though nothing had been there, and the target's middle was in its way. After a wall's or a net's
-/// edge is reached nothing counts any more.
+/// on as though nothing had been there, and the target's middle was in its way. Past a wall's edge nothing
+/// counts any more, nor do ends that were beside a net's frame.
 ShotResult fly(const Shot& shot, const ShotWay& way);
 
 /// Returns whether `at` is on the other side of a net than `out` points to: going there along y one crosses
