@@ -87,6 +87,28 @@ TEST(Hangings, ALineThatIsTooShortSharesItsMisfit) {
   }
 }
 
+// A line drawn straight between anchors can go nowhere. No pull holds it, and Newton's method goes round in
+// circles where it looks for one. It sags as soon as an anchor comes nearer.
+TEST(Hangings, ALineDrawnStraightIsLocked) {
+  const std::uint32_t rods = 12;
+  const Scene scene = scenes::make_line({.links = rods, .span = 6, .slack = 0});
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    World world(scene, {.method = Method::direct, .gradient = gradient, .threads = 1});
+    StepReport report = test::run(world, frame, 60);
+    EXPECT_LE(report.newton, 2 * 60u) << to_string(gradient);
+    EXPECT_EQ(report.unsolved + report.elastic_substeps + report.fallbacks, 0u) << to_string(gradient);
+    for (std::uint32_t i = 1; i < rods; ++i)
+      EXPECT_LE(norm(world.position(i) - scene.particles[i].position), 1e-12) << to_string(gradient);
+    for (int i = 1; i <= 60; ++i) {
+      world.move_anchor(rods, world.position(rods) - Vec3{0.01, 0, 0});
+      report += world.step(frame);
+    }
+    EXPECT_EQ(report.unsolved, 0u) << to_string(gradient);
+    EXPECT_LT(world.position(rods / 2).y, -0.5) << to_string(gradient);
+    EXPECT_LE(test::stretch_of(scene, world).max, 1e-6) << to_string(gradient);
+  }
+}
+
 // Its anchor is pulled beyond its length and comes back.
 TEST(Hangings, ALineRecoversFromAnAnchorPulledTooFar) {
   const std::uint32_t rods = 20;

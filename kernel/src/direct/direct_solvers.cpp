@@ -98,6 +98,8 @@ class Maker {
       if (equal.empty()) continue;
       const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
       const auto tree = layouts::find_tree(local.view());
+      if (tree && tree->ties.size() > 1) add_locked(equal, local.view());
+      if (equal.empty()) continue;
       if (!tree || is_held_below_root(*tree))
         add_loops(equal, local.view(), {});
       else if (settings_.precision == Precision::single)
@@ -173,6 +175,26 @@ class Maker {
       add_trees<double>(equal, *tree, *bends);
     else
       add_loops(equal, local.view(), elements);
+  }
+
+  /// Adds the islands that have rigid lines straight between anchors, and takes them from `equal`. No pull
+  /// holds such a line, which the solver for loops knows (Locks).
+  void add_locked(std::vector<std::uint32_t>& equal, const layouts::Graph& local) {
+    const auto topology = std::make_shared<LoopTopology>(local);
+    std::vector<std::uint32_t> locked;
+    std::erase_if(equal, [&](std::uint32_t island) {
+      const bool is_locked = find_locks(state_of(topology, island)).any();
+      if (is_locked) locked.push_back(island);
+      return is_locked;
+    });
+    if (!locked.empty()) add_loops(locked, local, {});
+  }
+
+  /// Returns the state of an island whose topology has these vertices.
+  LoopState state_of(const std::shared_ptr<const LoopTopology>& topology, std::uint32_t island) const {
+    std::vector<std::uint32_t> vertices;
+    for (const std::uint32_t i : topology->order) vertices.push_back(sets_.islands.vertices(island)[i]);
+    return {topology, scene_, model(), vertices, sets_.islands.edges(island)};
   }
 
   template <class T>
@@ -260,11 +282,8 @@ class Maker {
     }
     for (const std::uint32_t island : equal) {
       MadeSolver made;
-      std::vector<std::uint32_t> vertices;
-      for (const std::uint32_t i : topology->order) {
-        made.places.push_back({sets_.islands.vertices(island)[i], static_cast<Slot>(vertices.size())});
-        vertices.push_back(sets_.islands.vertices(island)[i]);
-      }
+      for (const std::uint32_t i : topology->order)
+        made.places.push_back({sets_.islands.vertices(island)[i], static_cast<Slot>(made.places.size())});
       const auto rods = sets_.islands.edges(island);
       Slot cord = 0;
       for (const std::uint32_t rod : rods) made.cords.push_back({rod, cord++});
@@ -273,7 +292,7 @@ class Maker {
       for (const std::uint32_t reel : sets_.elements.reels_of(island))
         made.cords.push_back(
             {static_cast<std::uint32_t>(scene_.rods.size() + scene_.tackles.size()) + reel, cord++});
-      LoopState state(topology, scene_, model(), vertices, sets_.islands.edges(island));
+      LoopState state = state_of(topology, island);
       if (elements.any()) load_elements(state, island, made);
       auto solver = std::make_unique<LoopSolver>(loop_rules_, std::move(state));
       start(*solver, std::span(&island, 1), made);

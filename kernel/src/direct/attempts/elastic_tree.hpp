@@ -19,6 +19,9 @@ class ElasticTree {
   ElasticTree(std::shared_ptr<const TreeTopology> tree, Gradient gradient, double drag, Isa isa)
       : topology_(std::move(tree)), stepper_(gradient, drag), isa_(isa) {}
 
+  /// Lets rods that gave be rigid again, where that is the whole of a fallback (let_rods_give()).
+  void bound_frames() { stepper_.bound_frames(); }
+
   /// Takes one substep of a tree alone (LoopStepper::advance_elastic()). Multipliers are forgotten.
   void advance(TreeState<T>& tree, double h, Tally& counters);
   /// Takes one substep of a tree alone as an island of any shape would, in halves where that helps.

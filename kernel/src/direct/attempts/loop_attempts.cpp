@@ -17,6 +17,8 @@ constexpr int probed_depth = 1;
 /// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts.
 /// There is little hope that what did not work then works now. Each time it does not, twice as many follow.
 constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
+/// Where frames are bounded it is at first so many, since what fails is soon given up.
+constexpr std::uint32_t briefly_damped = 2;
 struct Limits {
   int halvings, attempts;
 };
@@ -40,8 +42,8 @@ const Limits& limits_of(const LoopState& state) {
 
 }  // namespace
 
-void LoopStepper::damp(LoopState& state) {
-  state.next_damped = std::max(state.next_damped, damped_substeps);
+void LoopStepper::damp(LoopState& state, bool briefly) {
+  state.next_damped = std::max(state.next_damped, briefly ? briefly_damped : damped_substeps);
   state.damped = state.next_damped;
   state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
 }
@@ -53,6 +55,7 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
   if (solve(state, h, gradient, attempts.by_lines, work, counters)) {
     attempts.error += accept(state, h, gradient, work, counters);
     attempts.deepest = std::max(attempts.deepest, depth);
+    attempts.done += h;
     ++counters.direct_substeps;
     if (gradient != gradient_) ++counters.fallbacks;
     return true;
@@ -103,10 +106,8 @@ bool LoopStepper::advance_at_pace(LoopState& state, double h, Attempts& attempts
     const std::uint32_t piece = std::min(whole >> cuts, done == 0 ? whole : done & (0 - done));
     attempts.deepest = 0;
     if (counters.newton >= attempts.most_newton ||
-        !advance_piece(state, h * piece / whole, attempts, work, counters)) {
-      state.motion() = work.saved;
+        !advance_piece(state, h * piece / whole, attempts, work, counters))
       return false;
-    }
     done += piece;
     if (state.damped == 0) state.pace.took(largest_share_ * h * piece / whole, attempts.deepest);
   }
@@ -146,10 +147,12 @@ double LoopStepper::try_advance(LoopState& state, double h, LoopWorkspace& work,
   const bool was_damped = state.damped > 0;
   // Nets that are solved without a factorisation take hundreds of steps in the time of one that gives way.
   const bool gives_up = is_bounded(state) && !work.net;
+  double rest = h;
   for (const bool again : {false, true}) {
     if (again) {
       if (was_damped || gradient_ == Gradient::new_) break;
-      damp(state);
+      damp(state, gives_up);
+      if (gives_up) break;  // rods that give come to the same end by a shorter way
       work.saved = state.motion();
     }
     Attempts attempts{.halvings = limits_of(state).halvings,
@@ -159,15 +162,25 @@ double LoopStepper::try_advance(LoopState& state, double h, LoopWorkspace& work,
     const bool solved = work.lines && gradient_ != Gradient::old
                             ? advance_wide(state, h, attempts, work, counters)
                             : advance_at_pace(state, h, attempts, work, counters);
-    if (!solved) continue;
+    if (!solved) {
+      // What was solved stands where all that is left is taken at once.
+      if (gives_up)
+        rest = h - attempts.done;
+      else
+        state.motion() = work.saved;
+      continue;
+    }
     if (state.damped > 0)
       --state.damped;
     else
       state.next_damped /= 2;
     return attempts.error;
   }
-  advance_elastic(state, h, work, counters);
-  if (was_damped || gradient_ == Gradient::new_) damp(state);
+  const bool fits = advance_elastic(state, rest, work, counters);
+  if (fits && was_damped)
+    --state.damped;
+  else if (was_damped || gradient_ == Gradient::new_)
+    damp(state, gives_up);
   return std::numeric_limits<double>::infinity();
 }
 

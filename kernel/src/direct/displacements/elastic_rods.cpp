@@ -27,8 +27,17 @@ constexpr double least_gain = 1e-2;
 constexpr int most_soft_iterations = 28, most_stiffer_iterations = 16;
 /// Multipliers and displacements are sought together in so many iterations. A change is cut down to so many
 /// rod lengths. Where the first one is larger than `farthest` of them, that hardly ever converges.
-constexpr int most_joint_iterations = 24, elastic_patience = 9;
+constexpr int most_joint_iterations = 24, elastic_patience = 9, bounded_patience = 4;
 constexpr double most_change = 1, farthest = 0.1;
+
+/// Rods that gave are tried as rigid ones. The first change is at most so many rod lengths, and each falls so
+/// fast, to the last one.
+constexpr double most_hardened = 0.1, hardening_rate = 0.7, hardened_change = 1e-8;
+/// That is tried in the end, and where changes as small as this fall more slowly than that, with rods of no
+/// more than this softness. The next try needs a change that is so many times smaller.
+/// Cables crawl until it is found which are taut.
+constexpr double crawling_cables = 1e-4;
+constexpr double crawling_change = 1e-2, crawling_rate = 0.3, hardest = 1.01e-6, next_hardening = 0.03;
 
 /// Returns C of a rod at the present delta, in m^2.
 double constraint_of(const LoopRod& rod, std::uint32_t k, const LoopWorkspace& work) {
@@ -104,72 +113,143 @@ double descend(LoopState& state, double soft, double& energy, LoopWorkspace& wor
   return 0;
 }
 
-/// Changes work.delta until the energy of rods of this softness is least, or near enough for stiffer ones to
-/// follow. Returns whether it is.
-///
-/// Whatever the multipliers, Newton's change goes down: they are but in the matrix. Where rods have just
-/// become stiffer -C/softness is many times what they pull. So multipliers go along with displacements.
-bool minimize_elastic(LoopState& state, double soft, int most, LoopWorkspace& work, Tally& counters) {
+/// Lets rods that gave be rigid again, where they fit together. Pushes are in the matrix then, so that it
+/// converges fast where rods that give crawl. Returns whether it does; otherwise all is as it was.
+bool harden(LoopState& state, LoopWorkspace& work, Tally& counters) {
   LoopWorkspace::Factor& factor = work.factor(true);
-  const bool is_last = next_stiffer * soft <= stiffest;
-  const double motion = energy_of_motion(state, work);
-  const bool carries = state.tackles.empty() && state.twists.empty();
-  const double first = elastic_energy(state, soft, work);
-  double energy = first;
-  double change = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < most; ++i) {
-    if (!carries || (i == 0 && soft == softest)) set_elastic_multipliers(state, soft, work);
-    factorize_newton(state, 1, soft, work, factor);
-    change = find_newton_change(state, 1, soft, work, factor);
+  std::copy(work.delta.begin(), work.delta.end(), work.trial.begin());
+  std::copy(state.mu.begin(), state.mu.end(), work.mu_start.begin());
+  for (double last = most_hardened; true;) {
+    factorize_newton(state, 1, 0, work, factor);
+    const double change = find_newton_change(state, 1, 0, work, factor);
     ++counters.newton;
-    const double before = energy, made = descend(state, soft, energy, work, factor);
-    // What no step along the direction makes better is a minimum, to rounding.
-    if (change <= elastic_change || made == 0) return std::isfinite(energy);
-    const double least = least_gain * std::max(motion, first - energy);
-    if (!is_last && before - energy <= made * least) return true;
-  }
-  return change <= near_change;
-}
-
-/// Iterates on displacements and multipliers together, as where rods are rigid. Multipliers are then those
-/// that fit changes, and not those of what curved ways leave of lengths, which stiff rods would make large.
-/// Returns whether it converges.
-bool iterate_elastic(LoopState& state, double soft, LoopWorkspace& work, Tally& counters) {
-  LoopWorkspace::Factor& factor = work.factor(true);
-  double last = std::numeric_limits<double>::infinity();
-  ChangeShare share;
-  Progress progress(elastic_patience);
-  for (int i = 0; i < most_joint_iterations; ++i) {
-    factorize_newton(state, 1, soft, work, factor);
-    const double change = find_newton_change(state, 1, soft, work, factor);
-    ++counters.newton;
-    if (!std::isfinite(change) || (i == 0 && change > farthest)) return false;
-    if (!progress.goes_on(change)) break;
-    const double made = state.laws.any() ? share.next(change / last) : 1;
-    apply_change(state, made * std::min(1.0, most_change / change), work, factor);
-    if (made == 1 && change <= elastic_change) return true;
+    if (!(change <= hardening_rate * last)) break;
+    apply_change(state, 1, work, factor);
+    if (change <= hardened_change && largest_misfit(state, work, factor) <= hardened_change) return true;
     last = change;
   }
-  return last <= near_change;
+  std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());
+  std::copy(work.mu_start.begin(), work.mu_start.end(), state.mu.begin());
+  return false;
 }
+
+/// Rods give in the search for a substep.
+class Search {
+ public:
+  Search(LoopState& state, bool bounded, LoopWorkspace& work, Tally& counters)
+      : state_(state),
+        work_(work),
+        counters_(counters),
+        bounded_(bounded),
+        may_harden_(bounded && !state.topology->any()),
+        least_crawling_(state.laws.any() ? crawling_cables : crawling_change) {}
+
+  Given run() {
+    std::copy(work_.delta.begin(), work_.delta.end(), work_.start.begin());
+    if (bounded_) draw_cables();
+    work_.draws_cables = bounded_;
+    const bool converged = iterate();
+    work_.draws_cables = false;
+    if (converged) return end(true);
+    if (is_rigid_) return Given::rigid;
+    std::copy(work_.start.begin(), work_.start.end(), work_.delta.begin());
+    // Stiff rods make the minimum a narrow, winding valley. Softer ones lead into it.
+    const std::uint64_t before = counters_.newton;
+    const auto left = [&] { return most_soft_iterations - static_cast<int>(counters_.newton - before); };
+    double soft = softest;
+    while (soft > stiffest &&
+           minimize(soft, soft == softest ? left() : std::min(left(), most_stiffer_iterations)))
+      soft *= next_stiffer;
+    return is_rigid_ ? Given::rigid : end(soft < softest);
+  }
+
+ private:
+  /// Cables that are hardly slack begin as taut ones, those that give by their law, too.
+  void draw_cables() {
+    if (!state_.laws.any()) return;
+    for (std::uint32_t k = 0; k < state_.topology->rods.size(); ++k)
+      if (state_.laws.is_one_sided(k)) state_.mu[k] = std::min(state_.mu[k], -drawn_cable);
+  }
+
+  Given end(bool found) {
+    if (!std::isfinite(elastic_energy(state_, stiffest, work_))) return Given::nothing;
+    if (!found) ++counters_.unsolved;
+    if (found && may_harden_) is_rigid_ = harden(state_, work_, counters_);
+    return is_rigid_ ? Given::rigid : Given::elastic;
+  }
+
+  /// Tries rigid rods after a small change that crawls after the one before.
+  bool hardens(double change, double last) {
+    if (!may_harden_ || change > least_crawling_ || change <= crawling_rate * last) return false;
+    least_crawling_ = next_hardening * change;
+    is_rigid_ = harden(state_, work_, counters_);
+    return is_rigid_;
+  }
+
+  /// Iterates on displacements and multipliers together, as where rods are rigid. Multipliers are then those
+  /// that fit changes, and not those of what curved ways leave of lengths, which stiff rods would make large.
+  /// Returns whether it converges to rods that give.
+  bool iterate() {
+    LoopWorkspace::Factor& factor = work_.factor(true);
+    double last = std::numeric_limits<double>::infinity();
+    ChangeShare share;
+    Progress progress(bounded_ ? bounded_patience : elastic_patience);
+    for (int i = 0; i < most_joint_iterations; ++i) {
+      factorize_newton(state_, 1, stiffest, work_, factor);
+      const double change = find_newton_change(state_, 1, stiffest, work_, factor);
+      ++counters_.newton;
+      if (!std::isfinite(change) || (i == 0 && change > farthest)) return false;
+      if (!progress.goes_on(change)) break;
+      const double made = state_.laws.any() ? share.next(change / last) : 1;
+      apply_change(state_, made * std::min(1.0, most_change / change), work_, factor);
+      if (made == 1 && change <= elastic_change) return true;
+      if (hardens(change, last)) return false;
+      last = change;
+    }
+    return last <= near_change;
+  }
+
+  /// Changes displacements until the energy of rods of this softness is least, or near enough for stiffer
+  /// ones to follow. Returns whether it is, with rods that give.
+  ///
+  /// Whatever the multipliers, Newton's change goes down: they are but in the matrix. Where rods have just
+  /// become stiffer -C/softness is many times what they pull. So multipliers go along with displacements.
+  bool minimize(double soft, int most) {
+    LoopWorkspace::Factor& factor = work_.factor(true);
+    const bool is_last = next_stiffer * soft <= stiffest;
+    const double motion = energy_of_motion(state_, work_);
+    const bool carries = state_.tackles.empty() && state_.twists.empty();
+    const double first = elastic_energy(state_, soft, work_);
+    double energy = first, change = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < most; ++i) {
+      if (!carries || (i == 0 && soft == softest)) set_elastic_multipliers(state_, soft, work_);
+      factorize_newton(state_, 1, soft, work_, factor);
+      const double last = change;
+      change = find_newton_change(state_, 1, soft, work_, factor);
+      ++counters_.newton;
+      const double before = energy, made = descend(state_, soft, energy, work_, factor);
+      // What no step along the direction makes better is a minimum, to rounding.
+      if (change <= elastic_change || made == 0) return std::isfinite(energy);
+      const double least = least_gain * std::max(motion, first - energy);
+      if (!is_last && before - energy <= made * least) return true;
+      if (soft <= hardest && hardens(change, last)) return false;
+    }
+    return change <= near_change;
+  }
+
+  LoopState& state_;
+  LoopWorkspace& work_;
+  Tally& counters_;
+  bool bounded_;           ///< Frames are.
+  bool may_harden_;        ///< Rigid rods may be tried.
+  double least_crawling_;  ///< They are where changes crawl that are no larger.
+  bool is_rigid_ = false;  ///< They were solved.
+};
 
 }  // namespace
 
-bool let_rods_give(LoopState& state, LoopWorkspace& work, Tally& counters) {
-  std::copy(work.delta.begin(), work.delta.end(), work.start.begin());
-  if (iterate_elastic(state, stiffest, work, counters))
-    return std::isfinite(elastic_energy(state, stiffest, work));
-  std::copy(work.start.begin(), work.start.end(), work.delta.begin());
-  // Stiff rods make the minimum a narrow, winding valley. Softer ones lead into it.
-  const std::uint64_t before = counters.newton;
-  const auto left = [&] { return most_soft_iterations - static_cast<int>(counters.newton - before); };
-  double soft = softest;
-  while (soft > stiffest &&
-         minimize_elastic(state, soft, soft == softest ? left() : std::min(left(), most_stiffer_iterations),
-                          work, counters))
-    soft *= next_stiffer;
-  if (soft == softest) ++counters.unsolved;
-  return std::isfinite(elastic_energy(state, stiffest, work));
+Given let_rods_give(LoopState& state, bool bounded, LoopWorkspace& work, Tally& counters) {
+  return Search(state, bounded, work, counters).run();
 }
 
 }  // namespace plumb::detail

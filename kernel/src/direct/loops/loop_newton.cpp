@@ -80,8 +80,10 @@ RodTerms rod_terms(const LoopState& state, std::uint32_t k, double theta, double
   RodTerms terms{d + theta * e, d + e, 1, give, c + give * state.mu[k]};
   if (!state.laws.any()) return terms;
   if (soft > 0 && (state.laws.is_rigid(k) || is_softened(state, k, give, work))) {
-    // A cable that gives a little is taut where it is too long.
-    if (!state.laws.is_one_sided(k) || c > 0) return terms;
+    // A cable that gives a little is taut where it is too long, or where it pulls and is sought with its
+    // pull.
+    const double pull = work.draws_cables ? -state.mu[k] * state.length2[k] : 0;
+    if (!state.laws.is_one_sided(k) || c + pull > 0) return terms;
     return {terms.force, {}, 0, 1, state.mu[k]};
   }
   const RodRow row = law_row(state.laws, work.laws, k, {growth_of(d, e), c, state.mu[k]}, theta);

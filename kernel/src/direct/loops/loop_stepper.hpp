@@ -61,6 +61,7 @@ struct LoopWorkspace {
   std::vector<ReelSubstep> reels;
   std::vector<double> resists;  ///< Bends resist a node's displacement by so much; it has one per node.
   LawWorkspace laws;
+  bool draws_cables = false;  ///< Rods that give a little are sought with their pulls (rod_terms()).
   LoopMotion saved;
 };
 
@@ -122,11 +123,12 @@ class LoopStepper {
   /// a compromise that always exists: rods that are too short for their anchors share what they lack. It is
   /// Newton's method with a line search, without the push of rods that are pressed, which would make the sum
   /// concave where they buckle. Where rods whip tight, the stiffest rods that have a minimum
-  /// stand. A substep counts as unsolved if even soft ones have none.
-  void advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
+  /// stand. A substep counts as unsolved if even soft ones have none. Where rods turn out to fit together
+  /// they are rigid again in the end. That is a fallback, and the function returns true.
+  bool advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
   /// Lets the next substeps be taken with gradient new, where there is little hope for others.
-  static void damp(LoopState& state);
+  static void damp(LoopState& state, bool briefly = false);
 
   /// Takes one substep as it is, if Newton's method solves it. Otherwise returns false, and only multipliers
   /// may have changed.
@@ -173,11 +175,12 @@ class LoopStepper {
     bool probed = false;        ///< The shortest part that may be has been tried.
     int deepest = 0;            ///< Parts that were taken were halved so often at most.
     double error = 0;           ///< It is in m.
+    double done = 0;            ///< Parts that were taken are so long together, in s.
   };
   /// Takes a substep in so many pieces. Returns whether all were solved; otherwise the state is as it was.
   bool advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
                       LoopWorkspace& work, Tally& counters) const;
-  /// Does the same in pieces as long as the state's pace says.
+  /// Takes it in pieces as long as the state's pace says. Those before one that is not solved stand.
   bool advance_at_pace(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
                        Tally& counters) const;
   /// Takes one piece, with all shares.

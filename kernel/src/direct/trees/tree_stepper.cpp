@@ -129,6 +129,7 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
   const bool bounded = bounds_frames_ && !state.bends.any();
   const int unbounded = state.bends.any() ? most_bent_iterations : most_iterations;
   const int most = bounded ? most_bounded_iterations : unbounded;
+  const double farthest = bounded ? hopeless_bounded_change : hopeless_change;
   std::array<Progress, simd::logical_width<float>> progress;
   progress.fill(Progress(bounded ? bounded_patience : most));
   for (int i = 0; i < most && left > 0; ++i) {
@@ -142,7 +143,7 @@ bool TreeStepper<T>::solve(TreeState<T>& state, Gradient gradient, TreeWorkspace
       if (work.active[lane] == 0) continue;
       const double scale2 = state.scale2[lane], change2 = work.change[lane] / nodes;
       const bool converged = has_converged<T>(change2, work.residual[lane], scale2, gradient);
-      if (!converged && !is_hopeless(change2, scale2) && i + 1 < most &&
+      if (!converged && !is_hopeless(change2, scale2, farthest) && i + 1 < most &&
           progress[lane].goes_on(std::sqrt(change2)))
         continue;
       work.active[lane] = 0;
@@ -192,80 +193,39 @@ void TreeStepper<T>::restore_multipliers(TreeState<T>& state, std::uint32_t lane
 }
 
 template <class T>
-bool TreeStepper<T>::try_alone(TreeState<T>& state, double h, Gradient gradient, TreeWorkspace<T>& work,
-                               Tally& counters) const {
-  begin(state, h, gradient, work);
-  if (solve(state, gradient, work, counters) && (gradient != Gradient::old || is_stable(state, h, work)))
-    return true;
-  restore_multipliers(state, 0);
-  return false;
-}
-
-template <class T>
-bool TreeStepper<T>::advance_alone(TreeState<T>& state, double h, int depth, Attempts& attempts,
-                                   TreeWorkspace<T>& work, Tally& counters) const {
-  const bool last = depth == most_halvings || --attempts.left <= 0 || counters.is_spent() ||
-                    counters.newton >= attempts.most_newton;
-  if (try_alone(state, h, gradient_, work, counters)) {
-    accept(state, h, gradient_, work, counters);
-    ++counters.direct_substeps;
-    return true;
-  }
-  if (last || attempts.are_too_few_for_halves(counters.newton, depth)) return false;
-  if (!attempts.probed) {
-    attempts.probed = true;
-    if (!try_alone(state, std::ldexp(h, depth - most_halvings), gradient_, work, counters)) return false;
-    restore_multipliers(state, 0);
-  }
-  ++counters.halvings;
-  return advance_alone(state, h / 2, depth + 1, attempts, work, counters) &&
-         advance_alone(state, h / 2, depth + 1, attempts, work, counters);
-}
-
-template <class T>
-bool TreeStepper<T>::advance_damped(TreeState<T>& state, double h, int halvings, TreeWorkspace<T>& work,
-                                    Tally& counters) const {
-  if (!try_alone(state, h, Gradient::new_, work, counters)) {
-    if (halvings == 0) return false;
-    ++counters.halvings;
-    return advance_damped(state, h / 2, halvings - 1, work, counters) &&
-           advance_damped(state, h / 2, halvings - 1, work, counters);
-  }
-  accept(state, h, Gradient::new_, work, counters);
-  ++counters.direct_substeps;
-  ++counters.fallbacks;
-  // u becomes a velocity, which every gradient can go on from.
-  for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] = static_cast<T>(state.u[i] / h);
-  state.u_step[0] = 0;
-  return true;
-}
-
-template <class T>
 template <class Load>
 auto TreeStepper<T>::rescue(double h, const TreeCrew<T>& crew, Tally& counters, Load&& load) const -> Rescue {
   TreeState<T>& alone = crew.alone;
+  double rest = h;
   load();
   if (alone.bends.any() && crew.elastic != nullptr) {  // bends may start far from where they end
     crew.elastic->advance_as_island(alone, h, counters);
     return Rescue::halves;
   }
-  if (alone.elastic[0] == 0) {
+  const bool again = alone.elastic[0] > 0;
+  if (!again) {
     ++counters.halvings;
     Attempts attempts{most_attempts,
                       counters.newton + (bounds_frames_ ? alone.effort[0].most() : Effort::endless)};
-    const auto half = [&] { return advance_alone(alone, h / 2, 1, attempts, crew.alone_work, counters); };
-    if (half() && half()) return Rescue::halves;
-    load();
+    if (advance_in_pieces(alone, h, attempts, crew.alone_work, counters)) return Rescue::halves;
+    if (bounds_frames_)
+      rest = (1 - attempts.done) * h;  // what was solved stands
+    else
+      load();
     alone.elastic[0] = std::max(alone.next_elastic[0], elastic_substeps);
     alone.next_elastic[0] = std::min(2 * alone.elastic[0], most_elastic_substeps);
   }
   const std::uint32_t elastic = alone.elastic[0] - 1, next_elastic = alone.next_elastic[0];
-  const int damped = bounds_frames_ ? 0 : damped_halvings;
+  // Where frames are bounded, rods that give come to the same end by a shorter way. Gradient new finds a line
+  // just long enough after some substeps, though.
+  const bool is_short = bounds_frames_ && crew.elastic != nullptr && !again;
+  const bool tries_new = gradient_ != Gradient::new_ && !is_short;
   Rescue rescued = Rescue::elastic;
-  if (gradient_ != Gradient::new_ && advance_damped(alone, h, damped, crew.alone_work, counters)) {
+  if (tries_new && advance_damped(alone, rest, damped_halvings, crew.alone_work, counters)) {
     rescued = Rescue::halves;
-  } else if (load(); crew.elastic != nullptr) {
-    crew.elastic->advance(alone, h, counters);
+  } else if (crew.elastic != nullptr) {
+    if (tries_new) load();
+    crew.elastic->advance(alone, rest, counters);
   } else {
     ++counters.unsolved;
     return Rescue::none;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -97,17 +98,24 @@ class TreeStepper {
   enum class Rescue : std::uint8_t { none, halves, elastic };
   template <class Load>
   Rescue rescue(double h, const TreeCrew<T>& crew, Tally& counters, Load&& load) const;
-  /// Advances a tree alone, by recursive halving.
+  /// A tree alone is advanced by recursive halving.
   struct Attempts {
     int left;
     std::uint64_t most_newton;  ///< They end where so many are counted.
     bool probed = false;        ///< The shortest part that may be has been tried.
+    int deepest = 0;            ///< Parts of this piece were halved so often at most, the piece included.
+    double done = 0;            ///< This share of the substep has been taken.
 
-    /// Says whether the rest is too little for a substep of halves of a part that is as deep.
+    /// Says whether too little is left for halves of a part that is as deep, through the rest of the substep.
     bool are_too_few_for_halves(std::uint64_t newton, int depth) const {
-      return newton + (tree_limits::least_for_piece << (depth + 1)) > most_newton;
+      const double pieces = std::ldexp(1 - done, depth + 1);
+      return static_cast<double>(newton) + tree_limits::least_for_piece * pieces >
+             static_cast<double>(most_newton);
     }
   };
+  /// Advances a tree alone by a substep that was not solved as a whole.
+  bool advance_in_pieces(TreeState<T>& state, double h, Attempts& attempts, TreeWorkspace<T>& work,
+                         Tally& counters) const;
   bool advance_alone(TreeState<T>& state, double h, int depth, Attempts& attempts, TreeWorkspace<T>& work,
                      Tally& counters) const;
   /// Solves a substep of a tree alone, if it can.
