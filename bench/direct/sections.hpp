@@ -28,7 +28,7 @@ Section lanes_section(const Plan& plan);
 Section line_section(const Plan& plan);
 /// Measures Newton steps of chains whose rods give beside those of rigid ones.
 Section laws_section(const Plan& plan);
-/// Measures Newton steps of wires with bends, as lines in lanes and as islands of any shape.
+/// Measures Newton steps of wires with bends, twisted or not, as lines in lanes and as islands of any shape.
 Section wires_section(const Plan& plan);
 /// Measures time to an error for chains: fixed settings, automatic, ensembles and other libraries. It also
 /// measures relaxation on the longest chain.

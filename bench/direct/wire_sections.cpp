@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "direct/sections.hpp"
@@ -16,12 +17,21 @@ namespace {
 using scenes::plain_number;
 using scenes::short_number;
 
-/// Clamped wires of 1 m and 0.2 kg side by side, which sink under their weight. A finite strength, which they
-/// never reach, keeps them out of the lanes of lines.
-Scene clamped_wires(std::uint32_t count, std::uint32_t rods, double strength) {
+/// So many clamped wires stand side by side, of so many rods each, which bend and may be twisted.
+struct Wires {
+  std::uint32_t count, rods;
+  bool twisted;
+
+  std::string name() const { return std::to_string(count) + (twisted ? " twisted" : ""); }
+};
+
+/// Wires of 1 m and 0.2 kg, which sink under their weight. A finite strength, which they never reach, keeps
+/// them out of the lanes of lines.
+Scene clamped_wires(const Wires& wires, double strength) {
+  const std::uint32_t rods = wires.rods;
   Scene scene;
   const double length = 1.0 / rods;
-  for (std::uint32_t wire = 0; wire < count; ++wire) {
+  for (std::uint32_t wire = 0; wire < wires.count; ++wire) {
     const auto first = static_cast<std::uint32_t>(scene.particles.size());
     for (std::uint32_t i = 0; i < rods + 2; ++i)
       scene.particles.push_back({.position = {length * (i - 1.0), 0, 0.2 * wire},
@@ -31,6 +41,11 @@ Scene clamped_wires(std::uint32_t count, std::uint32_t rods, double strength) {
       scene.rods.push_back({.a = first + i, .b = first + i + 1, .law = {.strength = strength}});
       scene.bends.push_back({first + i - 1, first + i, first + i + 1, (i == 1 ? 0.04 : 0.02) / length});
     }
+    if (!wires.twisted) continue;
+    Twist& twist = scene.twists.emplace_back();
+    for (std::uint32_t i = 0; i < rods + 2; ++i) twist.particles.push_back(first + i);
+    twist.stiffness = 0.02;
+    twist.angle = 3;
   }
   return scene;
 }
@@ -41,12 +56,11 @@ struct WireCost {
 };
 
 /// Steps wires as lines and as islands of any shape by turns.
-std::vector<WireCost> measure_wires(std::uint32_t count, std::uint32_t rods, std::uint32_t steps) {
+std::vector<WireCost> measure_wires(const Wires& wires, std::uint32_t steps) {
   constexpr double never = std::numeric_limits<double>::infinity();
   const Settings settings{.method = Method::direct, .threads = 1};
   std::vector<World> worlds;
-  for (const double strength : {never, 1e30})
-    worlds.emplace_back(clamped_wires(count, rods, strength), settings);
+  for (const double strength : {never, 1e30}) worlds.emplace_back(clamped_wires(wires, strength), settings);
   std::vector<WireCost> out(2);
   for (std::uint32_t i = 0; i < steps; ++i)
     for (std::size_t k = 0; k < 2; ++k) {
@@ -54,7 +68,7 @@ std::vector<WireCost> measure_wires(std::uint32_t count, std::uint32_t rods, std
       const StepReport report = worlds[k].step(1.0 / 240);
       const double ns =
           std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
-      out[k].ns.push_back(ns / (static_cast<double>(report.newton) * rods));
+      out[k].ns.push_back(ns / (static_cast<double>(report.newton) * wires.rods));
       out[k].newton += report.newton;
       out[k].halvings += report.halvings;
     }
@@ -68,19 +82,24 @@ Section wires_section(const Plan& plan) {
   Section out;
   Sheet sheet(
       {"wires", "rods", "solved as", "least", "median", "islands / this", "Newton steps", "halvings"});
-  for (const auto& [count, rods] : {std::pair{1u, 40u}, {1u, 400u}, {64u, 20u}, {1000u, 20u}}) {
-    const std::vector<WireCost> costs = measure_wires(count, rods, 2 * plan.rounds);
+  std::vector<Wires> all;
+  for (const bool twisted : {false, true})
+    for (const auto& [count, rods] : {std::pair{1u, 40u}, {1u, 400u}, {64u, 20u}, {1000u, 20u}})
+      all.push_back({count, rods, twisted});
+  for (const Wires& wires : all) {
+    const std::vector<WireCost> costs = measure_wires(wires, 2 * plan.rounds);
     for (std::size_t k = 0; k < 2; ++k) {
       const char* const solver = k == 0 ? "lines" : "islands";
-      sheet.add_row({std::to_string(count), std::to_string(rods), solver, plain_number(least(costs[k].ns)),
+      sheet.add_row({wires.name(), std::to_string(wires.rods), solver, plain_number(least(costs[k].ns)),
                      plain_number(median(costs[k].ns)), plain_number(least(costs[1].ns) / least(costs[k].ns)),
                      std::to_string(costs[k].newton), std::to_string(costs[k].halvings)});
-      out.csv += "wires," + std::to_string(count) + " of " + std::to_string(rods) + "," + solver +
+      out.csv += "wires," + wires.name() + " of " + std::to_string(wires.rods) + "," + solver +
                  ",newton_step," + short_number(least(costs[k].ns)) + ",ns per particle,mid double\n";
     }
   }
   out.text =
-      "\n## Wires\n\nClamped wires with bends that sink under their weight, gradient mid, substeps of 1/240 "
+      "\n## Wires\n\nClamped wires with bends, straight or twisted by 3 rad, that sink under their weight, "
+      "gradient mid, substeps of 1/240 "
       "s. "
       "ns per particle and Newton step, everything in a step included. `islands`: by the solver for islands "
       "of "

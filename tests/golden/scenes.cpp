@@ -9,6 +9,7 @@
 #include "plumb/error.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/generators/generators.hpp"
+#include "scenes/generators/wires.hpp"
 #include "scenes/humanoid/humanoid.hpp"
 #include "scenes/spec.hpp"
 #include "support/random_trees.hpp"
@@ -16,7 +17,7 @@
 namespace plumb::golden {
 namespace {
 
-/// Adds the particles and rods of `more`, moved by `by` (m).
+/// Adds the particles, rods, bends and twists of `more`, moved by `by` (m).
 void append(Scene& scene, const Scene& more, Vec3 by) {
   const auto first = static_cast<std::uint32_t>(scene.particles.size());
   for (Particle particle : more.particles) {
@@ -27,6 +28,14 @@ void append(Scene& scene, const Scene& more, Vec3 by) {
     rod.a += first;
     rod.b += first;
     scene.rods.push_back(rod);
+  }
+  for (Bend bend : more.bends) {
+    for (std::uint32_t* const particle : {&bend.a, &bend.b, &bend.c}) *particle += first;
+    scene.bends.push_back(bend);
+  }
+  for (Twist twist : more.twists) {
+    for (std::uint32_t& particle : twist.particles) particle += first;
+    scene.twists.push_back(twist);
   }
 }
 
@@ -73,6 +82,14 @@ Scene make_hoist() {
   return scene;
 }
 
+/// More wires than a vector has lanes, twisted to both sides.
+Scene make_twisted_wires() {
+  Scene scene;
+  for (int i = 0; i < 9; ++i)
+    append(scene, scenes::make_wire({.rods = 10, .twist = 2.0 * (i - 4)}), {0, 0, 0.25 * i});
+  return scene;
+}
+
 using Maker = Scene (*)();
 const std::map<std::string, Maker>& makers() {
   static const std::map<std::string, Maker> all = {
@@ -91,6 +108,7 @@ const std::map<std::string, Maker>& makers() {
       {"bridge", make_bridge},
       {"knot", make_knot},
       {"hoist", make_hoist},
+      {"twisted_wires", make_twisted_wires},
       {"rollers", make_rollers},
   };
   return all;

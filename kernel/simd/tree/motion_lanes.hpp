@@ -120,7 +120,8 @@ PLUMB_INLINE void prepare_nodes(const TreeView<T>& tree, std::size_t lane) {
 
 template <class V, std::size_t lanes, class T>
 PLUMB_INLINE void prepare_lanes(const TreeView<T>& tree, std::size_t lane) {
-  if (tree.has_bends) prepare_bends<V, lanes>(tree, lane);
+  if constexpr (bends_in<T>)
+    if (tree.has_bends) prepare_bends<V, lanes>(tree, lane);
   if (tree.is_coupled)
     prepare_nodes<true, V, lanes>(tree, lane);
   else
@@ -163,6 +164,8 @@ PLUMB_INLINE void advance_lanes(const TreeView<T>& tree, std::size_t lane) {
   const At<V, T, lanes> at{lane};
   const V active = at.get(tree.active, 0), ratio = at.get(tree.ratio, 0), over = at.get(tree.inverse_kick, 0);
   const V u_delta = at.get(tree.u_delta, 0), u_before = at.get(tree.u_before, 0);
+  if constexpr (bends_in<T>)
+    if (tree.twist_end > 0) measure_turn<V, lanes>(tree, lane);
   if (tree.has_laws && tree.keeps_half_kicks) keep_half_kicks<V, lanes>(tree, lane);
   V push(0), jolt(0);
   for (std::size_t i = 0; i < 3 * std::size_t{tree.nodes}; ++i) {

@@ -31,7 +31,8 @@ inline constexpr std::uint32_t bend = 6;
 inline constexpr std::uint32_t bent_elimination =
     28;  ///< delta_i = P delta_p + Q delta_g + q; mu_i = rho + n.delta_p + m.delta_g
 inline constexpr std::uint32_t bent_tip = 21;  ///< Of a tip with a tie: a; what couples it to p; to g.
-inline constexpr std::uint32_t below = 13;     ///< Sums of a node's children: three rows; r; a diagonal
+inline constexpr std::uint32_t torque_elimination = 4;  ///< Of a unit torque: e; rho_1. The tip has p behind.
+inline constexpr std::uint32_t below = 13;  ///< Sums of a node's children: three rows; r; a diagonal
 }  // namespace tree_fields
 
 /// The value of TreeView::below_slot for a node that needs none.
@@ -100,6 +101,15 @@ struct TreeView {
   T* bend_start = nullptr;        ///< w of every bend where the substep starts, 3 per place; of prepare().
   const T* bend_rate = nullptr;   ///< 1 over the substep (1/s), per lane.
   T* bent_elimination = nullptr;  ///< tree_fields::bent_elimination numbers per node, then bent_tip.
+
+  // These are of lines with a twist (plumb::Twist), in double. Others have none.
+  std::uint32_t twist_begin = 0, twist_end = 0;  ///< Its joints are at these places where a bend may end.
+  T* clamp_rod = nullptr;  ///< From the root's clamp to its anchor, and from the tip's to its clamp.
+  const T* twist_stiffness = nullptr;  ///< Torque by angle, times the kick (m²), per lane.
+  const T* twist_start = nullptr;      ///< The chain's twist if nothing turned (rad), where torque is taken.
+  T* torque = nullptr;                 ///< Torque times the kick (m²), which is solved for, per lane.
+  T* twist_turn = nullptr;             ///< Result of advance(): how far the chain has turned (rad), per lane.
+  T* torque_elimination = nullptr;     ///< tree_fields::torque_elimination numbers per node, then 3.
 
   double* x =
       nullptr;     ///< Positions, 3 per node, in double, so that a float solve keeps its digits anywhere.

@@ -95,15 +95,15 @@ void newton_with(const TreeView<T>& tree, T theta) {
   for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
     newton_lanes<laws, Batch<T>, logical_width<T>>(tree, lane, theta);
 }
-template <Laws laws, class T>
+template <Laws laws, bool twisted, class T>
 void newton_bent(const TreeView<T>& tree, T theta) {
   for (std::size_t lane = 0; lane < logical_width<T>; lane += Batch<T>::size)
-    newton_bent_lanes<laws, Batch<T>, logical_width<T>>(tree, lane, theta);
+    newton_bent_lanes<laws, twisted, Batch<T>, logical_width<T>>(tree, lane, theta);
 }
 template <class T>
 void newton(const TreeView<T>& tree, T theta) {
-  if (!tree.has_bends) return with_laws(tree, [&]<Laws laws>() { newton_with<laws>(tree, theta); });
-  return tree.has_laws ? newton_bent<Laws::any>(tree, theta) : newton_bent<Laws::none>(tree, theta);
+  if (with_bends(tree, [&]<Laws laws, bool twisted>() { newton_bent<laws, twisted>(tree, theta); })) return;
+  with_laws(tree, [&]<Laws laws>() { newton_with<laws>(tree, theta); });
 }
 template <Laws laws, class T>
 void newton_line_with(const TreeView<T>& tree) {

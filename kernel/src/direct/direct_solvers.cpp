@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "direct/locks/locks.hpp"
 #include "direct/loops/loop_solver.hpp"
 #include "direct/trees/tree_solver.hpp"
 #include "interface/island_shape.hpp"
@@ -160,7 +161,19 @@ class Maker {
     return off;
   }
 
-  /// Adds equal islands with elements. Lines with bends alone are trees, in double.
+  /// Says whether rigid rods hold a line straight between its two anchors, which the solver for loops knows.
+  bool is_locked(std::uint32_t island, const layouts::Tree& line) const {
+    if (line.ties.size() != 2) return false;
+    double length = 0;
+    for (const std::uint32_t rod : sets_.islands.edges(island)) {
+      if (scene_.rods[rod].law.is_elastic()) return false;
+      length += rod_length(scene_, rod);
+    }
+    const auto vertices = sets_.islands.vertices(island);
+    return is_taut(length, distance(vertices[line.ties[0].vertex], vertices[line.ties[1].vertex]));
+  }
+
+  /// Adds equal islands with elements. Lines with bends and a twist alone are trees, in double.
   void add_with_elements(const std::vector<std::uint32_t>& equal, const LoopElements& elements) {
     const layouts::LocalGraph local = layouts::local_graph(sets_.graph, sets_.islands, equal.front());
     const bool may_break = std::any_of(equal.begin(), equal.end(), [&](std::uint32_t island) {
@@ -171,7 +184,8 @@ class Maker {
     });
     const auto tree = may_break ? std::nullopt : layouts::find_tree(local.view());
     const auto bends = tree ? find_line_bends(*tree, elements) : std::nullopt;
-    if (bends)
+    if (bends && std::none_of(equal.begin(), equal.end(),
+                              [&](std::uint32_t island) { return is_locked(island, *tree); }))
       add_trees<double>(equal, *tree, *bends);
     else
       add_loops(equal, local.view(), elements);
@@ -227,6 +241,8 @@ class Maker {
     const LineBends& bends = kind->topology->bends;
     for (std::uint32_t lane = 0; bends.any() && lane < kind->lanes; ++lane)
       solver->fill_bends(lane, bends_, sets_.elements.bends_of(equal[std::min(lane, trees - 1)]));
+    for (std::uint32_t lane = 0; bends.is_twisted() && lane < kind->lanes; ++lane)
+      solver->fill_twist(lane, bends_, sets_.elements.twists_of(equal[std::min(lane, trees - 1)]).front());
     solver->finish_layout();
     MadeSolver made;
     for (std::uint32_t lane = 0; lane < trees; ++lane) {
@@ -243,6 +259,8 @@ class Maker {
       for (std::uint32_t c = 0; c < bends.clamps.size(); ++c)
         made.places.push_back({vertices[bends.clamps[c]],
                                solver->tie_slot(static_cast<std::uint32_t>(tree.ties.size()) + c, lane)});
+      for (const std::uint32_t twist : sets_.elements.twists_of(equal[lane]))
+        made.twists.emplace_back(twist, lane);
     }
     start(*solver, equal, made);
     if (settings_.tensions) solver->count_pulls();

@@ -9,132 +9,16 @@
 //   nu      = (c - b.q + (b + K_p^T w) . delta_p + K_g^T w . delta_g) / s
 //   delta_i = q + nu u - H K_p delta_p - H K_g delta_g
 //
-// so that a line takes linear time. tree_lanes.hpp has the rest, and this file is included after it.
+// so that a line takes linear time. torque_lanes.hpp has what a twisted line has more, and tree_lanes.hpp the
+// rest. This file is included after it.
 
-#include "simd/tree/lines/bend_lanes.hpp"
+#include <type_traits>
+
+#include "simd/tree/lines/bent_places.hpp"
+#include "simd/tree/lines/torque_lanes.hpp"
 
 namespace plumb::simd {
 namespace {
-
-template <class V>
-PLUMB_INLINE Mat<V> operator+(const Mat<V>& a, const Mat<V>& b) {
-  return {a.v0 + b.v0, a.v1 + b.v1, a.v2 + b.v2};
-}
-template <class V>
-PLUMB_INLINE Mat<V> operator*(const V& s, const Mat<V>& a) {
-  return {s * a.v0, s * a.v1, s * a.v2};
-}
-/// Multiplies two matrices given by columns.
-template <class V>
-PLUMB_INLINE Mat<V> product(const Mat<V>& a, const Mat<V>& b) {
-  return {multiply(a, b.v0), multiply(a, b.v1), multiply(a, b.v2)};
-}
-template <class V>
-PLUMB_INLINE Mat<V> no_matrix() {
-  const V zero(0);
-  const Vec<V> none{zero, zero, zero};
-  return {none, none, none};
-}
-
-/// Reads the numbers of a line's bends. Places run from the root's clamp, -2, to the tip's, nodes + 1. A bend
-/// has the slot of its last place.
-template <class V, class T, class At>
-struct BentLine {
-  const TreeView<T>& tree;
-  const At& at;
-
-  PLUMB_INLINE std::uint32_t end(std::ptrdiff_t place) const {
-    return place < 0 ? tree.bend_ends[place + 2]
-                     : tree.bend_ends[place - static_cast<std::ptrdiff_t>(tree.nodes) + 2];
-  }
-  PLUMB_INLINE bool is_node(std::ptrdiff_t place) const {
-    return place >= 0 && place < static_cast<std::ptrdiff_t>(tree.nodes);
-  }
-  /// Returns where a place stands; that of no particle is not used.
-  PLUMB_INLINE const double* position(std::ptrdiff_t place) const {
-    const std::size_t i = is_node(place) ? static_cast<std::size_t>(place) : end(place);
-    return (is_node(place) ? tree.x : tree.tie_x) + 3 * i * At::stride + at.lane;
-  }
-  PLUMB_INLINE Vec<V> delta(std::ptrdiff_t place) const {
-    return is_node(place) ? at.get3(tree.delta, 3 * static_cast<std::size_t>(place))
-                          : at.get3(tree.tie_delta, 3 * std::size_t{end(place)});
-  }
-  /// Says whether a bend ends at a place, whose particles then all are there.
-  PLUMB_INLINE bool is_there(std::ptrdiff_t slot) const {
-    const auto has = [this](std::ptrdiff_t place) { return is_node(place) || end(place) != no_slot; };
-    return has(slot) && has(slot - 1) && has(slot - 2);
-  }
-  PLUMB_INLINE BendNumbers<V> numbers(std::ptrdiff_t slot) const {
-    const std::size_t f = static_cast<std::size_t>(slot) * tree_fields::bend;
-    return {at.get(tree.bend, f),     at.get(tree.bend, f + 1), at.get(tree.bend, f + 2),
-            at.get(tree.bend, f + 3), at.get(tree.bend, f + 4), at.get(tree.bend, f + 5)};
-  }
-};
-
-/// Measures w of all bends where a substep starts.
-template <class V, std::size_t lanes, class T>
-PLUMB_INLINE void prepare_bends(const TreeView<T>& tree, std::size_t lane) {
-  const At<V, T, lanes> at{lane};
-  const BentLine<V, T, At<V, T, lanes>> line{tree, at};
-  for (std::ptrdiff_t slot = 0; slot < static_cast<std::ptrdiff_t>(tree.nodes) + 2; ++slot) {
-    if (!line.is_there(slot)) continue;
-    const BendNumbers<V> bend = line.numbers(slot);
-    const double* const middle = line.position(slot - 1);
-    const auto way = [&](const double* from, const double* to) {
-      return Vec<V>{narrow<V>(load_wide<V>(to) - load_wide<V>(from)),
-                    narrow<V>(load_wide<V>(to + lanes) - load_wide<V>(from + lanes)),
-                    narrow<V>(load_wide<V>(to + 2 * lanes) - load_wide<V>(from + 2 * lanes))};
-    };
-    at.put3(tree.bend_start, 3 * static_cast<std::size_t>(slot),
-            bend.last * way(middle, line.position(slot)) - bend.first * way(line.position(slot - 2), middle));
-  }
-}
-
-/// A node and its parent have these from bends and from what is below. Matrices are given by columns.
-template <class V>
-struct BentBlock {
-  Mat<V> own, to_parent, from_parent, parent;
-  Vec<V> r, parent_r;
-  V residual;  ///< It is the sum of C^2 over all rods so far.
-};
-
-/// A bend pulls a node, its parent and that one's parent, by these weights. Those of fixed particles are 0.
-template <class V>
-struct PlacedBend {
-  BendPull<V> of;
-  V own, parent, grand;
-};
-
-template <bool is_mid, class V, class T, class At>
-PLUMB_INLINE PlacedBend<V> bend_at(const BentLine<V, T, At>& line, std::ptrdiff_t slot, const V& theta) {
-  const V none(0);
-  if (!line.is_there(slot)) return {{{none, none, none}, no_matrix<V>()}, none, none, none};
-  const TreeView<T>& tree = line.tree;
-  const BendNumbers<V> bend = line.numbers(slot);
-  const Vec<V> middle = line.delta(slot - 1);
-  const Vec<V> change =
-      bend.last * (line.delta(slot) - middle) - bend.first * (middle - line.delta(slot - 2));
-  const V kick = line.at.get(tree.kick, 0);
-  const Vec<V> start = line.at.get3(tree.bend_start, 3 * static_cast<std::size_t>(slot));
-  const BendFactors<V> factors{kick, kick * line.at.get(tree.bend_rate, 0), theta};
-  // Beyond the tip a bend begins with fixed particles.
-  const std::ptrdiff_t beyond = slot + 1 - static_cast<std::ptrdiff_t>(tree.nodes);
-  const V of[4] = {bend.last, bend.middle, bend.first, none};
-  const std::ptrdiff_t skipped = beyond > 0 ? beyond : 0, node = slot - skipped;
-  return {bend_pull_of<is_mid>(bend, factors, tree.has_bend_damping, start, change), of[skipped],
-          node > 0 ? of[skipped + 1] : none, node > 1 && skipped == 0 ? of[2] : none};
-}
-
-template <class V>
-PLUMB_INLINE void add_bend(const PlacedBend<V>& bend, BentBlock<V>& block) {
-  const Mat<V> across = (bend.own * bend.parent) * bend.of.slope;
-  block.own = block.own + (bend.own * bend.own) * bend.of.slope;
-  block.to_parent = block.to_parent + across;
-  block.from_parent = block.from_parent + across;
-  block.parent = block.parent + (bend.parent * bend.parent) * bend.of.slope;
-  block.r = block.r - bend.own * bend.of.pull;
-  block.parent_r = block.parent_r - bend.parent * bend.of.pull;
-}
 
 /// Returns the block of a node as trees have it, by rows.
 template <class V>
@@ -143,33 +27,48 @@ PLUMB_INLINE NodeBlock<V> as_node(const BentBlock<V>& block) {
   return {{{m.v0.x, m.v1.x, m.v2.x}, {m.v0.y, m.v1.y, m.v2.y}, {m.v0.z, m.v1.z, m.v2.z}}, block.r, V(0)};
 }
 
-template <class T, class At, class V>
-PLUMB_INLINE void put_matrix(const At& at, T* to, std::size_t f, const Mat<V>& m) {
-  at.put3(to, f, m.v0);
-  at.put3(to, f + 3, m.v1);
-  at.put3(to, f + 6, m.v2);
-}
+/// Keeps what substitution makes delta_i and nu of: delta_i = P delta_p + Q delta_g + q and nu = rho +
+/// n.delta_p + m.delta_g.
+template <class V>
+struct BentRow {
+  Mat<V> by_parent, by_grand;
+  Vec<V> q, n, m;
+  V rho;
+};
 template <class V, class T, class At>
-PLUMB_INLINE Mat<V> get_matrix(const At& at, const T* from, std::size_t f) {
-  return {at.get3(from, f), at.get3(from, f + 3), at.get3(from, f + 6)};
+PLUMB_INLINE void put_row(const TreeView<T>& tree, const At& at, std::size_t i, const BentRow<V>& row) {
+  const std::size_t f = i * tree_fields::bent_elimination;
+  put_matrix(at, tree.bent_elimination, f, row.by_parent);
+  put_matrix(at, tree.bent_elimination, f + 9, row.by_grand);
+  at.put3(tree.bent_elimination, f + 18, row.q);
+  at.put3(tree.bent_elimination, f + 21, row.n);
+  at.put3(tree.bent_elimination, f + 24, row.m);
+  at.put(tree.bent_elimination, f + 27, row.rho);
 }
 
-/// Eliminates node i and its rod. `block` becomes what is left to its parent.
-template <Laws laws, class V, class T, class At>
+/// What is left to a node and its parent while a line is eliminated.
+template <class V, class Border>
+struct BentRest {
+  BentBlock<V> block;
+  Border border;
+};
+
+/// Eliminates node i and its rod. `rest` becomes what is left to its parent.
+template <Laws laws, class V, class T, class At, class Elements, class Border>
 PLUMB_INLINE void eliminate_bent_node(const TreeView<T>& tree, const At& at, std::size_t i, const V& theta,
-                                      const PlacedBend<V>& bend, BentBlock<V>& block) {
-  using namespace tree_fields;
+                                      const Elements& elements, BentRest<V, Border>& rest) {
+  BentBlock<V>& block = rest.block;
   NodeBlock<V> own = as_node(block);
   const auto [a, b, c, kappa, mu, soft] = rod_equation<false, false, laws>(tree, at, i, own, theta);
   add_to_diagonal(block.to_parent, kappa);
   add_to_diagonal(block.from_parent, kappa);
-  const Mat<V> to_grand = (bend.own * bend.grand) * bend.of.slope;
-  const Mat<V> across = (bend.parent * bend.grand) * bend.of.slope;
+  const Mat<V> to_grand = elements.to_grand(), from_grand = elements.from_grand();
   if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
-    const std::size_t f = std::size_t{tree.nodes} * bent_elimination;
+    const std::size_t f = std::size_t{tree.nodes} * tree_fields::bent_elimination;
     at.put3(tree.bent_elimination, f, a);
     put_matrix(at, tree.bent_elimination, f + 3, block.to_parent);
     put_matrix(at, tree.bent_elimination, f + 12, to_grand);
+    rest.border.put_tip(tree, at);
   }
   const Vec<V> delta = at.get3(tree.delta, 3 * i);
   const Free<V> node = free_node<false, laws>(tree, at, i, own, delta, theta);
@@ -177,65 +76,75 @@ PLUMB_INLINE void eliminate_bent_node(const TreeView<T>& tree, const At& at, std
   const V floor = (at.get(tree.node, i * tree_fields::node + 2) * trace(node.h)) * dot(b, b);
   const V over = reciprocal_or_zero(dot(b, u) + soft, floor);
   const V rho = (V(0) - c - dot(b, node.q)) * over;
-  const Vec<V> n = over * (b + multiply_transposed(block.to_parent, w));
-  const Vec<V> m = over * multiply_transposed(to_grand, w);
-  const Vec<V> q = node.q + rho * u;
+  BentRow<V> row{V(-1) * product(node.h, block.to_parent),
+                 V(-1) * product(node.h, to_grand),
+                 node.q + rho * u,
+                 over * (b + multiply_transposed(block.to_parent, w)),
+                 over * multiply_transposed(to_grand, w),
+                 rho};
+  add_product(row.by_parent, V(0), u, row.n);
+  add_product(row.by_grand, V(0), u, row.m);
+  put_row(tree, at, i, row);
+  rest.border.eliminate(
+      tree, at, {i, node.h, row.by_parent, row.by_grand, block.from_parent, from_grand, a, b, u, row.q, over},
+      elements);
 
-  // What is kept is delta_i = P delta_p + Q delta_g + q and nu = rho + n.delta_p + m.delta_g.
-  Mat<V> by_parent = V(-1) * product(node.h, block.to_parent);
-  Mat<V> by_grand = V(-1) * product(node.h, to_grand);
-  add_product(by_parent, V(0), u, n);
-  add_product(by_grand, V(0), u, m);
-  const std::size_t f = i * bent_elimination;
-  put_matrix(at, tree.bent_elimination, f, by_parent);
-  put_matrix(at, tree.bent_elimination, f + 9, by_grand);
-  at.put3(tree.bent_elimination, f + 18, q);
-  at.put3(tree.bent_elimination, f + 21, n);
-  at.put3(tree.bent_elimination, f + 24, m);
-  at.put(tree.bent_elimination, f + 27, rho);
-
-  BentBlock<V> next{block.parent + product(block.from_parent, by_parent),
-                    across + product(block.from_parent, by_grand),
-                    across + product(to_grand, by_parent),
-                    (bend.grand * bend.grand) * bend.of.slope + product(to_grand, by_grand),
-                    block.parent_r - multiply(block.from_parent, q) - (rho + mu) * a -
+  BentBlock<V> next{block.parent + product(block.from_parent, row.by_parent),
+                    elements.parent_to_grand() + product(block.from_parent, row.by_grand),
+                    elements.grand_to_parent() + product(from_grand, row.by_parent),
+                    elements.grand() + product(from_grand, row.by_grand),
+                    block.parent_r - multiply(block.from_parent, row.q) - (rho + mu) * a -
                         at.get(tree.node, i * tree_fields::node + 1) * delta,
-                    V(-1) * (bend.grand * bend.of.pull + multiply(to_grand, q)),
+                    V(-1) * (elements.grand_pull() + multiply(from_grand, row.q)),
                     block.residual + (node.residual + c * c)};
-  add_product(next.own, V(0) - theta * mu, a, n);
-  add_product(next.to_parent, V(0), a, m);
+  add_product(next.own, V(0) - theta * mu, a, row.n);
+  add_product(next.to_parent, V(0), a, row.m);
   block = next;
 }
 
-/// Eliminates all nodes from the tip to the root and returns the root's displacement.
-template <bool is_mid, Laws laws, class V, class T, class At>
-PLUMB_INLINE Vec<V> eliminate_bent(const TreeView<T>& tree, const At& at, const V& theta) {
+/// Returns what acts at a place of a line, with or without a twist.
+template <bool is_mid, bool twisted, class V, class T, class At>
+PLUMB_INLINE auto elements_at(const BentLine<V, T, At>& line, std::ptrdiff_t slot, const V& theta) {
+  if constexpr (twisted) {
+    return twist_at<is_mid, V>(line, slot, theta);
+  } else {
+    return bend_at<is_mid, V>(line, slot, theta);
+  }
+}
+
+/// Eliminates all nodes from the tip to the root. `root` becomes the root's displacement. Returns the change
+/// of torque.
+template <bool is_mid, Laws laws, bool twisted, class V, class T, class At>
+PLUMB_INLINE auto eliminate_bent(const TreeView<T>& tree, const At& at, const V& theta, Vec<V>& root_change) {
   const BentLine<V, T, At> line{tree, at};
   const V zero(0);
   const Vec<V> none{zero, zero, zero};
-  BentBlock<V> block{no_matrix<V>(), no_matrix<V>(), no_matrix<V>(), no_matrix<V>(), none, none, zero};
+  using Border = std::conditional_t<twisted, TorqueBorder<V>, NoTorqueBorder<V>>;
+  BentRest<V, Border> rest{{no_matrix<V>(), no_matrix<V>(), no_matrix<V>(), no_matrix<V>(), none, none, zero},
+                           Border()};
   const auto nodes = static_cast<std::ptrdiff_t>(tree.nodes);
-  add_bend(bend_at<is_mid, V>(line, nodes + 1, theta), block);
-  add_bend(bend_at<is_mid, V>(line, nodes, theta), block);
-  for (std::ptrdiff_t i = nodes; i-- > 1;) {
-    const PlacedBend<V> bend = bend_at<is_mid, V>(line, i, theta);
-    add_bend(bend, block);
-    eliminate_bent_node<laws>(tree, at, static_cast<std::size_t>(i), theta, bend, block);
+  for (std::ptrdiff_t slot = nodes + 2; slot-- > 0;) {
+    const auto elements = elements_at<is_mid, twisted, V>(line, slot, theta);
+    add_elements(elements, rest.block);
+    rest.border.add(elements);
+    if (slot > 0 && slot < nodes)
+      eliminate_bent_node<laws>(tree, at, static_cast<std::size_t>(slot), theta, elements, rest);
   }
-  add_bend(bend_at<is_mid, V>(line, 0, theta), block);
-  NodeBlock<V> own = as_node(block);
+  NodeBlock<V> own = as_node(rest.block);
   const Vec<V> delta = at.get3(tree.delta, 0);
   const V mass = at.get(tree.node, 0);
   own.diagonal = own.diagonal + mass;
   own.r = own.r + (at.get3(tree.load, 0) - mass * delta);
   const Free<V> root = free_node<false, laws>(tree, at, 0, own, delta, theta);
-  at.put(tree.residual, 0, block.residual + root.residual);
-  return root.q;
+  at.put(tree.residual, 0, rest.block.residual + root.residual);
+  root_change = root.q;
+  return rest.border.finish(tree, at, theta, root.h, root_change);
 }
 
-/// Goes from the root to the tip and adds the solution to delta and mu.
-template <class V, class T, class At>
-PLUMB_INLINE void substitute_bent(const TreeView<T>& tree, const At& at, const Vec<V>& root) {
+/// Goes from the root to the tip and adds the solution to delta, mu and the torque.
+template <class V, class T, class At, class Torque>
+PLUMB_INLINE void substitute_bent(const TreeView<T>& tree, const At& at, const Vec<V>& root,
+                                  const Torque& torque) {
   using namespace tree_fields;
   const V active = at.get(tree.active, 0), zero(0);
   const auto update = [&](std::size_t i, const Vec<V>& change) {
@@ -245,22 +154,23 @@ PLUMB_INLINE void substitute_bent(const TreeView<T>& tree, const At& at, const V
              select_nonzero(active, now.z, old.z)});
   };
   Vec<V> above = root, before{zero, zero, zero};
-  pull_ties(tree, at, 0, before, active, tree.tie_mu);
+  pull_ties(tree, at, 0, torque.root_force(), active, tree.tie_mu);
+  torque.apply(tree, at, active);
   update(0, root);
   V sum = dot(root, root);
   for (std::size_t i = 1; i < tree.nodes; ++i) {
     const std::size_t f = i * bent_elimination;
     const T* const from = tree.bent_elimination;
-    const Vec<V> change = at.get3(from, f + 18) + (multiply(get_matrix<V>(at, from, f), above) +
-                                                   multiply(get_matrix<V>(at, from, f + 9), before));
-    const V nu =
-        at.get(from, f + 27) + (dot(at.get3(from, f + 21), above) + dot(at.get3(from, f + 24), before));
+    const Vec<V> change =
+        torque.displaced(tree, at, i, at.get3(from, f + 18)) +
+        (multiply(get_matrix<V>(at, from, f), above) + multiply(get_matrix<V>(at, from, f + 9), before));
+    const V nu = torque.pulled(tree, at, i, at.get(from, f + 27)) +
+                 (dot(at.get3(from, f + 21), above) + dot(at.get3(from, f + 24), before));
     if (tree.tie_begin[i] != tree.tie_begin[i + 1]) {
       const std::size_t last = std::size_t{tree.nodes} * bent_elimination;
-      pull_ties(tree, at, i,
-                nu * at.get3(from, last) - (multiply(get_matrix<V>(at, from, last + 3), above) +
-                                            multiply(get_matrix<V>(at, from, last + 12), before)),
-                active, tree.tie_mu);
+      const Vec<V> force = nu * at.get3(from, last) - (multiply(get_matrix<V>(at, from, last + 3), above) +
+                                                       multiply(get_matrix<V>(at, from, last + 12), before));
+      pull_ties(tree, at, i, torque.tip_force(tree, at, force), active, tree.tie_mu);
     }
     const V mu = at.get(tree.mu, i);
     at.put(tree.mu, i, select_nonzero(active, mu + nu, mu));
@@ -272,12 +182,33 @@ PLUMB_INLINE void substitute_bent(const TreeView<T>& tree, const At& at, const V
   at.put(tree.change, 0, sum);
 }
 
-template <Laws laws, class V, std::size_t lanes, class T>
+template <bool is_mid, Laws laws, bool twisted, class V, class T, class At>
+PLUMB_INLINE void newton_bent_step(const TreeView<T>& tree, const At& at, const V& theta) {
+  Vec<V> root{V(0), V(0), V(0)};
+  const auto torque = eliminate_bent<is_mid, laws, twisted>(tree, at, theta, root);
+  substitute_bent(tree, at, root, torque);
+}
+
+/// Takes a Newton step of a line with bends, twisted or not.
+template <Laws laws, bool twisted, class V, std::size_t lanes, class T>
 PLUMB_INLINE void newton_bent_lanes(const TreeView<T>& tree, std::size_t lane, T theta) {
   const At<V, T, lanes> at{lane};
-  const Vec<V> root = theta < 1 ? eliminate_bent<true, laws>(tree, at, V(theta))
-                                : eliminate_bent<false, laws>(tree, at, V(theta));
-  substitute_bent(tree, at, root);
+  return theta < 1 ? newton_bent_step<true, laws, twisted>(tree, at, V(theta))
+                   : newton_bent_step<false, laws, twisted>(tree, at, V(theta));
+}
+
+/// Calls f<laws, twisted>() for what a line with bends or a twist has. Returns false for other trees.
+template <class T, class F>
+PLUMB_INLINE bool with_bends(const TreeView<T>& tree, F&& f) {
+  if constexpr (bends_in<T>) {
+    if (!tree.has_bends) return false;
+    if (tree.twist_end > 0)
+      tree.has_laws ? f.template operator()<Laws::any, true>() : f.template operator()<Laws::none, true>();
+    else
+      tree.has_laws ? f.template operator()<Laws::any, false>() : f.template operator()<Laws::none, false>();
+    return true;
+  }
+  return false;
 }
 
 }  // namespace

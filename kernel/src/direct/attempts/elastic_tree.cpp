@@ -17,12 +17,16 @@ std::shared_ptr<const LoopTopology> as_loops(const TreeTopology& tree) {
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
       rods.push_back({i, tree.nodes + k});
   auto out = std::make_shared<LoopTopology>(tree.nodes, tree.nodes + tree.ties, std::move(rods));
-  for (const std::uint32_t slot : tree.bends.slots) {
-    const auto vertex = [&](std::int64_t place) {
-      const bool is_node = place >= 0 && place < tree.nodes;
-      return is_node ? static_cast<std::uint32_t>(place) : tree.nodes + tree.bends.end(place, tree.nodes);
-    };
+  const auto vertex = [&](std::int64_t place) {
+    const bool is_node = place >= 0 && place < tree.nodes;
+    return is_node ? static_cast<std::uint32_t>(place) : tree.nodes + tree.bends.end(place, tree.nodes);
+  };
+  for (const std::uint32_t slot : tree.bends.slots)
     out->bends.push_back({{vertex(std::int64_t{slot} - 2), vertex(std::int64_t{slot} - 1), vertex(slot)}});
+  if (tree.bends.is_twisted()) {
+    LoopTwist& twist = out->twists.emplace_back();
+    for (std::int64_t place = std::int64_t{tree.bends.twist_begin} - 2; place < tree.bends.twist_end; ++place)
+      twist.vertices.push_back(vertex(place));
   }
   out->system = std::make_unique<LoopSystem>(out->rods, out->nodes, true, *out);
   return out;
@@ -36,6 +40,7 @@ LoopState island_of(const TreeTopology& tree) {
     const auto [a, b, c] = bend.vertices;
     out.bends.push_back({{}, {rods.find(a, b), rods.find(b, c)}});
   }
+  out.twists.resize(out.topology->twists.size());
   if (tree.bends.any()) out.hold.resize(out.fixed_velocity.size());
   return out;
 }
@@ -123,6 +128,8 @@ auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
     island.laws = {};
   for (std::size_t k = 0; k < island.bends.size(); ++k)
     island_->work.bends[k] = island.bends[k].law = bend_numbers(tree, tree.topology->bends.slots[k], 0);
+  island.twists = tree.twists.numbers;
+  island.twisted = tree.twists.twisted;
   island.hold = tree.bends.hold;
   island.fixed_velocity = tree.tie_velocity;
   island.fixed_last_velocity = tree.tie_last_velocity;
@@ -143,6 +150,7 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
   for (std::size_t i = 0; i < tree.tie_x.size(); ++i) tree.tie_x[i] = island.x[3 * nodes + i];
   if (tree.ties_move) tree.tie_last_velocity = tree.tie_velocity;
   tree.bends.hold = island.hold;
+  tree.twists.twisted = island.twisted;
   tree.u_step[0] = island.u_step;
   tree.u_step_before[0] = 0;
   for (auto* const each : {&tree.mu, &tree.tie_mu, &tree.mu_before, &tree.tie_mu_before})

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint32_t none = simd::no_slot;
 
-/// Finds slots of bends, one bend after the other.
+/// Finds slots of bends, one bend after the other, and then those of a twist.
 class Finder {
  public:
   explicit Finder(const layouts::Tree& tree) : tree_(tree), nodes_(tree.nodes()) {
@@ -23,12 +23,29 @@ class Finder {
   /// Says whether there is a slot for a bend, which it then takes.
   bool add(const LoopBend& bend) {
     const auto [a, b, c] = bend.vertices;
-    const bool is_clamped = b >= node_of_.size() || node_of_[b] == none;
-    return is_clamped ? add_clamped(a, b, c, false) || add_clamped(c, b, a, true) : add_at(node_of_[b], a, c);
+    return !is_node(b) ? add_clamped(a, b, c, false) || add_clamped(c, b, a, true)
+                       : add_at(node_of_[b], a, c);
+  }
+  /// Says whether a chain goes along the line, which then has its twist.
+  bool add(const LoopTwist& twist) {
+    const auto& chain = twist.vertices;
+    if (twist.is_ring()) return false;
+    const auto first = std::find_if(chain.begin(), chain.end(), [&](std::uint32_t i) { return is_node(i); });
+    if (first == chain.end()) return false;
+    const std::int64_t node = node_of_[*first], before = first - chain.begin();
+    for (const std::int64_t direction : {1, -1}) {
+      const std::int64_t begin = node - direction * before;
+      if (goes_along(chain, begin, direction)) {
+        clamp(chain, begin, direction);
+        return true;
+      }
+    }
+    return false;
   }
   LineBends take() { return std::move(out_); }
 
  private:
+  bool is_node(std::uint32_t vertex) const { return vertex < node_of_.size() && node_of_[vertex] != none; }
   /// Returns the vertex at a place, or none.
   std::uint32_t vertex(std::int64_t place) const {
     if (place >= 0 && place < nodes_) return tree_.vertex[static_cast<std::size_t>(place)];
@@ -51,16 +68,45 @@ class Finder {
   }
   /// `a` is beyond the anchor `b`, and `c` is an end of the line.
   bool add_clamped(std::uint32_t a, std::uint32_t b, std::uint32_t c, bool turned) {
-    if (a < node_of_.size() && node_of_[a] != none) return false;
+    if (is_node(a)) return false;
     for (const bool at_tip : {false, true}) {
       const std::int64_t end = at_tip ? nodes_ - 1 : 0, anchor = at_tip ? nodes_ : -1;
       if (vertex(end) != c || vertex(anchor) != b) continue;
       if (!take(at_tip ? nodes_ + 1 : 0, at_tip != turned)) return false;
-      out_.ends[at_tip ? 3 : 0] = static_cast<std::uint32_t>(tree_.ties.size() + out_.clamps.size());
-      out_.clamps.push_back(a);
+      add_clamp(at_tip, a);
       return true;
     }
     return false;
+  }
+  void add_clamp(bool at_tip, std::uint32_t vertex) {
+    out_.ends[at_tip ? 3 : 0] = static_cast<std::uint32_t>(tree_.ties.size() + out_.clamps.size());
+    out_.clamps.push_back(vertex);
+  }
+  /// Says whether a chain's vertices are at the places from `begin` on. A clamp may be where none is yet.
+  bool goes_along(const std::vector<std::uint32_t>& chain, std::int64_t begin, std::int64_t direction) const {
+    for (const std::uint32_t vertex_of_chain : chain) {
+      const bool is_clamp = begin == -2 || begin == nodes_ + 1;
+      if (begin < -2 || begin > nodes_ + 1) return false;
+      if (is_clamp && (is_node(vertex_of_chain) || vertex(begin == -2 ? -1 : nodes_) == none)) return false;
+      const std::uint32_t there = is_clamp ? clamp_at(begin) : vertex(begin);
+      if (there != vertex_of_chain && !(is_clamp && there == none)) return false;
+      begin += direction;
+    }
+    return true;
+  }
+  std::uint32_t clamp_at(std::int64_t place) const {
+    const std::uint32_t tie = out_.ends[place < 0 ? 0 : 3];
+    return tie == none ? none : out_.clamps[tie - tree_.ties.size()];
+  }
+  /// Makes clamps at the ends of a chain that goes along the line, and says where its joints are.
+  void clamp(const std::vector<std::uint32_t>& chain, std::int64_t begin, std::int64_t direction) {
+    const std::int64_t end = begin + direction * (static_cast<std::int64_t>(chain.size()) - 1);
+    const std::int64_t low = std::min(begin, end), high = std::max(begin, end);
+    if (low == -2 && out_.ends[0] == none) add_clamp(false, begin < end ? chain.front() : chain.back());
+    if (high == nodes_ + 1 && out_.ends[3] == none)
+      add_clamp(true, begin < end ? chain.back() : chain.front());
+    out_.twist_begin = static_cast<std::uint32_t>(low + 2);
+    out_.twist_end = static_cast<std::uint32_t>(high + 1);
   }
 
   const layouts::Tree& tree_;
@@ -82,11 +128,13 @@ bool is_line(const layouts::Tree& tree) {
 }  // namespace
 
 std::optional<LineBends> find_line_bends(const layouts::Tree& tree, const LoopElements& elements) {
-  const bool has_others = !elements.tackles.empty() || !elements.twists.empty() || !elements.reels.empty();
+  const bool has_others = !elements.tackles.empty() || elements.twists.size() > 1 || !elements.reels.empty();
   if (has_others || !is_line(tree)) return std::nullopt;
   Finder finder(tree);
   for (const LoopBend& bend : elements.bends)
     if (!finder.add(bend)) return std::nullopt;
+  for (const LoopTwist& twist : elements.twists)
+    if (!finder.add(twist)) return std::nullopt;
   return finder.take();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/bends/line_motion.hpp"
 #include "direct/trees/tree_solver.hpp"
 #include "scene/bends/curvature.hpp"
 
@@ -85,28 +86,19 @@ void hold_bends(TreeState<T>& state, double h, double theta, const TreeWorkspace
   for (const std::uint32_t slot : line.slots)
     for (std::uint32_t lane = 0; (slot < 2 || slot >= nodes) && lane < state.lanes; ++lane) {
       if (work.active[lane] == 0) continue;
-      const auto read = [&](const auto& from, std::uint32_t i) {
-        const auto number = [&](std::uint32_t c) {
-          return static_cast<double>(from[state.at(3 * i + c, lane)]);
-        };
-        return Vec3{number(0), number(1), number(2)};
-      };
-      const auto delta = [&](std::int64_t place) {
-        const bool is_node = place >= 0 && place < nodes;
-        return is_node ? read(work.delta, static_cast<std::uint32_t>(place))
-                       : read(state.tie_delta, line.end(place, state.topology->nodes));
-      };
+      const LineMotion<T> motion{state, work, lane};
       const BendNumbers numbers = bend_numbers(state, slot, lane);
-      const Vec3 middle = delta(std::int64_t{slot} - 1);
-      const Vec3 change = numbers.weights[2] * (delta(slot) - middle) -
-                          numbers.weights[0] * (middle - delta(std::int64_t{slot} - 2));
+      const Vec3 middle = motion.delta(std::int64_t{slot} - 1);
+      const Vec3 change = numbers.weights[2] * (motion.delta(slot) - middle) -
+                          numbers.weights[0] * (middle - motion.delta(std::int64_t{slot} - 2));
       const double kick = static_cast<double>(work.kick[lane]);
-      const Vec3 pull = h / kick * state.mass_unit[lane] *
-                        bend_pull(numbers, {kick, kick / h, theta}, read(work.bend_start, slot), change).pull;
+      const Vec3 start = motion.read(work.bend_start, 3 * std::size_t{slot});
+      const Vec3 pull =
+          h / kick * state.mass_unit[lane] * bend_pull(numbers, {kick, kick / h, theta}, start, change).pull;
       for (std::uint32_t i = 0; i < 3; ++i) {
         const std::int64_t place = std::int64_t{slot} - 2 + i;
-        if (place >= 0 && place < nodes) continue;
-        state.bends.hold[state.at(line.end(place, state.topology->nodes), lane)] += numbers.weights[i] * pull;
+        if (!motion.is_node(place))
+          state.bends.hold[state.at(motion.end(place), lane)] += numbers.weights[i] * pull;
       }
     }
 }

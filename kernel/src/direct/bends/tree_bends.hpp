@@ -14,7 +14,8 @@ struct TreeState;
 template <class T>
 struct TreeWorkspace;
 
-/// Holds the bends of equal lines in lanes, see simd::TreeView. Trees without bends have none of it.
+/// Holds the bends of equal lines in lanes, see simd::TreeView. Trees without bends and twists have none of
+/// it.
 template <class T>
 struct TreeBends {
   layouts::AlignedBuffer<T> law;  ///< It has simd::tree_fields::bend numbers per slot.

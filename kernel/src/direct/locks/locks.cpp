@@ -9,9 +9,6 @@
 namespace plumb::detail {
 namespace {
 
-/// A line may have this much slack, as a share of its length, and rods may be off theirs by as much. It is
-/// what rounding makes of places and lengths. A line with this slack sags by 2e-6 of its length.
-constexpr double most_slack = 1e-11;
 /// Rods of a straight line turn by no angle of a lesser cosine.
 constexpr double straight = 0.9999;
 
@@ -90,7 +87,7 @@ class Walk {
         continue;
       }
       const double distance = norm(state_.position(vertex) - state_.position(from));
-      if (path_.empty() || distance < (1 - most_slack) * length) return false;
+      if (path_.empty() || !is_taut(length, distance)) return false;
       for (const std::uint32_t node : path_) locks_.anchors[node] = anchor_of(from);
       locks_.ends.emplace_back(anchor_of(from), anchor_of(vertex));
       return true;

@@ -26,6 +26,14 @@ struct Locks {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
 };
 
+/// A line may have this much slack, as a share of its length, and rods may be off theirs by as much. It is
+/// what rounding makes of places and lengths. A line with this slack sags by 2e-6 of its length.
+inline constexpr double most_slack = 1e-11;
+/// Says whether a line of rigid rods (m) is locked between what is so far apart (m).
+inline bool is_taut(double length, double distance) {
+  return distance >= (1 - most_slack) * length;
+}
+
 /// Finds the nodes that are locked at the present positions.
 Locks find_locks(const LoopState& state);
 

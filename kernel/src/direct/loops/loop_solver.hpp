@@ -54,10 +54,10 @@ class LoopSolver final : public Solver {
   std::uint32_t cuts(std::uint32_t, double h) const override { return rules_->stepper.cuts(state_, h); }
   bool anchors_changed(std::uint32_t) const override { return anchors_changed_ || lengths_changed_; }
   bool starts_anew(std::uint32_t) const override { return anchors_changed(0) || state_.u_step == 0; }
-  void begin_step(double dt, Team&) override { begin_twists(state_, dt); }
+  void begin_step(double dt, Team&) override { begin_twists(state_.twists, dt); }
   void end_step(StepReport&) override {
     lengths_changed_ = false;
-    finish_twists(state_);
+    finish_twists(state_.twists);
   }
   void save(std::uint32_t, Saved which) override;
   void restore(std::uint32_t, Saved which) override;

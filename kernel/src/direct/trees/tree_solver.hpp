@@ -24,6 +24,8 @@ class TreeSolver final : public Solver {
                  const TreeMembers& members);
   /// Gives a lane its bends, in the order of its topology.
   void fill_bends(std::uint32_t lane, const BendTable& table, std::span<const std::uint32_t> bends);
+  /// Gives a lane its twist, whose slot is the lane.
+  void fill_twist(std::uint32_t lane, const BendTable& table, std::uint32_t twist);
   /// Cuts a long line, and allocates what an accuracy needs. It is called once all lanes are filled.
   void finish_layout();
   Slot node_slot(std::uint32_t node, std::uint32_t lane) const;
@@ -41,7 +43,11 @@ class TreeSolver final : public Solver {
   std::uint32_t island_of(Slot slot) const override { return line_ ? 0 : place_of(slot).lane; }
   void begin_piece(std::uint32_t, unsigned part) override;
   double advance(std::uint32_t, double h, std::uint32_t count, unsigned part, Tally& report) override;
-  void end_step(StepReport&) override { velocities_known_ = lengths_changed_ = false; }
+  void begin_step(double dt, Team&) override { begin_twists(state_.twists.numbers, dt); }
+  void end_step(StepReport&) override {
+    velocities_known_ = lengths_changed_ = false;
+    finish_twists(state_.twists.numbers);
+  }
 
   ErrorModel error_model() const override;
   double& best_substep(std::uint32_t) override { return best_substep_; }
@@ -88,6 +94,9 @@ class TreeSolver final : public Solver {
   Vec3 hold(Slot slot, double dt) const override;
   bool is_broken(Slot rod) const override;
   void set_length(Slot rod, double length, double rate) override;
+
+  void set_twist(Slot twist, double angle) override { state_.twists.numbers[twist].target = angle; }
+  double twist(Slot twist) const override { return state_.twists.twisted[twist]; }
 
   void describe(WorldInfo& info) const override;
 

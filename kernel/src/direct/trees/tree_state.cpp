@@ -85,6 +85,10 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
     bends.law = AlignedBuffer<T>(tree_fields::bend * (n + 2 * std::size_t{lanes}));
     bends.hold.assign(p, {});
   }
+  if (topology->bends.is_twisted()) {
+    twists.numbers.resize(lanes);
+    twists.twisted.assign(lanes, 0);
+  }
   mass_unit.assign(lanes, 1);
   scale2.assign(lanes, 1);
   tie_velocity.assign(p, {});
@@ -244,6 +248,8 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(bends.law, from.bends.law);
   copy(bends.hold, from.bends.hold);
   bends.damped = from.bends.damped;
+  copy(twists.numbers, from.twists.numbers);
+  copy(twists.twisted, from.twists.twisted);
   ties_move = from.ties_move;
   is_coupled = from.is_coupled;
   copy_laws(*this, from, copy);
@@ -285,6 +291,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy_laws(*this, from, copy);
   copy(bends.law, from.bends.law);
   copy(bends.hold, from.bends.hold);
+  copy(twists.twisted, from.twists.twisted);
   frequency2 = from.frequency2;
 }
 

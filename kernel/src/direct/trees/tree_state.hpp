@@ -8,6 +8,7 @@
 #include "direct/bends/line_bends.hpp"
 #include "direct/bends/tree_bends.hpp"
 #include "direct/laws/tree_laws.hpp"
+#include "direct/twists/tree_twists.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
@@ -20,8 +21,8 @@ namespace plumb::detail {
 struct TreeTopology {
   explicit TreeTopology(const layouts::Tree& tree, LineBends bends = {});
 
-  LineBends bends;            ///< Lines may have some.
-  std::uint32_t nodes, ties;  ///< Ties without rods, which bends have, come last.
+  LineBends bends;            ///< Lines may have some, and a twist.
+  std::uint32_t nodes, ties;  ///< Ties without rods, which bends and twists have, come last.
   std::vector<std::uint32_t> parent, tie_begin, below_slot;
   std::uint32_t below_slots = 0;
   std::uint32_t rods() const { return nodes - 1 + tie_begin[nodes]; }
@@ -87,6 +88,7 @@ struct TreeState {
       known;  ///< Each lane has taken so many substeps, up to the two that accelerations are from.
   TreeLaws<T> laws;
   TreeBends<T> bends;
+  TreeTwists twists;
   bool ties_move = false;
   bool is_coupled = false;  ///< Some rod's mass acts on both its ends at once.
   double frequency2 = 0;  ///< It is of the fastest transverse wave of all lanes, squared, in 1/s^2; gradient
@@ -157,7 +159,7 @@ struct TreeWorkspace {
   layouts::AlignedBuffer<T> delta, velocity, load, rod, tie_rod, elimination, tie_elimination, below, active,
       change, stiffness, residual, ratio, kick, guess, guess_before, mu_scale, mu_scale_before, u_delta,
       u_before, inverse_kick, push, jolt, projection_factors, law_start, tie_law_start, bend_start, bend_rate,
-      bent_elimination;
+      bent_elimination, clamp_rod, twist_stiffness, twist_start, torque, twist_turn, torque_elimination;
   bool is_mid = false;            ///< The substep is of gradient mid.
   bool keeps_half_kicks = false;  ///< The gradient is old, though a substep may be of another.
   bool is_line = false;  ///< Multipliers alone are solved for. Others guess displacements from accelerations.

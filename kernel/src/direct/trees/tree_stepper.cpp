@@ -86,6 +86,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
   if (state.ties_move) set_tie_displacements(state, h, work);
   if (state.laws.moves) set_substep_lengths(state, h);
   if (state.bends.any()) begin_bends(state, h, work);
+  start_twists(state, h, work);
   work.is_line = is_line(state, gradient);
   work.keeps_acceleration = estimates_ || !work.is_line;
   kernels(state).prepare(work.view(state));
@@ -178,6 +179,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
   kernels(state).advance(work.view(state));
   if (const auto& laws = state.laws; laws.moves || laws.pulls || laws.breaks)
     counters.broken_rods += end_rods(state, h, theta_of(gradient), work);
+  end_twists(state, h, theta_of(gradient), work);
   if (state.bends.any() && state.laws.pulls) hold_bends(state, h, theta_of(gradient), work);
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
     if (!state.idle[lane] && !work.failed[lane] && work.keeps_acceleration)

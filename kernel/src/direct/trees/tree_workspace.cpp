@@ -26,6 +26,11 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   bend_rate = AlignedBuffer<T>(lanes);
   bent_elimination =
       AlignedBuffer<T>(tree_fields::bent_elimination * n + tree_fields::bent_tip * std::size_t{lanes});
+  if (!topology.bends.is_twisted()) return;
+  clamp_rod = AlignedBuffer<T>(6 * std::size_t{lanes});
+  for (auto* buffer : {&twist_stiffness, &twist_start, &torque, &twist_turn})
+    *buffer = AlignedBuffer<T>(lanes);
+  torque_elimination = AlignedBuffer<T>(tree_fields::torque_elimination * n + 3 * std::size_t{lanes});
 }
 
 template <class T>
@@ -93,6 +98,14 @@ void TreeWorkspace<T>::add_bends(TreeState<T>& state, simd::TreeView<T>& to) {
   to.bend_start = bend_start.data();
   to.bend_rate = bend_rate.data();
   to.bent_elimination = bent_elimination.data();
+  to.twist_begin = state.topology->bends.twist_begin;
+  to.twist_end = state.topology->bends.twist_end;
+  to.clamp_rod = clamp_rod.data();
+  to.twist_stiffness = twist_stiffness.data();
+  to.twist_start = twist_start.data();
+  to.torque = torque.data();
+  to.twist_turn = twist_turn.data();
+  to.torque_elimination = torque_elimination.data();
 }
 
 template <class T>

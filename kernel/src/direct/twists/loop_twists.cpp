@@ -107,27 +107,37 @@ void add_holds(LoopState& state, std::uint32_t k, const SubstepEnd& end, const L
 
 }  // namespace
 
+LoopTwistNumbers twist_numbers(const BendTable& table, std::uint32_t twist, double mass_unit) {
+  const Twist& from = table.scene.twists[twist];
+  return {from.stiffness / (table.twist_lengths[twist] * mass_unit), {}, from.angle, from.angle};
+}
+
 void load_twists(LoopState& state, const BendTable& table, const IslandRods& rods,
                  std::span<const std::uint32_t> twists) {
   for (std::size_t k = 0; k < twists.size(); ++k) {
-    const Twist& twist = table.scene.twists[twists[k]];
-    LoopTwistNumbers numbers{twist.stiffness / (table.twist_lengths[twists[k]] * state.mass_unit), {}};
-    numbers.imposed = numbers.target = twist.angle;
+    LoopTwistNumbers numbers = twist_numbers(table, twists[k], state.mass_unit);
     const auto& vertices = state.topology->twists[k].vertices;
     for (std::size_t i = 1; i < vertices.size(); ++i)
       if (const std::uint32_t rod = rods.find(vertices[i - 1], vertices[i]); rod != IslandRods::none)
         numbers.rods.push_back(rod);
+    state.twisted.push_back(numbers.imposed);
     state.twists.push_back(std::move(numbers));
-    state.twisted.push_back(twist.angle);
   }
 }
 
-void begin_twists(LoopState& state, double dt) {
-  for (LoopTwistNumbers& twist : state.twists) twist.rate = (twist.target - twist.imposed) / dt;
+void begin_twists(std::span<LoopTwistNumbers> twists, double dt) {
+  for (LoopTwistNumbers& twist : twists) twist.rate = (twist.target - twist.imposed) / dt;
 }
 
-void finish_twists(LoopState& state) {
-  for (LoopTwistNumbers& twist : state.twists) twist.imposed = twist.target;
+void finish_twists(std::span<LoopTwistNumbers> twists) {
+  for (LoopTwistNumbers& twist : twists) twist.imposed = twist.target;
+}
+
+TwistSubstep twist_substep(const LoopTwistNumbers& twist, double twisted, double h, double kick,
+                           bool is_mid) {
+  const double stiffness = kick * twist.stiffness, growth = is_mid ? 0.5 : 1;
+  const double start = twisted + growth * h * twist.rate;
+  return {stiffness, start, stiffness * start};
 }
 
 void start_twists(const LoopState& state, double h, LoopWorkspace& work) {
@@ -136,11 +146,8 @@ void start_twists(const LoopState& state, double h, LoopWorkspace& work) {
     const bool is_broken =
         state.laws.any() && std::any_of(twist.rods.begin(), twist.rods.end(),
                                         [&](auto rod) { return state.laws.is_broken(rod); });
-    const double growth = work.laws.is_mid ? 0.5 : 1;
-    TwistSubstep& out = work.twists[k];
-    out.stiffness = is_broken ? 0 : work.laws.factors.kick * twist.stiffness;
-    out.start = state.twisted[k] + growth * h * twist.rate;
-    out.torque = out.stiffness * out.start;
+    const double kick = is_broken ? 0 : work.laws.factors.kick;
+    work.twists[k] = twist_substep(twist, state.twisted[k], h, kick, work.laws.is_mid);
   }
 }
 

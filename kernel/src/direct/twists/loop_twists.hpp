@@ -31,13 +31,19 @@ struct TwistSubstep {
   double torque = 0;
 };
 
+/// Returns the numbers of a twist of the scene where a mass of 1 counts as `mass_unit` (kg). It has no rods.
+LoopTwistNumbers twist_numbers(const BendTable& table, std::uint32_t twist, double mass_unit);
+
 /// Gives an island the numbers of its twists, in the order of its topology.
 void load_twists(LoopState& state, const BendTable& table, const IslandRods& rods,
                  std::span<const std::uint32_t> twists);
 
 /// Turns the ends of chains to their targets in a step of dt (s), and lets them stand there.
-void begin_twists(LoopState& state, double dt);
-void finish_twists(LoopState& state);
+void begin_twists(std::span<LoopTwistNumbers> twists, double dt);
+void finish_twists(std::span<LoopTwistNumbers> twists);
+
+/// Returns what a substep of h (s) twists a chain by that is twisted so far (rad).
+TwistSubstep twist_substep(const LoopTwistNumbers& twist, double twisted, double h, double kick, bool is_mid);
 
 /// Starts a substep of h (s), whose torques are those of the chains as they are.
 void start_twists(const LoopState& state, double h, LoopWorkspace& work);

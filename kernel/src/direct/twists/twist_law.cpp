@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "scene/bends/curvature.hpp"
+
 namespace plumb::detail {
 namespace {
-
-/// 1 + p . q of rods that are folded by 165.6 degrees, where the curvature of bends goes on along its
-/// tangent.
-constexpr double least_sum = 1.0 / 32;
 
 /// Two rods have these lengths (m), and the product of them with 1 + p . q (m²).
 struct Sizes {
@@ -17,7 +15,7 @@ struct Sizes {
 };
 Sizes sizes_of(const RodPair& rods) {
   const double first = norm(rods.first), second = norm(rods.second);
-  const double sum = first * second + dot(rods.first, rods.second), least = least_sum * first * second;
+  const double sum = first * second + dot(rods.first, rods.second), least = least_twist_sum * first * second;
   return {first, second, std::max(sum, least), sum < least};
 }
 
@@ -42,7 +40,7 @@ TwistSlopes twist_slopes(const RodPair& rods) {
   const RodPair direction = twist_direction(rods);
   // The logarithm of the sum has these derivatives.
   RodPair growth{s.second / s.first * rods.first, s.first / s.second * rods.second};
-  growth = s.is_folded ? RodPair{least_sum * growth.first, least_sum * growth.second}
+  growth = s.is_folded ? RodPair{least_twist_sum * growth.first, least_twist_sum * growth.second}
                        : RodPair{growth.first + rods.second, growth.second + rods.first};
   growth = {1 / s.sum * growth.first, 1 / s.sum * growth.second};
   const Vec3 first_growth = 1 / (s.first * s.first) * rods.first;

@@ -12,6 +12,10 @@ namespace plumb::detail {
 inline constexpr double folded = 4 - 1.0 / 16;
 inline constexpr double folded_slope = 4096;  ///< It is g' there: 1/(1 - q/4)^2.
 
+/// Rods that are folded so far have this 1 + p . q, of tangents p and q. A twist (plumb::Twist) keeps it from
+/// falling below.
+inline constexpr double least_twist_sum = 1.0 / 32;
+
 /// Beyond 165.6 degrees the law is a tangent, so steep that Newton's method finds no rest on it. In rad.
 inline constexpr double largest_rest_angle = 2.89;
 
