@@ -364,6 +364,25 @@ TEST_F(Allocations, AreNoneInStepsOfFiguresOnceWarm) {
     }
 }
 
+// Capsules that fall onto a plane and each other, at a stated capacity: 50 of them, once they have all
+// landed.
+TEST_F(Allocations, AreNoneInStepsOfFiftyFallenCapsules) {
+  Scene scene;
+  scene.planes.push_back({});
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    const double x = 0.6 * (i % 5), y = 0.2 + 0.12 * (i / 5), turn = i % 3 * 0.1;
+    scene.particles.push_back(test::movable({x, y, 0}, 0));
+    scene.particles.push_back(test::movable({x + 0.4, y + turn, 0.1 * (i % 2)}, 0));
+    scene.rods.push_back({.a = 2 * i, .b = 2 * i + 1, .mass = 1});
+    scene.capsules.push_back({.a = point_at(2 * i), .b = point_at(2 * i + 1), .radius = 0.05});
+  }
+  for (const Method method : {Method::automatic, Method::relax}) {
+    World world(scene, {.method = method, .sleep = false, .threads = 1});
+    test::run(world, 1.0 / 60, 300);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 60); }), 0u) << to_string(method);
+  }
+}
+
 TEST_F(Allocations, AreNoneWherePullsCount) {
   Scene swung;  // a rod on a spring, with a drive, that hangs low enough to touch the ground
   swung.particles = {test::fixed({}), test::fixed({0, 1, 0}), test::fixed({0, 0, 1}),

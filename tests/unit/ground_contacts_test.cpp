@@ -19,7 +19,7 @@ class Ball {
   Ball() : linkage_(scene(), best_isa()), state_(linkage_, 0, scene()) {
     Combination at;
     at.add(0, 1);
-    ground_.add(linkage_, {.at = at, .normal = {0, 0, 1}, .gap = 0.01, .friction = friction});
+    ground_.add({.at = at, .normal = {0, 0, 1}, .gap = 0.01, .friction = friction}, linkage_.heaviest(at));
   }
 
   /// Returns where a push takes it, at rest and free otherwise, in m. `steps` says in how many of Newton's.

@@ -189,9 +189,11 @@ TEST(Bodies, OnParticlesThatAreThereGetTheRodsThatAreMissing) {
 }
 
 TEST(Bodies, ThatAreNotSolidAreRefused) {
-  EXPECT_EQ(refusal([](Scene& s) { add_body(s, {.mass = 1, .inertia = {.xx = 1, .yy = 1, .zz = 2}}); }),
-            "body 2: inertia is not that of a solid: the second moments of its mass must be positive, the "
-            "smallest is 0 kg m^2");
+  EXPECT_EQ(
+      refusal([](Scene& s) { add_body(s, {.mass = 1, .inertia = {.xx = 1, .yy = 1, .zz = 2}}); }),
+      "body 2: inertia is not that of a solid: the second moments of its mass must be positive, the "
+      "smallest is 0 kg m^2; a plate or a line needs a thickness of more than 1e-6 of its size, since four "
+      "particles in one plane do not say how it turns out of it");
   EXPECT_EQ(refusal([](Scene& s) { add_body(s, {.mass = -1}); }),
             "body 2: mass must be positive and finite, got -1 kg");
   EXPECT_EQ(refusal([](Scene& s) { add_body(s, solid_cylinder(1, 1e-5, 1)); }),

@@ -188,10 +188,13 @@ void require_solid(std::size_t i, const MassProperties& properties) {
   // of three particles.
   const auto moment = principal_axes(second_moments(inertia)).moment;
   if (!(moment[2] > 0 && moment[0] > 1e-12 * moment[2])) {
-    refuse("body ", i,
-           ": inertia is not that of a solid: the second moments of its mass must be positive, "
-           "the smallest is ",
-           moment[0], " kg m^2");
+    refuse(
+        "body ", i,
+        ": inertia is not that of a solid: the second moments of its mass must be positive, "
+        "the smallest is ",
+        moment[0],
+        " kg m^2; a plate or a line needs a thickness of more than 1e-6 of its size, since four particles in "
+        "one plane do not say how it turns out of it");
   }
 }
 

@@ -60,7 +60,7 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   island.step.assign(state.x.size(), Vec3{});
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.step[k] = linkage.taken(right, k);
   island.ground.aim(island.step);
-  const double share = island.ground.share_of(2 * linkage.kinetic(island.step));
+  const double share = island.ground.share_of(state.inertia_product(island.step));
   island.ground.take(share);
   pull_elastics(island, share);
   island.take_pulls(island.pulls, 1, share);
@@ -88,7 +88,7 @@ void ClusterStepper::find_velocities_on_ground(Island& island) {
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)
       island.step[k] = linkage.taken(right, k) - island.v[k];
     island.ground.aim(island.step);
-    const double share = step == 0 ? 1 : island.ground.share_of(2 * linkage.kinetic(island.step));
+    const double share = step == 0 ? 1 : island.ground.share_of(state.inertia_product(island.step));
     island.ground.take(share);
     island.take_pulls(island.end_pulls, 1 - share, share);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] += share * island.step[k];

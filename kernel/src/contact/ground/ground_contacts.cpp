@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/rows.hpp"
+
 namespace plumb::detail {
 namespace {
 
@@ -80,10 +82,10 @@ bool GroundContacts::Row::is_stale() const {
   return size_of(across_next - across) > stale * (mass + least);
 }
 
-void GroundContacts::add(const Linkage& linkage, const GroundContact& contact) {
+void GroundContacts::add(const GroundContact& contact, double heaviest) {
   Row& row = rows_.emplace_back();
   row.contact = contact;
-  row.mass = linkage.heaviest(contact.at);
+  row.mass = heaviest;
 }
 
 void GroundContacts::begin(Row& row, double gap, Vec3 held, bool is_open) {
@@ -127,6 +129,18 @@ void GroundContacts::begin_velocities() {
     row.position = row.push;
     row.carried = row.contact.carried_at_end;
     begin(row, -row.contact.bounce, row.contact.held_end, row.position == Vec3{});
+  }
+}
+
+void GroundContacts::follow_round(const LinkageState& state) {
+  for (Row& row : rows_) {
+    GroundContact& contact = row.contact;
+    if (!contact.round) continue;
+    const Linkage::Shape& shape = state.linkage->shape_of(contact.shape);
+    const Touch near = touch({shape.a.of(state.x), shape.b.of(state.x), shape.radius}, *contact.round);
+    if (!(near.a > 0 && near.a < 1)) continue;
+    contact.at = blend(shape.a, shape.b, near.a);
+    contact.normal = near.normal;
   }
 }
 

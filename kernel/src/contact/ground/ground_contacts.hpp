@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
+#include "contact/shapes/touch.hpp"
 
 namespace plumb::detail {
 
@@ -26,6 +28,9 @@ struct GroundContact {
   Vec3 carried{};           ///< m, how the ground moves there
   Vec3 carried_at_end{};    ///< m/s, how fast it does
   Vec3 spin{};              ///< 1/s, how fast it turns
+  /// The capsule of the ground that the shape's line touches between its ends, where the substep starts, if
+  /// it does.
+  std::optional<Segment> round{};
 };
 
 /// Holds the contacts of one island with fixed ground, which stand in the island's own matrix.
@@ -43,13 +48,17 @@ class GroundContacts {
   void clear() { rows_.clear(); }
   bool is_empty() const { return rows_.empty(); }
   std::size_t size() const { return rows_.size(); }
-  void add(const Linkage& linkage, const GroundContact& contact);
+  /// Adds a contact whose heaviest particle has this mass (kg).
+  void add(const GroundContact& contact, double heaviest);
 
   /// Begins to solve for positions. What `is_loose` grips by no more than a mass to the end. What `settles`
   /// does not spring back from a hit of the last substep.
   void begin_positions(bool is_loose, bool settles);
   /// Begins to solve for velocities at the end. Only what pushed on positions may push.
   void begin_velocities();
+  /// Lets contacts with round ground follow to where the island is at the end, at x. A line rocks there, and
+  /// what pushed at the end where it touched at the start would shake it up.
+  void follow_round(const LinkageState& state);
   /// Finds pushes and slopes at a motion (m, or m/s). Bounds on friction follow the last solution if
   /// `bounds_follow`.
   void look(const Linkage& linkage, std::span<const Vec3> motion, bool bounds_follow);

@@ -29,6 +29,11 @@ class GroundShape {
   /// Returns whether it may reach into a box. A solid reaches into all of its bounds.
   bool reaches_into(const Bounds& bounds) const;
   bool is_convex() const { return !mesh_; }
+  /// Returns the capsule that it is, if it is one.
+  std::optional<Segment> capsule() const {
+    if (line_.empty()) return std::nullopt;
+    return Segment{line_.front(), line_.back(), radius_};
+  }
   /// Returns how far (m) a point is from what is convex; inside that is less than 0.
   double distance(Vec3 p) const {
     return nearness({.vertices = {&p, 1}, .normals = {}}, convex()).distance - radius_;

@@ -76,6 +76,7 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use)
   if (use == Use::relaxed) return;
   plan(isa);
   hold_constraints(x);
+  find_taut_rods(part);
 }
 
 void Linkage::color_rods() {

@@ -220,11 +220,28 @@ class Linkage {
   void add(const Combination& at, Vec3 vector, std::span<double> solved) const;
   /// Returns the part of a place's motion that is that of fixed particles.
   Vec3 of_fixed(const Combination& at, std::span<const Vec3> motion) const;
+  /// Returns what a movable particle has on the diagonal of M, kg.
+  double own_mass_of(std::uint32_t particle) const { return masses_[particle]; }
   /// Returns the mass of a place's heaviest movable particle, kg.
   double heaviest(const Combination& at) const;
 
   /// Adds what holds a place to M: the products of its particles' weights, each times `by`.
   void stiffen(const Combination& at, const Sym3& by, std::span<simd::Block> matrix) const;
+  /// A taut rod is one whose ends may swing across it, since no body holds both. A shape along it or an
+  /// anchor lets the matrix couple them.
+  std::size_t taut_rods() const { return taut_rods_.size(); }
+  /// Finds how stiff rods are across themselves, in kg: what their multipliers, of a substep's positions,
+  /// turn by as the rods turn.
+  void find_tautness(std::span<const double> multipliers, std::span<double> out) const;
+  /// Finds the inertia (kg) across taut rods with which a substep of h (s) can follow waves along them, from
+  /// how stiff they were (kg/s²) in the last two substeps.
+  void find_wave_inertia(std::span<const double> stiffness, std::span<const double> before, double h,
+                         std::span<double> out) const;
+  void gather_wave_inertia(std::span<const double> inertia, std::span<double> of_particles) const;
+  /// Adds that inertia to M, to momenta of motions `v`, and to twice their energy.
+  void add_wave_inertia(std::span<const double> inertia, std::span<simd::Block> matrix) const;
+  void add_wave_momenta(std::span<const double> inertia, std::span<const Vec3> v, std::span<Vec3> out) const;
+  double wave_product(std::span<const double> inertia, std::span<const Vec3> v) const;
   /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
   /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.
@@ -265,6 +282,12 @@ class Linkage {
     double over2;  ///< 1/L²
     std::uint32_t number, row;
     std::array<std::uint32_t, 6> places;  ///< of J among the values, ends a and b; none if fixed
+  };
+  struct TautRod {
+    std::uint32_t a, b, row;
+    double over2;                         ///< 1/L²
+    double over_mass;                     ///< 1/kg, the sum of its ends' inverse masses
+    std::array<std::uint32_t, 9> places;  ///< of M: x, y and z of a, of b, and between them; or none
   };
   struct DotRow {
     Combination u, v;
@@ -313,6 +336,7 @@ class Linkage {
   void couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
   void color_rods();
   void plan(Isa isa);
+  void find_taut_rods(const Scene& part);
   void place_constraints();
   void find_loose();
   void hold_constraints(std::span<const Vec3> x);
@@ -340,6 +364,7 @@ class Linkage {
   std::vector<ElasticRange> of_angles_, of_springs_, of_torsions_;
   std::vector<BendElastics> bends_;
   std::vector<RodRow> giving_rods_;
+  std::vector<TautRod> taut_rods_;
   std::vector<ColoredRod> colored_rods_;
   std::vector<std::uint32_t> color_begin_{0};
   Vec3 gravity_{};

@@ -30,6 +30,9 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
   }
   elastic_numbers.assign(laws.size(), 0);
   if (kind.breaks()) broken.assign(kind.giving_rods(), 0);
+  stiffness.assign(kind.taut_rods(), 0);
+  stiffness_before.assign(kind.taut_rods(), 0);
+  wave_inertia.assign(kind.taut_rods(), 0);
   follow_elastics();
 }
 
@@ -38,6 +41,66 @@ void LinkageState::return_to(const LinkageMotion& motion) {
   factored = false;
   for (std::size_t i = 0; i < broken.size(); ++i)
     laws[i] = broken[i] != 0 ? ElasticLaw{} : linkage->elastic_laws()[i];
+}
+
+void LinkageState::slow_waves(double h) {
+  const auto slows = [&] {
+    return std::any_of(wave_inertia.begin(), wave_inertia.end(), [](double each) { return each > 0; });
+  };
+  const bool had_any = slows();
+  linkage->find_wave_inertia(stiffness, stiffness_before, h, wave_inertia);
+  if (!had_any && !slows()) return;
+  factored = false;
+  wave_inertia_at.assign(x.size(), 0);
+  linkage->gather_wave_inertia(wave_inertia, wave_inertia_at);
+}
+
+bool LinkageState::learn_tautness(std::span<const double> multipliers, double h) {
+  if (knows_tautness || stiffness.empty()) return false;
+  follow_tautness(multipliers, h);
+  knows_tautness = false;
+  for (double& each : stiffness)
+    if (!std::isfinite(each)) each = 0;
+  stiffness_before = stiffness;
+  linkage->find_wave_inertia(stiffness, stiffness_before, h, wave_inertia);
+  const bool slows =
+      std::any_of(wave_inertia.begin(), wave_inertia.end(), [](double each) { return each > 0; });
+  if (slows) factored = false;
+  return slows;
+}
+
+double LinkageState::heaviest(const Combination& at) const {
+  if (wave_inertia_at.empty()) return linkage->heaviest(at);
+  double out = 0;
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    if (const std::uint32_t k = at.terms[i].particle; k < linkage->movable())
+      out = std::max(out, linkage->own_mass_of(k) + wave_inertia_at[k]);
+  return out;
+}
+
+void LinkageState::free_waves() {
+  for (double& each : wave_inertia) {
+    if (each > 0) factored = false;
+    each = 0;
+  }
+  std::fill(wave_inertia_at.begin(), wave_inertia_at.end(), 0.0);
+}
+
+void LinkageState::follow_tautness(std::span<const double> multipliers, double h) {
+  if (stiffness.empty()) return;
+  knows_tautness = true;
+  stiffness.swap(stiffness_before);
+  linkage->find_tautness(multipliers, stiffness);
+  for (double& each : stiffness) each /= h * h;
+}
+
+void LinkageState::momenta(std::span<const Vec3> motions, std::span<Vec3> out) const {
+  linkage->momenta(motions, out);
+  linkage->add_wave_momenta(wave_inertia, motions, out);
+}
+
+double LinkageState::inertia_product(std::span<const Vec3> motions) const {
+  return 2 * linkage->kinetic(motions) + linkage->wave_product(wave_inertia, motions);
 }
 
 void LinkageState::break_rod(std::size_t elastic) {

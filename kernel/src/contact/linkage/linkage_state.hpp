@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -32,6 +33,10 @@ struct LinkageMotion {
   std::optional<double> energy{};       ///< energy that free flight keeps, J
   std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
   LinkagePulls pulls;                   ///< of the last step
+  /// How stiff taut rods were across themselves in the last two substeps, kg/s². None if there are no such
+  /// rods.
+  std::vector<double> stiffness, stiffness_before;
+  bool knows_tautness = false;  ///< those are of substeps
   /// It has 1 for rods that have broken, of those that give; none if no rod may.
   std::vector<std::uint8_t> broken;
 };
@@ -52,10 +57,31 @@ struct LinkageState : LinkageMotion {
   std::vector<simd::Block> factors;  ///< of the matrix at x
   std::uint32_t number;              ///< the island's number
   bool factored = false;
+  std::vector<double> wave_inertia_at;  ///< kg, of particles: the sum of that of their rods
+  std::vector<double> wave_inertia;  ///< kg, of taut rods in the substep under way; see find_wave_inertia()
 
   LinkageMotion& motion() { return *this; }
   /// Goes on from a motion that was copied from motion().
   void return_to(const LinkageMotion& motion);
+
+  /// Begins a substep of h (s): slows waves that it cannot follow. Or lets all waves be as they are.
+  void slow_waves(double h);
+  void free_waves();
+  /// Ends it, with the multipliers of positions.
+  void follow_tautness(std::span<const double> multipliers, double h);
+  void forget_tautness() {
+    knows_tautness = false;
+    std::fill(stiffness.begin(), stiffness.end(), 0.0);
+    std::fill(stiffness_before.begin(), stiffness_before.end(), 0.0);
+  }
+  /// Takes multipliers of a first try for those of the last two substeps, if none are known. Returns whether
+  /// that slows any waves.
+  bool learn_tautness(std::span<const double> multipliers, double h);
+  /// Returns the momenta of motions with the inertia of waves, and their product with these motions.
+  void momenta(std::span<const Vec3> motions, std::span<Vec3> out) const;
+  double inertia_product(std::span<const Vec3> motions) const;
+  /// Returns the mass of a place's heaviest movable particle with the inertia of its waves, kg.
+  double heaviest(const Combination& at) const;
 
   /// Lets a rod pull nothing from now on.
   void break_rod(std::size_t elastic);
@@ -131,6 +157,7 @@ struct LinkageState : LinkageMotion {
   void assemble() {
     factors.resize(linkage->plan().blocks());
     linkage->assemble(x, factors);
+    if (!wave_inertia.empty()) linkage->add_wave_inertia(wave_inertia, factors);
   }
 
   std::vector<simd::Quad> unknowns_;

@@ -69,8 +69,9 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                               .held_end = (0.5 * h) * held.end_force,
                               .carried = carried,
                               .carried_at_end = carried_at_end,
-                              .spin = b.rate ? b.rate->spin : Vec3{}};
-  if (!two) return one->ground.add(*one->state->linkage, contact);
+                              .spin = b.rate ? b.rate->spin : Vec3{},
+                              .round = b.round};
+  if (!two) return one->ground.add(contact, one->state->heaviest(contact.at));
   // Both are pushed at one place, half way between their surfaces.
   const double other_radius = two->state->linkage->shape_of(b.shape).radius;
   const ContactEnd ends[] = {{a.island, &a.at, a.shape, -(radius + 0.5 * touch.gap) * touch.normal},
@@ -227,7 +228,8 @@ void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
       const Touches found = touches(first, other);
       for (std::uint32_t n = 0; n < found.count; ++n)
         add_contact({i, blend(shape.a, shape.b, found.at[n].a), shape.surface, k},
-                    {none, no_particles, others[l].surface, surroundings_->numbers.of_anchored(l), rate},
+                    {none, no_particles, others[l].surface, surroundings_->numbers.of_anchored(l), rate,
+                     n == 0 ? std::optional(other) : std::nullopt},
                     found.at[n], contact_key(KeyKind::segment, 4 * k + n, 0, l), h);
     }
   }

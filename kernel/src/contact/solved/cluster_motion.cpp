@@ -62,15 +62,16 @@ void ClusterStepper::finish(double h, bool touched) {
     LinkageState& state = *island.state;
     const Linkage& linkage = *state.linkage;
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
-    if (!island.ground.is_empty())
+    if (!island.ground.is_empty()) {
+      island.ground.follow_round(state);
       island.ground.begin_velocities();
-    else if (state.laws.empty())
+    } else if (state.laws.empty())
       state.factor();
     if (linkage.has_air() || !state.laws.empty())
       linkage.forces(state.x, island.v, state.force, island.force);
     state.add_motors(island.force);
     island.impulse.resize(linkage.movable());
-    linkage.momenta(island.v, island.impulse);
+    state.momenta(island.v, island.impulse);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
     end_elastics(island, h);
     std::fill(island.push.begin(), island.push.end(), Lanes{});
@@ -174,7 +175,9 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     const LinkageState& state = *island.state;
     const double kinetic = state.linkage->kinetic(island.v);
     moving += kinetic;
-    weight += state.linkage->mass() * norm(state.linkage->gravity()) * state.linkage->size();
+    double pull = state.linkage->mass() * norm(state.linkage->gravity());
+    for (const Vec3 force : state.force) pull += norm(force);
+    weight += pull * state.linkage->size();
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air();
     driven = driven || !state.laws.empty();

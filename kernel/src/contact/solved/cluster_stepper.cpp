@@ -90,11 +90,12 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
       continue;
     }
     h = solve(cluster, surroundings, h, least, report);
-    if (h == 0) return;
+    if (h == 0) break;
     ++report.direct_substeps;
     left -= h;
     if (islands_[0].state->on_ground) likely = 2 * h;
   }
+  for (LinkageState* const state : cluster) state->free_waves();
 }
 
 /// Whether nothing is near the only island in a substep.
@@ -118,6 +119,7 @@ bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
     if (!rows_.empty()) return false;
   }
   if (!state.can_follow_elastics(h)) return false;
+  state.free_waves();
   const double before = energy();
   if (!flight_.step(state, time_order, h, report)) return false;
   island.v = state.v;
@@ -173,13 +175,14 @@ void ClusterStepper::start(Island& island, double h) {
   island.force.resize(movable);
   // The last island's numbers may not be finite, nor zero where no unknown is.
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
-  if (state.pulls.counts || linkage.breaks()) {
+  if (state.pulls.counts || linkage.breaks() || linkage.taut_rods() > 0) {
     island.pulls.assign(linkage.constraints() + linkage.elastics().size(), 0);
     island.end_pulls.assign(island.pulls.size(), 0);
   } else {
     island.pulls.clear();
     island.end_pulls.clear();
   }
+  state.slow_waves(h);
   const double kept = linkage.kept(0.5 * h);
   // The island starts about where the pulls of the last substep would take it again. Constraints are then
   // bent only by what differs from that.
@@ -196,7 +199,7 @@ void ClusterStepper::start(Island& island, double h) {
   if (!state.laws.empty()) begin_elastics(island, h);
   linkage.forces(state.x, island.v, state.force, island.force);
   state.add_motors(island.force);
-  linkage.momenta(island.v, island.momentum);
+  state.momenta(island.v, island.momentum);
   for (std::uint32_t i = 0; i < movable; ++i)
     island.momentum[i] = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
   if (!state.on_ground) predict(island);
@@ -220,14 +223,16 @@ void ClusterStepper::predict(Island& island) {
 
 bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& report) {
   all_near_ = false;
-  still_ = least_still * settings_.length_scale;
-  for (std::uint32_t i = 0; i < count_; ++i)
-    still_ = std::max(still_, (tight_ ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
-                                  norm(islands_[i].state->linkage->gravity()));
+  find_stillness(h);
   keeps_slack_ = false;
   switches_ = 0;
   missed_ground_.clear();
-  if (!find_sound_positions(h, report)) return false;
+  bool is_found = find_sound_positions(h, report);
+  if (learn_tautness(h)) {
+    missed_ground_.clear();
+    is_found = find_sound_positions(h, report);
+  }
+  if (!is_found) return false;
   double before = energy();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
@@ -258,6 +263,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       state.v[k] = island.v[k];
     }
     if (state.pulls.counts) count_pulls(islands_[i], h);
+    state.follow_tautness(island.pulls, h);
     state.follow_elastics();
   }
   if (touched) count_pushes(h);
@@ -272,6 +278,28 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
                                               return row.kind == Kind::normal && row.p > 0;
                                             })));
   return true;
+}
+
+/// Finds the change of a position that no longer matters in a substep of h (s). What sweeps leave of things
+/// that rest is a speed that friction near its bound takes long to stop, and pushes of the last substep need
+/// few sweeps there.
+void ClusterStepper::find_stillness(double h) {
+  const bool rests = std::all_of(islands_.begin(), islands_.begin() + count_, [&](const Island& each) {
+    return !each.awake || top_speed(*each.state) < settings_.sleep_speed;
+  });
+  still_ = least_still * settings_.length_scale;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    still_ = std::max(still_, (tight_ || rests ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
+                                  norm(islands_[i].state->linkage->gravity()));
+}
+
+/// Where islands start, nothing is known of how taut their rods are but by a try. Returns whether positions
+/// are to be found again, with waves slowed.
+bool ClusterStepper::learn_tautness(double h) {
+  bool slows = false;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) slows = islands_[i].state->learn_tautness(islands_[i].pulls, h) || slows;
+  return slows;
 }
 
 /// Finds positions again while something is missed, or elastics are slack that were not.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -182,6 +183,7 @@ class ClusterStepper final : public ClusterMover {
     const Surface& surface;
     std::uint32_t shape = 0;           ///< its number, or that of the ground
     const GroundRate* rate = nullptr;  ///< of ground that moves
+    std::optional<Segment> round{};    ///< of a capsule of the ground that a line touches
   };
   /// A contact that does not seem to come about in this substep.
   struct LeftOut {
@@ -235,6 +237,8 @@ class ClusterStepper final : public ClusterMover {
   static void hold_elastics(Island& island);
   bool switch_elastics();
   bool find_sound_positions(double h, Tally& report);
+  void find_stillness(double h);
+  bool learn_tautness(double h);
   bool find_positions(double h, Tally& report);
   bool is_contact_missed() const;
   void find_contacts(double h);

@@ -160,6 +160,7 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   Tally tried = report;
   relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, tried);
   if (bring_to_lengths(surroundings)) {
+    for (LinkageState* const state : cluster) state->forget_tautness();
     report = tried;
     return true;
   }

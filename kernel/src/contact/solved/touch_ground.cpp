@@ -27,7 +27,7 @@ ClusterStepper::Place ClusterStepper::place_on(std::uint32_t ground) const {
   const GroundShape& shape = surroundings_->shapes[ground];
   const GroundRate* const rate =
       shape.box() == GroundShape::none ? nullptr : ground_.rate_of_box(shape.box());
-  return {none, no_particles, shape.surface(), surroundings_->number_of(ground), rate};
+  return {none, no_particles, shape.surface(), surroundings_->number_of(ground), rate, std::nullopt};
 }
 
 void ClusterStepper::touch_ground(std::uint32_t i, double h) {
@@ -42,13 +42,15 @@ void ClusterStepper::touch_ground(std::uint32_t i, double h) {
   const GroundSearch search{settings_.margin, settings_.tolerance};
   for (const std::uint32_t ground : near_ground_) {
     const Place other = place_on(ground);
+    const Place on_line{none,        no_particles, other.surface,
+                        other.shape, other.rate,   surroundings.shapes[ground].capsule()};
     const Filter& filter = surroundings.filter_of(ground);
     touch_ends(i, ground, h);
     for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
       const Linkage::Shape& shape = linkage.shapes()[k];
       if (!plumb::may_touch(shape.filter, filter)) continue;
       const auto add = [&](std::uint64_t key, const Touch& touch) {
-        add_contact({i, blend(shape.a, shape.b, touch.a), shape.surface, k}, other, touch, key, h);
+        add_contact({i, blend(shape.a, shape.b, touch.a), shape.surface, k}, on_line, touch, key, h);
       };
       for_line_touches(surroundings, ground, motion_of(island, shape), k, search, add);
     }

@@ -1,0 +1,68 @@
+// Towers of boxes stand, sleep and weigh what they weigh, on every kind of level ground.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/boxes.hpp"
+
+namespace plumb {
+namespace {
+
+using test::frame;
+
+constexpr int boxes = 10;
+constexpr double mass = 2;
+
+/// A tower of ten boxes of 40 x 20 x 40 cm, every other one a centimetre aside if it `leans`.
+Scene tower_on(const Scene& ground, bool leans) {
+  Scene scene = ground;
+  for (int i = 0; i < boxes; ++i)
+    test::add_box(scene, {leans ? 0.01 * ((7 * i) % 5 - 2) : 0, 0.1 + 0.2 * i, 0}, {0.2, 0.1, 0.2}, mass,
+                  {.friction = 0.6});
+  return scene;
+}
+
+// Boxes start where they stand. Each sinks into what is below by at most the slop of 0.5 mm, or by less where
+// sweeps share the weight out, so that none goes down by more than a millimetre. Nor does it go aside by
+// more.
+TEST(Tower, OfTenBoxesStandsAndSleeps) {
+  for (const auto& [name, ground] : test::level_grounds({.friction = 0.6}))
+    for (const bool leans : {false, true}) {
+      SCOPED_TRACE(testing::Message() << name << (leans ? ", leaning" : ""));
+      const Scene scene = tower_on(ground, leans);
+      World world(scene, test::body_settings(4, true));
+      std::uint64_t awake = 1;
+      while (awake > 0 && world.time() < 2) {
+        const StepReport report = world.step(frame);
+        ASSERT_EQ(report.unsolved, 0u);
+        awake = report.awake_islands;
+      }
+      EXPECT_EQ(awake, 0u);
+      for (std::uint32_t i = 0; i < boxes; ++i)
+        EXPECT_LT(norm(test::middle_of(scene, world, i) - scene.bodies[i].center), 1.5e-3) << i;
+    }
+}
+
+// Every box is pushed up by what it weighs: what is below pushes with all that it carries, and what is above
+// pushes down. Means over a second are off by what a sweep may leave, 4e-3 of a weight.
+TEST(Tower, WeighsWhatItWeighs) {
+  for (const auto& [name, ground] : test::level_grounds({.friction = 0.6})) {
+    SCOPED_TRACE(name);
+    const Scene scene = tower_on(ground, false);
+    Settings settings = test::body_settings(4);
+    settings.tensions = true;
+    World world(scene, settings);
+    test::run(world, frame, 60);
+    std::vector<double> pushes(boxes);
+    for (int i = 0; i < 60; ++i) {
+      world.step(frame);
+      for (std::uint32_t k = 0; k < boxes; ++k) pushes[k] += world.contact_force(k).y / 60;
+    }
+    for (std::uint32_t k = 0; k < boxes; ++k)
+      EXPECT_NEAR(pushes[k], mass * test::earth, 4e-3 * mass * test::earth) << k;
+  }
+}
+
+}  // namespace
+}  // namespace plumb
