@@ -166,6 +166,8 @@ void ClusterStepper::start(Island& island, double h) {
   const Linkage& linkage = *state.linkage;
   const std::uint32_t movable = linkage.movable();
   island.is_predicted = false;
+  island.theta = theta_of_substep(state);
+  if (island.theta == 0.5) flight_.follow_anchors(state);
   island.d.resize(state.x.size());
   island.there.resize(state.x.size());
   island.v.resize(state.x.size());
@@ -173,7 +175,7 @@ void ClusterStepper::start(Island& island, double h) {
   island.force.resize(movable);
   // The last island's numbers may not be finite, nor zero where no unknown is.
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
-  if (state.pulls.counts || linkage.breaks()) {
+  if (state.pulls.counts || linkage.breaks() || island.theta > 0) {
     island.pulls.assign(linkage.constraints() + linkage.elastics().size(), 0);
     island.end_pulls.assign(island.pulls.size(), 0);
   } else {
@@ -197,8 +199,10 @@ void ClusterStepper::start(Island& island, double h) {
   linkage.forces(state.x, island.v, state.force, island.force);
   state.add_motors(island.force);
   linkage.momenta(island.v, island.momentum);
+  island.h = h;
+  island.kick = island.theta == 1 ? h * h : 0.5 * h * h;
   for (std::uint32_t i = 0; i < movable; ++i)
-    island.momentum[i] = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
+    island.momentum[i] = h * island.momentum[i] + island.kick * island.force[i];
   if (!state.on_ground) predict(island);
 }
 
@@ -206,9 +210,14 @@ void ClusterStepper::start(Island& island, double h) {
 void ClusterStepper::predict(Island& island) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  if (state.laws.empty() && !state.factored) state.factor();
+  turn(island);
+  if (island.theta > 0 || !state.laws.empty())
+    state.factor_with_elastics(island.directions(),
+                               [&](std::size_t i) { return island.elastics[i].soft_of_positions(); });
+  else if (!state.factored)
+    state.factor();
   const std::span<double> right = island.right();
-  linkage.targets(state.x, island.d, island.there, right);
+  linkage.targets(island.directions(), island.d, island.there, right);
   linkage.put(island.momentum, right);
   aim_elastics(island);
   linkage.plan().solve(state.factors, island.unknowns);
@@ -225,6 +234,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     still_ = std::max(still_, (tight_ ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
                                   norm(islands_[i].state->linkage->gravity()));
   keeps_slack_ = false;
+  may_touch_ = is_held();
   switches_ = 0;
   missed_ground_.clear();
   if (!find_sound_positions(h, report)) return false;
@@ -257,6 +267,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
+    std::copy(state.v.begin() + state.linkage->movable(), state.v.end(), state.anchors_went.begin());
     if (state.pulls.counts) count_pulls(islands_[i], h);
     state.follow_elastics();
   }
@@ -324,6 +335,7 @@ bool ClusterStepper::find_positions(double h, Tally& report) {
         start(islands_[i], h);
       }
   } while (woken_);
+  if (leaves_middle()) return find_positions(h, report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].ground.is_empty() && !start_on_ground(islands_[i])) return false;
   if (!rows_.empty()) find_responses(false);
