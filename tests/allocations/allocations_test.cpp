@@ -383,6 +383,17 @@ TEST_F(Allocations, AreNoneInStepsOfFiftyFallenCapsules) {
   }
 }
 
+// Gradients new and mid keep what tells them how directions turn.
+TEST_F(Allocations, AreNoneInStepsOfFiguresAlongOtherGradients) {
+  for (const Gradient gradient : {Gradient::new_, Gradient::mid}) {
+    Scene scene = scenes::load_scene("humanoid:body=medium");
+    for (Particle& particle : scene.particles) particle.asleep = false;
+    World world(scene, {.method = Method::direct, .gradient = gradient, .sleep = false, .threads = 1});
+    test::run(world, 1.0 / 60, 600);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 300); }), 0u) << to_string(gradient);
+  }
+}
+
 TEST_F(Allocations, AreNoneWherePullsCount) {
   Scene swung;  // a rod on a spring, with a drive, that hangs low enough to touch the ground
   swung.particles = {test::fixed({}), test::fixed({0, 1, 0}), test::fixed({0, 0, 1}),

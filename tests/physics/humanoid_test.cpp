@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "scenes/spec.hpp"
@@ -60,16 +61,19 @@ Watched watch(const Scene& scene, World& world, double dt, double duration) {
   return out;
 }
 
-// 1 % of strain and 1e-6 of energy are the bars for blows of any kind, at any step a game may take.
-TEST(StruckFigure, StaysWhole) {
+/// Lets balls hit figures and expects them to stay whole: 1 % of strain and 1e-6 of energy are the bars for
+/// blows of any kind, at any step a game may take.
+void expect_to_stay_whole(std::optional<Gradient> gradient, int hits) {
   test::Random random(17);
   const double steps[] = {1.0 / 240, 1.0 / 60, 1.0 / 30, 1.0 / 15};
-  for (int i = 0; i < 200; ++i)
+  for (int i = 0; i < hits; ++i)
     for (const BodyType body : {BodyType::thin, BodyType::medium, BodyType::wide}) {
       const double dt = steps[i % 4];
       SCOPED_TRACE(testing::Message() << "hit " << i << ", " << to_string(body) << ", dt " << dt);
       const Scene scene = random_hit(random, body);
-      World world(scene, test::body_settings(1, true));
+      Settings settings = test::body_settings(1, true);
+      settings.gradient = gradient;
+      World world(scene, settings);
       const Watched seen = watch(scene, world, dt, 2);
       EXPECT_TRUE(seen.finite);
       EXPECT_LE(seen.strain, 0.01);
@@ -77,6 +81,17 @@ TEST(StruckFigure, StaysWhole) {
       EXPECT_EQ(seen.report.frozen_islands, 0u);
       EXPECT_EQ(seen.report.unsolved, 0u);
     }
+}
+
+TEST(StruckFigure, StaysWhole) {
+  expect_to_stay_whole({}, 200);
+}
+
+TEST(StruckFigure, StaysWholeAlongOtherGradients) {
+  for (const Gradient gradient : {Gradient::new_, Gradient::mid}) {
+    SCOPED_TRACE(to_string(gradient));
+    expect_to_stay_whole(gradient, 100);
+  }
 }
 
 // Awake and without a muscle: it falls over, and lies still within ten seconds.

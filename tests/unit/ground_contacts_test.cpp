@@ -30,7 +30,7 @@ class Ball {
     for (steps = 0; steps < 20; ++steps) {
       ground_.look(linkage_, std::array{moved}, true);
       if (steps > 0 && ground_.lack() <= 1e-9) break;
-      state_.assemble_with_elastics([](std::size_t) { return -1.0; });
+      state_.assemble_with_elastics(state_.x, [](std::size_t) { return -1.0; });
       EXPECT_TRUE(ground_.factor(state_));
       unknowns.assign(unknowns.size(), simd::Quad{});
       linkage_.add(Combination{{{{0, 1}}}, 1}, push, numbers(unknowns));

@@ -105,16 +105,27 @@ TEST(KeyFrames, AreSoughtByDrives) {
 // The row of an elastic: a resolved one takes the mean of both ends, and a stiff one its end alone.
 TEST(ElasticStep, TakesTheMeanOfWhatItResolves) {
   detail::ElasticStep step{.start = 1.5};
-  step.begin({.rest = 1, .stiffness = 8}, 1, 0.1);  // swings by 0.28 rad
+  step.begin({.rest = 1, .stiffness = 8}, 1, 0.1, false);  // swings by 0.28 rad
   EXPECT_EQ(step.resolved, 1);
   EXPECT_DOUBLE_EQ(step.soft, 4 / (8 * 0.1 * 0.1));
   EXPECT_DOUBLE_EQ(step.before, 0.5);
   step.acts = true;
   EXPECT_LT(step.soft_at_end(), 0) << "nothing holds velocities";
-  step.begin({.rest = 1, .stiffness = 8e8}, 1, 0.1);
+  step.begin({.rest = 1, .stiffness = 8e8}, 1, 0.1, false);
   EXPECT_NEAR(step.soft, 2 / (8e8 * 0.1 * 0.1), 1e-12);
   EXPECT_NEAR(step.before, 0, 1e-6);
   EXPECT_NEAR(step.soft_at_end(), 0, 1e-6) << "velocities are held as by a rod";
+}
+
+// With gradient new it takes its end alone, as backward Euler does, and its whole impulse acts there.
+TEST(ElasticStep, TakesTheEndAloneWithGradientNew) {
+  detail::ElasticStep step{.start = 1.5};
+  step.begin({.rest = 1, .stiffness = 8, .damping = 0.4}, 1, 0.1, true);
+  EXPECT_DOUBLE_EQ(step.kick, 0.1 * 0.1);
+  EXPECT_DOUBLE_EQ(step.soft, 1 / ((8 + 0.4 / 0.1) * 0.1 * 0.1));
+  EXPECT_DOUBLE_EQ(step.before, -0.5 * (0.4 / 0.1) / (8 + 0.4 / 0.1));
+  step.acts = true;
+  EXPECT_LT(step.soft_at_end(), 0) << "nothing holds velocities";
 }
 
 TEST(Turn, KnowsAllFourQuadrants) {

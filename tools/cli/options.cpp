@@ -215,7 +215,7 @@ void add_solver_options(Command& command, Settings& settings) {
   add_bounds(command, settings);
   add_sweep_options(command, settings);
   add_choice(command, "--gradient", settings.gradient, {Gradient::new_, Gradient::old, Gradient::mid},
-             "Where a correction's direction is taken [mid; relax: new]");
+             "Where a correction's direction is taken [mid; relax: new; joints: old]");
   add_count(command, "--time-order", settings.time_order,
             "2, 4 or 6, for method direct with gradient old: 1, 5 or 9 times the work, and that power of the "
             "step [2]");

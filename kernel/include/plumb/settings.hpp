@@ -168,7 +168,7 @@ struct ContactSettings {
 struct Settings {
   Method method = Method::automatic;         ///< What keeps rods at their length.
   Precision precision = Precision::double_;  ///< Loops that are solved directly take double anyway.
-  std::optional<Gradient> gradient{};  ///< None: new_, the thesis's, for relax; mid for direct; auto chooses.
+  std::optional<Gradient> gradient{};  ///< None: new_ for relax; mid for direct, old for joints; auto picks.
   std::optional<MassModel> mass{};     ///< None: lumped for relax, which has no other; else consistent.
   Weights weights = Weights::mass;     ///< How relaxation shares a correction.
   SweepOrder order = SweepOrder::gauss_seidel;  ///< In which order relaxation visits rods.

@@ -16,24 +16,16 @@ namespace {
 /// From these accuracies on the higher order takes less time for a figure in the air.
 constexpr double worth_order_4 = 1e-3, worth_order_6 = 1e-6;
 
+Gradient gradient_for(const Settings& settings) {
+  return settings.method == Method::relax ? gradient_of(settings) : settings.gradient.value_or(Gradient::old);
+}
+
 std::uint32_t time_order_of(const Settings& settings) {
+  const Gradient gradient = gradient_for(settings);
+  if (gradient != Gradient::old) return gradient == Gradient::new_ ? 1 : 2;
   const bool chooses = settings.method == Method::automatic && settings.accuracy;
   if (!chooses || *settings.accuracy > worth_order_4) return settings.time_order;
   return *settings.accuracy > worth_order_6 ? 4 : 6;
-}
-
-/// Gives the mass of rods to their ends, as the solver of their home does, so that an island weighs the same
-/// in both solvers.
-void lump_masses(Scene& part) {
-  for (std::size_t i = 0; i < part.rods.size(); ++i) {
-    const RodMass mass = rod_mass(part, i, MassModel::lumped);
-    part.particles[part.rods[i].a].mass += mass.aa;
-    part.particles[part.rods[i].b].mass += mass.bb;
-  }
-  for (Rod& rod : part.rods) {
-    rod.mass = 0;
-    rod.inertia.reset();
-  }
 }
 
 std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, const ContactSettings& contact) {
@@ -43,7 +35,7 @@ std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, cons
     return std::make_unique<ClusterStepper>(
         isa, contact, std::make_unique<RelaxedStepper<double>>(isa, contact, rules), picks);
   }
-  const CrowdRules rules{gradient_of(settings), settings.weights, settings.omega, settings.stop};
+  const CrowdRules rules{gradient_for(settings), settings.weights, settings.omega, settings.stop};
   if (settings.precision == Precision::single)
     return std::make_unique<RelaxedStepper<float>>(isa, contact, rules);
   return std::make_unique<RelaxedStepper<double>>(isa, contact, rules);
@@ -71,7 +63,6 @@ void refuse_unknown(std::uint32_t number, const AngleControl&) {
 ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const Settings& settings)
     : isa_(settings.isa.value_or(best_isa())),
       relaxes_(settings.method == Method::relax),
-      gradient_(gradient_of(settings)),
       sleep_(settings.sleep),
       sleep_time_(settings.sleep_time),
       settings_(scaled(settings.contact)),
@@ -94,6 +85,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*kind, number, part).particles = parts.particles(p);
+    if (!plain) states_.back().gradient = gradient_for(settings);
     number_of[p] = number;
     is_plain_.push_back(plain);
     first_slot_.push_back(static_cast<Slot>(island_of_.size()));
@@ -231,8 +223,7 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 /// An island that may touch something has order 2, because contact allows no more.
 ErrorModel ContactSolver::error_model() const {
   const bool is_alone = states_.size() == 1 && surroundings_.are_empty();
-  const std::uint32_t most = relaxes_ && gradient_ == Gradient::new_ ? 1 : 2;
-  return {.order = is_alone && !relaxes_ ? time_order_ : most, .by_comparison = true};
+  return {.order = is_alone ? time_order_ : std::min(time_order_, 2u), .by_comparison = true};
 }
 
 double& ContactSolver::best_substep(std::uint32_t piece) {

@@ -195,7 +195,6 @@ class ContactSolver final : public Solver {
 
   Isa isa_;
   bool relaxes_;  ///< clusters are relaxed, not solved
-  Gradient gradient_;
   bool sleep_;
   double sleep_time_;         ///< time (s) of being slow before an island sleeps
   ContactSettings settings_;  ///< multiplied by their length scale

@@ -35,16 +35,17 @@ double resolved_share(double square) {
 
 }  // namespace
 
-void ElasticStep::begin(const ElasticLaw& law, double gives, double h) {
+void ElasticStep::begin(const ElasticLaw& law, double gives, double h, bool at_end) {
   give = gives;
   const bool is_rigid = std::isinf(law.stiffness);
-  resolved = is_rigid ? 0 : resolved_share(swing(law, give, h));
-  kick = 0.5 * h * h;
+  resolved = is_rigid ? 0 : at_end ? 1 : resolved_share(swing(law, give, h));
+  kick = at_end ? h * h : 0.5 * h * h;
   soft = before = 0;
   if (is_rigid) return;
   // What is damped strongly does not swing, and needs no damping more.
   const double damps = law.damping / h;
-  const double share = 1 - 0.5 * resolved_share(h * h * give * law.stiffness / (1 + h * give * law.damping));
+  const double swings = h * h * give * law.stiffness / (1 + h * give * law.damping);
+  const double share = at_end ? 1 : 1 - 0.5 * resolved_share(swings);
   const double excess = start - law.rest, taut = law.one_sided ? std::max(excess, 0.0) : excess;
   const double slope = law.stiffness * share + damps;
   damped = damps / slope;

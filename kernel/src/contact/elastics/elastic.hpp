@@ -40,7 +40,7 @@ struct Elastic {
   std::vector<std::uint32_t> touched{};  ///< movable particles
   /// Nothing but elastics holds those, and none shares its mass, so that they alone say how it gives.
   bool is_loose = false;
-  std::vector<std::uint32_t> places{};   ///< of its gradient among the values, three by particle
+  std::vector<std::uint32_t> places{};  ///< of its gradient among the values, three by particle
 };
 
 /// Holds the derivatives of an elastic's number by its sums: 1, or 1/m for angles.
@@ -67,8 +67,9 @@ struct ElasticStep {
 
   /// Begins a substep at the number `start`. The potential of a resolved elastic is k/2 ((c0 + c1)/2)², which
   /// is variational (Marsden, West 2001) and damps nothing. The less of a swing is resolved, the more it
-  /// takes of c1 alone, and the more velocities at the end are held as rigid rods hold them.
-  void begin(const ElasticLaw& law, double gives, double h);
+  /// takes of c1 alone, and the more velocities at the end are held as rigid rods hold them. What pulls
+  /// `at_end` takes all of c1, and all of its impulse.
+  void begin(const ElasticLaw& law, double gives, double h, bool at_end);
   /// Returns the soft of its row, or less than 0 if it does not act.
   double soft_of_positions() const { return acts ? soft : -1; }
   /// Returns what velocities at the end still find: soft of a row that holds them, or less than 0 for none.

@@ -18,7 +18,8 @@ std::size_t ClusterStepper::count_pushes() const {
 /// Factorises the island's matrix with the ground's slopes of the last look, for positions or for velocities
 /// at the end.
 bool ClusterStepper::factor_on_ground(Island& island, bool is_end) {
-  island.state->assemble_with_elastics([&](std::size_t i) {
+  const std::span<const Vec3> at = is_end ? island.state->x : island.directions();
+  island.state->assemble_with_elastics(at, [&](std::size_t i) {
     const ElasticStep& step = island.elastics[i];
     return is_end ? step.soft_at_end() : step.soft_of_positions();
   });
@@ -32,10 +33,11 @@ bool ClusterStepper::start_on_ground(Island& island) {
   const Linkage& linkage = *state.linkage;
   const std::span<double> right = island.right();
   for (std::size_t k = 0; k < state.x.size(); ++k) island.there[k] = state.x[k] + island.d[k];
+  turn(island);
   island.ground.begin_positions(loose_, tight_);
   island.ground.look(linkage, island.d, true);
   if (!factor_on_ground(island, false)) return false;
-  linkage.targets(state.x, island.d, island.there, right);
+  linkage.targets(island.directions(), island.d, island.there, right);
   linkage.put(island.momentum, right);
   aim_elastics(island);
   island.ground.add_pushes(linkage, right);
@@ -62,6 +64,7 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   island.ground.aim(island.step);
   const double share = island.ground.share_of(state.inertia_product(island.step));
   island.ground.take(share);
+  take_lag(island, share);
   pull_elastics(island, share);
   island.take_pulls(island.pulls, 1, share);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) {

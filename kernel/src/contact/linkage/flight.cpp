@@ -101,6 +101,14 @@ void Flight::take_forbidden(LinkageState& state) {
   if (state.pulls.counts) linkage.count_pulls(state.x, pulls_, 1, state.pulls);
 }
 
+void Flight::follow_anchors(LinkageState& state) {
+  const auto now = std::span(state.v).subspan(state.linkage->movable());
+  if (std::equal(now.begin(), now.end(), state.anchors_went.begin())) return;
+  std::copy(now.begin(), now.end(), state.anchors_went.begin());
+  unknowns_.assign(state.linkage->plan().columns(), simd::Quad{});
+  if (state.factored || state.factor()) take_forbidden(state);
+}
+
 /// Brings positions onto the constraints by the factors of the last stage, and velocities by those there.
 bool Flight::land(LinkageState& state, Tally& report) {
   const Linkage& linkage = *state.linkage;

@@ -17,6 +17,8 @@ class Flight {
   /// Takes one step of `h` (s); the order is 4 or 6. Returns false if constraints are not kept; then nothing
   /// has moved.
   bool step(LinkageState& state, std::uint32_t order, double h, Tally& report);
+  /// Takes from velocities what constraints forbid, where anchors have changed theirs since the last substep.
+  void follow_anchors(LinkageState& state);
 
  private:
   static constexpr std::size_t most_stages = 7;

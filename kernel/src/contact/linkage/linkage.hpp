@@ -250,6 +250,12 @@ class Linkage {
   /// order.
   void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
                std::span<double> right) const;
+  /// Adds what multipliers of constraints at `x` pull with to momenta of movable particles, -J(x)ᵀ of them,
+  /// but for those of pins. It is linear in `x`, so that the way from one configuration to another tells how
+  /// pulls turn.
+  void add_pulls(std::span<const Vec3> x, std::span<const double> multipliers, std::span<Vec3> out) const;
+  /// Returns by how much momenta (kg m) would move a movable particle at most, if it were alone (m).
+  double largest_move(std::span<const Vec3> momenta) const;
   /// Writes -J v of some particles into the places of `right`. That of the fixed ones is what constraints
   /// must do about anchors that move. Elastics get 0.
   void rates(std::span<const Vec3> x, std::span<const Vec3> v, Range of, std::span<double> right) const;

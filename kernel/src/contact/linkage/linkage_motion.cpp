@@ -148,6 +148,35 @@ void Linkage::targets(std::span<const Vec3> x, std::span<const Vec3> d, std::spa
   }
 }
 
+void Linkage::add_pulls(std::span<const Vec3> x, std::span<const double> multipliers,
+                        std::span<Vec3> out) const {
+  const auto add = [&](std::uint32_t particle, Vec3 by) {
+    if (particle < movable_) out[particle] += by;
+  };
+  for (const RodRow& rod : rods_) {
+    const Vec3 by = (multipliers[rod.row - 3 * movable_] * rod.over2) * (x[rod.b] - x[rod.a]);
+    add(rod.a, by);
+    add(rod.b, -1.0 * by);
+  }
+  for (const DotRow& each : dots_) {
+    const double by = -multipliers[each.row - 3 * movable_] * each.over;
+    const Vec3 u = by * each.u.of(x), v = by * each.v.of(x);
+    for (std::uint32_t i = 0; i < each.u.count; ++i)
+      add(each.u.terms[i].particle, each.u.terms[i].weight * v);
+    for (std::uint32_t i = 0; i < each.v.count; ++i)
+      add(each.v.terms[i].particle, each.v.terms[i].weight * u);
+  }
+}
+
+double Linkage::largest_move(std::span<const Vec3> momenta) const {
+  double square = 0;
+  for (std::uint32_t i = 0; i < movable_; ++i) {
+    const Vec3 by = (1 / masses_[i]) * momenta[i];
+    square = std::max(square, dot(by, by));
+  }
+  return std::sqrt(square);
+}
+
 void Linkage::rates(std::span<const Vec3> x, std::span<const Vec3> v, Range of,
                     std::span<double> right) const {
   for (const Elastic& each : elastics_) right[plan_.position(each.row)] = 0;

@@ -28,6 +28,7 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
     x.push_back(particle.position);
     v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
   }
+  anchors_went.assign(kind.particles() - kind.movable(), Vec3{});
   elastic_numbers.assign(laws.size(), 0);
   if (kind.breaks()) broken.assign(kind.giving_rods(), 0);
   stiffness.assign(kind.taut_rods(), 0);

@@ -9,6 +9,7 @@
 
 #include "contact/linkage/linkage.hpp"
 #include "contact/shapes/bounds.hpp"
+#include "plumb/settings.hpp"
 
 namespace plumb::detail {
 
@@ -23,6 +24,7 @@ struct KeptContact {
 struct LinkageMotion {
   std::vector<Vec3> x, v;          ///< m and m/s; fixed particles too
   std::vector<Vec3> acceleration;  ///< (displacement of the last substep - h v)/h², m/s²
+  std::vector<Vec3> anchors_went;  ///< m/s, in the last substep, by which its velocities are
   std::vector<KeptContact> kept;
   bool asleep = false;
   bool frozen = false;
@@ -54,8 +56,9 @@ struct LinkageState : LinkageMotion {
   /// How a pull of one moves each elastic where find_gives() was called last, in 1/kg or 1/(kg m²).
   std::vector<double> gives;
   std::vector<Linkage::AngleRule> angle_rules;
-  std::vector<simd::Block> factors;  ///< of the matrix at x
-  std::uint32_t number;              ///< the island's number
+  std::vector<simd::Block> factors;   ///< of the matrix at x
+  std::uint32_t number;               ///< the island's number
+  Gradient gradient = Gradient::old;  ///< where it is solved
   bool factored = false;
   std::vector<double> wave_inertia_at;  ///< kg, of particles: the sum of that of their rods
   std::vector<double> wave_inertia;  ///< kg, of taut rods in the substep under way; see find_wave_inertia()
@@ -102,23 +105,28 @@ struct LinkageState : LinkageMotion {
 
   /// Factorises the matrix at x, without elastics. Returns false if it has no factors.
   bool factor() {
-    assemble();
+    assemble(x);
     return factored = linkage->plan().factor(factors);
   }
-  /// Factorises it with elastics: soft(i) is 1/kg or 1/(kg m²), or less than 0 for one that takes no part.
+  /// Factorises it with elastics, and with directions at x or where else they are to be taken: soft(i) is
+  /// 1/kg or 1/(kg m²), or less than 0 for one that takes no part.
   template <class Soft>
   bool factor_with_elastics(Soft&& soft) {
-    assemble_with_elastics(soft);
+    return factor_with_elastics(x, soft);
+  }
+  template <class Soft>
+  bool factor_with_elastics(std::span<const Vec3> at, Soft&& soft) {
+    assemble_with_elastics(at, soft);
     return linkage->plan().factor(factors);
   }
-  /// Writes that matrix into its factors.
+  /// Writes that matrix into its factors, with directions in a configuration.
   template <class Soft>
-  void assemble_with_elastics(Soft&& soft) {
-    assemble();
+  void assemble_with_elastics(std::span<const Vec3> at, Soft&& soft) {
+    assemble(at);
     const std::span<const Elastic> elastics = linkage->elastics();
     for (std::size_t i = 0; i < elastics.size(); ++i)
       if (const double own = soft(i); own >= 0)
-        linkage->couple(elastics[i], linkage->slope(elastics[i], x), std::max(own, least_soft(i)), factors);
+        linkage->couple(elastics[i], linkage->slope(elastics[i], at), std::max(own, least_soft(i)), factors);
     factored = false;
   }
   /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`, and
@@ -154,9 +162,9 @@ struct LinkageState : LinkageMotion {
  private:
   /// What is rigid has this share of its particles' response on the diagonal, or something where none moves.
   double least_soft(std::size_t i) const { return gives[i] > 0 ? 1e-11 * gives[i] : 1; }
-  void assemble() {
+  void assemble(std::span<const Vec3> at) {
     factors.resize(linkage->plan().blocks());
-    linkage->assemble(x, factors);
+    linkage->assemble(at, factors);
     if (!wave_inertia.empty()) linkage->add_wave_inertia(wave_inertia, factors);
   }
 

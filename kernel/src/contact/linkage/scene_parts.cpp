@@ -164,6 +164,18 @@ bool is_plain(const Scene& part) {
   return layouts::find_islands(rods.view()).count() == 1;
 }
 
+void lump_masses(Scene& part) {
+  for (std::size_t i = 0; i < part.rods.size(); ++i) {
+    const RodMass mass = rod_mass(part, i, MassModel::lumped);
+    part.particles[part.rods[i].a].mass += mass.aa;
+    part.particles[part.rods[i].b].mass += mass.bb;
+  }
+  for (Rod& rod : part.rods) {
+    rod.mass = 0;
+    rod.inertia.reset();
+  }
+}
+
 std::vector<double> likeness(const Scene& part) {
   return Likeness(part).numbers();
 }

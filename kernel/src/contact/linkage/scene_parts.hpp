@@ -56,6 +56,9 @@ class SceneParts {
 /// Returns whether an island has nothing but particles, rods that hold it together, and shapes on its
 /// particles or between the ends of rods. Solvers of particles and rods can move it where nothing touches it.
 bool is_plain(const Scene& part);
+/// Gives the mass of rods to their ends, as the solver of their home does, so that an island weighs the same
+/// in both solvers.
+void lump_masses(Scene& part);
 
 /// Returns everything about an island but where it is, as numbers. Islands with equal numbers are of one
 /// kind.

@@ -22,14 +22,14 @@ std::uint32_t ClusterStepper::break_rods(Island& island, double h) {
   });
 }
 
-void ClusterStepper::find_overload(double h) {
+void ClusterStepper::find_overload() {
   overload_ = {};
   double most = 1;
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& island = islands_[i];
     for (std::size_t k = 0; island.awake && k < island.state->broken.size(); ++k) {
       const ElasticStep& step = island.elastics[k];
-      const double share = -2 * step.p / (h * h * island.state->laws[k].strength);
+      const double share = -step.p / (step.kick * island.state->laws[k].strength);
       if (!step.acts || !std::isfinite(share) || share <= most) continue;
       most = share;
       overload_ = {island.state, k};
@@ -49,17 +49,18 @@ bool ClusterStepper::break_overload(Tally& report) {
 void ClusterStepper::count_pulls(Island& island, double h) const {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  linkage.count_pulls(island.there, island.pulls, 1 / h, state.pulls);
+  const std::span<const Vec3> along = island.theta > 0 ? island.at : island.there;
+  linkage.count_pulls(along, island.pulls, (island.theta == 0.5 ? 2 : 1) / h, state.pulls);
   linkage.count_pulls(state.x, island.end_pulls, 1, state.pulls);
   for (std::size_t i = 0; i < state.laws.size(); ++i) {
     if (!island.elastics[i].acts) continue;
     const auto [start, end] = impulses_of(island, i, h);
-    linkage.count_pull(i, island.there, start, state.pulls);
+    linkage.count_pull(i, along, start, state.pulls);
     linkage.count_pull(i, state.x, end, state.pulls);
   }
   const auto near = [&](std::size_t i) { return island.elastics[i].start; };
-  state.count_motors(0.5 * h, island.there, near);
-  state.count_motors(0.5 * h, state.x, near);
+  state.count_motors((island.theta == 1 ? 1 : 0.5) * h, island.there, near);
+  if (island.theta == 0) state.count_motors(0.5 * h, state.x, near);
 }
 
 /// Adds what a contact, or a limit or the friction of an angle, pushed with.

@@ -9,7 +9,7 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-/// Begins a substep from Island::there, and factorises the matrix of its positions.
+/// Begins a substep from Island::there.
 void ClusterStepper::begin_elastics(Island& island, double h) const {
   LinkageState& state = *island.state;
   const std::span<const Elastic> elastics = state.linkage->elastics();
@@ -26,9 +26,8 @@ void ClusterStepper::begin_elastics(Island& island, double h) const {
       const bool may_pull = std::max(there, step.start) >= (1 - exact) * law.rest;
       step.acts = step.acts && (keeps_slack_ ? was_taut : may_pull);
     }
-    if (step.acts) step.begin(law, state.gives[i], h);
+    if (step.acts) step.begin(law, state.gives[i], h, island.theta == 1);
   }
-  state.factor_with_elastics([&](std::size_t i) { return island.elastics[i].soft_of_positions(); });
 }
 
 /// Writes what rows of elastics ask of a solution near Island::d, as Linkage::targets() does for constraints.
@@ -40,7 +39,7 @@ void ClusterStepper::aim_elastics(Island& island) {
     const Elastic& elastic = linkage.elastics()[i];
     if (!step.acts) continue;
     const double along =
-        Linkage::rate(elastic, linkage.slope(elastic, state.x), island.d, linkage.movable_ones());
+        Linkage::rate(elastic, linkage.slope(elastic, island.directions()), island.d, linkage.movable_ones());
     const double off = linkage.number(elastic, island.there, step.start) - state.laws[i].rest;
     island.right()[linkage.plan().position(elastic.row)] = along - off - step.before;
   }
@@ -83,7 +82,7 @@ void ClusterStepper::end_elastics(Island& island, double h) {
     const Elastic& elastic = linkage.elastics()[i];
     ElasticStep& step = island.elastics[i];
     if (!step.acts) continue;
-    step.end_push = step.p / h;
+    step.end_push = island.theta == 1 ? 0 : step.p / h;
     linkage.push_along(elastic, linkage.slope(elastic, state.x), step.end_push, island.impulse);
     // What is damped goes on as it goes. What is stiff has come to rest.
     step.end_rate = step.damped / h * (linkage.number(elastic, state.x, step.start) - step.start);

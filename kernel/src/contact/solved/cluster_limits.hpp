@@ -52,6 +52,8 @@ inline constexpr double let_be = 1e-6;
 inline constexpr double exact = 1e-8;
 /// Islands with elastics go on to this, as far as rounding lets them. Larger values let their energy drift.
 inline constexpr double exact_if_elastic = 1e-12;
+/// Gradient mid goes on as far as rounding lets it, and its energy drifts with what is left.
+inline constexpr double exact_if_mid = 1e-16;
 /// Cables are let go or taken up at most so often in a substep. Few substeps need more than two.
 inline constexpr int most_switches = 8;
 /// A substep makes at most so many corrections of its constraints.
@@ -69,6 +71,9 @@ inline constexpr double rough = 0.3;
 /// A substep sweeps its contacts at most this often before the first correction, and a quarter as often after
 /// one.
 inline constexpr int most_sweeps = 60;
+/// Where directions are not those of the start, what sweeps change turns pulls, so that corrections wait for
+/// them. After so many, sweeps go on only while they change more than is let be in the end.
+inline constexpr int most_turning_sweeps = 3;
 /// Velocities after contact are swept and corrected in at most this many rounds.
 inline constexpr int most_rounds = 4;
 /// A place counts as held if a push moves it by less than this share of what it would move a free linkage by.

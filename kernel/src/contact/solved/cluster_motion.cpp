@@ -61,6 +61,7 @@ void ClusterStepper::finish(double h, bool touched) {
     if (!island.awake) continue;
     LinkageState& state = *island.state;
     const Linkage& linkage = *state.linkage;
+    if (island.theta > 0 && end_turned(island, h, touched)) continue;
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = (1 / h) * island.d[k];
     if (!island.ground.is_empty()) {
       island.ground.follow_round(state);
@@ -72,7 +73,8 @@ void ClusterStepper::finish(double h, bool touched) {
     state.add_motors(island.force);
     island.impulse.resize(linkage.movable());
     state.momenta(island.v, island.impulse);
-    for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.impulse[k] += (0.5 * h) * island.force[k];
+    for (std::uint32_t k = 0; island.theta == 0 && k < linkage.movable(); ++k)
+      island.impulse[k] += (0.5 * h) * island.force[k];
     end_elastics(island, h);
     std::fill(island.push.begin(), island.push.end(), Lanes{});
     if (island.sides.empty() || !touched) find_velocities(island);
@@ -90,7 +92,9 @@ void ClusterStepper::bounce(double h) {
   for (Row& row : rows_) {
     if (!row.follows_normal()) pushes = row.p != 0;
     const bool lasts = row.kind != Kind::brake && row.bounce == 0;
-    if (!row.held || !pushes) row.q = lasts ? 0.5 / h * row.p : 0;
+    // Gradient new has pushed all it is to push by then.
+    const bool is_over = islands_[row.island[0]].theta == 1;
+    if (!row.held || !pushes) row.q = lasts && !is_over ? 0.5 / h * row.p : 0;
     // Speeds follow from find_velocities().
     for (std::uint32_t i = 0; i < row.ends; ++i) row.end[i].push[row.end[i].side] += row.q;
   }
@@ -167,6 +171,7 @@ void ClusterStepper::scale_loose_motion(double by) {
 // It returns false if more energy was gained than there is motion, so that something was lifted. If no
 // shorter substep is to be tried, all motion stops instead.
 bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, Tally& report) {
+  if (keeps_energy()) return true;
   double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
   bool free = count_ == 1 && !touched, driven = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -179,7 +184,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     for (const Vec3 force : state.force) pull += norm(force);
     weight += pull * state.linkage->size();
     now += kinetic + state.linkage->potential(state.x, state.force);
-    free = free && !state.linkage->has_air();
+    free = free && !state.linkage->has_air() && island.theta == 0;
     driven = driven || !state.laws.empty();
     for (std::size_t k = state.linkage->movable(); k < state.v.size(); ++k)
       driven = driven || state.v[k] != Vec3{};

@@ -230,7 +230,8 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   // A correction may have changed contacts too little to matter. Sweeping then would only disturb
   // constraints again.
   double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
-  if (left <= still_) return left;
+  const bool is_late = correction >= most_turning_sweeps && turns();
+  if (left <= (is_late ? 10 : 1) * still_) return left;
   const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
   left = sweep_positions<Sweep::pushes>();
   const double till = std::max(still_, rough * left);
@@ -255,8 +256,9 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   if (linkage.constraints() == 0 && state.laws.empty() && !on_ground) return true;
   const std::span<double> right = island.right();
   std::fill(right.begin(), right.end(), 0.0);
-  const double violation = std::max(linkage.violations(island.there, right), elastic_misfit(island));
-  const double wanted = state.laws.empty() ? exact : exact_if_elastic;
+  double violation = std::max(linkage.violations(island.there, right), elastic_misfit(island));
+  if (island.theta > 0) violation = std::max(violation, add_lag(island));
+  const double wanted = island.theta == 0.5 ? exact_if_mid : state.laws.empty() ? exact : exact_if_elastic;
   progress.violation = std::max(progress.violation, violation);
   progress.to_do = std::max(progress.to_do, violation / wanted);
   if (on_ground) island.ground.look(linkage, island.d, correction < bounds_follow_for);
@@ -269,6 +271,7 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
     if (!correct_on_ground(island)) return false;
   } else {
     linkage.plan().solve(state.factors, island.unknowns);
+    take_lag(island, 1);
     pull_elastics(island, 1);
     island.take_pulls(island.pulls, 1, 1);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) {

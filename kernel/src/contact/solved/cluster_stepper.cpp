@@ -168,6 +168,8 @@ void ClusterStepper::start(Island& island, double h) {
   const Linkage& linkage = *state.linkage;
   const std::uint32_t movable = linkage.movable();
   island.is_predicted = false;
+  island.theta = theta_of_substep(state);
+  if (island.theta == 0.5) flight_.follow_anchors(state);
   island.d.resize(state.x.size());
   island.there.resize(state.x.size());
   island.v.resize(state.x.size());
@@ -175,14 +177,19 @@ void ClusterStepper::start(Island& island, double h) {
   island.force.resize(movable);
   // The last island's numbers may not be finite, nor zero where no unknown is.
   island.unknowns.assign(linkage.plan().columns(), simd::Quad{});
-  if (state.pulls.counts || linkage.breaks() || linkage.taut_rods() > 0) {
+  if (state.pulls.counts || linkage.breaks() || linkage.taut_rods() > 0 || island.theta > 0) {
     island.pulls.assign(linkage.constraints() + linkage.elastics().size(), 0);
     island.end_pulls.assign(island.pulls.size(), 0);
   } else {
     island.pulls.clear();
     island.end_pulls.clear();
   }
-  state.slow_waves(h);
+  if (island.theta == 0) {
+    state.slow_waves(h);
+  } else {  // directions that turn within a substep follow waves, and those at its start are not known then
+    state.free_waves();
+    state.forget_tautness();
+  }
   const double kept = linkage.kept(0.5 * h);
   // The island starts about where the pulls of the last substep would take it again. Constraints are then
   // bent only by what differs from that.
@@ -200,8 +207,10 @@ void ClusterStepper::start(Island& island, double h) {
   linkage.forces(state.x, island.v, state.force, island.force);
   state.add_motors(island.force);
   state.momenta(island.v, island.momentum);
+  island.h = h;
+  island.kick = island.theta == 1 ? h * h : 0.5 * h * h;
   for (std::uint32_t i = 0; i < movable; ++i)
-    island.momentum[i] = h * island.momentum[i] + (0.5 * h * h) * island.force[i];
+    island.momentum[i] = h * island.momentum[i] + island.kick * island.force[i];
   if (!state.on_ground) predict(island);
 }
 
@@ -209,9 +218,14 @@ void ClusterStepper::start(Island& island, double h) {
 void ClusterStepper::predict(Island& island) {
   LinkageState& state = *island.state;
   const Linkage& linkage = *state.linkage;
-  if (state.laws.empty() && !state.factored) state.factor();
+  turn(island);
+  if (island.theta > 0 || !state.laws.empty())
+    state.factor_with_elastics(island.directions(),
+                               [&](std::size_t i) { return island.elastics[i].soft_of_positions(); });
+  else if (!state.factored)
+    state.factor();
   const std::span<double> right = island.right();
-  linkage.targets(state.x, island.d, island.there, right);
+  linkage.targets(island.directions(), island.d, island.there, right);
   linkage.put(island.momentum, right);
   aim_elastics(island);
   linkage.plan().solve(state.factors, island.unknowns);
@@ -225,6 +239,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   all_near_ = false;
   find_stillness(h);
   keeps_slack_ = false;
+  may_touch_ = is_held();
   switches_ = 0;
   missed_ground_.clear();
   bool is_found = find_sound_positions(h, report);
@@ -262,8 +277,9 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
       state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
+    std::copy(state.v.begin() + state.linkage->movable(), state.v.end(), state.anchors_went.begin());
     if (state.pulls.counts) count_pulls(islands_[i], h);
-    state.follow_tautness(island.pulls, h);
+    if (island.theta == 0) state.follow_tautness(island.pulls, h);
     state.follow_elastics();
   }
   if (touched) count_pushes(h);
@@ -298,7 +314,8 @@ void ClusterStepper::find_stillness(double h) {
 bool ClusterStepper::learn_tautness(double h) {
   bool slows = false;
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake) slows = islands_[i].state->learn_tautness(islands_[i].pulls, h) || slows;
+    if (islands_[i].awake && islands_[i].theta == 0)
+      slows = islands_[i].state->learn_tautness(islands_[i].pulls, h) || slows;
   return slows;
 }
 
@@ -352,6 +369,7 @@ bool ClusterStepper::find_positions(double h, Tally& report) {
         start(islands_[i], h);
       }
   } while (woken_);
+  if (leaves_middle()) return find_positions(h, report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].ground.is_empty() && !start_on_ground(islands_[i])) return false;
   if (!rows_.empty()) find_responses(false);

@@ -34,6 +34,11 @@ ContactSettings scaled(ContactSettings settings);
 /// with friction in Coulomb's cone. Then velocities d/h + h/2 M⁻¹f are projected onto the constraints at the
 /// end. Where there was contact, they bounce or come to rest.
 ///
+/// Gradients mid and new take constraints in its middle or at its end (Island::theta). The factors then lie
+/// where the last substep lets expect, and corrections make up for what pulls turn by from there. Mid gets
+/// its velocities, 2 d/h - v, without a projection, and acts where nothing pushes. New takes d/h, projected
+/// where something does.
+///
 /// Elastics have rows of their own, see ElasticStep. Their matrix differs for positions and velocities, so
 /// that islands with them take two factorisations.
 ///
@@ -42,8 +47,8 @@ ContactSettings scaled(ContactSettings settings);
 /// many places holds those contacts in its own matrix instead, see GroundContacts.
 ///
 /// Without elastics energy does not rise. What a substep would gain is taken from the motion that is not that
-/// of a rigid whole, which keeps momentum and angular momentum. In free flight what it would lose is given
-/// back.
+/// of a rigid whole, which keeps momentum and angular momentum. In free flight gradient old gets back what it
+/// would lose.
 class ClusterStepper final : public ClusterMover {
  public:
   /// The settings are scaled already (scaled()). `relaxed` moves what cannot be solved, if given, and what
@@ -143,6 +148,13 @@ class ClusterStepper final : public ClusterMover {
     Bounds bounds{};
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
+    /// Where on the way from the start of a substep (0) to its end (1) constraints' directions are taken.
+    double theta = 0;
+    double h = 0, kick = 0;            ///< s and s², by which forces count in that substep
+    std::vector<Vec3> at;              ///< m, where directions of the factors are, if theta is not 0
+    std::vector<Vec3> along;           ///< m, where they are to be
+    std::vector<Vec3> bent;            ///< kg m, by how much they pull otherwise there, as far as d has it
+    std::vector<Vec3> lag;             ///< kg m, what d lacks of that
     std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
     /// Multipliers of constraints and elastics, kg m and kg m/s or without the metre, if pulls count.
     std::vector<double> pulls, end_pulls;
@@ -161,6 +173,8 @@ class ClusterStepper final : public ClusterMover {
     std::vector<Lanes> sum;       ///< of responses
 
     std::span<double> right() { return numbers(unknowns); }
+    /// Returns where the directions of the factors of positions are.
+    std::span<const Vec3> directions() const { return theta > 0 ? at : state->x; }
     /// Keeps a share of multipliers and adds another of those that a solve has found.
     void take_pulls(std::vector<double>& to, double keep, double by) {
       for (double& each : to) each *= keep;
@@ -209,6 +223,17 @@ class ClusterStepper final : public ClusterMover {
   bool fly(std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
   void predict(Island& island);
+  double theta_of_substep(const LinkageState& state) const;
+  bool is_held() const;
+  bool leaves_middle();
+  bool turns() const;
+  static void turn(Island& island);
+  static void add_turned_elastics(Island& island);
+  static void add_turned_air(Island& island);
+  static double add_lag(Island& island);
+  static void take_lag(Island& island, double share);
+  static bool end_turned(Island& island, double h, bool touched);
+  bool keeps_energy() const;
   static bool factor_on_ground(Island& island, bool is_end);
   bool start_on_ground(Island& island);
   /// Says how far corrections of all islands are.
@@ -315,7 +340,7 @@ class ClusterStepper final : public ClusterMover {
   static std::uint32_t break_rods(Island& island, double h);
   /// Remembers the rod that is pulled farthest beyond its strength in a substep that is not solved. If
   /// shorter ones are not either, rods do not fit together.
-  void find_overload(double h);
+  void find_overload();
   /// Breaks that rod then. Returns whether there was one.
   bool break_overload(Tally& report);
   void count_pulls(Island& island, double h) const;
@@ -355,6 +380,7 @@ class ClusterStepper final : public ClusterMover {
   };
   std::vector<MissedGround> missed_ground_;
   bool woken_ = false, all_near_ = false;
+  bool may_touch_ = false;    ///< something pushes in this substep, or is near enough to
   bool is_fitted_ = false;    ///< rods were brought to their lengths in this step
   bool loose_ = false;        ///< ground grips loosely, since nothing was found with its whole grip
   bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try

@@ -22,7 +22,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   double halved = h;
   while (!substep(surroundings, h, report)) {
     if (std::exchange(try_tighter_, false)) continue;
-    if (h == whole && !was_loose) find_overload(h);
+    if (h == whole && !was_loose) find_overload();
     if (!was_loose && is_on_ground() && (h <= few_cuts * whole || is_landing())) {
       loose_ = was_loose = true;
       ++report.fallbacks;

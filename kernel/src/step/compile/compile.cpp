@@ -124,7 +124,7 @@ class Compiler {
         if (!scene_.particles[particle].fixed) is_jointed_[particle] = 1;
     }
     start_.projected_velocity = contact_->project_initial_velocities();
-    out_.info.direct_gradient = Gradient::old;
+    out_.info.direct_gradient = settings_.gradient.value_or(Gradient::old);
   }
 
   /// Makes solvers for islands with bodies or joints by a method that needs no contact solver for them.
@@ -215,9 +215,6 @@ class Compiler {
     const auto of = [&] { return "particle " + std::to_string(particle) + why; };
     if (!method_row(settings_.method).moves_joints)
       refuse(of(), "method ", to_string(settings_.method), " cannot move; direct and auto can");
-    if (settings_.gradient && *settings_.gradient != Gradient::old)
-      refuse(of(), "gradient ", to_string(*settings_.gradient),
-             " does not know: their constraints are projected along those of the start (gradient old)");
     if (settings_.mass == MassModel::lumped)
       refuse(of(), "mass lumped does not know: bodies need their inertia");
   }
