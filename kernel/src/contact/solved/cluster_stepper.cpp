@@ -101,7 +101,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
 /// Whether nothing is near the only island in a substep.
 bool ClusterStepper::is_alone(const Surroundings& surroundings, double h) const {
   const LinkageState& state = *islands_[0].state;
-  return state.linkage->balls().empty() ||
+  return !state.linkage->has_shapes() ||
          (!state.linkage->neighbors().any_may_touch() &&
           !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin),
                                    state.linkage->filters()));
