@@ -43,7 +43,7 @@ TEST(FallingRope, LandsInAsManyNewtonStepsWhateverItsLength) {
     EXPECT_EQ(fall.total.unsolved, 0u);
     EXPECT_LT(fall.strain, 1e-6);
     EXPECT_LT(fall.depth, 1e-3);
-    EXPECT_GE(fall.total.contacts, links);
+    EXPECT_GE(fall.total.contact_points, links);
   }
 }
 

@@ -592,7 +592,7 @@ TEST(GuardedEnergy, IsNoneOfConservativeMechanisms) {
   EXPECT_EQ(alone.trimmed_energy, 0u);
   World pair(near_pendulums(), test::body_settings(4));
   const StepReport near = test::run(pair, frame, 240);
-  EXPECT_EQ(near.contacts, 0u);
+  EXPECT_EQ(near.contact_points, 0u);
   EXPECT_EQ(near.guarded_energy, 0u);
   EXPECT_GT(near.trimmed_energy, 0u) << "half of those that are solved together, as errors have either sign";
 }

@@ -127,7 +127,7 @@ TEST(SelfContact, IsThatOfTwoIslands) {
     std::uint64_t contacts = 0;
     for (int i = 0; i < 30; ++i) {
       two.step(frame);
-      contacts += one.step(frame).contacts;
+      contacts += one.step(frame).contact_points;
     }
     EXPECT_GT(contacts, 0u);
     double most = 0, turned = 0;
@@ -178,7 +178,7 @@ TEST(SelfContact, KeepsMomentum) {
       double energy = test::energy_of(scene, world).total();
       std::uint64_t contacts = 0;
       for (int i = 0; i < 40; ++i) {
-        contacts += world.step(frame).contacts;
+        contacts += world.step(frame).contact_points;
         const double now = test::energy_of(scene, world).total();
         EXPECT_LE(now, energy * (1 + 1e-6)) << i;
         energy = now;
@@ -199,7 +199,7 @@ TEST(SelfContact, KeepsMomentumRelaxed) {
     World world(scene, {.method = Method::relax, .precision = precision, .substeps = 8, .threads = 1});
     const auto before = test::momentum_of(scene, world);
     std::uint64_t contacts = 0;
-    for (int i = 0; i < 40; ++i) contacts += world.step(frame).contacts;
+    for (int i = 0; i < 40; ++i) contacts += world.step(frame).contact_points;
     EXPECT_GT(contacts, 0u);
     // Float rounds 20 particles' speeds of 1 m/s some 1e4 times.
     const double rounding = precision == Precision::single ? 1e-4 : 1e-12;

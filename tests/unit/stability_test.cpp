@@ -205,7 +205,7 @@ TEST(Stability, WhatLandsComesToRest) {
     EXPECT_LT(result.depth_max, 0.1) << to_string(scene);
     EXPECT_GT(result.energy_drift, 0.5) << to_string(scene);
     EXPECT_LT(result.energy_gain, 1e-6) << to_string(scene);
-    EXPECT_GT(result.total.contacts, 0u) << to_string(scene);
+    EXPECT_GT(result.total.contact_points, 0u) << to_string(scene);
   }
 }
 

@@ -288,11 +288,11 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
-  report.contacts = std::max<std::uint64_t>(
-      report.contacts, count_pushes() + static_cast<std::uint64_t>(
-                                            std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
-                                              return row.kind == Kind::normal && row.p > 0;
-                                            })));
+  report.contact_points = std::max<std::uint64_t>(
+      report.contact_points, count_pushes() + static_cast<std::uint64_t>(std::count_if(
+                                                  rows_.begin(), rows_.end(), [](const Row& row) {
+                                                    return row.kind == Kind::normal && row.p > 0;
+                                                  })));
   return true;
 }
 
