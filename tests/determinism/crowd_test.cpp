@@ -19,7 +19,7 @@ std::uint64_t crowd_after_300_frames(unsigned threads, Executor* executor = null
   World world(scenes::load_scene("crowd:humanoids=64,hit=16"), settings);
   EXPECT_EQ(world.info().threads, threads);
   const StepReport report = test::run(world, test::frame, 300);
-  EXPECT_GT(report.contacts, 4u) << "in one cluster at once";
+  EXPECT_GT(report.contact_points, 4u) << "in one cluster at once";
   return world.state_hash();
 }
 

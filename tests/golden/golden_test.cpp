@@ -49,7 +49,7 @@ TEST_P(Golden, BitsAreThoseOfTheTable) {
           run_row(row, {.isa = isa, .threads = threads, .executor = threads == 2 ? &eager : nullptr});
       ASSERT_TRUE(got.finite) << row.name;
       ASSERT_EQ(got.total.frozen_islands, 0u) << row.name;
-      ASSERT_TRUE(!got.has_shapes || got.total.contacts > 0) << row.name << ": nothing touched";
+      ASSERT_TRUE(!got.has_shapes || got.total.contact_points > 0) << row.name << ": nothing touched";
       ASSERT_NE(got.hashes.motion, got.before.motion) << row.name << ": nothing moved";
       if (first) fresh.wanted = got.hashes;
       agree = agree && got.hashes == fresh.wanted;

@@ -33,7 +33,7 @@ TEST(ContactSettings, LengthScaleMakesUnitsAMatterOfChoice) {
   World scaled(in_units(scale), settings);
   for (int step = 0; step < 90; ++step) {
     const StepReport report = world.step(frame), report_scaled = scaled.step(frame);
-    EXPECT_EQ(report.contacts, report_scaled.contacts) << step;
+    EXPECT_EQ(report.contact_points, report_scaled.contact_points) << step;
     EXPECT_EQ(report.newton, report_scaled.newton) << step;
   }
   for (std::uint32_t i = 0; i < world.particle_count(); ++i)

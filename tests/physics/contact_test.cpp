@@ -283,7 +283,7 @@ TEST(StickInABox, StaysInsideAtItsLength) {
   double outside = 0, strain = 0;
   std::uint64_t contacts = 0;
   for (int i = 0; i < 1800; ++i) {
-    contacts += world.step(frame).contacts;
+    contacts += world.step(frame).contact_points;
     outside = std::max(outside, test::deepest(scene, world));
     strain = std::max(strain, test::stretch_of(scene, world).max);
   }
@@ -375,7 +375,7 @@ TEST(DrapedChain, NeitherStretchesNorSinks) {
     double strain = 0, depth = -1;
     std::uint64_t contacts = 0;
     for (int i = 0; i < 600; ++i) {
-      contacts += world.step(frame).contacts;
+      contacts += world.step(frame).contact_points;
       strain = std::max(strain, test::stretch_of(scene, world).max);
       depth = std::max(depth, test::deepest(scene, world));
     }

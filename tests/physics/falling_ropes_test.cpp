@@ -43,7 +43,7 @@ TEST(FallingRope, LandsInAsManyNewtonStepsWhateverItsLength) {
     EXPECT_EQ(fall.total.unsolved, 0u);
     EXPECT_LT(fall.strain, 1e-6);
     EXPECT_LT(fall.depth, 1e-3);
-    EXPECT_GE(fall.total.contacts, links);
+    EXPECT_GE(fall.total.contact_points, links);
   }
 }
 
@@ -55,7 +55,8 @@ TEST(FallingRope, CoilsWithoutStretching) {
     EXPECT_EQ(fall.total.unsolved, 0u);
     EXPECT_LE(fall.newton, 1000u) << links;
     EXPECT_LT(fall.strain, 1e-6);
-    // Of 240 rods, 13 turns come down on the lowest one.
+    // Overlaps of 0.5 mm are left (ContactSettings::slop), and a blow may go as deep again. Of 240 rods, 13
+    // turns come down on the lowest one, and press it in by as much once more.
     EXPECT_LT(fall.depth, links == 60 ? 1e-3 : 1.5e-3);
   }
 }

@@ -145,7 +145,9 @@ double hull_depth(const Ground& ground, const Scene& scene, const World& world) 
 }
 
 /// Lets what was added to a ground's scene fall, for `seconds`, in `substeps` a frame. Nothing is ever deeper
-/// than a millimetre, and all sleeps in the end.
+/// than a millimetre, and all sleeps in the end. A millimetre is twice ContactSettings::slop, which is left
+/// of any overlap: as much again is for links and corners that touch elsewhere at a substep's end than at its
+/// start. What lies keeps within the margin of 2 mm, and samples may miss by 1 mm where it does.
 void expect_rest(const Ground& ground, const Scene& scene, double seconds, std::uint32_t substeps = 8) {
   for (const Way& way : all_ways(substeps, true)) {
     SCOPED_TRACE(std::string(ground.name) + ", " + way.name);
@@ -258,7 +260,8 @@ std::vector<Ground> floors(const Surface& surface) {
 }
 
 // A floor of many pieces is a plane to what slides and brakes there. Paths differ by what is left of solving:
-// on solids ropes touch seams twice, and friction is shared otherwise.
+// 1e-5 m is ContactSettings::tolerance, by which a substep may miss a gap. On solids ropes touch seams twice,
+// and friction is shared otherwise; 1e-3 m, of ways of up to a metre, is a bound on what was measured there.
 TEST(Ground, FloorsOfManyPiecesArePlanes) {
   const Surface surface{.friction = 0.3};
   Scene plane;
@@ -296,7 +299,8 @@ TEST(Ground, FloorsOfManyPiecesTakeNoEnergy) {
     }
 }
 
-// The forces on a box that lies on a mesh are its weight.
+// The forces on a box that lies on ground are its weight. In a substep sweeps may leave 4e-3 of what gravity
+// does (sweep_tolerance), with either sign; the mean over a second may be off by half of that.
 TEST(Ground, PushesWithTheWeight) {
   for (const Ground& ground : all_grounds()) {
     SCOPED_TRACE(ground.name);
@@ -314,7 +318,9 @@ TEST(Ground, PushesWithTheWeight) {
   }
 }
 
-// A tower of boxes stands and sleeps, one above the other; a ball and a rod lie on the topmost.
+// A tower of boxes stands and sleeps, one above the other; a ball and a rod lie on the topmost. Each of the
+// six contacts below them may keep an overlap of the slop, 0.5 mm: 3 mm together. One more is for what boxes
+// slide aside while they settle.
 TEST(Hulls, StandOnEachOther) {
   Scene scene;
   const Surface surface{.friction = 0.6};

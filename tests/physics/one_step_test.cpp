@@ -50,7 +50,7 @@ TEST(OneStep, IslandsOutOfReachKeepTheirBits) {
       World with(with_ball, settings), without(alone, settings);
       std::uint64_t contacts = 0;
       for (int i = 0; i < 60; ++i) {
-        contacts += with.step(frame).contacts;
+        contacts += with.step(frame).contact_points;
         without.step(frame);
       }
       EXPECT_GT(contacts, 0u) << to_string(method);

@@ -134,7 +134,7 @@ TEST(RelaxedContact, KeepsMomentumBetweenIslands) {
   World world(scene, relaxed(4, 10));
   const Momentum before = test::momentum_of(scene, world);
   std::uint64_t contacts = 0;
-  for (int i = 0; i < 20; ++i) contacts += world.step(frame).contacts;
+  for (int i = 0; i < 20; ++i) contacts += world.step(frame).contact_points;
   const Momentum after = test::momentum_of(scene, world);
   EXPECT_GT(contacts, 0u);
   EXPECT_LT(norm(after.linear - before.linear), 1e-12);

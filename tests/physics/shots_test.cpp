@@ -1,4 +1,5 @@
-// Random shots: whatever flies, none comes through, and no blow brings energy.
+// Random shots: whatever flies, none of the first 480 comes through where that is promised, nor does a blow
+// bring energy. Of many more a few do, as the page on limits counts them.
 
 #include "stability/shots/shots.hpp"
 
@@ -12,13 +13,11 @@
 namespace plumb {
 namespace {
 
-/// Between islands nothing is swept where contact is relaxed.
-bool is_promised(const scenes::Shot& shot, const scenes::ShotWay& way) {
-  return scenes::is_wall(shot.target) || way.settings.method != Method::relax;
-}
-
 // Radii are from 5 mm to 1 m, speeds up to 100 m/s and steps from 1/240 to 1/15 s. PLUMB_SHOTS says how many
-// shots there are; `plumb stability --shots` fires the same and counts them.
+// shots there are; `plumb stability --shots` fires the same and judges them by the same rule. fly() says what
+// through and gained energy mean. Shots are aimed at their targets, and miss only where a target that turns
+// or flies, or a net's meshes, let them pass: the least share of hits tells that the shots still test
+// something.
 TEST(Shots, NoneComesThrough) {
   const char* const asked = std::getenv("PLUMB_SHOTS");
   const int shots = asked ? std::atoi(asked) : 480;
@@ -26,9 +25,10 @@ TEST(Shots, NoneComesThrough) {
   for (int number = 0; number < shots; ++number) {
     const scenes::Shot shot = scenes::make_shot({static_cast<std::uint64_t>(number)});
     for (const scenes::ShotWay& way : scenes::shot_ways()) {
-      if (!is_promised(shot, way)) continue;
+      if (!scenes::is_promised(shot, way)) continue;
       const scenes::ShotResult result = scenes::fly(shot, way);
-      EXPECT_EQ(result.fault(), "") << "shot " << number << ", " << way.name << ": " << shot.text();
+      EXPECT_EQ(scenes::fault_of(shot, way, result), "")
+          << "shot " << number << ", " << way.name << ": " << shot.text();
       hits += result.hit;
       ++flights;
     }

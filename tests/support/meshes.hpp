@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "scenes/basics/triangles.hpp"
 #include "support/random_trees.hpp"
 
 /// Meshes whose surface is known.
@@ -24,13 +25,7 @@ Mesh landscape(std::uint32_t cells, double size, Height height) {
       const double x = size * (i - 0.5 * cells), z = size * (k - 0.5 * cells);
       out.vertices.push_back({x, height(x, z), z});
     }
-  const std::uint32_t line = cells + 1;
-  for (std::uint32_t k = 0; k < cells; ++k)
-    for (std::uint32_t i = 0; i < cells; ++i) {
-      const std::uint32_t a = k * line + i;
-      out.triangles.push_back({a, a + line, a + line + 1});
-      out.triangles.push_back({a, a + line + 1, a + 1});
-    }
+  out.triangles = scenes::grid_triangles(cells);
   return out;
 }
 

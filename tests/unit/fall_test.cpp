@@ -45,7 +45,7 @@ TEST(Fall, KeepsTheInstantsThatAreShown) {
   EXPECT_EQ(result.shown[1].t, 10.0 / 60);
   EXPECT_GT(result.shown[0].positions[0].y, result.shown[2].positions[0].y);
   EXPECT_EQ(result.rods, 10u);
-  EXPECT_GT(result.total.contacts, 0u);
+  EXPECT_GT(result.total.contact_points, 0u);
   EXPECT_LE(result.median_s, result.worst_s);
   EXPECT_GE(result.depth, result.last_depth);
 }

@@ -34,8 +34,8 @@ TEST(Stability, DefaultGridIsTheTwoPlanesEachCellOnce) {
   EXPECT_EQ(cells.size(), grid.methods.size() * 7 * (5 + 6 - 1));
   std::set<std::tuple<std::string, double, std::uint32_t, double>> seen;
   for (const StabilityCase& c : cells) {
-    EXPECT_TRUE(c.links == grid.at_links || c.dt == grid.at_dt);
-    EXPECT_TRUE(seen.emplace(c.method.name, c.severity, c.links, c.dt).second);
+    EXPECT_TRUE(c.size == grid.at_size || c.dt == grid.at_dt);
+    EXPECT_TRUE(seen.emplace(c.method.name, c.severity, c.size, c.dt).second);
   }
 }
 
@@ -61,9 +61,9 @@ TEST(Stability, DefaultMethodsAreAllThatDiffer) {
 TEST(Stability, RefusesGridsThatMakeNoSense) {
   for (const auto& spoil : std::initializer_list<void (*)(StabilityGrid&)>{
            [](StabilityGrid& g) { g.methods.clear(); }, [](StabilityGrid& g) { g.severities.clear(); },
-           [](StabilityGrid& g) { g.severities = {-1}; }, [](StabilityGrid& g) { g.links = {0}; },
+           [](StabilityGrid& g) { g.severities = {-1}; }, [](StabilityGrid& g) { g.sizes = {0}; },
            [](StabilityGrid& g) { g.dts.push_back(std::numeric_limits<double>::quiet_NaN()); },
-           [](StabilityGrid& g) { g.duration = 0; }, [](StabilityGrid& g) { g.at_links = 7; },
+           [](StabilityGrid& g) { g.duration = 0; }, [](StabilityGrid& g) { g.at_size = 7; },
            [](StabilityGrid& g) { g.at_dt = 0.5; }}) {
     StabilityGrid grid;
     spoil(grid);
@@ -160,10 +160,10 @@ TEST(Stability, EveryScenesGridIsMeasuredByWhatMovesIt) {
     const StabilityGrid grid = default_grid(scene);
     const auto cells = list_cells(grid);
     ASSERT_FALSE(cells.empty()) << to_string(scene);
-    const std::size_t planes = grid.links.size() + grid.dts.size() - 1;
+    const std::size_t planes = grid.sizes.size() + grid.dts.size() - 1;
     EXPECT_EQ(cells.size(), grid.methods.size() * grid.severities.size() * planes) << to_string(scene);
     for (const StabilityMethod& m : grid.methods) {
-      StabilityCase cell{m, 1, grid.at_links, 0.01, 1, scene};
+      StabilityCase cell{m, 1, grid.at_size, 0.01, 1, scene};
       EXPECT_EQ(measure_stability(cell, 20, 60).frames, 1u) << to_string(scene) << ", " << m.name;
     }
   }
@@ -205,7 +205,7 @@ TEST(Stability, WhatLandsComesToRest) {
     EXPECT_LT(result.depth_max, 0.1) << to_string(scene);
     EXPECT_GT(result.energy_drift, 0.5) << to_string(scene);
     EXPECT_LT(result.energy_gain, 1e-6) << to_string(scene);
-    EXPECT_GT(result.total.contacts, 0u) << to_string(scene);
+    EXPECT_GT(result.total.contact_points, 0u) << to_string(scene);
   }
 }
 

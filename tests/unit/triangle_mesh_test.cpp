@@ -12,6 +12,7 @@
 #include "contact/shapes/bounds_tree.hpp"
 #include "contact/shapes/meshes/touch_mesh.hpp"
 #include "contact/shapes/meshes/triangle.hpp"
+#include "scene/ground/weld.hpp"
 #include "support/meshes.hpp"
 
 namespace plumb::detail {
@@ -306,6 +307,14 @@ TEST(TouchMesh, FullListsKeepTheNarrowest) {
   for (std::uint32_t i = 0; i < 100; ++i) list.add({.gap = double((i * 37) % 100)});
   EXPECT_EQ(list.count, LineTouches::most);
   for (const LineTouch& touch : list) EXPECT_LT(touch.gap, LineTouches::most);
+}
+
+// Vertices with equal coordinates are one: the first of them. Zero has two signs.
+TEST(Weld, NamesTheFirstInEachPlace) {
+  const std::vector<Vec3> vertices = {
+      {1, 2, 3}, {0, 0, 0}, {1, 2, 3}, {1, 2, 3.0000000000000004}, {0, 0, -0.0}};
+  EXPECT_EQ(weld(vertices), (std::vector<std::uint32_t>{0, 1, 0, 3, 1}));
+  EXPECT_TRUE(weld({}).empty());
 }
 
 }  // namespace

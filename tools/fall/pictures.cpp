@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fall/view.hpp"
+#include "plumb/joints.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/humanoid/limbs.hpp"
@@ -92,12 +93,14 @@ std::string draw_shadows(const Panel& panel, const Scene& scene, double height, 
   };
   for (const Capsule& each : scene.capsules)
     add(place_of(each.a, instant.positions), place_of(each.b, instant.positions), each.radius);
+  // What is large is drawn as it lies on the floor: a thick line as seen from above, and flattened.
   for (const GroundCapsule& each : scene.ground_capsules) {
-    const std::string across = short_number(panel.scale * each.radius, 4);
-    const std::string at = panel.at({each.a.x, height, each.a.z});
-    out += "<ellipse transform=\"translate(" + at + ")\" rx=\"" + across + "\" ry=\"" +
-           short_number(panel.scale * each.radius * slope_of_view(), 4) +
-           "\" fill=\"#000\" stroke=\"none\"/>\n";
+    const Seen a = seen({each.a.x, height, each.a.z}), b = seen({each.b.x, height, each.b.z});
+    const double flat = flatness_of_level();
+    out += "<path transform=\"translate(" + panel.at({each.a.x, height, each.a.z}) + ") scale(1 " +
+           short_number(flat, 5) + ")\" d=\"M0 0 L" + short_number(panel.scale * (b.right - a.right), 5) +
+           " " + short_number(panel.scale * (a.up - b.up) / flat, 5) + "\" stroke-width=\"" +
+           short_number(2 * panel.scale * each.radius, 4) + "\"/>\n";
   }
   return out + "</g>\n";
 }
@@ -105,9 +108,9 @@ std::string draw_shadows(const Panel& panel, const Scene& scene, double height, 
 /// Draws the faces that are turned to the eye.
 std::string draw_box(const Panel& panel, const Box& box) {
   constexpr std::array<std::array<int, 4>, 6> faces = {
-      {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}}};
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
   constexpr std::array shades = {"#ccc", "#ccc", "#bbb", "#e4e4e4", "#d6d6d6", "#d6d6d6"};
-  const std::array<Vec3, 8> corners = corners_of(box);
+  const std::vector<Vec3> corners = box_on_body(0, box).points;
   std::string out;
   for (std::size_t f = 0; f < 6; ++f) {
     Vec3 middle{};
@@ -198,7 +201,7 @@ std::string draw_shape(const Panel& panel, const Shown& shape) {
          short_number(thick, 3) + "\"/>\n";
 }
 
-/// Draws from the back to the front: the floor, shadows, what is behind solids, these, and all the rest.
+/// Draws what is behind solids, then these, then all other shapes, each from the back to the front.
 std::string draw_panel(const Panel& panel, const Scene& scene, std::span<const Shown> shapes) {
   std::string out;
   for (const Shown& each : shapes)
@@ -225,7 +228,7 @@ Window window_of(const Scene& scene, std::span<const Frame> instants, Floor& flo
     for (const Capsule& each : scene.capsules)
       for (const Point* point : {&each.a, &each.b}) take_in(place_of(*point, instant.positions), each.radius);
   for (const Box& box : scene.boxes)
-    for (const Vec3 corner : corners_of(box)) take_in(corner, 0);
+    for (const Vec3 corner : box_on_body(0, box).points) take_in(corner, 0);
   for (const GroundCapsule& each : scene.ground_capsules)
     for (const Vec3 end : {each.a, each.b}) take_in(end, each.radius);
   floor.finish();

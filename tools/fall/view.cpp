@@ -39,20 +39,8 @@ Seen seen(Vec3 at) {
   return {right, down_cos * at.y - down_sin * away, down_sin * at.y + down_cos * away};
 }
 
-double slope_of_view() {
+double flatness_of_level() {
   return down_sin;
-}
-
-std::array<Vec3, 8> corners_of(const Box& box) {
-  Box back = box;
-  for (int i = 1; i < 4; ++i) back.orientation[i] = -back.orientation[i];
-  std::array<Vec3, 8> out;
-  for (std::size_t i = 0; i < 8; ++i) {
-    const auto side = [&](std::size_t bit, double half) { return (i >> bit & 1) != 0 ? half : -half; };
-    out[i] = box.center + scenes::to_axes(back, {side(0, box.half_size.x), side(1, box.half_size.y),
-                                                 side(2, box.half_size.z)});
-  }
-  return out;
 }
 
 bool is_hidden(const Scene& scene, Vec3 at) {

@@ -15,8 +15,8 @@ struct Seen {
 };
 /// Looks from 30° to the side and 25° down.
 Seen seen(Vec3 at);
-/// Returns how high a level circle of radius 1 appears to be, halved.
-double slope_of_view();
+/// A level circle is seen as an ellipse. Returns its height over its width.
+double flatness_of_level();
 
 /// A part of what can be seen, in m.
 struct Window {
@@ -32,8 +32,6 @@ struct Window {
     near = std::max(near, at.near);
   }
 };
-
-std::array<Vec3, 8> corners_of(const Box& box);
 
 /// Returns whether a box or a capsule of the ground is between a place and the eye.
 bool is_hidden(const Scene& scene, Vec3 at);

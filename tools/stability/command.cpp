@@ -65,8 +65,8 @@ void quicken(StabilityGrid& grid) {
     grid.severities = {1, 10, 100};
   else
     grid.severities = {1, 100, 1e4, 1e6};
-  if (hangs_alone) grid.links = {5, 20, 100};
-  if (grid.scene == StabilityScene::nets) grid.links = {4, 8};
+  if (hangs_alone) grid.sizes = {5, 20, 100};
+  if (grid.scene == StabilityScene::nets) grid.sizes = {4, 8};
   grid.dts = {0.003, 1.0 / 60, 0.1};
   grid.duration = hangs_alone ? 2 : scenes::is_landing(grid.scene) ? 0.5 : 1;
 }
@@ -85,14 +85,14 @@ StabilityGrid grid_of(StabilityScene scene, const StabilityOptions& options) {
     });
   }
   take_given(lands ? options.speeds : options.ratios, grid.severities);
-  if (scene == StabilityScene::chains) take_given(options.links, grid.links);
-  if (scene == StabilityScene::nets) take_given(options.sizes, grid.links);
+  if (scene == StabilityScene::chains) take_given(options.links, grid.sizes);
+  if (scene == StabilityScene::nets) take_given(options.sizes, grid.sizes);
   take_given(options.dts, grid.dts);
   if (options.duration) grid.duration = *options.duration;
   grid.full = options.full;
   grid.at_dt = plane_at(options.at_dt, grid.dts, grid.at_dt);
   const bool chains = scene == StabilityScene::chains;
-  grid.at_links = plane_at(chains ? options.at_links : std::nullopt, grid.links, grid.at_links);
+  grid.at_size = plane_at(chains ? options.at_links : std::nullopt, grid.sizes, grid.at_size);
   return grid;
 }
 

@@ -12,7 +12,7 @@
 namespace plumb::scenes {
 namespace {
 
-constexpr std::uint32_t most_links = 10'000'000;
+constexpr std::uint32_t most_size = 10'000'000;
 
 template <class T>
 void require_one_of(const std::vector<T>& values, T value, const char* what) {
@@ -25,17 +25,17 @@ void require_one_of(const std::vector<T>& values, T value, const char* what) {
 }
 
 void require_grid(const StabilityGrid& grid) {
-  if (grid.methods.empty() || grid.severities.empty() || grid.links.empty() || grid.dts.empty())
+  if (grid.methods.empty() || grid.severities.empty() || grid.sizes.empty() || grid.dts.empty())
     throw InputError("the grid is empty");
   for (const double each : grid.severities)
     require_positive(each, is_landing(grid.scene) ? "the speed" : "the end-mass ratio");
   for (const double dt : grid.dts) require_positive(dt, "dt");
-  for (const std::uint32_t links : grid.links)
-    if (links == 0 || links > most_links)
-      throw InputError("links must be from 1 to " + std::to_string(most_links));
+  for (const std::uint32_t size : grid.sizes)
+    if (size == 0 || size > most_size)
+      throw InputError("sizes must be from 1 to " + std::to_string(most_size));
   require_positive(grid.duration, "the duration");
   require_one_of(grid.dts, grid.at_dt, "dt");
-  require_one_of(grid.links, grid.at_links, "links");
+  require_one_of(grid.sizes, grid.at_size, "size");
 }
 
 }  // namespace
@@ -83,14 +83,14 @@ StabilityGrid default_grid(StabilityScene scene) {
   StabilityGrid grid{.scene = scene};
   if (scene == StabilityScene::nets) {
     grid.severities = {1, 100, 1e4, 1e6};
-    grid.links = {4, 8, 16, 32};
+    grid.sizes = {4, 8, 16, 32};
     grid.dts = {0.003, 0.01, 1.0 / 60, 0.033, 0.1};
-    grid.at_links = 8;
+    grid.at_size = 8;
   } else if (is_landing(scene)) {
     grid.methods = landing_methods();
     grid.severities = {1, 3, 10, 30, 100};
-    grid.at_links = scene == StabilityScene::ropes ? 20 : scene == StabilityScene::drapes ? 8 : 5;
-    grid.links = {grid.at_links};
+    grid.at_size = scene == StabilityScene::ropes ? 20 : scene == StabilityScene::drapes ? 8 : 5;
+    grid.sizes = {grid.at_size};
     grid.dts = {0.003, 0.01, 1.0 / 60, 0.033, 0.1};
     grid.duration = 1;
   }
@@ -101,12 +101,11 @@ std::vector<StabilityCase> list_cells(const StabilityGrid& grid) {
   require_grid(grid);
   std::vector<StabilityCase> out;
   for (const StabilityMethod& method : grid.methods) {
-    for (const std::uint32_t links : grid.links) {
+    for (const std::uint32_t size : grid.sizes) {
       for (const double dt : grid.dts) {
-        if (!grid.full && links != grid.at_links && dt != grid.at_dt) continue;
+        if (!grid.full && size != grid.at_size && dt != grid.at_dt) continue;
         const auto frames = static_cast<std::uint64_t>(std::max(1.0, std::round(grid.duration / dt)));
-        for (const double each : grid.severities)
-          out.push_back({method, each, links, dt, frames, grid.scene});
+        for (const double each : grid.severities) out.push_back({method, each, size, dt, frames, grid.scene});
       }
     }
   }

@@ -47,7 +47,7 @@ struct StabilityCase {
   StabilityMethod method;
   /// Mass of the last particle over that of each other, which is 1 kg. Of what lands, its speed in m/s.
   double severity = 1;
-  std::uint32_t links = 1;     ///< Of a chain or a rope, particles along a net's side, or boxes.
+  std::uint32_t size = 1;      ///< Links of a chain or a rope, particles along a net's side, or boxes.
   double dt = 1.0 / 60;        ///< Length of a step in s, without substeps.
   std::uint64_t frames = 180;  ///< Number of steps of dt.
   StabilityScene scene = StabilityScene::chains;
@@ -62,19 +62,19 @@ struct StabilityGrid {
   StabilityScene scene = StabilityScene::chains;
   std::vector<StabilityMethod> methods = default_stability_methods();
   std::vector<double> severities = {1, 10, 100, 1e3, 1e4, 1e5, 1e6};
-  std::vector<std::uint32_t> links = {5, 20, 100, 1000, 10000};
+  std::vector<std::uint32_t> sizes = {5, 20, 100, 1000, 10000};
   std::vector<double> dts = {0.001, 0.003, 0.01, 1.0 / 60, 0.033, 0.1};  ///< Lengths of a step, in s.
-  double at_dt = 1.0 / 60;       ///< Step of the plane severity × links, in s.
-  std::uint32_t at_links = 100;  ///< Links of the plane severity × dt.
-  bool full = false;             ///< Whether the whole box is measured, and not only these two planes of it.
-  double duration = 3;           ///< Simulated time in s, rounded to whole steps.
+  double at_dt = 1.0 / 60;      ///< Step of the plane severity × size, in s.
+  std::uint32_t at_size = 100;  ///< Size of the plane severity × dt.
+  bool full = false;            ///< Whether the whole box is measured, and not only these two planes of it.
+  double duration = 3;          ///< Simulated time in s, rounded to whole steps.
 };
 
 /// Returns the grid that is measured of a scene if nothing else is asked for.
 StabilityGrid default_grid(StabilityScene scene);
 
 /// Lists each cell once, methods outermost. Throws InputError if a list is empty, a value makes no sense, or
-/// at_dt or at_links is not one of the values.
+/// at_dt or at_size is not one of the values.
 std::vector<StabilityCase> list_cells(const StabilityGrid& grid);
 
 /// Outcomes come in the order in which they are looked for.

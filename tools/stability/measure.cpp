@@ -10,6 +10,7 @@
 #include "scenes/generators/generators.hpp"
 #include "scenes/runs/counters.hpp"
 #include "scenes/runs/depth.hpp"
+#include "scenes/shots/cores.hpp"
 #include "stability/grid.hpp"
 
 namespace plumb::scenes {
@@ -50,7 +51,7 @@ double thickness_of(const Scene& scene) {
   double least = std::numeric_limits<double>::infinity();
   for (const Capsule& each : scene.capsules) least = std::min(least, each.radius);
   for (const Hull& each : scene.hulls)
-    for (const int other : {1, 2, 4}) least = std::min(least, norm(each.points[other] - each.points[0]) / 2);
+    for (const double side : half_sides(each)) least = std::min(least, side);
   return least;
 }
 
@@ -60,21 +61,21 @@ Scene make_stability_scene(const StabilityCase& cell) {
   Scene scene;
   switch (cell.scene) {
     case StabilityScene::chains:
-      return make_chain(cell.links, link_length, cell.severity);
+      return make_chain(cell.size, link_length, cell.severity);
     case StabilityScene::nets:
-      return make_net({.width = cell.links,
-                       .height = cell.links,
+      return make_net({.width = cell.size,
+                       .height = cell.size,
                        .spacing = link_length,
                        .slack = net_slack,
                        .end_mass = cell.severity});
     case StabilityScene::ropes:
-      scene = make_rope({.links = cell.links, .height = start_height});
+      scene = make_rope({.links = cell.size, .height = start_height});
       break;
     case StabilityScene::drapes:
-      scene = make_drape({.size = cell.links, .height = start_height, .sphere = 1});
+      scene = make_drape({.size = cell.size, .height = start_height, .sphere = 1});
       break;
     case StabilityScene::boxes:
-      scene = make_boxes({.boxes = cell.links, .height = start_height});
+      scene = make_boxes({.boxes = cell.size, .height = start_height});
       break;
   }
   for (Particle& each : scene.particles) each.velocity = {0, -cell.severity, 0};
@@ -157,7 +158,7 @@ StabilityResult measure_stability(const StabilityCase& cell, std::uint32_t sweep
 
 std::string stability_csv(const std::vector<StabilityResult>& results) {
   std::string csv =
-      "scene,method,ratio,speed_m_s,links,dt_s,frames,frames_asked,outcome,stretch_max,depth_max,"
+      "scene,method,ratio,speed_m_s,size,dt_s,frames,frames_asked,outcome,stretch_max,depth_max,"
       "energy_drift,energy_gain,"
       "ms_per_simulated_s";
   for (const Counter& counter : counters()) append_item(csv, flat_name(counter), ",");
@@ -169,7 +170,7 @@ std::string stability_csv(const std::vector<StabilityResult>& results) {
     append_item(line, r.cell.method.name, ",");
     append_item(line, lands ? "" : severity, ",");
     append_item(line, lands ? severity : "", ",");
-    append_item(line, std::to_string(r.cell.links), ",");
+    append_item(line, std::to_string(r.cell.size), ",");
     append_item(line, short_number(r.cell.dt, 9), ",");
     append_item(line, std::to_string(r.frames), ",");
     append_item(line, std::to_string(r.cell.frames), ",");

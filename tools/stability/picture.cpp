@@ -78,7 +78,7 @@ void add_panels(HeatMap& map, const MeasuredGrid& measured, StabilityQuantity qu
 void add_step_panels(HeatMap& map, const MeasuredGrid& measured, StabilityQuantity quantity) {
   const StabilityGrid& grid = measured.grid;
   add_panels(
-      map, measured, quantity, [&](const StabilityResult& r) { return r.cell.links == grid.at_links; },
+      map, measured, quantity, [&](const StabilityResult& r) { return r.cell.size == grid.at_size; },
       [&](const StabilityResult& r) { return place_of(grid.dts, r.cell.dt); });
 }
 
@@ -91,24 +91,24 @@ HeatMap blank_steps(const StabilityGrid& grid, StabilityQuantity quantity) {
 
 }  // namespace
 
-HeatMap map_of_links(const MeasuredGrid& measured, StabilityQuantity quantity) {
+HeatMap map_of_sizes(const MeasuredGrid& measured, StabilityQuantity quantity) {
   const StabilityGrid& grid = measured.grid;
   const bool nets = grid.scene == scenes::StabilityScene::nets;
   HeatMap map = blank_map(grid, quantity);
   map.title = std::string(nets ? "Nets: heavy corners against size" : "Heavy ends against links") +
               ", steps of " + milliseconds(grid.at_dt) + " ms";
   map.y = nets ? "particles along a side" : "links";
-  for (const std::uint32_t links : grid.links) map.rows.push_back(std::to_string(links));
+  for (const std::uint32_t size : grid.sizes) map.rows.push_back(std::to_string(size));
   add_panels(
       map, measured, quantity, [&](const StabilityResult& r) { return r.cell.dt == grid.at_dt; },
-      [&](const StabilityResult& r) { return place_of(grid.links, r.cell.links); });
+      [&](const StabilityResult& r) { return place_of(grid.sizes, r.cell.size); });
   return map;
 }
 
 HeatMap map_of_steps(const MeasuredGrid& measured, StabilityQuantity quantity) {
   const StabilityGrid& grid = measured.grid;
   HeatMap map = blank_steps(grid, quantity);
-  const std::string size = std::to_string(grid.at_links);
+  const std::string size = std::to_string(grid.at_size);
   map.title = grid.scene == scenes::StabilityScene::nets
                   ? "Nets: heavy corners against the step, " + size + " x " + size + " particles"
                   : "Heavy ends against the step, chains of " + size + " links";

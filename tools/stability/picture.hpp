@@ -17,9 +17,9 @@ struct MeasuredGrid {
   std::vector<scenes::StabilityResult> results{};
 };
 
-/// Draws end-mass ratio × links, at the grid's at_dt, with one panel per method.
-HeatMap map_of_links(const MeasuredGrid& measured, StabilityQuantity quantity);
-/// Draws end-mass ratio × step, at the grid's at_links, with one panel per method.
+/// Draws end-mass ratio × size, at the grid's at_dt, with one panel per method.
+HeatMap map_of_sizes(const MeasuredGrid& measured, StabilityQuantity quantity);
+/// Draws end-mass ratio × step, at the grid's at_size, with one panel per method.
 HeatMap map_of_steps(const MeasuredGrid& measured, StabilityQuantity quantity);
 /// Draws speed × step of what lands, with one panel per scene and method. All grids have the axes of the
 /// first.

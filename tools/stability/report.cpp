@@ -58,7 +58,7 @@ void add_hanging(Section& section, const std::string& folder, const MeasuredGrid
     const bool stretch = quantity == StabilityQuantity::stretch;
     const std::string suffix = stretch ? "_stretch" : "_energy";
     section.add_heading(std::string(nets ? "Nets: " : "Chains: ") + (stretch ? "stretch" : "energy"));
-    section.add_svg(folder, name + "links" + suffix, draw_svg(map_of_links(measured, quantity)));
+    section.add_svg(folder, name + "links" + suffix, draw_svg(map_of_sizes(measured, quantity)));
     section.add_svg(folder, name + "steps" + suffix, draw_svg(map_of_steps(measured, quantity)));
   }
 }

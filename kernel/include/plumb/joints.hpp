@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "plumb/export.hpp"
@@ -40,7 +41,11 @@ PLUMB_API std::uint32_t add_body(Scene& scene, const MassProperties& properties)
 PLUMB_API std::uint32_t add_body(Scene& scene, const std::array<std::uint32_t, 4>& particles,
                                  const MassProperties& properties);
 
-/// Returns a box on a body, as a hull. Its quaternion w, x, y, z turns it from the axes of space.
+/// Returns the unit vectors into which a unit quaternion w, x, y, z turns the axes of space.
+PLUMB_API std::array<Vec3, 3> axes_of(const std::array<double, 4>& orientation);
+
+/// Returns a box on a body, as a hull. Its quaternion w, x, y, z turns it from the axes of space. Of its
+/// eight corners, number 4 i + 2 j + k is on the far side along its own x, y and z where i, j and k are 1.
 PLUMB_API Hull box_on_body(std::uint32_t body, const Box& box);
 
 /// Adds a ball joint, which leaves three freedoms. Rods can also share a particle, which is cheaper.

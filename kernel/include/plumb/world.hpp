@@ -70,7 +70,9 @@ struct StepReport {
   double rms_gap = 0;      ///< Root mean square of these gaps over the joints of an island, in m.
 
   // The next members describe scenes with shapes that touch.
-  std::uint64_t contacts = 0;  ///< Most points at which something pushed in one cluster's substep.
+  /// Most points at which something pushed in one cluster's substep. A pair of World::contacts() may touch at
+  /// several of them.
+  std::uint64_t contact_points = 0;
   /// Substeps in which contact would have gained more than a hundredth of the energy of motion, and was held
   /// back.
   std::uint64_t guarded_energy = 0;
@@ -277,14 +279,15 @@ class PLUMB_API World {
   /// an unknown shape, or without Settings::tensions.
   Vec3 contact_force(std::uint32_t shape) const;
   /// Returns that of a shape or a piece of ground by name, so that ground is a scale. Of ground it is NaN
-  /// before the first step.
+  /// before the first step. Throws InputError on a name that the scene does not have, or without
+  /// Settings::tensions.
   Vec3 contact_force(ShapeId shape) const;
   /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
   /// as the scene has shapes, or without Settings::tensions.
   void copy_contact_forces(std::span<Vec3> out) const;
 
-  /// Returns the pairs of shapes that touched in the last step, and those that did in the step before alone,
-  /// one entry each. They stay until the next step, and are in the order of their names.
+  /// Returns the pairs of shapes, not their points, that touched in the last step, and those that did in the
+  /// step before alone, one entry each. They stay until the next step, and are in the order of their names.
   ///
   /// Their impulses, with gravity and forces, make the change of momentum. Pairs that sleep persist as they
   /// were in their last step awake; what sleeps does not end by that. Throws InputError without

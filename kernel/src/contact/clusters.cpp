@@ -21,7 +21,7 @@ void Clusters::start(std::span<LinkageState> islands, double margin) {
   // island.
   double sum = 0;
   for (const LinkageState& state : islands_) {
-    const Vec3 spread = state.linkage->balls().empty() ? Vec3{} : extent(reach(state, 0, 0, margin_));
+    const Vec3 spread = state.linkage->has_shapes() ? extent(reach(state, 0, 0, margin_)) : Vec3{};
     sum += std::max({4 * state.linkage->size(), spread.x, spread.y, spread.z});
   }
   cell_ = islands_.empty() ? 1 : sum / static_cast<double>(islands_.size());
@@ -31,7 +31,7 @@ void Clusters::start(std::span<LinkageState> islands, double margin) {
   bounds_.assign(islands_.size(), nowhere);
   for (const LinkageState& state : islands_) {
     if (!state.asleep) awake_.push_back(state.number);
-    if (state.linkage->balls().empty()) continue;
+    if (!state.linkage->has_shapes()) continue;
     any_shapes_ = true;
     if (!state.asleep) continue;
     bounds_[state.number] = reach(state, 0, 0, margin_);
@@ -45,7 +45,7 @@ void Clusters::wake(std::uint32_t i) {
   state.asleep = false;
   state.slow_time = 0;
   awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), i), i);
-  if (state.linkage->balls().empty()) return;
+  if (!state.linkage->has_shapes()) return;
   sleepers_.remove(i, bounds_[i]);
   wake_neighbors(i);
 }
@@ -115,7 +115,7 @@ void Clusters::join_near() {
 void Clusters::put_to_sleep(LinkageState& state) {
   state.asleep = true;
   state.slow_time = 0;
-  if (state.linkage->balls().empty()) return;
+  if (!state.linkage->has_shapes()) return;
   bounds_[state.number] = reach(state, top_speed(state), 0, margin_);
   sleepers_.insert(state.number, bounds_[state.number]);
 }

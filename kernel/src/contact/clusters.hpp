@@ -31,7 +31,7 @@ class Clusters {
     if (any_shapes_) {
       team.for_each(static_cast<std::uint32_t>(awake_.size()), [&](std::uint32_t k, unsigned) {
         LinkageState& state = islands_[awake_[k]];
-        if (!state.linkage->balls().empty()) bounds_[state.number] = reach(state);
+        if (state.linkage->has_shapes()) bounds_[state.number] = reach(state);
       });
       join_near();
     }

@@ -23,6 +23,12 @@ inline Combination blend(const Combination& a, const Combination& b, double t) {
   return out;
 }
 
+/// Returns the gap (m) up to which a contact that seems not to come about in a substep is still watched. It
+/// is a distance, times the length scale, and a multiple of what the contact's ends move (m).
+inline double in_sight(double moves, double length_scale) {
+  return 0.1 * length_scale + 2 * moves;
+}
+
 /// This is the place of a side on something fixed, which has no particles.
 inline constexpr Combination no_particles{};
 

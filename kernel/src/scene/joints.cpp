@@ -127,11 +127,16 @@ std::uint32_t add_body(Scene& scene, const std::array<std::uint32_t, 4>& particl
   return push_body(scene, particles, properties);
 }
 
+std::array<Vec3, 3> axes_of(const std::array<double, 4>& orientation) {
+  const auto [w, x, y, z] = orientation;
+  return {Vec3{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+          {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+          {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+}
+
 Hull box_on_body(std::uint32_t body, const Box& box) {
-  const auto [w, x, y, z] = box.orientation;
-  const Vec3 u{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
-  const Vec3 v{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
-  const Vec3 half = box.half_size, n = cross(u, v);
+  const std::array<Vec3, 3> axes = axes_of(box.orientation);
+  const Vec3 half = box.half_size, u = axes[0], v = axes[1], n = cross(u, v);
   Hull out{.body = body, .surface = box.surface};
   for (const double i : {-half.x, half.x})
     for (const double j : {-half.y, half.y})

@@ -47,10 +47,7 @@ void add_rope(Scene& scene, std::uint32_t links, const Link& link, Where&& where
 /// Weighs a box as it is turned: the sum of its principal moments times the squares of its axes.
 MassProperties mass_of(const Box& box, double mass) {
   const Inertia own = solid_box(mass, 2.0 * box.half_size).inertia;
-  const auto& [w, x, y, z] = box.orientation;
-  const std::array<Vec3, 3> axes = {Vec3{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-                                    Vec3{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-                                    Vec3{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+  const std::array<Vec3, 3> axes = axes_of(box.orientation);
   const std::array<double, 3> moments = {own.xx, own.yy, own.zz};
   MassProperties out{.mass = mass, .center = box.center};
   for (std::size_t i = 0; i < 3; ++i) {

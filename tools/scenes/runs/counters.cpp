@@ -27,7 +27,7 @@ constexpr Counter table[] = {
     {"broken_rods", &StepReport::broken_rods, "rods that broke"},
     {"largest_gap", &StepReport::largest_gap, "largest gap at a joint, m"},
     {"rms_gap", &StepReport::rms_gap, "RMS gap at joints, m"},
-    {"points", &StepReport::contacts, "most points touched at once", "contact"},
+    {"points", &StepReport::contact_points, "most points touched at once", "contact"},
     {"guarded_energy", &StepReport::guarded_energy, "substeps kept from gaining energy by contact",
      "contact"},
     {"trimmed_energy", &StepReport::trimmed_energy, "substeps kept from gaining a little energy", "contact"},

@@ -28,6 +28,13 @@ double least_over_pairs(std::span<const Core> targets, std::span<const Core> mis
 
 }  // namespace
 
+std::array<double, 3> half_sides(const Hull& box) {
+  std::array<double, 3> out{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out[axis] = norm(box.points[std::size_t{1} << axis] - box.points[0]) / 2;
+  return out;
+}
+
 void append_cores(const Scene& scene, std::size_t first_capsule, std::size_t first_hull,
                   std::vector<Core>& cores) {
   for (std::size_t i = first_capsule; i < scene.capsules.size(); ++i) {
@@ -41,7 +48,7 @@ void append_cores(const Scene& scene, std::size_t first_capsule, std::size_t fir
     // The hulls of shots are boxes: the middles of opposite faces are as far apart as the box is thick.
     double inner = std::numeric_limits<double>::infinity(), outer = 0;
     for (const Vec3 corner : each.points) outer = std::max(outer, norm(corner - center));
-    for (const int other : {1, 2, 4}) inner = std::min(inner, norm(each.points[other] - each.points[0]) / 2);
+    for (const double side : half_sides(each)) inner = std::min(inner, side);
     cores.push_back({middle, middle, inner + each.radius, outer + each.radius});
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,10 @@ struct Core {
   Point a{}, b{};
   double inner = 0, outer = 0;  ///< Radii, in m.
 };
+
+/// Returns half the sides of a box that box_on_body() made a hull of, from the last to the first of its axes,
+/// in m.
+std::array<double, 3> half_sides(const Hull& box);
 
 /// Appends the cores of a scene's capsules and hulls from the given ones on. Throws what point_on_body()
 /// throws.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "plumb/joints.hpp"
+#include "scenes/basics/triangles.hpp"
 #include "scenes/humanoid/humanoid.hpp"
 
 namespace plumb::scenes {
@@ -20,7 +21,7 @@ constexpr std::array<std::string_view, targets.size()> names = {
 
 /// A level sheet of triangles. Vertices are shuffled along it, so that triangles have all kinds of edges.
 GroundMesh sheet(Random& random) {
-  constexpr std::uint32_t cells = 20, line = cells + 1;
+  constexpr std::uint32_t cells = 20;
   constexpr double size = 2 * wall_reach / cells;
   GroundMesh out;
   for (std::uint32_t k = 0; k <= cells; ++k)
@@ -28,18 +29,13 @@ GroundMesh sheet(Random& random) {
       const double x = random.between(-0.2, 0.2), z = random.between(-0.2, 0.2);
       out.vertices.push_back({size * (i + x) - wall_reach, 0, size * (k + z) - wall_reach});
     }
-  for (std::uint32_t k = 0; k < cells; ++k)
-    for (std::uint32_t i = 0; i < cells; ++i) {
-      const std::uint32_t a = k * line + i;
-      out.triangles.push_back({a, a + line, a + line + 1});
-      out.triangles.push_back({a, a + line + 1, a + 1});
-    }
+  out.triangles = grid_triangles(cells);
   return out;
 }
 
 void add_wall(Scene& scene, Target target, const Surface& surface, Random& random) {
   const Box box{.half_size = {wall_reach, wall_thickness, wall_reach}, .surface = surface};
-  const std::vector<Vec3> corners = box_on_body(0, box).points;  // x, then y, then z change slowest
+  const std::vector<Vec3> corners = box_on_body(0, box).points;
   switch (target) {
     case Target::sheet:
       scene.meshes.push_back(sheet(random));

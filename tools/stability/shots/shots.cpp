@@ -30,18 +30,26 @@ double beyond_wall(const Shot& shot, std::span<const Vec3> positions) {
   return most;
 }
 
-/// Says whether an end of an axis is behind a held net. Ends that were beside the frame, as `beside` tells,
-/// may have gone round it.
-bool is_through_net(const Shot& shot, std::span<const Vec3> positions, std::vector<bool>& beside) {
+/// Returns where an end of a missile's axis is; every core has two.
+Vec3 end_of(const Shot& shot, std::size_t i, std::span<const Vec3> positions) {
+  const Core& core = shot.missiles[i / 2];
+  return place_of(i % 2 == 0 ? core.a : core.b, positions);
+}
+
+/// Marks ends that are beside the frame of a held net.
+void mark_ends_beside_net(const Shot& shot, std::span<const Vec3> positions, std::vector<bool>& beside) {
   const Vec3 corner = positions.front();
-  bool through = false;
-  for (std::size_t i = 0; i < 2 * shot.missiles.size(); ++i) {
-    const Core& core = shot.missiles[i / 2];
-    const Vec3 at = place_of(i % 2 == 0 ? core.a : core.b, positions);
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    const Vec3 at = end_of(shot, i, positions);
     if (std::abs(at.x) > std::abs(corner.x) || std::abs(at.z) > std::abs(corner.z)) beside[i] = true;
-    through = through || (!beside[i] && is_behind_net(positions, shot.net, at, shot.out));
   }
-  return through;
+}
+
+/// Says whether an end is behind a held net. Ends that were beside its frame may have gone round it.
+bool is_through_net(const Shot& shot, std::span<const Vec3> positions, const std::vector<bool>& beside) {
+  for (std::size_t i = 0; i < beside.size(); ++i)
+    if (!beside[i] && is_behind_net(positions, shot.net, end_of(shot, i, positions), shot.out)) return true;
+  return false;
 }
 
 /// The state of a flight, and the energy that it started with.
@@ -92,8 +100,10 @@ bool look(const Shot& shot, Flight& flight, ShotResult& result) {
   }
   result.depth = std::max(result.depth, share_inside(shot.targets, shot.missiles, flight.positions));
   result.deep = result.depth > most_inside;
-  if (shot.target == Target::net)
+  if (shot.target == Target::net) {
+    mark_ends_beside_net(shot, flight.positions, flight.beside);
     result.through = result.through || is_through_net(shot, flight.positions, flight.beside);
+  }
   return true;
 }
 
@@ -113,11 +123,16 @@ const std::vector<ShotWay>& shot_ways() {
   return ways;
 }
 
-std::string ShotResult::fault() const {
+bool is_promised(const Shot& shot, const ShotWay& way) {
+  return is_wall(shot.target) || way.settings.method != Method::relax;
+}
+
+std::string fault_of(const Shot& shot, const ShotWay& way, const ShotResult& result) {
   std::string out;
-  if (!finite) append_item(out, "not finite");
-  if (through) append_item(out, "through");
-  if (gained) append_item(out, "gained energy");
+  if (!result.finite) append_item(out, "not finite");
+  if (!is_promised(shot, way)) return out;
+  if (result.through) append_item(out, "through");
+  if (result.gained) append_item(out, "gained energy");
   return out;
 }
 

@@ -31,10 +31,6 @@ struct ShotResult {
   bool gained = false;   ///< Energy rose by more than the way's most_gain.
   double gain = 0;       ///< Largest rise of energy above that of the start, as a share of it.
   double depth = 0;      ///< How far an end was beyond a wall's middle, in m, or the share in an island.
-
-  bool is_bad() const { return !finite || through || gained; }
-  /// Names what is wrong, or nothing.
-  std::string fault() const;
 };
 
 /// Moves a shot. A missile is through a wall if an end or a corner is more than 1 mm beyond its middle. It
@@ -42,6 +38,12 @@ struct ShotResult {
 /// on as though nothing had been there, and the target's middle was in its way. Past a wall's edge nothing
 /// counts any more, nor do ends that were beside a net's frame.
 ShotResult fly(const Shot& shot, const ShotWay& way);
+
+/// Returns whether nothing may come through or gain energy in a shot that is moved in a way. Between islands
+/// nothing is swept where contact is relaxed, so that it is not promised there.
+bool is_promised(const Shot& shot, const ShotWay& way);
+/// Names what of a result breaks a promise, or nothing. All must be finite whatever is_promised() says.
+std::string fault_of(const Shot& shot, const ShotWay& way, const ShotResult& result);
 
 /// Returns whether `at` is on the other side of a net than `out` points to: going there along y one crosses
 /// the net an odd number of times. The net's particles are the first side x side ones, row after row, and

@@ -15,7 +15,7 @@ struct ShotOrder {
 };
 
 /// Fires random shots in all ways and prints what became of them, and the number of each bad one. Throws
-/// CheckFailed if something came through, was not finite or gained energy.
+/// CheckFailed if one is bad, see fault_of().
 void report_shots(const ShotOrder& order);
 
 }  // namespace plumb::tools

@@ -38,7 +38,8 @@ struct Elastic {
   std::uint32_t angle = 0;  ///< its number among the linkage's angles
   std::uint32_t row = 0;
   std::vector<std::uint32_t> touched{};  ///< movable particles
-  /// Nothing but elastics holds those, and none shares its mass, so that they alone say how it gives.
+  /// No constraint holds those particles, and none of them shares its mass with another, so that elastics
+  /// alone say how this one gives.
   bool is_loose = false;
   std::vector<std::uint32_t> places{};  ///< of its gradient among the values, three by particle
 };

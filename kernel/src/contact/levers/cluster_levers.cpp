@@ -121,7 +121,7 @@ void ClusterStepper::add_turning_rows(const GroundContact& contact, std::span<co
 void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const Linkage& linkage = *island.state->linkage;
-  bool may_stand = linkage.has_only_bends() && !linkage.is_redundant();
+  bool may_stand = linkage.gives_by_bends_alone() && !linkage.is_redundant();
   island.ground.for_all([&](const GroundContact& contact) {
     may_stand = may_stand && contact.rolling == 0 && contact.spinning == 0;
   });

@@ -138,6 +138,7 @@ class Linkage {
   const Neighbors& neighbors() const { return neighbors_; }
   /// Balls of hulls come after those of capsules. Whatever has shapes has balls.
   std::span<const Ball> balls() const { return balls_; }
+  bool has_shapes() const { return !balls_.empty(); }
   /// Returns the filters of all shapes, each once.
   std::span<const Filter> filters() const { return filters_; }
   std::span<const Angle> angles() const { return angles_; }
@@ -156,7 +157,8 @@ class Linkage {
   ElasticRange elastics_of_spring(std::uint32_t i) const { return of_springs_[i]; }
   ElasticRange elastics_of_torsion(std::uint32_t i) const { return of_torsions_[i]; }
   std::span<const BendElastics> bends() const { return bends_; }
-  bool has_only_bends() const { return elastics_.empty() || is_of_bend(0); }
+  /// Returns whether no elastic but those of bends is there, if any.
+  bool gives_by_bends_alone() const { return elastics_.empty() || is_of_bend(0); }
   bool is_of_bend(std::size_t elastic) const { return !bends_.empty() && elastic >= bends_.front().first; }
   /// Returns whether some rod may break.
   bool breaks() const { return breaks_; }

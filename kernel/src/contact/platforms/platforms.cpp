@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/elementary.hpp"
+#include "plumb/joints.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -54,10 +55,8 @@ Vec3 turn_between(const Quaternion& from, const Quaternion& to) {
 }
 
 Frame3 frame_of(const Quaternion& quaternion) {
-  const auto [w, x, y, z] = quaternion;
-  return {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-          {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-          {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+  const std::array<Vec3, 3> axes = axes_of(quaternion);
+  return {axes[0], axes[1], axes[2]};
 }
 
 Vec3 GroundRate::moved(Vec3 place, Vec3 normal, double h) const {

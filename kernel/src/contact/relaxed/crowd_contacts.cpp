@@ -6,12 +6,6 @@
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// A contact of a hull, or of what is fast, that seems not to come about is watched if its gap is small.
-constexpr double sight = 0.1, sight_of_moves = 2;
-
-}  // namespace
 
 // --- Contacts of a substep
 
@@ -93,7 +87,7 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const bool may_pass =
       other.island == none && kind_of(key) != KeyKind::plane && norm(shift) > settings_.margin;
   const bool is_watched = (is_hull(in, one) || is_hull(in, other) || may_pass) &&
-                          touch.gap <= sight * settings_.length_scale + sight_of_moves * norm(shift);
+                          touch.gap <= in_sight(norm(shift), settings_.length_scale);
   if (!(contact.over < INFINITY) || (!comes && !is_watched)) {
     terms_.resize(contact.terms.first);
     return;

@@ -106,7 +106,7 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   contacts_.end(cluster, crowd_, h);
   if (counts_) crowd_.count_pulls(h, gradient, cluster);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
-  report.contacts = std::max<std::uint64_t>(report.contacts, contacts_.count_pushes());
+  report.contact_points = std::max<std::uint64_t>(report.contact_points, contacts_.count_pushes());
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     if (!crowd_.is_moving(i) || !crowd_.stop_if_broken(*cluster[i], i)) continue;
     cluster[i]->kept.clear();

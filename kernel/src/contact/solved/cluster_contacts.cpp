@@ -9,15 +9,6 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
-namespace {
-
-/// Returns the distance (m) within which a contact is watched whose ends move by `moves` (m) in a substep.
-double in_sight(double moves, double length_scale) {
-  return sight * length_scale + sight_of_moves * moves;
-}
-
-}  // namespace
-
 void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key,
                                  double h) {
   Island* const one = &islands_[a.island];

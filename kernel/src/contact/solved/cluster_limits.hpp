@@ -96,8 +96,4 @@ inline constexpr int most_ground_corrections = 20;
 /// the substep is cut.
 inline constexpr int most_missed = 4;
 
-/// A contact that seems not to come about in a substep is still watched if its gap is small. The limit is the
-/// sum of a distance (m, times the length scale) and a multiple of what its ends move.
-inline constexpr double sight = 0.1, sight_of_moves = 2;
-
 }  // namespace plumb::detail::contact_limits

@@ -101,7 +101,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
 /// Whether nothing is near the only island in a substep.
 bool ClusterStepper::is_alone(const Surroundings& surroundings, double h) const {
   const LinkageState& state = *islands_[0].state;
-  return state.linkage->balls().empty() ||
+  return !state.linkage->has_shapes() ||
          (!state.linkage->neighbors().any_may_touch() &&
           !surroundings.reach_into(reach(state, top_speed(state), h, settings_.margin),
                                    state.linkage->filters()));
@@ -288,11 +288,11 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
-  report.contacts = std::max<std::uint64_t>(
-      report.contacts, count_pushes() + static_cast<std::uint64_t>(
-                                            std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
-                                              return row.kind == Kind::normal && row.p > 0;
-                                            })));
+  report.contact_points = std::max<std::uint64_t>(
+      report.contact_points, count_pushes() + static_cast<std::uint64_t>(std::count_if(
+                                                  rows_.begin(), rows_.end(), [](const Row& row) {
+                                                    return row.kind == Kind::normal && row.p > 0;
+                                                  })));
   return true;
 }
 

@@ -122,8 +122,9 @@ bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   return true;
 }
 
-/// Brings rods to their lengths where they are, once in a step: they may not fit to what else resists.
-/// Returns false, and nothing has moved, where they were at their lengths or cannot be brought there.
+/// Brings the rods of a cluster to their lengths, once in a step, before it is tried again: a substep may
+/// have failed because rods that are off their lengths do not fit to what else resists. Returns false, and
+/// nothing has moved, where they were at their lengths or cannot be brought there.
 bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
   if (std::exchange(is_fitted_, true)) return false;
   keep_motion(cluster);

@@ -35,7 +35,7 @@ void ClusterStepper::touch_ground(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const Linkage& linkage = *island.state->linkage;
   Bounds bounds = island.bounds;
-  const double further = sight_of_moves * island.moves + sight * settings_.length_scale;
+  const double further = in_sight(island.moves, settings_.length_scale);
   include(bounds, bounds.low, further);
   include(bounds, bounds.high, further);
   surroundings.find(bounds, near_ground_);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <tuple>
 #include <vector>
 
+#include "scene/ground/weld.hpp"
 #include "scene/refuse.hpp"
 
 namespace plumb::detail {
@@ -48,19 +48,6 @@ void require_volume(std::span<const Vec3> points, const std::string& name) {
       points, [&](Vec3 p) { return std::abs(dot(normal, p - a)); }, c);
   if (!(norm(normal) > flat * size * size && height > flat * size * norm(normal)))
     refuse(name, ": its ", points.size(), " points lie in one plane");
-}
-
-/// Returns for each vertex the first in its place.
-std::vector<std::uint32_t> weld(const std::vector<Vec3>& vertices) {
-  std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t i) {
-    return std::tuple(vertices[i].x, vertices[i].y, vertices[i].z, i);
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) { return key(i) < key(k); });
-  for (std::size_t k = 0; k < order.size(); ++k)
-    first[order[k]] = k > 0 && vertices[order[k]] == vertices[order[k - 1]] ? first[order[k - 1]] : order[k];
-  return first;
 }
 
 /// This is an edge of a triangle, which goes from `a` to `b`.

@@ -5,14 +5,18 @@
 
 #include "plumb/scene.hpp"
 
-/// This file holds what validate() asks of ground beside planes and boxes, and of hulls. Every function
+/// This file holds what validate() asks of hulls, and of ground beside planes and boxes. Every function
 /// throws InputError.
 namespace plumb::detail {
 
-/// Refuses negative friction and restitution outside [0, 1]. `name` is for messages.
+/// Refuses what is not finite, negative friction, rolling or spinning, and restitution outside [0, 1]. `name`
+/// is for messages.
 void validate_surface(const Surface& surface, const std::string& name);
 
+/// Refuses hulls of bodies that do not exist, whose points lie in one plane, or with a negative radius.
 void validate_hulls(const Scene& scene);
+/// Refuses capsules and hulls of the ground likewise, meshes with triangles that have no area or do not fit
+/// each other, and height fields without two rows of two.
 void validate_ground(const Scene& scene);
 
 }  // namespace plumb::detail

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "math/elementary.hpp"
+#include "scene/ground/weld.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -26,7 +27,11 @@ Vec3 unit(Vec3 v) {
 TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Corners> triangles,
                            MeshSides sides)
     : sides_(sides) {
-  weld(vertices, triangles);
+  vertices_.assign(vertices.begin(), vertices.end());
+  triangles_.assign(triangles.begin(), triangles.end());
+  const std::vector<std::uint32_t> first = weld(vertices);
+  for (Corners& corners : triangles_)
+    for (std::uint32_t& corner : corners) corner = first[corner];
   std::vector<Bounds> boxes;
   boxes.reserve(triangles_.size());
   for (std::uint32_t i = 0; i < size(); ++i) {
@@ -38,24 +43,6 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Corne
   connect();
   weigh();
   tree_ = BoundsTree(boxes);
-}
-
-/// Vertices in the same place become one.
-void TriangleMesh::weld(std::span<const Vec3> vertices, std::span<const Corners> triangles) {
-  std::vector<std::uint32_t> order(vertices.size()), kept(vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t i) {
-    return std::tuple(vertices[i].x, vertices[i].y, vertices[i].z, i);
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) { return key(i) < key(k); });
-  vertices_.assign(vertices.begin(), vertices.end());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool again = k > 0 && vertices[order[k]] == vertices[order[k - 1]];
-    kept[order[k]] = again ? kept[order[k - 1]] : order[k];
-  }
-  triangles_.assign(triangles.begin(), triangles.end());
-  for (Corners& corners : triangles_)
-    for (std::uint32_t& corner : corners) corner = kept[corner];
 }
 
 /// Finds the edges and which triangles meet there.

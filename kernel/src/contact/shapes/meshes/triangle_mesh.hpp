@@ -89,7 +89,6 @@ class TriangleMesh {
   Nearest nearest(Vec3 p, double most) const;
 
  private:
-  void weld(std::span<const Vec3> vertices, std::span<const Corners> triangles);
   void connect();
   void weigh();
 
