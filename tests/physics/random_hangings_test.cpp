@@ -58,6 +58,31 @@ TEST(RandomHangings, CablesComeTautInFewIterations) {
   }
 }
 
+// These cranes catch their loads within ten frames and rest. Gradient mid left speeds along their cables that
+// swung about zero, and frames at rest took up to 43 Newton steps. A blow that is stopped takes one frame
+// with a try in vain, and then each takes one step.
+TEST(RandomHangings, WhatCablesCaughtRests) {
+  for (const std::uint64_t seed : {421u, 445u, 2299u}) {
+    const scenes::HangingResult result = scenes::hang(seed, 0.5);
+    ASSERT_EQ(result.kind, "crane");
+    EXPECT_EQ(result.fault(), "") << "seed " << seed;
+    EXPECT_EQ(result.total.fallbacks + result.total.elastic_substeps, 0u) << "seed " << seed;
+    EXPECT_EQ(result.total.halvings, 0u) << "seed " << seed;
+    EXPECT_EQ(result.median_work, 1) << "seed " << seed;
+    EXPECT_FALSE(result.is_dear()) << "seed " << seed << ": " << result.worst_work;
+  }
+}
+
+// Spiders that come tight, of the 1,000 those with the worst frames. In the last of them softest rods once
+// found no minimum.
+TEST(RandomHangings, RodsThatGiveTakeFewSteps) {
+  for (const std::uint64_t seed : {626u, 746u, 751u, 370u}) {
+    const scenes::HangingResult result = scenes::hang(seed, 3);
+    EXPECT_EQ(result.total.unsolved, 0u) << "seed " << seed;
+    EXPECT_FALSE(result.is_dear()) << "seed " << seed << ": " << result.work_ratio();
+  }
+}
+
 // A seed is a scene.
 TEST(RandomHangings, DependOnTheirSeedAlone) {
   const scenes::Hanging one = scenes::random_hanging(5), again = scenes::random_hanging(5);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "direct/loops/loop_stepper.hpp"
+#include "direct/loops/loop_vectors.hpp"
 #include "time/composition.hpp"
 
 namespace plumb::detail {
@@ -19,6 +20,8 @@ constexpr int probed_depth = 1;
 constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
 /// Where frames are bounded it is at first so many, since what fails is soon given up.
 constexpr std::uint32_t briefly_damped = 2;
+/// Cables that change their length by a smaller share in a substep do not ring.
+constexpr double least_ringing = 1e-3;
 struct Limits {
   int halvings, attempts;
 };
@@ -40,7 +43,33 @@ const Limits& limits_of(const LoopState& state) {
   return state.topology->any() ? damped_elements : damped;
 }
 
+/// Says whether all rigid cables pulled, and some changes its length faster than a substep of `h` (s)
+/// resolves. Gradient mid keeps the speed of what they catch, as a velocity that swings about zero.
+bool rings(const LoopState& state, double h) {
+  if (!state.laws.any()) return false;
+  const LoopTopology& shape = *state.topology;
+  const auto velocity = [&](std::uint32_t i) {
+    return i < shape.nodes ? at(state.u, i) : state.fixed_velocity[i - shape.nodes];
+  };
+  bool any = false;
+  for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
+    if (!state.laws.is_rigid(k) || !state.laws.is_one_sided(k)) continue;
+    if (!(state.mu[k] < 0)) return false;
+    const auto [a, b] = shape.rods[k];
+    const double rate = dot(at(state.x, a) - at(state.x, b), velocity(a) - velocity(b));
+    any = any || std::abs(rate) * h > least_ringing * state.length2[k];
+  }
+  return any;
+}
+
 }  // namespace
+
+void LoopStepper::end_ringing(LoopState& state, LoopWorkspace& work, Tally& counters) const {
+  project_velocities(state, work);
+  count_blows(state, work);
+  state.known = 0;
+  ++counters.newton;
+}
 
 void LoopStepper::damp(LoopState& state, bool briefly) {
   state.next_damped = std::max(state.next_damped, briefly ? briefly_damped : damped_substeps);
@@ -52,7 +81,13 @@ bool LoopStepper::advance_part(LoopState& state, double h, int depth, Attempts& 
                                Tally& counters) const {
   const Gradient gradient = state.damped > 0 ? Gradient::new_ : gradient_;
   if (attempts.left-- == 0) return false;
-  if (solve(state, h, gradient, attempts.by_lines, work, counters)) {
+  bool solved = solve(state, h, gradient, attempts.by_lines, work, counters);
+  if (!solved && gradient == Gradient::mid && !attempts.caught && is_bounded(state) && rings(state, h)) {
+    attempts.caught = true;
+    end_ringing(state, work, counters);
+    solved = solve(state, h, gradient, attempts.by_lines, work, counters);
+  }
+  if (solved) {
     attempts.error += accept(state, h, gradient, work, counters);
     attempts.deepest = std::max(attempts.deepest, depth);
     attempts.done += h;

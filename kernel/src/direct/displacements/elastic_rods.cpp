@@ -23,11 +23,14 @@ constexpr double near_change = 1e-5;
 /// Softer rods only lead to stiffer ones. Those follow once a step of Newton's gains, for its share, no more
 /// than this of the energy of motion or of what was gained before.
 constexpr double least_gain = 1e-2;
+/// Where frames are bounded they also follow once a whole step is as small as this. Where a step was cut down
+/// to less than this share, multipliers that went along with displacements have led astray.
+constexpr double near_softer = 1e-3, least_carried = 0.1;
 /// Rods of all compliances together take so many iterations, and those after the softest so many each.
 constexpr int most_soft_iterations = 28, most_stiffer_iterations = 16;
 /// Multipliers and displacements are sought together in so many iterations. A change is cut down to so many
 /// rod lengths. Where the first one is larger than `farthest` of them, that hardly ever converges.
-constexpr int most_joint_iterations = 24, elastic_patience = 9, bounded_patience = 4;
+constexpr int most_joint_iterations = 24, elastic_patience = 9, bounded_patience = 3;
 constexpr double most_change = 1, farthest = 0.1;
 
 /// Rods that gave are tried as rigid ones. The first change is at most so many rod lengths, and each falls so
@@ -220,18 +223,28 @@ class Search {
     const double motion = energy_of_motion(state_, work_);
     const bool carries = state_.tackles.empty() && state_.twists.empty();
     const double first = elastic_energy(state_, soft, work_);
-    double energy = first, change = std::numeric_limits<double>::infinity();
+    double energy = first, made = 1;
+    // Where softer rods came to rest, rigid ones are but a few iterations away.
+    if (is_last && may_harden_ && last_change_ <= least_crawling_) {
+      is_rigid_ = harden(state_, work_, counters_);
+      if (is_rigid_) return false;
+    }
+    double& change = last_change_;
+    change = std::numeric_limits<double>::infinity();
     for (int i = 0; i < most; ++i) {
-      if (!carries || (i == 0 && soft == softest)) set_elastic_multipliers(state_, soft, work_);
+      const bool is_lost = bounded_ && made < least_carried;
+      if (!carries || is_lost || (i == 0 && soft == softest)) set_elastic_multipliers(state_, soft, work_);
       factorize_newton(state_, 1, soft, work_, factor);
       const double last = change;
       change = find_newton_change(state_, 1, soft, work_, factor);
       ++counters_.newton;
-      const double before = energy, made = descend(state_, soft, energy, work_, factor);
+      const double before = energy;
+      made = descend(state_, soft, energy, work_, factor);
       // What no step along the direction makes better is a minimum, to rounding.
       if (change <= elastic_change || made == 0) return std::isfinite(energy);
       const double least = least_gain * std::max(motion, first - energy);
-      if (!is_last && before - energy <= made * least) return true;
+      const bool is_near = bounded_ && made == 1 && change <= near_softer;
+      if (!is_last && (is_near || before - energy <= made * least)) return true;
       if (soft <= hardest && hardens(change, last)) return false;
     }
     return change <= near_change;
@@ -243,7 +256,8 @@ class Search {
   bool bounded_;           ///< Frames are.
   bool may_harden_;        ///< Rigid rods may be tried.
   double least_crawling_;  ///< They are where changes crawl that are no larger.
-  bool is_rigid_ = false;  ///< They were solved.
+  double last_change_ = std::numeric_limits<double>::infinity();  ///< The last search for a minimum made it.
+  bool is_rigid_ = false;                                         ///< They were solved.
 };
 
 }  // namespace

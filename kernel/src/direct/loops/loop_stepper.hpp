@@ -173,10 +173,13 @@ class LoopStepper {
     bool by_lines;
     std::uint64_t most_newton;  ///< They end where so many are counted.
     bool probed = false;        ///< The shortest part that may be has been tried.
+    bool caught = false;        ///< What cables caught was stopped.
     int deepest = 0;            ///< Parts that were taken were halved so often at most.
     double error = 0;           ///< It is in m.
     double done = 0;            ///< Parts that were taken are so long together, in s.
   };
+  /// Stops what rigid cables have caught, which loses the energy of the blow.
+  void end_ringing(LoopState& state, LoopWorkspace& work, Tally& counters) const;
   /// Takes a substep in so many pieces. Returns whether all were solved; otherwise the state is as it was.
   bool advance_pieces(LoopState& state, double h, std::uint32_t count, Attempts& attempts,
                       LoopWorkspace& work, Tally& counters) const;
