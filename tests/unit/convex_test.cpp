@@ -336,5 +336,32 @@ TEST(Nearness, ShapesMayHaveManyCorners) {
   EXPECT_NEAR(near.distance, std::sqrt(5.0), 1e-12);
 }
 
+// A prism of 200 sides lies on one of 199 that is a little narrower, so that every corner is cut by some
+// sides. What both have in common has more corners than there is room for, and is still held all around.
+TEST(ConvexContacts, OfManySidesAreAllAround) {
+  const auto prism = [](std::uint32_t sides, double radius, double low, double high) {
+    std::vector<Vec3> points;
+    for (std::uint32_t i = 0; i < sides; ++i) {
+      const double angle = 6.283185307179586 * i / sides;
+      for (const double y : {low, high})
+        points.push_back({radius * std::cos(angle), y, radius * std::sin(angle)});
+    }
+    return ConvexHull(points);
+  };
+  const ConvexHull upper = prism(200, 1, 0, 1), lower = prism(199, 0.9982, -1, 0);
+  const ConvexContacts found = contacts_of(lower.shape(0), upper.shape(0), 0.01);
+  std::vector<double> angles;
+  for (const ConvexContact& each : found) {
+    EXPECT_NEAR(each.gap, 0, 1e-9);
+    if (norm(each.on_a) > 0.9) angles.push_back(std::atan2(each.on_a.z, each.on_a.x));
+  }
+  ASSERT_GT(angles.size(), 4u);
+  std::sort(angles.begin(), angles.end());
+  double widest = angles.front() + 6.283185307179586 - angles.back();
+  for (std::size_t i = 1; i < angles.size(); ++i) widest = std::max(widest, angles[i] - angles[i - 1]);
+  // Sixteen that are chosen to be far from each other leave at most a few times their mean distance.
+  EXPECT_LT(widest, 3 * 6.283185307179586 / ConvexContacts::most);
+}
+
 }  // namespace
 }  // namespace plumb::detail
