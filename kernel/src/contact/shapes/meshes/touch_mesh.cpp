@@ -40,6 +40,27 @@ bool touch_triangle(const TriangleMesh& mesh, std::uint32_t i, Vec3 p, Vec3 midd
   return mesh.faces(out.part, out.normal);
 }
 
+/// Returns whether a triangle counts as the one that a line crosses. Of several that meet where it does so,
+/// to the last bit, one does.
+bool is_crossed(const TriangleMesh& mesh, std::uint32_t i, Vec3 p, Vec3 q) {
+  const auto where = crossing(mesh.triangle(i), p, q);
+  if (!where) return false;
+  const MeshPart part = mesh.part(i, *where);
+  return part.kind == MeshPart::Kind::face ||
+         (part.kind == MeshPart::Kind::edge ? mesh.owner_of_edge(part.number)
+                                            : mesh.owner_of_vertex(part.number)) == i;
+}
+
+/// Returns whether a mesh parts two places: a line between them crosses it an odd number of times.
+bool parts(const TriangleMesh& mesh, Vec3 p, Vec3 q) {
+  bool out = false;
+  Bounds box = nowhere;
+  include(box, p, 0);
+  include(box, q, 0);
+  mesh.find(box, [&](std::uint32_t i) { out = out != is_crossed(mesh, i, p, q); });
+  return out;
+}
+
 void turn(LineTouch& touch) {
   touch.normal = -1.0 * touch.normal;
   touch.gap = -touch.gap;
@@ -110,6 +131,7 @@ void touch_mesh(const TriangleMesh& mesh, Vec3 p, Vec3 middle, double reach, dou
   } else if (mesh.sides() == MeshSides::outward && nearest.gap < INFINITY) {
     is_through = mesh.leads_inside(nearest.part, nearest.normal);
   }
+  if (mesh.sides() == MeshSides::both) is_through = is_through && parts(mesh, middle, p);
   // What lies in the surface is on its middle's side already.
   if (is_through && nearest.gap > 0 && nearest.gap < INFINITY) {
     turn(nearest);
