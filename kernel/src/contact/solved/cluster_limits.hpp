@@ -92,10 +92,6 @@ inline constexpr double most_disturbed = 1e-5;
 /// Contacts in the matrix take at most so many corrections.
 inline constexpr int most_ground_corrections = 20;
 
-/// Positions are sought at most so often again because something went into ground unexpectedly. After that
-/// the substep is cut.
-inline constexpr int most_missed = 4;
-
 /// A contact that seems not to come about in a substep is still watched if its gap is small. The limit is the
 /// sum of a distance (m, times the length scale) and a multiple of what its ends move.
 inline constexpr double sight = 0.1, sight_of_moves = 2;
