@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include "support/worlds.hpp"
 
@@ -34,6 +35,32 @@ TEST(Shots, NoneComesThrough) {
     }
   }
   EXPECT_GT(hits, 0.8 * flights);
+}
+
+/// Returns the counts of a whole flight, moved as `way` says.
+StepReport counts_of(std::uint64_t number, std::string_view way) {
+  const scenes::Shot shot = scenes::make_shot({number});
+  StepReport out;
+  for (const scenes::ShotWay& each : scenes::shot_ways()) {
+    if (each.name != way) continue;
+    World world(shot.scene, each.settings);
+    for (std::uint32_t step = 0; step < shot.steps; ++step) out += world.step(shot.dt);
+  }
+  return out;
+}
+
+// Corners of these boxes end up beyond the middle of a wall, as LIMITS.md says, and not silently.
+TEST(Shots, WhatIsLeftInAWallIsCounted) {
+  for (const std::uint64_t number : {12038u, 12856u, 38773u})
+    EXPECT_GT(counts_of(number, "direct").missed_contacts, 0u) << number;
+  EXPECT_EQ(counts_of(0, "direct").missed_contacts, 0u);
+}
+
+// A box that is relaxed against a wall is slowed where its blow would bring energy.
+TEST(Shots, RelaxedBlowsThatAreHeldBackAreCounted) {
+  const StepReport report = counts_of(12038, "relax");
+  EXPECT_GT(report.guarded_energy, 0u);
+  EXPECT_GT(report.trimmed_energy, 0u);
 }
 
 }  // namespace

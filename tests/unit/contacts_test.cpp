@@ -27,6 +27,19 @@ TEST(TouchedPairs, TakeInNothingUnlessTheyCount) {
   EXPECT_TRUE(pairs.pairs().empty());
 }
 
+// The square of an impulse below 1e-162 N s is zero, so that it weighs nothing and has no mean place.
+TEST(TouchedPairs, LeaveOutWhatWeighsNothing) {
+  TouchedPairs pairs;
+  pairs.counts = true;
+  pairs.add(3, TouchedPair::ground, 7, {{0, 1e-170, 0}, {1, 0, 0}, {0, 1, 0}, 2});
+  pairs.merge();
+  EXPECT_TRUE(pairs.pairs().empty());
+  pairs.add(3, TouchedPair::ground, 7, {{0, 1e-150, 0}, {1, 0, 0}, {0, 1, 0}, 2});
+  pairs.merge();
+  ASSERT_EQ(pairs.pairs().size(), 1u);
+  EXPECT_GT(pairs.pairs()[0].weight, 0);
+}
+
 // Points of a pair are weighted by their impulses, and the fastest counts.
 TEST(TouchedPairs, AddUpPoints) {
   TouchedPairs pairs;

@@ -9,6 +9,7 @@
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "contact/shapes/hulls/simplex.hpp"
 #include "support/random_trees.hpp"
+#include "support/refusals.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -61,6 +62,32 @@ TEST(ConvexHull, HoldsItsPoints) {
     ASSERT_FALSE(hull.is_empty());
     expect_sound(hull, points);
   }
+}
+
+// Points whose distances from common planes are about as large as the rounding that joins faces: hulls stay
+// closed, or are refused by name.
+TEST(ConvexHull, NoisyGridsAreClosedOrRefused) {
+  test::Random random(62);
+  int built = 0, rounds = 0;
+  for (const double noise : {1e-12, 1e-11, 1e-10, 3e-10, 1e-9, 1e-8})
+    for (int round = 0; round < 200; ++round, ++rounds) {
+      std::vector<Vec3> points;
+      const std::uint32_t sides = 2 + test::below(random, 2), count = 12 + test::below(random, 50);
+      const auto place = [&] { return static_cast<double>(test::below(random, sides)); };
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const double x = place(), y = place(), z = place();
+        points.push_back(Vec3{x, y, z} + noise * random_vector(random));
+      }
+      const std::string refusal = test::refusal([&] {
+        const ConvexHull hull(points);
+        built += !hull.is_empty();
+        EXPECT_TRUE(hull.is_empty() ||
+                    hull.vertices().size() + hull.parts().faces() == hull.parts().edges.size() + 2)
+            << "Euler";
+      });
+      EXPECT_TRUE(refusal.empty() || refusal.find("leaves its surface open") != std::string::npos) << refusal;
+    }
+  EXPECT_GT(built, rounds - rounds / 100);
 }
 
 // Points along edges, on faces and twice make no corners.
@@ -293,6 +320,47 @@ TEST(ConvexContacts, OfACapsuleAlongAFace) {
   EXPECT_NEAR(at[0], -1, 1e-12);
   EXPECT_NEAR(at[1], 0.5, 1e-12);
   EXPECT_NEAR(found.list[0].gap, 0.05, 1e-12);
+}
+
+// A ring of more corners than 16 bits can name: the nearest is the one of the highest number.
+TEST(Nearness, ShapesMayHaveManyCorners) {
+  std::vector<Vec3> ring;
+  constexpr std::uint32_t count = 70001;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double t = 2 * (i + 1.0) / count - 1;  // along a half of the unit circle, to (1, 0)
+    ring.push_back({t, std::sqrt(std::max(0.0, 1 - t * t)), i % 2 == 0 ? -0.1 : 0.1});
+  }
+  const std::vector<Vec3> point{{3, -1, ring.back().z}};
+  const Nearness near = nearness({.vertices = point, .normals = {}}, {.vertices = ring, .normals = {}});
+  EXPECT_NEAR(norm(near.on_b - ring.back()), 0, 1e-12);
+  EXPECT_NEAR(near.distance, std::sqrt(5.0), 1e-12);
+}
+
+// A prism of 200 sides lies on one of 199 that is a little narrower, so that every corner is cut by some
+// sides. What both have in common has more corners than there is room for, and is still held all around.
+TEST(ConvexContacts, OfManySidesAreAllAround) {
+  const auto prism = [](std::uint32_t sides, double radius, double low, double high) {
+    std::vector<Vec3> points;
+    for (std::uint32_t i = 0; i < sides; ++i) {
+      const double angle = 6.283185307179586 * i / sides;
+      for (const double y : {low, high})
+        points.push_back({radius * std::cos(angle), y, radius * std::sin(angle)});
+    }
+    return ConvexHull(points);
+  };
+  const ConvexHull upper = prism(200, 1, 0, 1), lower = prism(199, 0.9982, -1, 0);
+  const ConvexContacts found = contacts_of(lower.shape(0), upper.shape(0), 0.01);
+  std::vector<double> angles;
+  for (const ConvexContact& each : found) {
+    EXPECT_NEAR(each.gap, 0, 1e-9);
+    if (norm(each.on_a) > 0.9) angles.push_back(std::atan2(each.on_a.z, each.on_a.x));
+  }
+  ASSERT_GT(angles.size(), 4u);
+  std::sort(angles.begin(), angles.end());
+  double widest = angles.front() + 6.283185307179586 - angles.back();
+  for (std::size_t i = 1; i < angles.size(); ++i) widest = std::max(widest, angles[i] - angles[i - 1]);
+  // Sixteen that are chosen to be far from each other leave at most a few times their mean distance.
+  EXPECT_LT(widest, 3 * 6.283185307179586 / ConvexContacts::most);
 }
 
 }  // namespace

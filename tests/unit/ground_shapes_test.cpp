@@ -174,5 +174,28 @@ TEST(GroundSearch, HullsMeetSpikesWithTheirFaces) {
   }
 }
 
+// All below a landscape is solid: a point far below it is told how far, and in which direction, it is.
+TEST(GroundShape, HeightFieldsAreSolidBelow) {
+  const GroundShape flat(
+      HeightField{.corner = {-2, 3, -2}, .columns = 5, .heights = std::vector<double>(25)});
+  for (const double depth : {0.01, 1.0, 500.0, 1e5})
+    for (const double x : {-1.999, -1.5, 0.0, 0.25, 1.99}) {  // near a side, in a triangle, on an edge
+      const Vec3 p{x, 3 - depth, 0.25};
+      Bounds around = nowhere;
+      include(around, p, 1e-3);
+      EXPECT_TRUE(flat.reaches_into(around));
+      LineTouches out;
+      flat.touch_point(p, p, 1e-3, out);
+      ASSERT_EQ(out.count, 1u) << x << " " << depth;
+      EXPECT_NEAR(out.list[0].gap, -depth, 1e-9);
+      EXPECT_NEAR(out.list[0].normal.y, 1, 1e-12);
+    }
+  for (const Vec3 p : {Vec3{0, 3.1, 0}, Vec3{2.1, 1, 0}, Vec3{0, 1, -2.1}}) {
+    LineTouches out;
+    flat.touch_point(p, p, 1e-3, out);
+    EXPECT_EQ(out.count, 0u);
+  }
+}
+
 }  // namespace
 }  // namespace plumb::detail

@@ -189,5 +189,28 @@ TEST(SceneParts, LikenessIsOfEverythingButThePlace) {
   EXPECT_NE(likeness(parts.part(0)), likeness(parts.part(2)));
 }
 
+// So do all numbers of its surfaces: islands that resist rolling differently share no linkage.
+TEST(SceneParts, LikenessKnowsSurfacesOfHulls) {
+  Scene scene;
+  for (const double x : {0.0, 5.0, 10.0, 15.0}) {
+    const auto first = static_cast<std::uint32_t>(scene.particles.size());
+    for (const Vec3 at : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      scene.particles.push_back(test::movable(at + Vec3{x, 0, 0}));
+    scene.bodies.push_back({.particles = {first, first + 1, first + 2, first + 3}});
+    const auto body = static_cast<std::uint32_t>(scene.bodies.size() - 1);
+    scene.hulls.push_back({.body = body,
+                           .points = {{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}, {x, 0, 1}},
+                           .surface = {.friction = 0.5}});
+  }
+  scene.hulls[2].surface.rolling = 0.01;
+  scene.hulls[3].surface.spinning = 0.01;
+  const SceneParts parts(scene);
+  ASSERT_EQ(parts.count(), 4u);
+  EXPECT_EQ(likeness(parts.part(0)), likeness(parts.part(1)));
+  EXPECT_NE(likeness(parts.part(0)), likeness(parts.part(2)));
+  EXPECT_NE(likeness(parts.part(0)), likeness(parts.part(3)));
+  EXPECT_NE(likeness(parts.part(2)), likeness(parts.part(3)));
+}
+
 }  // namespace
 }  // namespace plumb::detail

@@ -77,8 +77,8 @@ TEST(TouchHull, LeastGapIsTheDistance) {
         *std::min_element(found.begin(), found.end(),
                           [](const ConvexContact& a, const ConvexContact& b) { return a.gap < b.gap; });
     EXPECT_NEAR(nearest.gap, least, 1e-9);
-    const std::uint32_t kind = nearest.key >> 30;
-    corners += kind == 0, peaks += kind == 1, edges += kind >= 2;
+    const std::uint64_t kind = nearest.key >> 62;
+    corners += kind == 0, peaks += kind == 1, edges += kind == 2;
   }
   EXPECT_GT(compared, 300);
   EXPECT_GT(corners, 20);
@@ -112,6 +112,40 @@ TEST(TouchHull, WhatStandsInAHullPushesItBack) {
   ASSERT_EQ(over_peak.count, 1u);
   EXPECT_NEAR(over_peak.list[0].gap, -0.01, 1e-12);
   EXPECT_NEAR(over_peak.list[0].normal.y, 1, 1e-12);
+}
+
+// A prism of 80 corners and 120 edges in a crack of a landscape: no two contacts have one key, and those that
+// stay keep theirs when others come.
+TEST(TouchHull, KeysNameWhatTouches) {
+  std::vector<Vec3> points;
+  constexpr int around = 40;
+  for (int i = 0; i < around; ++i) {
+    const double angle = 6.283185307179586 * i / around;
+    for (const double z : {-0.5, 0.5}) points.push_back({0.5 * std::cos(angle), 0.5 * std::sin(angle), z});
+  }
+  const ConvexHull hull(points);
+  ASSERT_GT(hull.parts().edges.size(), 61u);
+  test::Random random(73);
+  for (int round = 0; round < 50; ++round) {
+    test::Mesh hills = test::landscape(16, 0.12, [](double x, double) { return 0.5 * x * x; });
+    for (Vec3& v : hills.vertices) v.y += 0.05 * test::signed_unit(random) - 0.52;
+    const TriangleMesh mesh(hills.vertices, hills.triangles, MeshSides::both);
+    std::vector<std::uint64_t> keys;
+    std::vector<ConvexContact> few;
+    for (const double reach : {0.02, 0.04}) {
+      const ConvexContacts found = contacts_of(hull.shape(0), middle_of(hull), mesh, reach);
+      keys.clear();
+      for (const ConvexContact& each : found) keys.push_back(each.key);
+      std::sort(keys.begin(), keys.end());
+      EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end());
+      for (const ConvexContact& one : few)
+        for (const ConvexContact& same : found)
+          if (norm(one.on_b - same.on_b) + norm(one.on_a - same.on_a) < 1e-12) {
+            EXPECT_EQ(one.key, same.key);
+          }
+      few.assign(found.begin(), found.end());
+    }
+  }
 }
 
 }  // namespace

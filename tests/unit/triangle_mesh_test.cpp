@@ -317,5 +317,33 @@ TEST(Weld, NamesTheFirstInEachPlace) {
   EXPECT_TRUE(weld({}).empty());
 }
 
+// A capsule lies over the ridge of a roof, an open mesh. A line from its middle to an end pierces the roof
+// twice or not at all, so that the end is on the middle's side and is kept off its own slope.
+TEST(TouchMesh, LinesThatPierceARidgeTwiceAreOnOneSide) {
+  const std::vector<Vec3> roof{{-3, 0, 0}, {3, 0, 0}, {-3, -1, -1}, {3, -1, -1}, {-3, -1, 1}, {3, -1, 1}};
+  const std::vector<TriangleMesh::Corners> sides{{0, 1, 2}, {1, 3, 2}, {0, 4, 1}, {1, 4, 5}};
+  const TriangleMesh mesh(roof, sides, MeshSides::both);
+  const Vec3 up = (1 / std::sqrt(2.0)) * Vec3{0, 1, 1};
+  for (const double x : {0.3, 0.7, -0.4})
+    for (const double reach : {0.1, 2.0}) {  // the second sees the other slope, too
+      const Vec3 end{x, -0.25, 0.3}, middle{x, -0.15, -0.2};
+      LineTouches out;
+      touch_mesh(mesh, end, middle, reach, 1, out);
+      const auto own = std::find_if(
+          out.begin(), out.end(), [&](const LineTouch& touch) { return dot(touch.normal, up) > 1 - 1e-12; });
+      ASSERT_NE(own, out.end());
+      EXPECT_NEAR(own->gap, dot(up, end), 1e-15);
+      for (const LineTouch& touch : out) EXPECT_GT(touch.gap, 0);
+    }
+  // What is below the roof is on the other side, also where the line goes through an edge between triangles.
+  for (const Vec3 end : {Vec3{0.2, -0.35, 0.3}, Vec3{0, -0.52, 0.48}}) {
+    LineTouches out;
+    touch_mesh(mesh, end, end + 0.2 * Vec3{0, 1, 1}, 0.1, 1, out);
+    ASSERT_EQ(out.count, 1u);
+    EXPECT_NEAR(out.list[0].gap, dot(up, end), 1e-15);
+    EXPECT_LT(out.list[0].gap, 0);
+  }
+}
+
 }  // namespace
 }  // namespace plumb::detail

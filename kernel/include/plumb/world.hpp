@@ -79,6 +79,8 @@ struct StepReport {
   /// Other substeps whose energy was held back: by less, as the order of a substep explains, or out of
   /// contact.
   std::uint64_t trimmed_energy = 0;
+  /// Substeps that ended with something beyond ground it was not to pass, although they were solved again.
+  std::uint64_t missed_contacts = 0;
   std::uint32_t awake_islands = 0;  ///< Islands awake at the end of the step.
   std::uint32_t fell_asleep = 0;    ///< Islands that fell asleep in this step.
 

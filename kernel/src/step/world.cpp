@@ -358,6 +358,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   contact_points = std::max(contact_points, other.contact_points);
   guarded_energy += other.guarded_energy;
   trimmed_energy += other.trimmed_energy;
+  missed_contacts += other.missed_contacts;
   awake_islands = other.awake_islands;
   fell_asleep += other.fell_asleep;
   return *this;

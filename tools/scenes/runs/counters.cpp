@@ -31,6 +31,7 @@ constexpr Counter table[] = {
     {"guarded_energy", &StepReport::guarded_energy, "substeps kept from gaining energy by contact",
      "contact"},
     {"trimmed_energy", &StepReport::trimmed_energy, "substeps kept from gaining a little energy", "contact"},
+    {"missed_contacts", &StepReport::missed_contacts, "substeps that left something in ground", "contact"},
     {"awake_islands", &StepReport::awake_islands, "islands awake at last", "contact"},
     {"fell_asleep", &StepReport::fell_asleep, "islands that fell asleep", "contact"},
 };

@@ -42,7 +42,7 @@ struct GroundMesh {
   Surface surface{};  ///< How it feels.
 };
 
-/// This is a landscape: heights over a rectangular grid along x and z, and all below is solid.
+/// This is a landscape: heights over a rectangular grid along x and z, and all below is solid, 1000 km deep.
 ///
 /// Every cell is two triangles, which meet along the line from its corner of least x and z to the opposite
 /// one.

@@ -17,6 +17,9 @@
 /// which it is touched first.
 namespace plumb::detail {
 
+/// A substep is solved or relaxed at most so often again because something went into ground unexpectedly.
+inline constexpr int most_missed = 4;
+
 /// Says how ground is looked for.
 struct GroundSearch {
   double margin = 0;  ///< m, of contact

@@ -24,6 +24,9 @@ GroundMesh mesh_of(const HeightField& field) {
 
 namespace {
 
+/// All below a landscape is solid, as deep as this (m).
+constexpr double depth_of_fields = 1e6;
+
 /// A box may be thinner than the hull of any points.
 ConvexHull hull_of(const Box& box) {
   const std::vector<Vec3> cube = box_on_body(0, {.half_size = {1, 1, 1}}).points;
@@ -56,11 +59,16 @@ GroundShape::GroundShape(const GroundHull& hull)
 }
 
 GroundShape::GroundShape(const GroundMesh& mesh)
-    : mesh_(std::in_place, mesh.vertices, mesh.triangles, mesh.solid ? MeshSides::outward : MeshSides::both),
+    : GroundShape(mesh, mesh.solid ? MeshSides::outward : MeshSides::both) {}
+
+GroundShape::GroundShape(const GroundMesh& mesh, MeshSides sides)
+    : mesh_(std::in_place, mesh.vertices, mesh.triangles, sides),
       bounds_(mesh_->bounds()),
       surface_(mesh.surface) {}
 
-GroundShape::GroundShape(const HeightField& field) : GroundShape(mesh_of(field)) {}
+GroundShape::GroundShape(const HeightField& field) : GroundShape(mesh_of(field), MeshSides::upward) {
+  bounds_.low.y -= depth_of_fields;
+}
 
 Convex GroundShape::convex() const {
   return hull_.is_empty() ? Convex{.vertices = line_, .normals = {}, .radius = radius_}
@@ -69,7 +77,7 @@ Convex GroundShape::convex() const {
 
 bool GroundShape::reaches_into(const Bounds& bounds) const {
   if (!bounds_.overlaps(bounds)) return false;
-  return !mesh_ || mesh_->sides() == MeshSides::outward || mesh_->reaches_into(bounds);
+  return !mesh_ || mesh_->encloses() || mesh_->reaches_into(bounds);
 }
 
 void GroundShape::touch_point(Vec3 p, Vec3 middle, double reach, LineTouches& out) const {

@@ -84,6 +84,7 @@ class GroundShape {
   std::optional<FirstHullTouch> first_touch(const MovingHull& moving, double close) const;
 
  private:
+  GroundShape(const GroundMesh& mesh, MeshSides sides);
   Convex convex() const;
 
   std::vector<Vec3> line_;  ///< of a capsule

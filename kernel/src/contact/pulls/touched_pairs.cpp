@@ -32,7 +32,7 @@ void TouchedPairs::begin_step() {
 
 void TouchedPairs::add(std::uint32_t shape, std::uint32_t island, std::uint32_t other,
                        const TouchPush& push) {
-  if (!counts || push.impulse == Vec3{} || !is_finite(push.impulse) || !is_finite(push.place)) return;
+  if (!counts || !(norm(push.impulse) > 0) || !is_finite(push.impulse) || !is_finite(push.place)) return;
   pairs_.push_back({.shape = shape, .island = island, .other = other, .order = added_++});
   pairs_.back().add(push);
   if (pairs_.size() >= few_) merge();

@@ -43,7 +43,7 @@ class TouchedPairs {
 
   void begin_step();
   /// Takes in how a shape is pushed by another of an island, or by ground. What is not finite is left out:
-  /// its island freezes.
+  /// its island freezes. So is what is too small to weigh a place.
   void add(std::uint32_t shape, std::uint32_t island, std::uint32_t other, const TouchPush& push);
   /// Adds up all of a pair, and sorts pairs by their numbers.
   void merge();

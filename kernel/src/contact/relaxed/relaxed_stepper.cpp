@@ -4,13 +4,14 @@
 #include <chrono>
 #include <cmath>
 
+#include "contact/ground/ground_search.hpp"
+#include "contact/solved/cluster_limits.hpp"
+
 namespace plumb::detail {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A substep is relaxed at most so often again because something went into ground unexpectedly.
-constexpr int most_missed = 4;
 /// Where hulls are hit, sweeps go on until rods are violated by at most a share, or so often.
 constexpr int most_hit_sweeps = 400;
 constexpr double least_crushed = 1e-3;
@@ -48,7 +49,7 @@ bool RelaxedStepper<T>::is_crushed() {
 }
 
 template <class T>
-bool RelaxedStepper<T>::is_driven(std::span<LinkageState* const> cluster) {
+bool RelaxedStepper<T>::hangs_or_springs(std::span<LinkageState* const> cluster) {
   return std::any_of(cluster.begin(), cluster.end(), [](const LinkageState* state) {
     return state->linkage->is_grounded() || !state->linkage->elastics().empty();
   });
@@ -75,19 +76,25 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
                                 double h, double dt, Tally& report) {
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
-  double most_energy = crowd_.kinetic_of_moves(h);
+  // Elsewhere ground, anchors and elastics may give energy.
+  const bool is_guarded = !surroundings.any_moves() && !hangs_or_springs(cluster);
+  double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
   while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h)) {
     scatter(cluster);
     gather(cluster, surroundings, dt);
     crowd_.predict(h, Gradient::new_);
-    most_energy = crowd_.kinetic_of_moves(h);
+    if (is_guarded) most_energy = crowd_.kinetic_of_moves(h);
   }
   const bool is_new = !contacts_.is_empty() || joints_.has_elastics();
   Gradient gradient = is_new ? Gradient::new_ : asked;
   if (gradient != Gradient::new_) crowd_.predict(h, gradient);
   begin_rows(cluster, h);
   solve(gradient, report);
-  for (int i = 0; i < most_missed && contacts_.find_missed(cluster, crowd_, surroundings, ground_, h); ++i) {
+  for (int i = 0; contacts_.find_missed(cluster, crowd_, surroundings, ground_, h); ++i) {
+    if (i == most_missed) {
+      ++report.missed_contacts;
+      break;
+    }
     if (gradient != Gradient::new_) {
       gradient = Gradient::new_;
       crowd_.predict(h, gradient);
@@ -98,11 +105,7 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   crowd_.advance(h, gradient);
   const bool bounces = contacts_.bounce(crowd_);
   brake_joints(cluster, h);
-  // Bounces by single places, and what a blow to a hull winds up, give no energy to what is not driven.
-  if (const double energy = crowd_.kinetic(); (is_hit_ || bounces) && gradient == Gradient::new_ &&
-                                              energy > most_energy && !surroundings.any_moves() &&
-                                              !is_driven(cluster))
-    crowd_.slow(std::sqrt(most_energy / energy));
+  if (is_guarded && (is_hit_ || bounces) && gradient == Gradient::new_) guard_energy(most_energy, report);
   contacts_.end(cluster, crowd_, h);
   if (counts_) crowd_.count_pulls(h, gradient, cluster);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
@@ -113,6 +116,15 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     cluster[i]->frozen = true;
     ++report.frozen_islands;
   }
+}
+
+/// Bounces by single places, and what a blow to a hull winds up, give no energy (J) of motion.
+template <class T>
+void RelaxedStepper<T>::guard_energy(double most, Tally& report) {
+  const double energy = crowd_.kinetic();
+  if (!(energy > most)) return;
+  ++(energy - most > contact_limits::gained * energy ? report.guarded_energy : report.trimmed_energy);
+  crowd_.slow(std::sqrt(most / energy));
 }
 
 template <class T>

@@ -40,7 +40,8 @@ class RelaxedStepper final : public ClusterMover {
   void substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h, double dt,
                Tally& report);
   bool is_crushed();
-  static bool is_driven(std::span<LinkageState* const> cluster);
+  static bool hangs_or_springs(std::span<LinkageState* const> cluster);
+  void guard_energy(double most, Tally& report);
   void scatter(std::span<LinkageState* const> cluster);
   void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
   void begin_rows(std::span<LinkageState* const> cluster, double h);

@@ -92,8 +92,4 @@ inline constexpr double most_disturbed = 1e-5;
 /// Contacts in the matrix take at most so many corrections.
 inline constexpr int most_ground_corrections = 20;
 
-/// Positions are sought at most so often again because something went into ground unexpectedly. After that
-/// the substep is cut.
-inline constexpr int most_missed = 4;
-
 }  // namespace plumb::detail::contact_limits

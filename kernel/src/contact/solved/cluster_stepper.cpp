@@ -241,12 +241,8 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   keeps_slack_ = false;
   may_touch_ = is_held();
   switches_ = 0;
-  missed_ground_.clear();
   bool is_found = find_sound_positions(h, report);
-  if (learn_tautness(h)) {
-    missed_ground_.clear();
-    is_found = find_sound_positions(h, report);
-  }
+  if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   if (!is_found) return false;
   double before = energy();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
@@ -288,6 +284,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
+  report.missed_contacts += gives_up_missed_;
   report.contact_points = std::max<std::uint64_t>(
       report.contact_points, count_pushes() + static_cast<std::uint64_t>(std::count_if(
                                                   rows_.begin(), rows_.end(), [](const Row& row) {
@@ -321,6 +318,8 @@ bool ClusterStepper::learn_tautness(double h) {
 
 /// Finds positions again while something is missed, or elastics are slack that were not.
 bool ClusterStepper::find_sound_positions(double h, Tally& report) {
+  missed_ground_.clear();
+  gives_up_missed_ = false;
   do {
     if (!find_positions(h, report)) return false;
     if (!all_near_ && is_contact_missed()) {
@@ -329,7 +328,8 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
     }
     for (int i = 0; find_missed_ground(); ++i) {
       if (i == most_missed && h > shortest_) return false;
-      if (i == most_missed) break;
+      gives_up_missed_ = i == most_missed;
+      if (gives_up_missed_) break;
       keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }

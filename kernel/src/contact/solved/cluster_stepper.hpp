@@ -379,6 +379,7 @@ class ClusterStepper final : public ClusterMover {
     Touch touch;
   };
   std::vector<MissedGround> missed_ground_;
+  bool gives_up_missed_ = false;  ///< something is in ground still
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;    ///< something pushes in this substep, or is near enough to
   bool is_fitted_ = false;    ///< rods were brought to their lengths in this step

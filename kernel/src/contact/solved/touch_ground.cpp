@@ -90,19 +90,33 @@ void ClusterStepper::touch_ends(std::uint32_t i, std::uint32_t ground, double h)
   }
 }
 
-/// Returns whether the line of a shape goes through ground on its way from `there` to where the island is.
+/// Returns whether the line of a shape, or a hull, goes through ground on its way from `there` to where the
+/// island is.
 bool ClusterStepper::passes_ground(const Island& island, const Surroundings& surroundings) {
   if (surroundings.tree.is_empty()) return false;
+  const GroundSearch search{0, settings_.tolerance};
   const std::span<const Vec3> from = island.there, to = island.state->x;
+  const auto meets = [&](const auto& moving, const Filter& filter) {
+    surroundings.find(bounds_of(moving), near_ground_);
+    return std::any_of(near_ground_.begin(), near_ground_.end(), [&](std::uint32_t ground) {
+      return plumb::may_touch(filter, surroundings.filter_of(ground)) &&
+             surroundings.shapes[ground].first_touch(moving, search.close);
+    });
+  };
   for (const Linkage::Shape& shape : island.state->linkage->shapes()) {
     const Vec3 p = shape.a.of(from), q = shape.b.of(from);
     const MovingSegment moving{{p, q, 0}, shape.a.of(to) - p, shape.b.of(to) - q};
-    if (!(moves_of(moving) > 0.5 * shape.radius)) continue;
-    surroundings.find(bounds_of(moving), near_ground_);
-    for (const std::uint32_t ground : near_ground_)
-      if (plumb::may_touch(shape.filter, surroundings.filter_of(ground)) &&
-          surroundings.shapes[ground].first_touch(moving, settings_.tolerance))
-        return true;
+    if (search.is_fast(moves_of(moving), shape.radius) && meets(moving, shape.filter)) return true;
+  }
+  PlacedHulls hulls;
+  for (const Linkage::HullShape& hull : island.state->linkage->hulls()) {
+    const Linkage::HullShape::Vectors start = hull.of(from);
+    Linkage::HullShape::Vectors by = hull.of(to);
+    for (std::size_t k = 0; k < by.size(); ++k) by[k] -= start[k];
+    hulls.clear();
+    hulls.add(hull, start);
+    const MovingHullShape moving = hulls.moving(0, by);
+    if (search.is_fast(moving.moves(), hull.half_width) && meets(moving.hull, hull.filter)) return true;
   }
   return false;
 }

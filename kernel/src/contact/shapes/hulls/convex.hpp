@@ -52,7 +52,7 @@ struct ConvexContact {
   double gap = 0;         ///< m, between the surfaces; if negative, they overlap
   Vec3 normal{};          ///< unit vector from b to a
   Vec3 on_a{}, on_b{};    ///< places on the hulls of vertices, m
-  std::uint32_t key = 0;  ///< stays the same while the same corners and edges touch
+  std::uint64_t key = 0;  ///< stays the same while the same corners and edges touch
 };
 
 /// Holds the contacts of a pair. While the same parts touch they keep their order.

@@ -20,15 +20,33 @@ constexpr double same_place = 1e-6;
 /// This is a convex polygon. Every corner has a key, by the corner or the edges that it comes from.
 struct Polygon {
   std::array<Vec3, 2 * most_corners> at;
-  std::array<std::uint32_t, 2 * most_corners> keys;
+  std::array<std::uint64_t, 2 * most_corners> keys;
   std::uint32_t count = 0;
 
-  void add(Vec3 p, std::uint32_t key) {
-    if (count == at.size()) return;
+  void add(Vec3 p, std::uint64_t key) {
+    if (count == at.size()) thin();
     at[count] = p;
     keys[count++] = key;
   }
+
+ private:
+  /// Keeps every second corner, so that what is left is about as wide all around.
+  void thin() {
+    for (std::uint32_t i = 0; 2 * i < count; ++i) {
+      at[i] = at[2 * i];
+      keys[i] = keys[2 * i];
+    }
+    count = (count + 1) / 2;
+  }
 };
+
+/// Returns the key of a corner where the edge between two others is cut.
+std::uint64_t key_of_cut(std::uint64_t from, std::uint64_t to, std::uint64_t number) {
+  std::uint64_t mixed = from * 0x9e3779b97f4a7c15 ^ to;
+  mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9 ^ number;
+  mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111eb;
+  return std::uint64_t{1} << 63 | mixed >> 1;
+}
 
 struct Facing {
   std::uint32_t face = 0;
@@ -68,7 +86,7 @@ Polygon cut(const Polygon& polygon, Vec3 normal, double offset, std::uint32_t nu
     const double here = dot(normal, polygon.at[i]) - offset, there = dot(normal, polygon.at[next]) - offset;
     if (here <= 0) out.add(polygon.at[i], polygon.keys[i]);
     if ((here <= 0) == (there <= 0) || (n == 2 && i == 1)) continue;
-    const std::uint32_t key = (polygon.keys[i] * 31 + polygon.keys[next] * 17 + number * 7 + 1) << 8;
+    const std::uint64_t key = key_of_cut(polygon.keys[i], polygon.keys[next], number);
     out.add(between(polygon.at[i], polygon.at[next], here / (here - there)), key);
   }
   return out;
@@ -142,7 +160,7 @@ ConvexContacts contacts_of(const Convex& a, const Convex& b, double reach) {
   // The nearest places are among them where a face is met flatly. Elsewhere they come first.
   if (narrowest > near.distance + same_place * norm(base.vertices[0] - base.vertices.back()) &&
       count < found.size())
-    found[count++] = {near.distance - radii, near.normal, near.on_a, near.on_b, ~0u};
+    found[count++] = {near.distance - radii, near.normal, near.on_a, near.on_b, ~std::uint64_t{0}};
   out.count = spread({found.data(), count});
   std::copy_n(found.begin(), out.count, out.list.begin());
   return out;

@@ -5,7 +5,10 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <tuple>
+
+#include "scene/refuse.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -14,6 +17,26 @@ namespace {
 constexpr double on_face = 1e-10;
 
 using Ids = std::array<std::uint32_t, 3>;
+/// This is a side of a triangle, from one point to the next.
+using Side = std::pair<std::uint32_t, std::uint32_t>;
+using Sides = std::map<Side, std::uint32_t>;  ///< the face of each
+
+Side side(const Ids& corners, std::size_t k) {
+  return {corners[k], corners[(k + 1) % 3]};
+}
+
+[[noreturn]] void refuse_open(std::size_t points) {
+  refuse("a hull of ", points,
+         " points: rounding leaves its surface open, as some are within 1e-10 of its size "
+         "of each other or of planes through others");
+}
+
+/// Returns what is on the other side of a triangle's side.
+std::uint32_t beyond(const Sides& sides, Side side, std::size_t points) {
+  const auto found = sides.find({side.second, side.first});
+  if (found == sides.end()) refuse_open(points);
+  return found->second;
+}
 
 /// Grows a hull of triangles from a tetrahedron, by one corner at a time (Barber et al. 1996). Of points that
 /// are equally far that with the largest x, then y, then z is taken, which is a corner of the hull.
@@ -32,11 +55,9 @@ class Quickhull {
     for (const Vec3 p : points) include(box, p, 0);
     size_ = points.empty() ? 0 : norm(box.high - box.low);
     if (!start()) return;
-    for (std::size_t i = 0; i < faces_.size(); ++i)
-      if (!faces_[i].is_gone && !faces_[i].beyond.empty()) {
-        grow(i);
-        i = static_cast<std::size_t>(-1);  // new faces may be anywhere
-      }
+    // Points that lose their faces go to new ones, which come last.
+    for (std::uint32_t i = 0; i < faces_.size(); ++i)
+      if (!faces_[i].is_gone && !faces_[i].beyond.empty()) grow(i);
   }
 
   const std::vector<Face>& faces() const { return faces_; }
@@ -91,6 +112,8 @@ class Quickhull {
     const Vec3 p = points_[corners[0]];
     Vec3 normal = cross(points_[corners[1]] - p, points_[corners[2]] - p);
     normal = (1 / norm(normal)) * normal;
+    for (std::size_t k = 0; k < 3; ++k)
+      face_at_[side(corners, k)] = static_cast<std::uint32_t>(faces_.size());
     faces_.push_back({corners, normal, dot(normal, p)});
   }
 
@@ -108,23 +131,34 @@ class Quickhull {
         }
   }
 
-  /// Replaces all faces that the farthest point beyond a face sees.
-  void grow(std::size_t at) {
+  /// Replaces all faces that the farthest point beyond a face sees and that hang together with that one. So
+  /// the surface stays closed where rounding leaves others in sight.
+  void grow(std::uint32_t at) {
     const Face& face = faces_[at];
     const std::uint32_t top =
         best(face.beyond, on_face * size_, [&](Vec3 p) { return dot(face.normal, p) - face.offset; });
-    std::vector<std::uint32_t> loose;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, bool> sides;  // of faces that go: whether it stays
-    for (Face& each : faces_) {
-      if (each.is_gone || !(height(each, top) > on_face * size_)) continue;
-      each.is_gone = true;
-      loose.insert(loose.end(), each.beyond.begin(), each.beyond.end());
-      for (std::size_t k = 0; k < 3; ++k) sides[{each.corners[k], each.corners[(k + 1) % 3]}] = true;
+    std::vector<std::uint32_t> seen{at}, loose;
+    std::set<Side> border;
+    faces_[at].is_gone = true;
+    for (std::size_t n = 0; n < seen.size(); ++n)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Side own = side(faces_[seen[n]].corners, k);
+        const std::uint32_t next = beyond(face_at_, own, points_.size());
+        if (!faces_[next].is_gone && height(faces_[next], top) > on_face * size_) {
+          faces_[next].is_gone = true;
+          seen.push_back(next);
+        }
+        border.insert(own);
+      }
+    for (const std::uint32_t i : seen) {
+      loose.insert(loose.end(), faces_[i].beyond.begin(), faces_[i].beyond.end());
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Side own = side(faces_[i].corners, k);
+        if (faces_[beyond(face_at_, own, points_.size())].is_gone) border.erase(own);
+      }
     }
-    for (auto& [side, stays] : sides) stays = sides.find({side.second, side.first}) == sides.end();
     const std::size_t first = faces_.size();
-    for (const auto& [side, stays] : sides)
-      if (stays) add({side.first, side.second, top});
+    for (const Side& each : border) add({each.first, each.second, top});
     std::sort(loose.begin(), loose.end());
     std::erase(loose, top);
     hand_out(loose, first);
@@ -133,9 +167,8 @@ class Quickhull {
   std::span<const Vec3> points_;
   double size_ = 0;
   std::vector<Face> faces_;
+  Sides face_at_;
 };
-
-using Sides = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;  ///< the face of each
 
 /// Joins triangles in one plane. Returns the number of each one's group.
 std::vector<std::uint32_t> join_flat(std::span<const Quickhull::Face> faces, const Sides& sides,
@@ -147,7 +180,7 @@ std::vector<std::uint32_t> join_flat(std::span<const Quickhull::Face> faces, con
     return i;
   };
   for (const auto& [side, face] : sides) {
-    const std::uint32_t other = sides.at({side.second, side.first});
+    const std::uint32_t other = beyond(sides, side, points.size());
     double most = 0;
     for (const std::uint32_t corner : faces[other].corners)
       most = std::max(most, std::abs(dot(faces[face].normal, points[corner]) - faces[face].offset));
@@ -187,7 +220,7 @@ ConvexHull::ConvexHull(std::span<const Vec3> points) {
   // The border of each group is a face. Its sides follow each other by their corners.
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> borders;
   for (const auto& [side, face] : sides)
-    if (group[sides.at({side.second, side.first})] != group[face])
+    if (group[beyond(sides, side, points.size())] != group[face])
       borders[group[face]][side.first] = side.second;
   std::map<std::uint32_t, std::uint32_t> number;  // of corners by point
   for (const auto& [face, border] : borders)
@@ -197,18 +230,24 @@ ConvexHull::ConvexHull(std::span<const Vec3> points) {
     vertices_.push_back(points[point]);
     numbers_.push_back(point);
   }
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> face_of;
+  Sides face_of;
   for (const auto& [face, border] : borders) {
     std::uint32_t at = border.begin()->first;
-    for (std::size_t k = 0; k < border.size(); ++k, at = border.at(at)) {
+    for (std::size_t k = 0; k < border.size(); ++k) {
+      const auto next = border.find(at);
+      // It goes round once if it ends where it began, and not before.
+      if (next == border.end() || (next->second == border.begin()->first) != (k + 1 == border.size()))
+        refuse_open(points.size());
       parts_.corners.push_back(number.at(at));
-      face_of[{number.at(at), number.at(border.at(at))}] = parts_.faces();
+      face_of[{number.at(at), number.at(next->second)}] = parts_.faces();
+      at = next->second;
     }
     parts_.first_of.push_back(static_cast<std::uint32_t>(parts_.corners.size()));
   }
   for (const auto& [side, face] : face_of)
     if (side.first < side.second)
-      parts_.edges.push_back({side.first, side.second, face, face_of.at({side.second, side.first})});
+      parts_.edges.push_back({side.first, side.second, face, beyond(face_of, side, points.size())});
+  if (vertices_.size() + parts_.faces() != parts_.edges.size() + 2) refuse_open(points.size());  // Euler
   normals_.resize(parts_.faces());
   find_normals(parts_, vertices_, normals_);
 }

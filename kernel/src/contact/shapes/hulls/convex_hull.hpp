@@ -14,6 +14,7 @@ class ConvexHull {
  public:
   ConvexHull() = default;
   /// Builds the hull, which is empty if the points lie in one plane, to within `flat` of their size.
+  /// Throws InputError if rounding leaves its surface open.
   explicit ConvexHull(std::span<const Vec3> points);
 
   /// Returns the same faces over corners that moved, of which there are as many as this has, in its order.

@@ -37,8 +37,8 @@ double size_of(const Convex& shape) {
 }
 
 /// The pair of vertices, one of each shape, that a point of the simplex stands for.
-std::uint32_t pair_name(std::uint32_t in_a, std::uint32_t in_b) {
-  return in_a << 16 | in_b;
+std::uint64_t pair_name(std::uint32_t in_a, std::uint32_t in_b) {
+  return std::uint64_t{in_a} << 32 | in_b;
 }
 
 /// Searches the differences of both shapes' points for the nearest to the origin. Returns false if they hold
@@ -58,7 +58,7 @@ bool find_apart(const Convex& a, const Convex& b, Simplex& simplex) {
     last = square;
     const std::uint32_t i = farthest(a.vertices, -1.0 * v), k = farthest(b.vertices, v);
     const Vec3 w = a.vertices[i] - b.vertices[k];
-    const std::uint32_t name = pair_name(i, k);
+    const std::uint64_t name = pair_name(i, k);
     const auto names_end = simplex.names.begin() + simplex.count;
     if (dot(v, v - w) <= exact * square || std::find(simplex.names.begin(), names_end, name) != names_end)
       return true;
@@ -137,8 +137,8 @@ Nearness nearness(const Convex& a, const Convex& b) {
   if (!find_apart(a, b, simplex)) return part_overlap(a, b);
   Nearness out;
   for (std::uint32_t i = 0; i < simplex.count; ++i) {
-    out.on_a += simplex.weights[i] * a.vertices[simplex.names[i] >> 16];
-    out.on_b += simplex.weights[i] * b.vertices[simplex.names[i] & 0xffff];
+    out.on_a += simplex.weights[i] * a.vertices[simplex.names[i] >> 32];
+    out.on_b += simplex.weights[i] * b.vertices[simplex.names[i] & 0xffffffff];
   }
   const Vec3 apart = out.on_a - out.on_b;
   out.distance = norm(apart);

@@ -11,7 +11,7 @@ namespace plumb::detail {
 /// Holds up to four points and the weights of one place among them.
 struct Simplex {
   std::array<Vec3, 4> points{};
-  std::array<std::uint32_t, 4> names{};  ///< by point, for those who call
+  std::array<std::uint64_t, 4> names{};  ///< by point, for those who call
   std::array<double, 4> weights{};
   std::uint32_t count = 0;
 

@@ -17,7 +17,7 @@ class Contacts {
  public:
   Contacts(double radius, double reach) : radius_(radius), reach_(reach) {}
 
-  void add(double distance, Vec3 normal, Vec3 on_hull, std::uint32_t key) {
+  void add(double distance, Vec3 normal, Vec3 on_hull, std::uint64_t key) {
     if (distance - radius_ > reach_) return;
     if (count_ == list_.size()) count_ = spread(list_);
     list_[count_++] = {distance - radius_, normal, on_hull, on_hull - distance * normal, key};
@@ -36,6 +36,17 @@ class Contacts {
   std::size_t count_ = 0;
   double radius_, reach_;
 };
+
+/// Keys of contacts say what touches: a corner of the hull and a part of the mesh, a vertex of the mesh, or
+/// an edge of either.
+enum class Key : std::uint64_t { corner, vertex, edges };
+std::uint64_t key_of(Key kind, std::uint64_t first, std::uint64_t second = 0) {
+  return static_cast<std::uint64_t>(kind) << 62 | first << 34 | second;
+}
+
+std::uint64_t name(MeshPart part) {
+  return static_cast<std::uint64_t>(part.kind) << 32 | part.number;
+}
 
 struct Pair {
   const Convex& hull;
@@ -75,7 +86,8 @@ void add_vertex(const Pair& pair, std::uint32_t number, Contacts& out) {
   }
   const MeshPart part{MeshPart::Kind::vertex, number};
   if (!pair.mesh.faces(part, n) || pair.mesh.leads_inside(part, n)) return;
-  if (is_sound(pair, distance, n, vertex)) out.add(distance, n, vertex + distance * n, 1u << 30 | number);
+  if (is_sound(pair, distance, n, vertex))
+    out.add(distance, n, vertex + distance * n, key_of(Key::vertex, number));
 }
 
 /// Two edges count where they cross and both shapes are on their own sides of the plane along both.
@@ -99,7 +111,7 @@ void add_edges(const Pair& pair, std::uint32_t number, std::uint32_t of_hull, Co
     if (!(near.a > 0 && near.a < 1 && near.b > 0 && near.b < 1)) return;
     const Vec3 at = between(one.p, one.q, near.a), on_mesh = between(other.p, other.q, near.b);
     const double gap = dot(n, at - on_mesh);
-    if (is_sound(pair, gap, n, on_mesh)) out.add(gap, n, at, 2u << 30 | (number * 61 + of_hull));
+    if (is_sound(pair, gap, n, on_mesh)) out.add(gap, n, at, key_of(Key::edges, of_hull, number));
     return;
   }
 }
@@ -116,7 +128,8 @@ ConvexContacts contacts_of(const Convex& hull, Vec3 middle, const TriangleMesh& 
     LineTouches touches;
     touch_mesh(mesh, p, middle, around, 0, touches);
     for (std::uint32_t k = 0; k < touches.count; ++k)
-      out.add(touches.list[k].gap, touches.list[k].normal, p, LineTouches::most * i + k);
+      out.add(touches.list[k].gap, touches.list[k].normal, p,
+              key_of(Key::corner, i, name(touches.list[k].part)));
   }
   const Pair pair{hull, middle, mesh};
   mesh.find(box, [&](std::uint32_t i) {

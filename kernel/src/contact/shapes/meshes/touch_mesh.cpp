@@ -40,6 +40,43 @@ bool touch_triangle(const TriangleMesh& mesh, std::uint32_t i, Vec3 p, Vec3 midd
   return mesh.faces(out.part, out.normal);
 }
 
+/// Returns whether a triangle counts as the one that a line crosses. Of several that meet where it does so,
+/// to the last bit, one does.
+bool is_crossed(const TriangleMesh& mesh, std::uint32_t i, Vec3 p, Vec3 q) {
+  const auto where = crossing(mesh.triangle(i), p, q);
+  if (!where) return false;
+  const MeshPart part = mesh.part(i, *where);
+  return part.kind == MeshPart::Kind::face ||
+         (part.kind == MeshPart::Kind::edge ? mesh.owner_of_edge(part.number)
+                                            : mesh.owner_of_vertex(part.number)) == i;
+}
+
+/// Returns whether a mesh parts two places: a line between them crosses it an odd number of times.
+bool parts(const TriangleMesh& mesh, Vec3 p, Vec3 q) {
+  bool out = false;
+  Bounds box = nowhere;
+  include(box, p, 0);
+  include(box, q, 0);
+  mesh.find(box, [&](std::uint32_t i) { out = out != is_crossed(mesh, i, p, q); });
+  return out;
+}
+
+/// Adds the triangle that a point is right below, however far.
+void touch_above(const TriangleMesh& mesh, Vec3 p, double at, LineTouches& out) {
+  const Vec3 top{p.x, mesh.bounds().high.y + 1, p.z};
+  if (!(p.y < mesh.bounds().high.y)) return;
+  Bounds column = nowhere;
+  include(column, p, 0);
+  include(column, top, 0);
+  bool is_found = false;
+  mesh.find(column, [&](std::uint32_t i) {
+    if (is_found || !is_crossed(mesh, i, p, top)) return;
+    is_found = true;
+    const Vec3 n = mesh.normal(i);
+    out.add({{MeshPart::Kind::face, i}, n, dot(n, p - mesh.triangle(i)[0]), at});
+  });
+}
+
 void turn(LineTouch& touch) {
   touch.normal = -1.0 * touch.normal;
   touch.gap = -touch.gap;
@@ -101,15 +138,16 @@ void touch_mesh(const TriangleMesh& mesh, Vec3 p, Vec3 middle, double reach, dou
     if (touch.gap < nearest.gap) nearest = touch;
     if (!mesh.leads_inside(touch.part, touch.normal) && !is_listed(own, touch)) own.add(touch);
   });
-  if (mesh.sides() == MeshSides::outward && !(nearest.gap < INFINITY) && distance2(mesh.bounds(), p) == 0) {
+  if (mesh.encloses() && !(nearest.gap < INFINITY) && distance2(mesh.bounds(), p) == 0) {
     const TriangleMesh::Nearest far = mesh.nearest(p, norm(mesh.bounds().high - mesh.bounds().low));
     nearest = {.at = at};
     const bool is_found =
         far.triangle != TriangleMesh::none && touch_triangle(mesh, far.triangle, p, middle, nearest);
     is_through = is_found && mesh.leads_inside(nearest.part, nearest.normal);
-  } else if (mesh.sides() == MeshSides::outward && nearest.gap < INFINITY) {
+  } else if (mesh.encloses() && nearest.gap < INFINITY) {
     is_through = mesh.leads_inside(nearest.part, nearest.normal);
   }
+  if (mesh.sides() == MeshSides::both) is_through = is_through && parts(mesh, middle, p);
   // What lies in the surface is on its middle's side already.
   if (is_through && nearest.gap > 0 && nearest.gap < INFINITY) {
     turn(nearest);
@@ -117,6 +155,7 @@ void touch_mesh(const TriangleMesh& mesh, Vec3 p, Vec3 middle, double reach, dou
     return;
   }
   for (const LineTouch& touch : own) out.add(touch);
+  if (mesh.sides() == MeshSides::upward && own.count == 0) touch_above(mesh, p, at, out);
 }
 
 void touch_mesh_between(const TriangleMesh& mesh, Vec3 p, Vec3 q, double reach, LineTouches& out) {

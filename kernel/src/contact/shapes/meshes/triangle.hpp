@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "contact/shapes/touch.hpp"
 #include "plumb/vec3.hpp"
@@ -47,14 +48,21 @@ inline TrianglePlace nearest_on(const Triangle& t, Vec3 p) {
 
 /// Returns whether the segment from p to q passes through a triangle. One that only touches it may count
 /// either way.
-inline bool crosses(const Triangle& t, Vec3 p, Vec3 q) {
+inline std::optional<TrianglePart> crossing(const Triangle& t, Vec3 p, Vec3 q) {
+  using enum TrianglePart;
   const Vec3 along = q - p, a = t[0] - p, b = t[1] - p, c = t[2] - p;
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
   const double from = dot(normal, a), to = dot(normal, along);
-  if (to == 0 || !(from / to >= 0 && from / to <= 1)) return false;
+  if (to == 0 || !(from / to >= 0 && from / to <= 1)) return std::nullopt;
   // The line passes on the same side of all edges.
   const double u = dot(along, cross(b, c)), v = dot(along, cross(c, a)), w = dot(along, cross(a, b));
-  return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
+  if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) return std::nullopt;
+  if (u == 0) return v == 0 ? vertex2 : w == 0 ? vertex1 : edge1;
+  if (v == 0) return w == 0 ? vertex0 : edge2;
+  return w == 0 ? edge0 : face;
+}
+inline bool crosses(const Triangle& t, Vec3 p, Vec3 q) {
+  return crossing(t, p, q).has_value();
 }
 
 /// Says where a segment and a triangle are nearest: places on both, and their distance (m), which is 0 where

@@ -10,8 +10,9 @@
 
 namespace plumb::detail {
 
-/// Says which way the triangles of a mesh push: to the side where something is, or out of what they enclose.
-enum class MeshSides : std::uint8_t { both, outward };
+/// Says which way the triangles of a mesh push: to the side where something is, out of what they enclose, or
+/// out of that and of all below them.
+enum class MeshSides : std::uint8_t { both, outward, upward };
 
 /// This is a part of a mesh: a vertex, an edge or a triangle.
 struct MeshPart {
@@ -41,6 +42,7 @@ class TriangleMesh {
   TriangleMesh(std::span<const Vec3> vertices, std::span<const Corners> triangles, MeshSides sides);
 
   MeshSides sides() const { return sides_; }
+  bool encloses() const { return sides_ != MeshSides::both; }
   Bounds bounds() const { return tree_.bounds(); }
   std::uint32_t size() const { return static_cast<std::uint32_t>(triangles_.size()); }
   Triangle triangle(std::uint32_t i) const {
