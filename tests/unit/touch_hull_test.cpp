@@ -114,8 +114,8 @@ TEST(TouchHull, WhatStandsInAHullPushesItBack) {
   EXPECT_NEAR(over_peak.list[0].normal.y, 1, 1e-12);
 }
 
-// A prism of 80 corners and 120 edges in a crack of a landscape: no two contacts have one key, and those that
-// stay keep theirs when others come.
+// A prism of 80 corners and 120 edges in a crack of a landscape: no two contacts have one key, and those of
+// its edges and of vertices keep theirs when others come.
 TEST(TouchHull, KeysNameWhatTouches) {
   std::vector<Vec3> points;
   constexpr int around = 40;
@@ -140,7 +140,7 @@ TEST(TouchHull, KeysNameWhatTouches) {
       EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end());
       for (const ConvexContact& one : few)
         for (const ConvexContact& same : found)
-          if (norm(one.on_b - same.on_b) + norm(one.on_a - same.on_a) < 1e-12) {
+          if (one.key >> 62 != 0 && norm(one.on_b - same.on_b) + norm(one.on_a - same.on_a) < 1e-12) {
             EXPECT_EQ(one.key, same.key);
           }
       few.assign(found.begin(), found.end());

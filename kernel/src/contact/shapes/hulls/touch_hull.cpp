@@ -37,15 +37,11 @@ class Contacts {
   double radius_, reach_;
 };
 
-/// Keys of contacts say what touches: a corner of the hull and a part of the mesh, a vertex of the mesh, or
-/// an edge of either.
+/// Keys of contacts say what touches: a corner of the hull, a vertex of the mesh, or an edge of either.
+/// Touches of a corner go by their order: one that slides from triangle to triangle stays the same contact.
 enum class Key : std::uint64_t { corner, vertex, edges };
 std::uint64_t key_of(Key kind, std::uint64_t first, std::uint64_t second = 0) {
   return static_cast<std::uint64_t>(kind) << 62 | first << 34 | second;
-}
-
-std::uint64_t name(MeshPart part) {
-  return static_cast<std::uint64_t>(part.kind) << 32 | part.number;
 }
 
 struct Pair {
@@ -128,8 +124,7 @@ ConvexContacts contacts_of(const Convex& hull, Vec3 middle, const TriangleMesh& 
     LineTouches touches;
     touch_mesh(mesh, p, middle, around, 0, touches);
     for (std::uint32_t k = 0; k < touches.count; ++k)
-      out.add(touches.list[k].gap, touches.list[k].normal, p,
-              key_of(Key::corner, i, name(touches.list[k].part)));
+      out.add(touches.list[k].gap, touches.list[k].normal, p, key_of(Key::corner, i, k));
   }
   const Pair pair{hull, middle, mesh};
   mesh.find(box, [&](std::uint32_t i) {
