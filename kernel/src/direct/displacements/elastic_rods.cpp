@@ -175,8 +175,8 @@ class Search {
   }
 
   Given end(bool found) {
-    if (!std::isfinite(elastic_energy(state_, stiffest, work_))) return Given::nothing;
     if (!found) ++counters_.unsolved;
+    if (!std::isfinite(elastic_energy(state_, stiffest, work_))) return Given::nothing;
     if (found && may_harden_) is_rigid_ = harden(state_, work_, counters_);
     return is_rigid_ ? Given::rigid : Given::elastic;
   }
