@@ -117,7 +117,7 @@ void ClusterStepper::add_turning_rows(const GroundContact& contact, std::span<co
   }
 }
 
-/// Turns contacts with ground into rows if they are few.
+/// Turns contacts with ground into rows if they are few, or no more than can be swept where that is needed.
 void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const Linkage& linkage = *island.state->linkage;
@@ -125,7 +125,7 @@ void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   island.ground.for_all([&](const GroundContact& contact) {
     may_stand = may_stand && contact.rolling == 0 && contact.spinning == 0;
   });
-  if (may_stand && island.ground.size() > few_on_ground) return;
+  if (may_stand && island.ground.size() > (sweeps_ground_ ? most_swept_ground : few_on_ground)) return;
   island.ground.for_all([&](const GroundContact& contact) {
     const double radius = linkage.shape_of(contact.shape).radius;
     const ContactEnd end{i, &contact.at, contact.shape, -radius * contact.normal};

@@ -82,6 +82,8 @@ inline constexpr double held_response = 1e-8;
 /// An island that touches ground in more places than these holds them in its own matrix. With fewer,
 /// responses of each place cost less.
 inline constexpr std::size_t few_on_ground = 16;
+/// Where these are not found there, up to so many are swept, too.
+inline constexpr std::size_t most_swept_ground = 128;
 /// Contacts in the matrix are solved once their pushes lack no more than this share of the largest. A larger
 /// share takes fewer corrections and leaves other velocities.
 inline constexpr double ground_enough = 1e-7;

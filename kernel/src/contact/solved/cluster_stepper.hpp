@@ -381,11 +381,12 @@ class ClusterStepper final : public ClusterMover {
   std::vector<MissedGround> missed_ground_;
   bool gives_up_missed_ = false;  ///< something is in ground still
   bool woken_ = false, all_near_ = false;
-  bool may_touch_ = false;    ///< something pushes in this substep, or is near enough to
-  bool is_fitted_ = false;    ///< rods were brought to their lengths in this step
-  bool loose_ = false;        ///< ground grips loosely, since nothing was found with its whole grip
-  bool keeps_slack_ = false;  ///< which elastics are slack is known from the last try
-  int switches_ = 0;          ///< how often that was changed in this substep
+  bool may_touch_ = false;      ///< something pushes in this substep, or is near enough to
+  bool is_fitted_ = false;      ///< rods were brought to their lengths in this step
+  bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
+  bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
+  bool keeps_slack_ = false;    ///< which elastics are slack is known from the last try
+  int switches_ = 0;            ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s

@@ -17,7 +17,7 @@ using namespace contact_limits;
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
-  loose_ = false;
+  loose_ = sweeps_ground_ = false;
   bool was_loose = false;
   double halved = h;
   while (!substep(surroundings, h, report)) {
@@ -38,6 +38,12 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       ++report.fallbacks;
       for (LinkageState* const state : cluster) state->relax_for = patience;
       return whole;
+    }
+    // Pushes that go round in a circle in the matrix are found one after the other.
+    if (h < few_cuts * whole && !sweeps_ground_ && is_on_ground()) {
+      sweeps_ground_ = true;
+      h = whole;
+      continue;
     }
     if (h >= least / 16) continue;
     if (!break_overload(report) && !fit(cluster, surroundings)) {
