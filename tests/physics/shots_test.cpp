@@ -51,9 +51,11 @@ StepReport counts_of(std::uint64_t number, std::string_view way) {
 
 // Corners of these boxes end up beyond the middle of a wall, as LIMITS.md says, and not silently.
 TEST(Shots, WhatIsLeftInAWallIsCounted) {
-  for (const std::uint64_t number : {12038u, 12856u, 38773u})
+  for (const std::uint64_t number : {12038u, 12856u})
     EXPECT_GT(counts_of(number, "direct").missed_contacts, 0u) << number;
-  EXPECT_EQ(counts_of(0, "direct").missed_contacts, 0u);
+  for (const std::uint64_t number :
+       {0u, 38773u})  // the second one's corners did, too, until contacts were swept
+    EXPECT_EQ(counts_of(number, "direct").missed_contacts, 0u) << number;
 }
 
 // A box that is relaxed against a wall is slowed where its blow would bring energy.
