@@ -13,6 +13,7 @@
 #include "direct/bends/tree_bends.hpp"
 #include "plumb/plumb.hpp"
 #include "support/graphs.hpp"
+#include "support/line_trees.hpp"
 #include "support/worlds.hpp"
 
 // Every body is made of those before it.
@@ -64,24 +65,8 @@ TEST(BentLines, LanesHaveTheLawOfBends) {
   }
 }
 
-/// A line of `rods` movable particles along +x, tied to what `ends` names: 1 is the root's clamp and anchor,
-/// 2 the tip's.
-layouts::Tree line_tree(std::uint32_t nodes, int ends) {
-  layouts::Tree tree;
-  for (std::uint32_t i = 0; i < nodes; ++i) {
-    tree.vertex.push_back(i);
-    tree.parent.push_back(i == 0 ? 0 : i - 1);
-    tree.edge.push_back(i);
-    tree.tie_begin.push_back(static_cast<std::uint32_t>(tree.ties.size()));
-    if (i == 0 && (ends & 1) != 0) tree.ties.push_back({nodes, 0});
-    if (i + 1 == nodes && (ends & 2) != 0) tree.ties.push_back({nodes + 1, nodes});
-  }
-  tree.tie_begin.push_back(static_cast<std::uint32_t>(tree.ties.size()));
-  return tree;
-}
-
 TEST(BentLines, FindTheirPlaces) {
-  const layouts::Tree tree = line_tree(4, 3);
+  const layouts::Tree tree = test::line_tree(4, 3);
   // Vertices 4 and 5 are the anchors, 6 and 7 the clamps.
   const auto found = detail::find_line_bends(
       tree, {{{{6, 4, 0}}, {{1, 0, 4}}, {{0, 1, 2}}, {{5, 3, 2}}, {{3, 5, 7}}}, {}, {}});
@@ -96,7 +81,7 @@ TEST(BentLines, AreNotFoundElsewhere) {
   const auto found = [](const layouts::Tree& tree, const detail::LoopElements& elements) {
     return detail::find_line_bends(tree, elements).has_value();
   };
-  const layouts::Tree tree = line_tree(4, 1);
+  const layouts::Tree tree = test::line_tree(4, 1);
   EXPECT_TRUE(found(tree, {{{{0, 1, 2}}}, {}, {}}));
   EXPECT_FALSE(found(tree, {{{{0, 1, 3}}}, {}, {}})) << "not in turn";
   EXPECT_FALSE(found(tree, {{{{0, 1, 2}}, {{2, 1, 0}}}, {}, {}})) << "two at one place";
@@ -107,8 +92,8 @@ TEST(BentLines, AreNotFoundElsewhere) {
   EXPECT_FALSE(found(branched, {{{{0, 1, 2}}}, {}, {}}));
 }
 
-/// Equal wires side by side, which differ in how they move. `ends` are clamped as in line_tree(). Their first
-/// rods break at `strength` (N).
+/// Equal wires side by side, which differ in how they move. `ends` are clamped as in test::line_tree(). Their
+/// first rods break at `strength` (N).
 Scene wires(std::uint32_t count, int ends, double strength) {
   constexpr std::uint32_t rods = 7;
   constexpr double l = 0.1;

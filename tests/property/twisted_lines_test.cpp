@@ -16,6 +16,7 @@
 #include "direct/twists/twist_law.hpp"
 #include "plumb/plumb.hpp"
 #include "support/graphs.hpp"
+#include "support/line_trees.hpp"
 #include "support/worlds.hpp"
 
 // Every body is made of those before it.
@@ -117,26 +118,10 @@ TEST(TwistedLines, HaveTheGradientOfTheirTurn) {
   }
 }
 
-/// A line of `nodes` movable particles, tied to what `ends` names: 1 is the root's anchor, `nodes`, and 2 the
-/// tip's, one more.
-layouts::Tree line_tree(std::uint32_t nodes, int ends) {
-  layouts::Tree tree;
-  for (std::uint32_t i = 0; i < nodes; ++i) {
-    tree.vertex.push_back(i);
-    tree.parent.push_back(i == 0 ? 0 : i - 1);
-    tree.edge.push_back(i);
-    tree.tie_begin.push_back(static_cast<std::uint32_t>(tree.ties.size()));
-    if (i == 0 && (ends & 1) != 0) tree.ties.push_back({nodes, 0});
-    if (i + 1 == nodes && (ends & 2) != 0) tree.ties.push_back({nodes + 1, nodes});
-  }
-  tree.tie_begin.push_back(static_cast<std::uint32_t>(tree.ties.size()));
-  return tree;
-}
-
 using Joints = std::pair<std::uint32_t, std::uint32_t>;
 
 TEST(TwistedLines, FindTheirPlaces) {
-  const layouts::Tree tree = line_tree(4, 3);
+  const layouts::Tree tree = test::line_tree(4, 3);
   // Vertices 4 and 5 are the anchors, 6 and 7 the clamps.
   for (const bool turned : {false, true}) {
     std::vector<std::uint32_t> chain{6, 4, 0, 1, 2, 3, 5, 7};
@@ -158,7 +143,7 @@ TEST(TwistedLines, FindTheirPlaces) {
 }
 
 TEST(TwistedLines, AreNotFoundElsewhere) {
-  const layouts::Tree tree = line_tree(4, 1);
+  const layouts::Tree tree = test::line_tree(4, 1);
   const auto found = [&](std::vector<detail::LoopBend> bends,
                          const std::vector<std::vector<std::uint32_t>>& chains) {
     detail::LoopElements elements;
