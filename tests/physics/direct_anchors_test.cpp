@@ -89,6 +89,27 @@ TEST(DirectAnchors, GradientMidDoesNotRing) {
   }
 }
 
+// An anchor that pulls a straight line beyond its length leaves nothing to search for: steps end, and the
+// line is named and evenly strained.
+TEST(DirectAnchors, ThatPullTooFarEndTheirSteps) {
+  for (const std::uint32_t rods : {2u, 3u, 7u}) {
+    Scene scene;
+    for (std::uint32_t i = 0; i <= rods; ++i) {
+      const Vec3 at = (i / norm(Vec3{0.3, 0.8, -0.2})) * Vec3{0.3, 0.8, -0.2};
+      scene.particles.push_back({.position = at, .mass = 1, .fixed = i == 0 || i == rods});
+      if (i > 0) scene.rods.push_back({.a = i - 1, .b = i});
+    }
+    World world(scene, {});
+    for (int i = 1; i <= 60; ++i) {
+      world.move_anchor(rods, (1 + 0.1 * i / 60) * scene.particles[rods].position);
+      world.step(1.0 / 60);
+    }
+    EXPECT_FALSE(world.problems().empty());
+    for (std::uint32_t i = 0; i < rods; ++i)
+      EXPECT_NEAR(norm(world.position(i) - world.position(i + 1)), 1.1, 1e-3) << rods << " rod " << i;
+  }
+}
+
 // An anchor that goes on at constant speed is an inertial frame: Galileo. The path's rounding, 1e-16 m over
 // 1/60 s, grows by the motion's own divergence.
 TEST(DirectAnchors, AtConstantSpeedAreAnInertialFrame) {

@@ -303,64 +303,6 @@ TEST(Tensions, StayWhereAnIslandSleeps) {
   EXPECT_NEAR(world.tension(0), 4 * 9.81, 1e-9);
 }
 
-// A winch: every rod of a rope shortens smoothly, and a load of 100 kg rises by 10 m in 10 s. What rods do is
-// what energy gains, to rounding while gradient mid is not interrupted. Two projections, where the rate jumps
-// from and to 0, do 1e-6 of it.
-TEST(Winch, DoesTheWorkThatEnergyGains) {
-  constexpr std::uint32_t rods = 200;
-  constexpr double rod = 0.1;
-  for (const double stiffness : {std::numeric_limits<double>::infinity(), 1e6}) {
-    Scene scene;
-    for (std::uint32_t i = 0; i <= rods; ++i) {
-      scene.particles.push_back(
-          {.position = {0, -rod * i, 0}, .mass = i == rods ? 100 : 0.01, .fixed = i == 0});
-      if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .length = rod, .law = {.stiffness = stiffness}});
-    }
-    Settings settings = direct(Gradient::mid);
-    settings.tensions = true;
-    World world(scene, settings);
-    Scene now = scene;
-    std::vector<Vec3> x(rods + 1), v(rods + 1);
-    const auto energy = [&] {
-      world.copy_positions(x);
-      world.copy_velocities(v);
-      return measure_energy(now, x, v).total();
-    };
-    const double first = energy();
-    double work = 0;
-    for (int i = 1; i <= 600; ++i) {
-      const double s = i / 600.0, length = rod * (1 - 0.5 * s * s * (3 - 2 * s));
-      const double shorter = now.rods[0].length - length;
-      for (std::uint32_t k = 0; k < rods; ++k) {
-        now.rods[k].length = length;
-        world.set_length(k, length);
-      }
-      EXPECT_EQ(world.step(frame).unsolved, 0u);
-      for (std::uint32_t k = 0; k < rods; ++k) work += world.tension(k) * shorter;
-    }
-    EXPECT_NEAR(work / (energy() - first), 1, 1e-5) << stiffness;
-    EXPECT_NEAR(world.position(rods).y, -10, stiffness < 1e9 ? 0.3 : 1e-9);
-    for (int i = 0; i < 60; ++i) world.step(frame);
-    EXPECT_TRUE(world.problems().empty());
-  }
-}
-
-TEST(Winch, InAndOutComesBack) {
-  for (const Gradient gradient : {Gradient::mid, Gradient::old}) {
-    Scene scene = scenes::load_scene("chain:links=10,end_mass=5");
-    for (std::size_t i = 0; i < scene.particles.size(); ++i)
-      scene.particles[i].position = {0, -0.1 * static_cast<double>(i), 0};
-    World world(scene, direct(gradient));
-    for (int turn = 0; turn < 100; ++turn)
-      for (int i = 0; i < 20; ++i) {
-        world.set_length(0, 0.1 - 0.004 * (i < 10 ? i + 1 : 19 - i));
-        EXPECT_EQ(world.step(frame).unsolved, 0u);
-      }
-    EXPECT_NEAR(world.position(10).y, -1, 1e-9) << to_string(gradient);
-    EXPECT_NEAR(world.position(10).x, 0, 1e-9) << to_string(gradient);
-  }
-}
-
 TEST(Laws, AreRefusedWhereNothingMovesThem) {
   Scene scene = scenes::load_scene("chain:links=3,stiffness=10");
   EXPECT_THROW(World(scene, {.method = Method::springs}), std::exception);

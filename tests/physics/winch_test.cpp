@@ -3,9 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
+#include "plumb/measures.hpp"
+#include "plumb/world.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/runs/run.hpp"
+#include "scenes/spec.hpp"
+#include "support/direct.hpp"
 #include "support/truths.hpp"
 #include "support/worlds.hpp"
 #include "truth/truth.hpp"
@@ -14,6 +20,8 @@ namespace plumb {
 namespace {
 
 using scenes::LengthRate;
+
+constexpr double frame = 1.0 / 60;
 
 // Without gravity a ball on a rod that is reeled in keeps its angular momentum, so that it turns by
 // spin L0 t / L. The start's velocity gets the rate along the rod.
@@ -95,6 +103,104 @@ TEST(Winch, OfElasticRodsConvergesToo) {
   for (Rod& rod : scene.rods) rod.law = {.stiffness = 2e4, .damping = 10};
   EXPECT_NEAR(order_of(scene, Gradient::old, 2, 64), 2, 0.1);
   EXPECT_NEAR(order_of(scene, Gradient::mid, 2, 64), 2, 0.2);
+}
+
+// A winch: every rod of a rope shortens smoothly, and a load of 100 kg rises by 10 m in 10 s. What a winch
+// does is what energy gains, to rounding while gradient mid is not interrupted.
+TEST(Winch, DoesTheWorkThatEnergyGains) {
+  constexpr std::uint32_t rods = 200;
+  constexpr double rod = 0.1;
+  for (const double stiffness : {std::numeric_limits<double>::infinity(), 1e6}) {
+    for (const std::uint32_t substeps : {1u, 2u}) {
+      Scene scene;
+      for (std::uint32_t i = 0; i <= rods; ++i) {
+        scene.particles.push_back(
+            {.position = {0, -rod * i, 0}, .mass = i == rods ? 100 : 0.01, .fixed = i == 0});
+        if (i > 0) scene.rods.push_back({.a = i - 1, .b = i, .length = rod, .law = {.stiffness = stiffness}});
+      }
+      Settings settings = test::direct(Gradient::mid, substeps);
+      settings.tensions = true;
+      World world(scene, settings);
+      Scene now = scene;
+      std::vector<Vec3> x(rods + 1), v(rods + 1);
+      const auto energy = [&] {
+        world.copy_positions(x);
+        world.copy_velocities(v);
+        return measure_energy(now, x, v).total();
+      };
+      const double first = energy();
+      double work = 0;
+      for (int i = 1; i <= 600; ++i) {
+        const double s = i / 600.0, length = rod * (1 - 0.5 * s * s * (3 - 2 * s));
+        for (std::uint32_t k = 0; k < rods; ++k) {
+          now.rods[k].length = length;
+          world.set_length(k, length);
+        }
+        EXPECT_EQ(world.step(frame).unsolved, 0u);
+        for (std::uint32_t k = 0; k < rods; ++k) work += world.power(k) * frame;
+      }
+      EXPECT_NEAR(work / (energy() - first), 1, stiffness < 1e9 ? 1e-5 : 1e-10) << stiffness;
+      EXPECT_NEAR(world.position(rods).y, -10, stiffness < 1e9 ? 0.3 : 1e-9);
+      for (int i = 0; i < 60; ++i) world.step(frame);
+      EXPECT_EQ(world.power(0), 0);
+      EXPECT_TRUE(world.problems().empty());
+    }
+  }
+}
+
+// A load that is hauled from rest at a rate that grows has that rate, and pulls as Newton says, whatever the
+// number of substeps. A tree, a diamond that hangs by two rods and hauls with both, and a cord over a pulley.
+TEST(Winch, ALoadFollowsARateThatChanges) {
+  enum class Kind { tree, loop, tackle };
+  for (const Kind kind : {Kind::tree, Kind::loop, Kind::tackle}) {
+    for (const std::uint32_t substeps : {1u, 2u, 3u, 4u}) {
+      constexpr double mass = 3, g = 9.81;
+      Scene scene;
+      scene.particles = {test::anchor({0, 0, 0}), test::loose({0, -2, 0}, mass)};
+      if (kind == Kind::tree) scene.rods = {{.a = 0, .b = 1}};
+      if (kind == Kind::loop) {
+        scene.particles.push_back(test::loose({0.5, -3, 0}, 1e-3));
+        scene.particles.push_back(test::loose({-0.5, -3, 0}, 1e-3));
+        scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2}, {.a = 2, .b = 3}, {.a = 3, .b = 1}};
+      }
+      if (kind == Kind::tackle) scene.tackles = {{.particles = {0, 1}}};
+      Settings settings = test::direct(Gradient::mid, substeps);
+      settings.tensions = true;
+      World world(scene, settings);
+      double length = 2, rate = 0, work = 0;
+      const double weight = kind == Kind::loop ? mass + 2e-3 : mass;
+      for (int i = 1; i <= 40; ++i) {
+        // It grows, stands for a while, and falls to nothing.
+        const double next = i < 15 ? 0.05 * i : i < 25 ? 0.7 : std::max(0.7 - 0.07 * (i - 25), 0.0);
+        length -= next * frame;
+        kind == Kind::tackle ? world.set_tackle_length(0, length) : world.set_length(0, length);
+        ASSERT_EQ(world.step(frame).unsolved, 0u);
+        const double pull = kind == Kind::tackle ? world.tackle_tension(0) : world.tension(0);
+        ASSERT_NEAR(pull, weight * (g + (next - rate) / frame), 1e-7) << substeps << " at " << i;
+        ASSERT_NEAR(world.velocity(1).y, next, 1e-9) << substeps << " at " << i;
+        work += frame * (kind == Kind::tackle ? world.tackle_power(0) : world.power(0));
+        const double gained = weight * (g * (2 - length) + next * next / 2);
+        ASSERT_NEAR(work, gained, 1e-8) << substeps << " at " << i;
+        rate = next;
+      }
+    }
+  }
+}
+
+TEST(Winch, InAndOutComesBack) {
+  for (const Gradient gradient : {Gradient::mid, Gradient::old}) {
+    Scene scene = scenes::load_scene("chain:links=10,end_mass=5");
+    for (std::size_t i = 0; i < scene.particles.size(); ++i)
+      scene.particles[i].position = {0, -0.1 * static_cast<double>(i), 0};
+    World world(scene, test::direct(gradient));
+    for (int turn = 0; turn < 100; ++turn)
+      for (int i = 0; i < 20; ++i) {
+        world.set_length(0, 0.1 - 0.004 * (i < 10 ? i + 1 : 19 - i));
+        EXPECT_EQ(world.step(frame).unsolved, 0u);
+      }
+    EXPECT_NEAR(world.position(10).y, -1, 1e-9) << to_string(gradient);
+    EXPECT_NEAR(world.position(10).x, 0, 1e-9) << to_string(gradient);
+  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "direct/laws/loop_laws.hpp"
 #include "direct/laws/tree_laws.hpp"
 #include "direct/laws/tree_rods.hpp"
+#include "direct/velocities/changes.hpp"
 #include "interface/problems.hpp"
 #include "plumb/problem.hpp"
 #include "scenes/generators/generators.hpp"
@@ -47,12 +48,12 @@ TEST(LawNumbers, AreRelativeToTheUnitOfMass) {
   EXPECT_EQ(cable, (std::array<double, 6>{0, 0, 1, 1, 0, 0}));
 }
 
-TEST(RateJumps, AreStartsAndStops) {
-  EXPECT_TRUE(rate_jumps(0, 1e-3));
-  EXPECT_TRUE(rate_jumps(1, 0));
-  EXPECT_TRUE(rate_jumps(1, -1));
-  EXPECT_FALSE(rate_jumps(0, 0));
-  EXPECT_FALSE(rate_jumps(1, 1.2));
+TEST(RateChanges, AreAllButRounding) {
+  EXPECT_TRUE(rate_changes(0, 1e-3));
+  EXPECT_TRUE(rate_changes(1, 0));
+  EXPECT_TRUE(rate_changes(1, 1.2));
+  EXPECT_FALSE(rate_changes(0, 0));
+  EXPECT_FALSE(rate_changes(1, 1 + 1e-9));
 }
 
 // What a rod of gradient mid does over a substep is the change of its energy, slack or taut at either end.

@@ -236,6 +236,11 @@ class PLUMB_API World {
   /// Copies the pulls of all rods (N) into `out`. Throws InputError unless it has rod_count() elements, or
   /// without Settings::tensions.
   void copy_tensions(std::span<double> out) const;
+  /// Returns the power in W with which a rod that changes its length moved its island, averaged over the last
+  /// step: what a winch does. It is positive where a pulling rod shortens, and 0 where lengths stay. With
+  /// gradient mid it is what energy gains, to the second order in the step where a rate changes and to
+  /// rounding elsewhere. Throws InputError as tension() does.
+  double power(std::uint32_t rod) const;
   /// Returns whether a rod has pulled more than its strength. Throws InputError on an unknown rod.
   bool is_broken(std::uint32_t rod) const;
 
@@ -249,6 +254,8 @@ class PLUMB_API World {
   /// Returns the pull of a segment of a tackle's cord likewise. Segment 0 is between the first two particles.
   /// Throws InputError on an unknown segment, too.
   double tackle_tension(std::uint32_t tackle, std::uint32_t segment) const;
+  /// Returns the power (W) of a tackle whose length changes, as power() does of a rod.
+  double tackle_power(std::uint32_t tackle) const;
 
   /// Lets `out` metres of a reel's rope be out at the end of the next step, at a constant rate. Throws
   /// InputError on an unknown reel, and on a length that is not positive or more than the chain has.

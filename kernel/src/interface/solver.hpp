@@ -171,7 +171,10 @@ class Solver {
   virtual void read_pulls(std::span<const Place> cords, double dt, double* out) const {
     for (const Place& cord : cords) *out++ = pull(cord.slot, dt);
   }
-  /// Returns that of a segment of a tackle.
+  /// Returns what of the last step's impulse (N s) of a rod or tackle was a blow as the step began, since
+  /// its length or an anchor changed its speed.
+  virtual double blow(Slot) const { return 0; }
+  /// Returns the pull of a segment of a tackle.
   virtual double segment_pull(Slot tackle, std::uint32_t /*segment*/, double dt) const {
     return pull(tackle, dt);
   }

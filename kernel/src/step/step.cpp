@@ -308,6 +308,16 @@ double Step::pull(std::uint32_t cord, std::uint32_t segment) const {
   return segment > 0 ? of.segment_pull(places.front().slot, segment, dt) : of.pull(places.front().slot, dt);
 }
 
+/// The work of a blow has the mean of both rates.
+double Step::power(std::uint32_t cord) const {
+  const double rate = lengths_.rate(cord), before = lengths_.rate_before(cord);
+  const auto places = compiled_.cords.of(cord);
+  if ((rate == 0 && before == 0) || places.empty()) return 0;  // what broke has no place
+  const auto task = sleep_.task_of(compiled_.solvers, places.front());
+  const double blow = task ? solver(places.front()).blow(places.front().slot) / sleep_.tasks()[*task].dt : 0;
+  return blow * (rate - before) / 2 - pull(cord) * rate;
+}
+
 void Step::copy_pulls(std::span<double> out) {
   last_dt_.assign(compiled_.solvers.size(), -1);
   for (const Task& task : sleep_.tasks()) {

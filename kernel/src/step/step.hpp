@@ -58,6 +58,7 @@ class Step {
   double length(std::uint32_t cord) const { return lengths_.length(cord); }
   /// Returns NaN where no solver knows the pull (N) of a cord, or a tackle's segment, in the last step.
   double pull(std::uint32_t cord, std::uint32_t segment = 0) const;
+  double power(std::uint32_t cord) const;
   /// Copies the pulls of the first cords, which are faster to read together.
   void copy_pulls(std::span<double> out);
   /// Returns the force (N) that held a fixed particle in the last step, or NaN where a pull is.

@@ -231,6 +231,11 @@ void World::copy_tensions(std::span<double> out) const {
     refuse("tensions of ", impl_->rods, " rods cannot be copied into ", out.size(), " elements");
   impl_->step->copy_pulls(out);
 }
+double World::power(std::uint32_t rod) const {
+  impl_->require_rod(rod);
+  impl_->require_tensions();
+  return impl_->step->power(rod);
+}
 bool World::is_broken(std::uint32_t rod) const {
   impl_->require_rod(rod);
   return impl_->step->is_broken(rod);
@@ -240,6 +245,11 @@ double World::tackle_tension(std::uint32_t tackle) const {
   impl_->require_tackle(tackle);
   impl_->require_tensions();
   return impl_->step->pull(impl_->rods + tackle);
+}
+double World::tackle_power(std::uint32_t tackle) const {
+  impl_->require_tackle(tackle);
+  impl_->require_tensions();
+  return impl_->step->power(impl_->rods + tackle);
 }
 double World::tackle_tension(std::uint32_t tackle, std::uint32_t segment) const {
   impl_->require_tackle(tackle);

@@ -128,7 +128,10 @@ bool harden(LoopState& state, LoopWorkspace& work, Tally& counters) {
     ++counters.newton;
     if (!(change <= hardening_rate * last)) break;
     apply_change(state, 1, work, factor);
-    if (change <= hardened_change && largest_misfit(state, work, factor) <= hardened_change) return true;
+    if (change <= hardened_change) {  // where rods do not fit, it stands still there
+      if (largest_misfit(state, work, factor) <= hardened_change) return true;
+      break;
+    }
     last = change;
   }
   std::copy(work.trial.begin(), work.trial.end(), work.delta.begin());

@@ -68,11 +68,4 @@ inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law,
 /// rod otherwise. Of 1,000 random hangings equally many frames were dear with 1e-3, 1e-4 and 1e-8.
 inline constexpr double drawn_cable = 1e-4;
 
-/// Says whether the rate (m/s) of a rod's length jumps, as when a winch starts or stops. Then velocities are
-/// projected onto it. A rate that changes little by little is not, since the work of such impulses is not
-/// in what rods pull.
-inline bool rate_jumps(double before, double after) {
-  return std::abs(after - before) > 0.5 * std::max(std::abs(before), std::abs(after));
-}
-
 }  // namespace plumb::detail

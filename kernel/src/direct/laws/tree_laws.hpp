@@ -35,6 +35,7 @@ struct TreeLaws {
   Of<double> length;                         ///< At the end of the last substep, in m.
   Of<double> rate;                           ///< Lengths change by so much, in m/s.
   Of<double> impulse;                        ///< Pulls times substeps, of this step, in N s.
+  Of<double> blow;                           ///< Of it, what came as the step began. Only while rods move.
   Of<T> step;                                ///< They have tree_fields::law_step numbers per rod.
   std::vector<LawFactors> factors;           ///< Steps are made of them, per lane.
   layouts::AlignedBuffer<T> factor_numbers;  ///< They are the same, see simd::law_factors.

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "direct/trees/tree_solver.hpp"
+#include "direct/velocities/changes.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -46,6 +47,23 @@ void TreeSolver<T>::clear_pulls() {
   std::fill(state_.bends.hold.begin(), state_.bends.hold.end(), Vec3{});
 }
 
+/// Keeps what was pulled as the step began.
+template <class T>
+void TreeSolver<T>::keep_blows() {
+  const auto keep = [](const layouts::AlignedBuffer<double>& from, layouts::AlignedBuffer<double>& to) {
+    if (to.size() != from.size()) to = layouts::AlignedBuffer<double>(from.size());
+    std::copy_n(from.data(), from.size(), to.data());
+  };
+  keep(state_.laws.impulse.rods, state_.laws.blow.rods);
+  keep(state_.laws.impulse.ties, state_.laws.blow.ties);
+}
+
+template <class T>
+double TreeSolver<T>::blow(Slot rod) const {
+  const bool known = state_.laws.moves && state_.laws.blow.rods.size() > 0;
+  return known ? number_of(state_.laws.blow, rod, ties_begin_) : 0;
+}
+
 template <class T>
 double TreeSolver<T>::pull(Slot rod, double dt) const {
   return number_of(state_.laws.impulse, rod, ties_begin_) / dt;
@@ -72,7 +90,7 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   make_laws();
   state_.laws.gives = state_.laws.moves = true;
   double& last = number_of(state_.laws.rate, rod, ties_begin_);
-  lengths_changed_ = lengths_changed_ || rate_jumps(last, rate);
+  lengths_changed_ = lengths_changed_ || rate_changes(last, rate);
   last = rate;
   number_of(state_.laws.length, rod, ties_begin_) = length;
   (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;
@@ -83,6 +101,8 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   template void TreeSolver<T>::make_laws();                                               \
   template void TreeSolver<T>::clear_pulls();                                             \
   template void TreeSolver<T>::count_pulls();                                             \
+  template void TreeSolver<T>::keep_blows();                                              \
+  template double TreeSolver<T>::blow(Slot) const;                                        \
   template double TreeSolver<T>::pull(Slot, double) const;                                \
   template void TreeSolver<T>::read_pulls(std::span<const Place>, double, double*) const; \
   template bool TreeSolver<T>::is_broken(Slot) const;                                     \

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "direct/loops/settle.hpp"
 #include "direct/tackles/loop_pulleys.hpp"
+#include "direct/velocities/changes.hpp"
 #include "time/accuracy.hpp"
 
 namespace plumb::detail {
@@ -15,13 +17,6 @@ namespace {
 /// than 2e-9 of its diagonal. A substep of another length makes a velocity of it, which counts as error the
 /// more, the shorter substeps are.
 constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
-
-/// Says whether a drum turns at another rate (m/s), but for rounding. Then velocities are projected onto it,
-/// and what that pulls is counted. Gradient mid would swing about the rate for ever, and a cord with friction
-/// would rub by what swings.
-bool turns_otherwise(double before, double after) {
-  return std::abs(after - before) > 1e-6 * std::max(std::abs(before), std::abs(after));
-}
 
 }  // namespace
 
@@ -79,7 +74,12 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   std::fill(state_.pulley_impulses.begin(), state_.pulley_impulses.end(), 0.0);
   std::fill(state_.hold.begin(), state_.hold.end(), Vec3{});
   if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
-  if (!anchors_changed(0) || rules_->gradient != Gradient::mid) return;
+  if (anchors_changed(0) && state_.u_step == 0) take_blow();
+  if (state_.laws.pulls && (state_.laws.moves || !state_.tackles.empty())) keep_blows();
+}
+
+/// Takes from velocities what anchors and lengths that change their speed forbid.
+void LoopSolver::take_blow() {
   begin_blow(work_.tackles);
   std::copy(state_.u.begin(), state_.u.end(), work_.start.begin());
   rules_->stepper.project_velocities(state_, work_);
@@ -214,7 +214,8 @@ void LoopSolver::move_anchor(Slot slot, const AnchorMove& move) {
 }
 
 void LoopSolver::begin_anchors() {
-  anchors_changed_ = state_.fixed_velocity != state_.fixed_last_velocity;
+  anchors_changed_ = !std::equal(state_.fixed_last_velocity.begin(), state_.fixed_last_velocity.end(),
+                                 state_.fixed_velocity.begin(), std::not_fn(velocity_changes));
   if (locks_hold(state_)) return;
   lock({});
   locks_known_ = false;  // lines that come to rest are looked at again
@@ -249,6 +250,16 @@ Vec3 LoopSolver::hold(Slot slot, double dt) const {
   return 1 / dt * state_.hold[slot - state_.topology->nodes];
 }
 
+/// Keeps what was pulled as the step began.
+void LoopSolver::keep_blows() {
+  blows_ = state_.laws.impulse;
+  for (const LoopTackleMotion& tackle : state_.tackles) blows_.push_back(tackle.impulse);
+}
+
+double LoopSolver::blow(Slot cord) const {
+  return cord < blows_.size() ? blows_[cord] : 0;
+}
+
 double LoopSolver::pull(Slot cord, double dt) const {
   return (is_tackle(cord) ? tackle(cord).impulse : state_.laws.impulse[cord]) / dt;
 }
@@ -265,14 +276,12 @@ bool LoopSolver::is_broken(Slot rod) const {
 void LoopSolver::set_length(Slot cord, double length, double rate) {
   if (is_reel(cord)) {
     const auto number = static_cast<std::uint32_t>(cord - first_reel());
-    lengths_changed_ = lengths_changed_ || turns_otherwise(state_.reels[number].rate, rate);
+    lengths_changed_ = lengths_changed_ || rate_changes(state_.reels[number].rate, rate);
     set_reel(state_, number, length, rate);
     return;
   }
   if (is_tackle(cord)) {
-    const bool rubs = state_.topology->tackles[cord - state_.topology->rods.size()].rubs;
-    const double last = tackle(cord).rate;
-    lengths_changed_ = lengths_changed_ || (rubs ? turns_otherwise(last, rate) : rate_jumps(last, rate));
+    lengths_changed_ = lengths_changed_ || rate_changes(tackle(cord).rate, rate);
     tackle(cord).length = length;
     tackle(cord).rate = rate;
     return;
@@ -281,7 +290,7 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
   state_.laws.moves = true;
   work_.lines.reset();  // they do not know of it, nor do locks
   lock({});
-  lengths_changed_ = lengths_changed_ || rate_jumps(state_.laws.rate[cord], rate);
+  lengths_changed_ = lengths_changed_ || rate_changes(state_.laws.rate[cord], rate);
   state_.laws.rate[cord] = rate;
   state_.laws.length[cord] = length;
   state_.length2[cord] = length * length;

@@ -88,6 +88,7 @@ class LoopSolver final : public Solver {
   Vec3 hold(Slot slot, double dt) const override;
   /// Tackles have the slots after those of rods, and reels those after them.
   double pull(Slot cord, double dt) const override;
+  double blow(Slot cord) const override;
   double segment_pull(Slot cord, std::uint32_t segment, double dt) const override;
   bool is_broken(Slot rod) const override;
   double strain(Slot rod, double strain) const override { return reeled_strain(state_, rod, strain); }
@@ -107,6 +108,8 @@ class LoopSolver final : public Solver {
   bool is_tackle(Slot cord) const { return cord >= state_.topology->rods.size(); }
   LoopTackleMotion& tackle(Slot cord) const { return state_.tackles[cord - state_.topology->rods.size()]; }
   void find_velocities() const;
+  void take_blow();
+  void keep_blows();
   void lock(Locks locks);
 
   std::shared_ptr<LoopRules> rules_;
@@ -117,6 +120,7 @@ class LoopSolver final : public Solver {
   mutable bool velocity_known_ = false;
   bool anchors_changed_ = false, lengths_changed_ = false, away_ = false;
   bool locks_known_ = false;
+  std::vector<double> blows_;  ///< Of rods, then tackles, in N s, see blow(). It is empty until it is needed.
   // An accuracy needs these:
   LoopMotion saved_[2]{};
   std::vector<double> mark_{};

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "direct/loops/settle.hpp"
+#include "direct/velocities/changes.hpp"
 #include "time/accuracy.hpp"
 #include "time/verlet.hpp"
 
 namespace plumb::detail {
 namespace {
 
-/// An anchor's velocity counts as unchanged if it differs by less than this share: by rounding of its path.
-constexpr double unchanged = 1e-9;
 /// Displacements of float substeps shorter than this share of a step are rounding.
 template <class T>
 constexpr std::uint32_t most_substeps = sizeof(T) == 4 ? 1 << 8 : 1 << 20;
@@ -102,7 +102,12 @@ void TreeSolver<T>::set_velocity(Slot slot, Vec3 velocity) {
 
 template <class T>
 void TreeSolver<T>::project_velocities() {
-  TreeWorkspace<T>& work = kind_->crews[0].work;
+  project_velocities(0);
+}
+
+template <class T>
+void TreeSolver<T>::project_velocities(unsigned part) {
+  TreeWorkspace<T>& work = kind_->crews[part].work;
   velocities_known_ = false;
   if (!line_) return kind_->stepper.project_velocities(state_, work);
   line_->segments.gather(state_, line_->whole);
@@ -116,8 +121,8 @@ template <class T>
 void TreeSolver<T>::begin_piece(std::uint32_t, unsigned part) {
   velocities_known_ = false;
   if (state_.laws.pulls) clear_pulls();
-  if (anchors_changed(0) && (is_calm_ || kind_->rules.gradient == Gradient::mid))
-    kind_->stepper.project_velocities(state_, kind_->crews[part].work);
+  if (anchors_changed(0)) project_velocities(part);
+  if (state_.laws.moves && state_.laws.pulls) keep_blows();
 }
 
 template <class T>
@@ -358,10 +363,9 @@ void TreeSolver<T>::move_anchor(Slot slot, const AnchorMove& move) {
 
 template <class T>
 void TreeSolver<T>::begin_anchors() {
-  anchors_changed_ = state_.ties_move && !std::equal(state_.tie_velocity.begin(), state_.tie_velocity.end(),
-                                                     state_.tie_last_velocity.begin(), [](Vec3 a, Vec3 b) {
-                                                       return norm(a - b) <= unchanged * norm(a);
-                                                     });
+  anchors_changed_ =
+      state_.ties_move && !std::equal(state_.tie_last_velocity.begin(), state_.tie_last_velocity.end(),
+                                      state_.tie_velocity.begin(), std::not_fn(velocity_changes));
 }
 
 template <class T>

@@ -90,6 +90,7 @@ class TreeSolver final : public Solver {
   Slot rod_slot(std::uint32_t node, std::uint32_t lane) const;
   void count_pulls() override;
   double pull(Slot rod, double dt) const override;
+  double blow(Slot rod) const override;
   void read_pulls(std::span<const Place> rods, double dt, double* out) const override;
   Vec3 hold(Slot slot, double dt) const override;
   bool is_broken(Slot rod) const override;
@@ -111,7 +112,10 @@ class TreeSolver final : public Solver {
     std::uint32_t node, lane;
   };
   void make_laws();
+  /// See TreeStepper::project_velocities().
+  void project_velocities(unsigned part);
   void clear_pulls();
+  void keep_blows();
 
   Entry place_of(Slot slot) const;
   bool is_tie(Slot slot) const { return slot >= ties_begin_; }

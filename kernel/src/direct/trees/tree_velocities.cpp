@@ -46,8 +46,15 @@ void TreeStepper<T>::take_sound(const TreeState<T>& state, TreeWorkspace<T>& wor
       projected += square(double{work.delta[i]});
       given += square(double{work.velocity[i]}) + square(double{work.kick[lane]} * double{state.force[i]});
     }
+    // An anchor may move all particles, and a rod that is hauled in all that are behind it.
+    const double particles = static_cast<double>(to.size() / state.lanes) / 3;
     for (std::size_t i = lane; i < state.tie_velocity.size(); i += state.lanes)
-      for (const Vec3 v : {state.tie_velocity[i], state.tie_last_velocity[i]}) given += dot(v, v);
+      for (const Vec3 v : {state.tie_velocity[i], state.tie_last_velocity[i]}) given += particles * dot(v, v);
+    double hauled = 0;
+    for (const auto* const rates : {&state.laws.rate.rods, &state.laws.rate.ties})
+      for (std::size_t i = lane; state.laws.moves && i < rates->size(); i += state.lanes)
+        hauled += std::abs((*rates)[i]);
+    given += particles * square(hauled);
     // Numbers that are not finite fail this comparison, too.
     if (projected <= most_projected_growth * given) {
       for (std::size_t i = lane; i < to.size(); i += state.lanes) to[i] = work.delta[i];
@@ -103,7 +110,12 @@ template <class T>
 void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
   std::fill_n(work.kick.data(), work.kick.size(), T(0));
-  std::fill_n(work.active.data(), work.active.size(), T(1));
+  bool any = false;
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
+    work.active[lane] = state.u_step[lane] == 0 ? T(1) : T(0);
+    any = any || work.active[lane] != 0;
+  }
+  if (!any) return;
   do project(state, state.tie_velocity, work);
   while (let_go(state, work));
   take_sound(state, work, state.u);

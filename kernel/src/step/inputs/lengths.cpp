@@ -13,6 +13,8 @@ Lengths::Lengths(const Scene& scene)
     for (const Reel& reel : scene.reels) lengths_.push_back(start_of(scene, rods, reel).out);
   }
   targets_ = lengths_;
+  rates_.resize(lengths_.size());
+  rates_before_ = rates_;
 }
 
 void Lengths::set_target(std::uint32_t rod, double target) {
@@ -22,22 +24,28 @@ void Lengths::set_target(std::uint32_t rod, double target) {
 }
 
 void Lengths::begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
-  dt_ = dt;
-  for (const std::uint32_t rod : moving_)
+  for (const std::uint32_t rod : stopped_) rates_before_[rod] = 0;
+  stopped_.clear();
+  for (const std::uint32_t rod : moving_) {
+    rates_before_[rod] = rates_[rod];
+    rates_[rod] = (targets_[rod] - lengths_[rod]) / dt;
     for (const Place place : places.of(rod))
-      solvers[place.solver]->set_length(place.slot, lengths_[rod], rate(rod, dt));
+      solvers[place.solver]->set_length(place.slot, lengths_[rod], rates_[rod]);
+  }
 }
 
 void Lengths::end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
   std::size_t kept = 0;
   for (const std::uint32_t rod : moving_) {
     // The rate stays what it was, since velocities at the end of the step have it.
-    const double last_rate = rate(rod, dt_);
     lengths_[rod] = targets_[rod];
     for (const Place place : places.of(rod))
-      solvers[place.solver]->set_length(place.slot, lengths_[rod], last_rate);
+      solvers[place.solver]->set_length(place.slot, lengths_[rod], rates_[rod]);
     is_moving_[rod] = is_moving_[rod] == 2 ? 1 : 0;
-    if (is_moving_[rod] != 0) moving_[kept++] = rod;
+    if (is_moving_[rod] != 0)
+      moving_[kept++] = rod;
+    else
+      stopped_.push_back(rod);
   }
   moving_.resize(kept);
 }

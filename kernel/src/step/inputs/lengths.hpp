@@ -18,6 +18,9 @@ class Lengths {
   explicit Lengths(const Scene& scene);
 
   double length(std::uint32_t rod) const { return lengths_[rod]; }
+  /// Returns the rate (m/s) of a cord's length in the last step, and in the one before.
+  double rate(std::uint32_t rod) const { return rates_[rod]; }
+  double rate_before(std::uint32_t rod) const { return rates_before_[rod]; }
   /// Lets a rod become `target` (m) long during the next step, at a constant rate.
   void set_target(std::uint32_t rod, double target);
   /// Returns the rods that change their length in the next step, or did so in the last.
@@ -29,12 +32,10 @@ class Lengths {
   void end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
 
  private:
-  double rate(std::uint32_t rod, double dt) const { return (targets_[rod] - lengths_[rod]) / dt; }
-
-  double dt_ = 0;
-  std::vector<double> lengths_, targets_;  ///< m, by rod
-  std::vector<std::uint8_t> is_moving_;    ///< by rod; 2 if it has a target for the next step
-  std::vector<std::uint32_t> moving_;
+  std::vector<double> lengths_, targets_;        ///< m, by rod
+  std::vector<double> rates_, rates_before_;     ///< m/s, by rod
+  std::vector<std::uint8_t> is_moving_;          ///< by rod; 2 if it has a target for the next step
+  std::vector<std::uint32_t> moving_, stopped_;  ///< The latter stood in the last step, after they moved.
 };
 
 }  // namespace plumb::detail
