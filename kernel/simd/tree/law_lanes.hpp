@@ -73,13 +73,22 @@ PLUMB_INLINE LawTerms<V> law_terms_of(const At& at, const T* starts, std::size_t
   const std::size_t f = i * tree_fields::law_start;
   return {at.get(starts, f), at.get(starts, f + 1), at.get(starts, f + 2), at.get(starts, f + 3)};
 }
+/// Returns how much a rod pays out in half a substep of gradient mid, in m. Others ask for the mean length
+/// alone.
+template <class V, class T, class At>
+PLUMB_INLINE V paid_out(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays, std::size_t i) {
+  if (!tree.is_mid || !tree.lengths_change) return V(0);
+  const V rate = narrow<V>(load_wide<V>(arrays.rate + i * At::stride + at.lane));
+  return rate / (V(2) * at.get(tree.law_factors, law_factors::rate));
+}
 /// Returns the row of rod i of `arrays`. `theta` is 0 if the gradient `is_old`.
 template <Laws laws, bool is_old, class V, class T, class At>
 PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const LawArrays<T>& arrays,
                                   std::size_t i, const LawIterate<V>& iterate, const V& theta) {
   if (laws == Laws::cables || (laws == Laws::any && tree.has_cables))
     return cable_row<is_old>(law_numbers<V>(at, arrays.law, i), law_step<V>(at, arrays.step, i),
-                             law_start<V>(at, arrays.start, i), iterate, theta, tree.is_mid);
+                             law_start<V>(at, arrays.start, i), iterate, theta,
+                             paid_out<V>(tree, at, arrays, i), tree.is_mid);
   const LawTerms<V> terms = law_terms_of<V>(at, arrays.start, i);
   if constexpr (is_old) {
     return line_law_row(terms, iterate.growth, iterate.mu);

@@ -95,13 +95,16 @@ PLUMB_INLINE LawStart<V> start_law(const LawStep<V>& step, const V& length2, con
   const V excess = (violation + violation) / (length + step.length);
   return {length, step.weight * excess, excess, V(0)};
 }
-/// A cable takes of c0 the positive part into account.
+/// A cable takes of c0 the positive part into account. Its length is that of the middle of the substep, until
+/// when `paid` (m) of it was paid out, and as much will be afterwards. Damping resists the growth of the
+/// distance of its ends, as that of other rods does.
 template <class V>
 PLUMB_INLINE LawStart<V> start_cable(const LawNumbers<V>& law, const LawStep<V>& step,
-                                     const LawStart<V>& start) {
-  const V taut = larger(start.excess, V(0)), past = step.weight - step.slope;
-  const V cable = step.slope * start.excess + past * taut;
-  return {start.length, select_nonzero(law.one_sided, cable, start.before), start.excess, start.left};
+                                     const LawStart<V>& start, const V& paid) {
+  const V excess = start.excess + select_nonzero(law.one_sided, paid, V(0));
+  const V taut = larger(excess, V(0)), past = step.weight - step.slope;
+  const V cable = step.slope * excess + past * taut + (step.slope - past) * paid;
+  return {start.length, select_nonzero(law.one_sided, cable, start.before), excess, start.left};
 }
 
 /// Adds what the last substep has left of its kick, with gradient old.
@@ -212,14 +215,16 @@ PLUMB_INLINE LawRow<V> line_law_row(const LawTerms<V>& rod, const V& growth, con
   return {sum * rod.slope, end * gives, end * (rod.slope * growth + (sum * rod.before + mu * gives))};
 }
 
-/// Returns the row of a rod among which some are cables, for every lane as its law asks.
+/// Returns the row of a rod among which some are cables, for every lane as its law asks. See start_cable()
+/// for `paid`.
 template <bool is_old, class V>
 PLUMB_INLINE LawRow<V> cable_row(const LawNumbers<V>& law, const LawStep<V>& step, const LawStart<V>& start,
-                                 const LawIterate<V>& iterate, const V& theta, bool is_mid) {
+                                 const LawIterate<V>& iterate, const V& theta, const V& paid, bool is_mid) {
   const auto [growth, violation, mu] = iterate;
   const V zero(0), one(1);
   const LawSpan<V> span = law_span<is_old>(start.length, growth, theta);
-  const Pull<V> cable = cable_pull(step.slope, start, start.excess + growth / span.sum, is_mid);
+  const Pull<V> cable =
+      cable_pull(step.slope, start, start.excess + growth / span.sum - (paid + paid), is_mid);
   const Pull<V> pull{
       select_nonzero(law.one_sided, span.sum * cable.psi, step.slope * growth + span.sum * start.before),
       select_nonzero(law.one_sided, cable.slope, step.slope)};
@@ -236,8 +241,10 @@ PLUMB_INLINE LawRow<V> cable_row(const LawNumbers<V>& law, const LawStep<V>& ste
 }
 
 /// Rods whose swing is resolved resist no velocity. In a projection of velocities they pull with a multiplier
-/// that is known, and slack cables do not pull. The less is resolved, the more a rod resists as rigid ones
-/// do. A rigid cable is taut if it pulled last. `rate` (m/s) is that of a rigid rod's length.
+/// that is known, and slack cables do not pull. The less is resolved, the more a rod also resists as rigid
+/// ones do. It pulls with its whole half kick all the same, not only with what it kept of it, so that rods at
+/// rest bear their load without a velocity. A rigid cable is taut if it pulled last. `rate` (m/s) is that of
+/// a rigid rod's length.
 template <class V>
 struct KnownPull {
   V mu;
@@ -253,11 +260,12 @@ template <class V>
 PLUMB_INLINE KnownPull<V> known_pull(const LawNumbers<V>& law, const LawFactors<V>& factors,
                                      const LawMotion<V>& motion) {
   const V zero(0), one(1), length = root(motion.length2);
-  const V stiff = select_nonzero(law.rigid, one, one - resolved(law, factors.substep));
+  const V seen = resolved(law, factors.substep);
+  const V stiff = select_nonzero(law.rigid, one, one - seen);
   const V holds = select_nonzero(law.one_sided, select_positive(zero - motion.last_mu, stiff, zero), stiff);
   const V give = select_nonzero(law.rigid, one, motion.length2);
   const V off = motion.c - select_nonzero(law.rigid, length * motion.rate, zero);
-  return {select_nonzero(law.rigid, zero, zero - factors.kick_before * motion.half_kick / length),
+  return {select_nonzero(law.rigid, zero, zero - factors.kick_before * motion.half_kick / (length * seen)),
           {holds, (one - holds) * give, holds * off}};
 }
 

@@ -52,7 +52,8 @@ PLUMB_INLINE void prepare_law(const TreeView<T>& tree, const At& at, const T* ro
   const LawStep<V> step = law_step<V>(at, arrays.step, i);
   const Vec<V> d = at.get3(rods, i * tree_fields::rod);
   LawStart<V> start = start_law(step, dot(d, d), at.get(rods, i * tree_fields::rod + 3));
-  if (tree.has_cables) start = start_cable(law_numbers<V>(at, arrays.law, i), step, start);
+  if (tree.has_cables)
+    start = start_cable(law_numbers<V>(at, arrays.law, i), step, start, paid_out<V>(tree, at, arrays, i));
   if (tree.keeps_half_kicks)
     add_kick(step, at.get(tree.law_factors, law_factors::kick_before) * at.get(arrays.half_kick, i), start);
   const std::size_t f = i * tree_fields::law_start;

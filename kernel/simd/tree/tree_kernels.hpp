@@ -83,6 +83,7 @@ struct TreeView {
   T* tie_law_step = nullptr;            ///< The same per tie.
   T* law_start = nullptr;               ///< tree_fields::law_start numbers per node; prepare() makes them.
   T* tie_law_start = nullptr;           ///< The same per tie.
+  bool lengths_change = false;          ///< Some rod has a rate.
   const double* length_rate = nullptr;  ///< Rate of the length of the rod to the parent, in m/s, per node.
   const double* tie_length_rate = nullptr;  ///< The same per tie.
   bool keeps_half_kicks = false;            ///< Whether the gradient is old, which has half kicks.

@@ -103,15 +103,32 @@ class Maker {
       if (equal.empty()) continue;
       if (!tree || is_held_below_root(*tree))
         add_loops(equal, local.view(), {});
-      else if (settings_.precision == Precision::single)
-        add_trees<float>(equal, *tree);
       else
-        add_trees<double>(equal, *tree);
+        add_trees(equal, *tree);
     }
     return std::move(made_);
   }
 
  private:
+  /// Rounding of float, in how far an elastic cable is stretched where it comes tight, gives it energy.
+  bool needs_double(std::uint32_t island) const {
+    if (settings_.precision != Precision::single) return true;
+    if (settings_.gradient == Gradient::old) return false;
+    const auto rods = sets_.islands.edges(island);
+    return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
+      const RodLaw& law = scene_.rods[i].law;
+      return law.one_sided && law.is_elastic();
+    });
+  }
+  void add_trees(std::vector<std::uint32_t> equal, const layouts::Tree& tree) {
+    const auto single = std::stable_partition(equal.begin(), equal.end(),
+                                              [&](std::uint32_t island) { return needs_double(island); });
+    std::vector<std::uint32_t> in_single(single, equal.end());
+    equal.erase(single, equal.end());
+    if (!equal.empty()) add_trees<double>(equal, tree);
+    if (!in_single.empty()) add_trees<float>(in_single, tree);
+  }
+
   MassModel model() const { return mass_model_of(settings_); }
   Isa isa() const { return settings_.isa.value_or(best_isa()); }
 

@@ -242,7 +242,8 @@ void Step::ask_load(double time, double dt) {
 }
 
 void Step::set_force(std::uint32_t particle, Vec3 force) {
-  put_force(particle, loads_.set_force(particle, force));
+  const Vec3 before = loads_.force(particle), now = loads_.set_force(particle, force);
+  if (!(now == before)) put_force(particle, now);
 }
 
 void Step::put_force(std::uint32_t particle, Vec3 force) {

@@ -29,19 +29,25 @@ simd::LawStart<double> start_of(const std::array<double, simd::tree_fields::law_
   return {length, before, excess, left};
 }
 
+/// Returns how much a rod pays out in half a substep of gradient mid, in m, see simd::start_cable().
+double paid_out(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k) {
+  return work.is_mid && work.factors.rate > 0 ? laws.rate[k] / (2 * work.factors.rate) : 0;
+}
+
 }  // namespace
 
 void LoopLaws::make(std::span<const double> length2) {
   if (any()) return;
   rods.assign(length2.size(), Numbers{0, 0, 1});
-  half_kick = rate = impulse = std::vector<double>(length2.size());
+  half_kick = rate = jump = impulse = std::vector<double>(length2.size());
   for (const double square : length2) length.push_back(std::sqrt(square));
 }
 
 void start_law(const LoopLaws& laws, std::uint32_t k, double length2, double violation, LawWorkspace& work) {
   const auto law = numbers_of(laws, k);
   const auto step = simd::law_step(law, factors_of(work), length2 - 2 * violation);
-  auto start = simd::start_cable(law, step, simd::start_law(step, length2, violation));
+  auto start =
+      simd::start_cable(law, step, simd::start_law(step, length2, violation), paid_out(laws, work, k));
   simd::add_kick(step, work.factors.kick_before * laws.half_kick[k], start);
   work.starts[k] = {{step.slope, step.give, step.weight, step.length, step.kept},
                     {start.length, start.before, start.excess, start.left}};
@@ -51,9 +57,10 @@ RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, 
                double theta) {
   if (laws.is_rigid(k) && !laws.is_one_sided(k)) return {1, 0, iterate.violation};
   const auto& [step, start] = work.starts[k];
-  const auto row = simd::cable_row<false>(
-      numbers_of(laws, k), step_of(step), start_of(start),
-      simd::LawIterate<double>{iterate.growth, iterate.violation, iterate.mu}, theta, work.is_mid);
+  const auto row =
+      simd::cable_row<false>(numbers_of(laws, k), step_of(step), start_of(start),
+                             simd::LawIterate<double>{iterate.growth, iterate.violation, iterate.mu}, theta,
+                             paid_out(laws, work, k), work.is_mid);
   return {row.use, row.soft, row.c};
 }
 
@@ -73,6 +80,21 @@ void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> lengt
   }
 }
 
+namespace {
+
+/// Returns the length (m) along which a rod has pulled with the multiplier `mu` in a substep. A rigid one
+/// does its work along the mean of its lengths. What a cable pulls with does not tell how long it is where it
+/// comes tight.
+double length_along(const LoopLaws& laws, std::uint32_t k, double mu, const SubstepEnd& end,
+                    const LawWorkspace& work) {
+  if (laws.is_rigid(k)) return laws.length[k] - end.h / 2 * laws.rate[k];
+  if (!laws.is_one_sided(k)) return pulled_length(work.starts[k], mu, end.theta);
+  const double start = work.starts[k].start[0];
+  return start + end.theta * (simd::end_length(start, work.growth[k]) - start);
+}
+
+}  // namespace
+
 std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEnd& end,
                        std::span<const double> mu, std::span<double> length2) {
   std::uint32_t broken = 0;
@@ -84,8 +106,7 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
       laws.length[k] += end.h * laws.rate[k];
       length2[k] = laws.length[k] * laws.length[k];
     }
-    const double length = laws.is_rigid(k) ? laws.length[k] - end.h / 2 * laws.rate[k]
-                                           : pulled_length(work.starts[k], mu[k], end.theta);
+    const double length = length_along(laws, k, mu[k], end, work);
     const double pull = -mu[k] * length / end.kick, strength = laws.rods[k][5];
     laws.impulse[k] += end.h * pull * end.mass_unit;
     if (!(strength > 0 && pull > strength)) continue;

@@ -18,6 +18,7 @@ struct LoopLaws {
   std::vector<double> half_kick;  ///< They have one number per rod, see simd/tree/law_math.hpp.
   std::vector<double> length;     ///< At the end of the last substep, in m.
   std::vector<double> rate;       ///< Lengths change by so much, in m/s.
+  std::vector<double> jump;       ///< Rates changed by so much as the step began, in m/s.
   std::vector<double> impulse;    ///< Pulls times substeps, of this step, in N s.
   bool moves = false;             ///< Some rod changes its length.
   bool pulls = false;             ///< Pulls are added up.
@@ -42,6 +43,8 @@ struct LawWorkspace {
   LawFactors factors;
   bool is_mid = false;
   std::vector<LawNow> starts;  ///< They are per rod.
+  /// The squared lengths of elastic cables have grown by so much (m²) in the substep that ends; per rod.
+  std::vector<double> growth;
 };
 
 /// A row of Newton's matrix is  use gradient . (change of e) + soft (change of mu) = -c.
@@ -78,8 +81,9 @@ struct SubstepEnd {
 std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEnd& end,
                        std::span<const double> mu, std::span<double> length2);
 
-/// Returns the length (m) along which an elastic rod pulls with the multiplier `mu` in a substep of gradient
-/// theta, for the first two numbers of simd::LawStep and of simd::LawStart. It solves the rod's equation.
+/// Returns the length (m) along which an elastic rod that is no cable pulls with the multiplier `mu` in a
+/// substep of gradient theta, for the first two numbers of simd::LawStep and of simd::LawStart. It solves the
+/// rod's equation.
 inline double pulled_length(double slope, double give, double length, double before, double mu,
                             double theta) {
   const double over = slope + theta * mu * give;

@@ -34,6 +34,7 @@ struct TreeLaws {
   Of<T> half_kick;                           ///< They have one number per rod, and so have the next ones.
   Of<double> length;                         ///< At the end of the last substep, in m.
   Of<double> rate;                           ///< Lengths change by so much, in m/s.
+  Of<double> jump;                           ///< Rates changed by so much as the step began, in m/s.
   Of<double> impulse;                        ///< Pulls times substeps, of this step, in N s.
   Of<double> blow;                           ///< Of it, what came as the step began. Only while rods move.
   Of<T> step;                                ///< They have tree_fields::law_step numbers per rod.
@@ -49,6 +50,7 @@ struct TreeLaws {
     half_kick.make(nodes, ties);
     length.make(nodes, ties);
     rate.make(nodes, ties);
+    jump.make(nodes, ties);
     impulse.make(nodes, ties);
     step.make(simd::tree_fields::law_step * nodes, simd::tree_fields::law_step * ties);
     factors.assign(lanes, {});
@@ -99,6 +101,7 @@ void for_laws(Laws& laws, Other& other, F&& f) {
   visit(laws.half_kick, 1, other.half_kick);
   visit(laws.length, 1, other.length);
   visit(laws.rate, 1, other.rate);
+  visit(laws.jump, 1, other.jump);
   visit(laws.impulse, 1, other.impulse);
 }
 

@@ -102,6 +102,38 @@ void put_pulled_lengths(const TreeLaws<T>& laws, Part part, std::size_t first, c
     to[lane] = rigid[lane] != 0 ? length[lane] - half * rate[lane] : to[lane];
 }
 
+/// Returns three numbers from entry `first` of a lane on.
+template <class T>
+Vec3 read(const TreeState<T>& state, const layouts::AlignedBuffer<T>& from, std::size_t first,
+          std::size_t lane) {
+  const auto number = [&](std::size_t c) {
+    return static_cast<double>(from[(first + c) * state.lanes + lane]);
+  };
+  return {number(0), number(1), number(2)};
+}
+
+/// Puts those of elastic cables: what they pull with does not tell how long they are where they come tight.
+/// `entry` is a node or a tie.
+template <class T>
+void put_cable_lengths(const TreeState<T>& state, const TreeWorkspace<T>& work, double theta,
+                       std::uint32_t entry, bool is_tie, OfLanes& to) {
+  const TreeTopology& tree = *state.topology;
+  const auto& laws = is_tie ? state.laws.law.ties : state.laws.law.rods;
+  const auto& rods = is_tie ? work.tie_rod : work.rod;
+  const auto above = std::upper_bound(tree.tie_begin.begin(), tree.tie_begin.end(), entry);
+  const std::size_t node =
+      is_tie ? static_cast<std::size_t>(above - tree.tie_begin.begin()) - 1 : std::size_t{entry};
+  for (std::size_t lane = 0; lane < state.lanes; ++lane) {
+    const T* const numbers = laws.data() + law * state.lanes * entry + lane;
+    if (numbers[2 * state.lanes] != 0 || numbers[3 * state.lanes] == 0) continue;
+    const Vec3 other = is_tie ? read(state, state.tie_delta, 3 * std::size_t{entry}, lane)
+                              : read(state, work.delta, 3 * std::size_t{tree.parent[entry]}, lane);
+    const Vec3 d = read(state, rods, simd::tree_fields::rod * std::size_t{entry}, lane);
+    const double start = norm(d);
+    to[lane] = start + theta * (norm(d + read(state, work.delta, 3 * node, lane) - other) - start);
+  }
+}
+
 /// Moves lengths of rods by a substep, in lanes that do not stand still.
 template <class T>
 void move_lengths(TreeState<T>& state, double h, const TreeWorkspace<T>& work) {
@@ -136,10 +168,10 @@ std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWo
     const auto& starts = ties ? work.tie_law_start : work.law_start;
     for (std::size_t first = ties ? 0 : lanes; first < mu.size(); first += lanes) {
       OfLanes pull;
-      if (laws.gives)
-        put_pulled_lengths<T>(laws, part, first, {mu.data(), starts.data(), h, theta}, pull);
-      else
-        std::copy_n(part(laws.length).data() + first, lanes, pull.data());
+      if (laws.gives) put_pulled_lengths<T>(laws, part, first, {mu.data(), starts.data(), h, theta}, pull);
+      if (laws.cables && theta != 0)
+        put_cable_lengths(state, work, theta, static_cast<std::uint32_t>(first / lanes), ties, pull);
+      if (!laws.gives) std::copy_n(part(laws.length).data() + first, lanes, pull.data());
       double* const impulse = part(laws.impulse).data() + first;
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         // Of lanes that have failed, multipliers need not be finite.

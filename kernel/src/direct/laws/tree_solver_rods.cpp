@@ -91,6 +91,7 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   state_.laws.gives = state_.laws.moves = true;
   double& last = number_of(state_.laws.rate, rod, ties_begin_);
   lengths_changed_ = lengths_changed_ || rate_changes(last, rate);
+  number_of(state_.laws.jump, rod, ties_begin_) = rate - last;
   last = rate;
   number_of(state_.laws.length, rod, ties_begin_) = length;
   (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;

@@ -78,14 +78,14 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   if (state_.laws.pulls && (state_.laws.moves || !state_.tackles.empty())) keep_blows();
 }
 
-/// Takes from velocities what anchors and lengths that change their speed forbid.
+/// Gives velocities what anchors and lengths that change their speed do.
 void LoopSolver::take_blow() {
   begin_blow(work_.tackles);
   std::copy(state_.u.begin(), state_.u.end(), work_.start.begin());
-  rules_->stepper.project_velocities(state_, work_);
-  if (breaks_loose(state_, work_)) {
+  rules_->stepper.take_blow(state_, work_);
+  if (finds_other_slides(state_, work_.start, work_)) {
     std::copy_n(work_.start.begin(), state_.u.size(), state_.u.begin());
-    rules_->stepper.project_velocities(state_, work_);
+    rules_->stepper.take_blow(state_, work_);
   }
   count_blows(state_, work_);
   end_blow(work_.tackles);
@@ -283,6 +283,7 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
   if (is_tackle(cord)) {
     lengths_changed_ = lengths_changed_ || rate_changes(tackle(cord).rate, rate);
     tackle(cord).length = length;
+    tackle(cord).jump = rate - tackle(cord).rate;
     tackle(cord).rate = rate;
     return;
   }
@@ -291,6 +292,7 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
   work_.lines.reset();  // they do not know of it, nor do locks
   lock({});
   lengths_changed_ = lengths_changed_ || rate_changes(state_.laws.rate[cord], rate);
+  state_.laws.jump[cord] = rate - state_.laws.rate[cord];
   state_.laws.rate[cord] = rate;
   state_.laws.length[cord] = length;
   state_.length2[cord] = length * length;

@@ -235,6 +235,20 @@ bool LoopStepper::solve(LoopState& state, double h, Gradient gradient, bool by_l
   return false;
 }
 
+namespace {
+
+/// Notes how elastic cables have grown (LawWorkspace::growth).
+void note_growth(const LoopState& state, LoopWorkspace& work) {
+  work.laws.growth.resize(state.laws.rods.size());
+  for (std::uint32_t k = 0; k < state.laws.rods.size(); ++k) {
+    if (!state.laws.is_one_sided(k) || state.laws.is_rigid(k)) continue;
+    const auto [a, b] = state.topology->rods[k];
+    work.laws.growth[k] = growth_of(at(work.d, k), at(work.delta, a) - at(work.delta, b));
+  }
+}
+
+}  // namespace
+
 double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWorkspace& work,
                            Tally& counters) const {
   const auto [ratio, kick] = coefficients(state, h, gradient);
@@ -259,6 +273,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   }
   end_tackles(state, end, work);
   hold_bends(state, end, work);
+  note_growth(state, work);
   if (state.laws.any()) counters.broken_rods += end_rods(state.laws, work.laws, end, state.mu, state.length2);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;

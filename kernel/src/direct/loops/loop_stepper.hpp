@@ -53,6 +53,7 @@ struct LoopWorkspace {
   std::vector<double> load;       ///< It has 3 numbers per node.
   std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
   std::vector<double> mu_start, trial, start;
+  std::vector<Vec3> fixed_jump;    ///< Anchors have changed their velocity by so much, in m/s.
   std::vector<double> blows;       ///< They are the multipliers of a projection of velocities, as mu.
   std::vector<BendNumbers> bends;  ///< They hold for this substep.
   std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).
@@ -143,6 +144,9 @@ class LoopStepper {
 
   /// Takes from u, which must hold velocities, what pulls on rods.
   void project_velocities(LoopState& state, LoopWorkspace& work) const;
+  /// Adds to velocities what fixed vertices and lengths that have changed their speed give to them. What
+  /// velocities have along rods stays, but on reels: gradient mid keeps energy with it.
+  void take_blow(LoopState& state, LoopWorkspace& work) const;
 
   /// Puts velocities at the end of the last substep (m/s) into work.delta, 3 per node. Those of gradient old
   /// fit the rods (RATTLE, Andersen 1983).

@@ -50,7 +50,9 @@ class Cords {
     const double start = work_.tackles.starts[t] - work_.tackles.lengths[t];
     double growth = 0;
     along(t, [&](std::uint32_t, std::uint32_t, std::uint32_t, const Pull& pull) { growth += pull.growth; });
-    return {start, start + growth, state_.mu[multiplier(t)]};
+    const double paid =
+        state_.tackle_laws[t].is_rigid ? 0 : work_.tackles.lengths[t] - state_.tackles[t].length;
+    return {start, start + growth, state_.mu[multiplier(t)], paid};
   }
   TackleRow row(std::uint32_t t, double soft) const {
     const LawFactors& factors = work_.laws.factors;

@@ -191,18 +191,38 @@ void begin_blow(TackleWorkspace& work) {
   for (Pulley& pulley : work.pulleys) pulley.blow = pulley.slide;
 }
 
-bool breaks_loose(const LoopState& state, LoopWorkspace& work) {
+bool finds_other_slides(const LoopState& state, std::span<const double> before, LoopWorkspace& work) {
+  if (state.pulley_impulses.empty()) return false;
   const Cords cords(state, work, 1, false);
+  const std::uint32_t nodes = state.topology->nodes;
+  // A blow acts along the mean of both velocities: only so friction never gives energy.
+  const auto twice = [&](std::uint32_t i) {
+    return i < nodes ? at(before, i) + at(state.u, i)
+                     : state.fixed_last_velocity[i - nodes] + state.fixed_velocity[i - nodes];
+  };
+  const auto rate = [&](const Pull& pull, std::uint32_t a, std::uint32_t b) {
+    return dot(pull.gradient, twice(a) - twice(b));
+  };
   bool any = false;
-  for (std::uint32_t t = 0; t < cords.count(); ++t)
-    for (std::uint32_t p = 0; p < cords.tackle(t).pulleys(); ++p) {
-      Pulley& pulley = work.tackles.pulleys[cords.tackle(t).first_pulley + p];
-      if (pulley.blow != Slide::sticks) continue;
-      const double before = work.blows[cords.multiplier(t, p)],
-                   behind = work.blows[cords.multiplier(t, p + 1)];
-      pulley.blow = next_slide({pulley.most, Slide::sticks}, before, behind, 0, 0);
-      any = any || pulley.blow != Slide::sticks;
-    }
+  for (std::uint32_t t = 0; t < cords.count(); ++t) {
+    if (!cords.tackle(t).rubs) continue;
+    walk_pulleys(cords, t, rate, [&](std::uint32_t p, std::uint32_t s, double slid) {
+      Pulley& pulley = work.tackles.pulleys[p];
+      const double ahead = work.blows[cords.multiplier(t, s - 1)],
+                   behind = work.blows[cords.multiplier(t, s)];
+      Slide next = pulley.blow;
+      if (next == Slide::sticks) next = next_slide({pulley.most, Slide::sticks}, ahead, behind, 0, 0);
+      if (next == Slide::on && slid < 0)
+        next = Slide::back;
+      else if (next == Slide::back && slid > 0)
+        next = Slide::on;
+      // A cord that pushes has no friction. In one substep it pulled as it did in the last.
+      const double pulled = std::sqrt(2 * state.mu_kick) * -state.mu[cords.multiplier(t, s - 1)];
+      if (ahead > 0 && state.mu_kick * ahead >= pulled) next = Slide::even;
+      any = any || next != pulley.blow;
+      pulley.blow = next;
+    });
+  }
   return any;
 }
 

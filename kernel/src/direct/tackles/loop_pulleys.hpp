@@ -42,9 +42,10 @@ void lack_of_projected_pulleys(const Cords& cords, std::uint32_t t, const Pulley
 
 /// Lets a blow find cords as they slid and stuck in the last substep.
 void begin_blow(TackleWorkspace& work);
-/// Lets those slide whose blow (LoopWorkspace::blows) is too large for them to stick. Returns whether any
-/// does.
-bool breaks_loose(const LoopState& state, LoopWorkspace& work);
+/// Lets those slide whose blow (LoopWorkspace::blows) is too large for them to stick, and those turn round
+/// that a blow makes slide the other way in the mean. Velocities (m/s) were `before`. Returns whether there
+/// are any.
+bool finds_other_slides(const LoopState& state, std::span<const double> before, LoopWorkspace& work);
 /// Lets cords that stick keep so in a projection of velocities, if one of them moves over its pulley at the
 /// end of a substep of `h` (s). Returns whether one does.
 bool begin_stop(const LoopState& state, double h, LoopWorkspace& work);

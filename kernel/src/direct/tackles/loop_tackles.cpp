@@ -101,7 +101,7 @@ void load_tackles(LoopState& state, const Scene& scene, std::span<const std::uin
 
 void set_tackle_lengths(const LoopState& state, double h, TackleWorkspace& work) {
   for (std::size_t t = 0; t < state.tackles.size(); ++t) {
-    const auto& [length, rate, impulse] = state.tackles[t];
+    const auto& [length, rate, jump, impulse] = state.tackles[t];
     work.lengths[t] = length + (state.tackle_laws[t].is_rigid ? h : h / 2) * rate;
   }
 }
@@ -205,7 +205,7 @@ double work_of_tackles(const LoopState& state, double theta, const LoopWorkspace
       continue;
     }
     if (law.is_rigid && !law.is_one_sided && state.tackles[t].rate == 0) continue;
-    const auto [start, end, mu] = cords.iterate(t);
+    const auto [start, end, mu, paid] = cords.iterate(t);
     sum += mu * (end - start);
   }
   return sum;

@@ -29,6 +29,7 @@ struct Pulley {
 struct LoopTackleMotion {
   double length;       ///< At the end of the last substep, in m.
   double rate = 0;     ///< It changes by so much, in m/s.
+  double jump = 0;     ///< Its rate changed by so much as the step began, in m/s.
   double impulse = 0;  ///< Pulls times substeps, of this step, in N s.
 };
 

@@ -22,8 +22,10 @@ Value mean_excess(const TackleLaw& law, double theta, double start, double end) 
 }
 
 /// Returns the pull of an elastic cord, in N over the unit of mass.
-Value elastic_pull(const TackleLaw& law, const TackleFactors& factors, double start, double end) {
-  const Value mean = mean_excess(law, factors.theta, start, end);
+Value elastic_pull(const TackleLaw& law, const TackleFactors& factors, const TackleIterate& iterate) {
+  const auto [start, end, mu, paid] = iterate;
+  const Value mean = factors.theta == 1 ? mean_excess(law, 1, start, end)
+                                        : mean_excess(law, factors.theta, start + paid, end - paid);
   Value pull{law.stiffness * mean.value, law.stiffness * mean.slope};
   const double damping = factors.rate * law.damping;
   if (damping == 0) return pull;
@@ -37,19 +39,19 @@ Value elastic_pull(const TackleLaw& law, const TackleFactors& factors, double st
 }  // namespace
 
 TackleRow tackle_row(const TackleLaw& law, const TackleFactors& factors, const TackleIterate& iterate) {
-  const auto [start, end, mu] = iterate;
   if (law.is_rigid) {
+    const auto [start, end, mu, paid] = iterate;
     if (!law.is_one_sided || end - mu > 0) return {1, 0, end};
     return {0, 1, mu};
   }
-  const Value pull = elastic_pull(law, factors, start, end);
-  const double rest = mu + factors.kick * pull.value, slope = factors.kick * pull.slope;
+  const Value pull = elastic_pull(law, factors, iterate);
+  const double rest = iterate.mu + factors.kick * pull.value, slope = factors.kick * pull.slope;
   if (slope > 0) return {1, 1 / slope, rest / slope};
   return {0, 1, rest};
 }
 
 TackleRow giving_tackle_row(const TackleLaw& law, double kick, double give, const TackleIterate& iterate) {
-  const auto [start, end, mu] = iterate;
+  const auto [start, end, mu, paid] = iterate;
   if (!law.is_rigid) {
     TackleLaw undamped = law;
     undamped.damping = 0;

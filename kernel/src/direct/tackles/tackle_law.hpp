@@ -16,9 +16,10 @@ struct TackleFactors {
 };
 
 /// A cord is so much longer (m) than its length at the start of a substep and at its end, and its multiplier
-/// is -kick times its pull.
+/// is -kick times its pull. The length of an elastic one is that of the middle of the substep, until when
+/// `paid` (m) of it was paid out, and as much will be afterwards.
 struct TackleIterate {
-  double start, end, mu;
+  double start, end, mu, paid = 0;
 };
 
 /// A row of Newton's matrix is  use gradient . (change of displacements) + soft (change of mu) = -c.

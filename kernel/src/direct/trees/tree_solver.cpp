@@ -102,16 +102,20 @@ void TreeSolver<T>::set_velocity(Slot slot, Vec3 velocity) {
 
 template <class T>
 void TreeSolver<T>::project_velocities() {
-  project_velocities(0);
-}
-
-template <class T>
-void TreeSolver<T>::project_velocities(unsigned part) {
-  TreeWorkspace<T>& work = kind_->crews[part].work;
+  TreeWorkspace<T>& work = kind_->crews[0].work;
   velocities_known_ = false;
   if (!line_) return kind_->stepper.project_velocities(state_, work);
   line_->segments.gather(state_, line_->whole);
   kind_->stepper.project_velocities(line_->whole, work);
+  line_->segments.scatter(line_->whole, state_);
+}
+
+template <class T>
+void TreeSolver<T>::take_blow(unsigned part) {
+  TreeWorkspace<T>& work = kind_->crews[part].work;
+  if (!line_) return kind_->stepper.take_blow(state_, work);
+  line_->segments.gather(state_, line_->whole);
+  kind_->stepper.take_blow(line_->whole, work);
   line_->segments.scatter(line_->whole, state_);
 }
 
@@ -121,7 +125,7 @@ template <class T>
 void TreeSolver<T>::begin_piece(std::uint32_t, unsigned part) {
   velocities_known_ = false;
   if (state_.laws.pulls) clear_pulls();
-  if (anchors_changed(0)) project_velocities(part);
+  if (anchors_changed(0)) take_blow(part);
   if (state_.laws.moves && state_.laws.pulls) keep_blows();
 }
 

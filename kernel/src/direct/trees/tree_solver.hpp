@@ -112,8 +112,7 @@ class TreeSolver final : public Solver {
     std::uint32_t node, lane;
   };
   void make_laws();
-  /// See TreeStepper::project_velocities().
-  void project_velocities(unsigned part);
+  void take_blow(unsigned part);
   void clear_pulls();
   void keep_blows();
 

@@ -166,6 +166,7 @@ struct TreeWorkspace {
   bool keeps_acceleration = true;         ///< Guesses and estimates of error need them.
   std::vector<std::uint32_t> iterations;  ///< The last solve took so many in each lane.
   std::vector<std::uint8_t> failed;       ///< The last solve failed in these lanes.
+  std::vector<Vec3> tie_jump, tie_rest;   ///< How fixed ends change their velocity (m/s), and zeros.
   std::vector<std::uint8_t> first;  ///< Of these lanes no acceleration is known from two substeps before.
 };
 

@@ -63,6 +63,9 @@ class TreeStepper {
   /// Takes from u, which must hold velocities, what pulls on rods, and adds what the mass of rods passes on
   /// from fixed ends that change their velocity.
   void project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const;
+  /// Adds to velocities what fixed ends and lengths that have changed their speed give to them. What
+  /// velocities have along rods stays: gradient mid keeps energy with it.
+  void take_blow(TreeState<T>& state, TreeWorkspace<T>& work) const;
 
   /// Puts velocities of all lanes at the end of the last substep (m/s) into work.velocity. Those of gradient
   /// old fit the rods (RATTLE, Andersen 1983).
@@ -128,10 +131,17 @@ class TreeStepper {
   void set_tie_displacements(TreeState<T>& state, double h, const TreeWorkspace<T>& work) const;
   void put_ties(TreeState<T>& state, std::size_t i, Vec3 delta, Vec3 u) const;
   /// Projects work.velocity onto what no rod resists when fixed ends go at tie_velocity, into work.delta.
-  void project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity, TreeWorkspace<T>& work) const;
+  /// Fixed ends have velocities, and had others, in m/s. Lengths change at rates.
+  struct Drive {
+    const std::vector<Vec3>&velocity, &before;
+    const typename TreeLaws<T>::template Of<double>& rate;
+  };
+  void project(TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work) const;
+  void project_without_pushes(TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work) const;
   /// Takes what was projected, in lanes where it is not many times what was given. Rods that are nearly
   /// straight between anchors have no sound projection.
-  void take_sound(const TreeState<T>& state, TreeWorkspace<T>& work, layouts::AlignedBuffer<T>& to) const;
+  void take_sound(const TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work,
+                  layouts::AlignedBuffer<T>& to) const;
   const simd::TreeKernels<T>& kernels(const TreeState<T>& state) const;
 
   Gradient gradient_;

@@ -10,14 +10,15 @@ namespace plumb::detail {
 using namespace tree_limits;
 
 template <class T>
-void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_velocity,
-                             TreeWorkspace<T>& work) const {
+void TreeStepper<T>::project(TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work) const {
   std::fill_n(work.ratio.data(), work.ratio.size(), T(0));
   simd::TreeView<T> view = work.view(state);
   for (std::uint32_t lane = 0; state.laws.gives && lane < state.lanes; ++lane)
     LawFactors::of_projection(double{work.kick[lane]}, state.u_step[lane])
         .put(work.projection_factors.data() + lane, state.lanes);
   view.law_factors = work.projection_factors.data();
+  view.length_rate = drive.rate.rods.data();
+  view.tie_length_rate = drive.rate.ties.data();
   view.guesses = view.guesses_multipliers = false;  // what the last substeps left must stay
   // Of cables it matters whether a blow pushes.
   if (state.laws.cables || state.laws.pulls) {
@@ -26,8 +27,8 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_v
     std::fill_n(work.blow.data(), work.blow.size(), T(0));
     std::fill_n(work.tie_blow.data(), work.tie_blow.size(), T(0));
   }
-  for (std::size_t i = 0; i < tie_velocity.size(); ++i)
-    put_ties(state, i, tie_velocity[i], state.tie_last_velocity[i]);
+  for (std::size_t i = 0; i < drive.velocity.size(); ++i)
+    put_ties(state, i, drive.velocity[i], drive.before[i]);
   view.has_laws = false;  // projections do not need what substeps of laws do
   kernels(state).prepare(view);
   view.has_laws = state.laws.gives;
@@ -38,7 +39,7 @@ void TreeStepper<T>::project(TreeState<T>& state, const std::vector<Vec3>& tie_v
 }
 
 template <class T>
-void TreeStepper<T>::take_sound(const TreeState<T>& state, TreeWorkspace<T>& work,
+void TreeStepper<T>::take_sound(const TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work,
                                 layouts::AlignedBuffer<T>& to) const {
   for (std::size_t lane = 0; lane < state.lanes; ++lane) {
     double projected = 0, given = 0;
@@ -48,10 +49,10 @@ void TreeStepper<T>::take_sound(const TreeState<T>& state, TreeWorkspace<T>& wor
     }
     // An anchor may move all particles, and a rod that is hauled in all that are behind it.
     const double particles = static_cast<double>(to.size() / state.lanes) / 3;
-    for (std::size_t i = lane; i < state.tie_velocity.size(); i += state.lanes)
-      for (const Vec3 v : {state.tie_velocity[i], state.tie_last_velocity[i]}) given += particles * dot(v, v);
+    for (std::size_t i = lane; i < drive.velocity.size(); i += state.lanes)
+      for (const Vec3 v : {drive.velocity[i], drive.before[i]}) given += particles * dot(v, v);
     double hauled = 0;
-    for (const auto* const rates : {&state.laws.rate.rods, &state.laws.rate.ties})
+    for (const auto* const rates : {&drive.rate.rods, &drive.rate.ties})
       for (std::size_t i = lane; state.laws.moves && i < rates->size(); i += state.lanes)
         hauled += std::abs((*rates)[i]);
     given += particles * square(hauled);
@@ -106,19 +107,38 @@ void count_blows(TreeState<T>& state, const TreeWorkspace<T>& work) {
 
 }  // namespace
 
+/// Projects what is in work.velocity, of lanes whose u are velocities.
+template <class T>
+void TreeStepper<T>::project_without_pushes(TreeState<T>& state, const Drive& drive,
+                                            TreeWorkspace<T>& work) const {
+  std::fill_n(work.kick.data(), work.kick.size(), T(0));
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
+    work.active[lane] = state.u_step[lane] == 0 ? T(1) : T(0);
+  do project(state, drive, work);
+  while (let_go(state, work));
+}
+
 template <class T>
 void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& work) const {
   std::copy_n(state.u.data(), state.u.size(), work.velocity.data());
-  std::fill_n(work.kick.data(), work.kick.size(), T(0));
-  bool any = false;
-  for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
-    work.active[lane] = state.u_step[lane] == 0 ? T(1) : T(0);
-    any = any || work.active[lane] != 0;
-  }
-  if (!any) return;
-  do project(state, state.tie_velocity, work);
-  while (let_go(state, work));
-  take_sound(state, work, state.u);
+  const Drive drive{state.tie_velocity, state.tie_last_velocity, state.laws.rate};
+  project_without_pushes(state, drive, work);
+  take_sound(state, drive, work, state.u);
+  state.tie_last_velocity = state.tie_velocity;
+}
+
+template <class T>
+void TreeStepper<T>::take_blow(TreeState<T>& state, TreeWorkspace<T>& work) const {
+  if (std::none_of(state.u_step.begin(), state.u_step.end(), [](double step) { return step == 0; })) return;
+  work.tie_jump.resize(state.tie_velocity.size());
+  work.tie_rest.assign(state.tie_velocity.size(), {});
+  for (std::size_t i = 0; i < work.tie_jump.size(); ++i)
+    work.tie_jump[i] = state.tie_velocity[i] - state.tie_last_velocity[i];
+  std::fill_n(work.velocity.data(), work.velocity.size(), T(0));
+  const Drive drive{work.tie_jump, work.tie_rest, state.laws.jump};
+  project_without_pushes(state, drive, work);
+  take_sound(state, drive, work, work.velocity);
+  for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] += work.velocity[i];
   count_blows(state, work);
   state.tie_last_velocity = state.tie_velocity;
 }
@@ -140,16 +160,20 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
     work.active[lane] = displacements ? T(1) : T(0);
   }
   if (any) {
-    project(state, state.tie_last_velocity, work);
-    take_sound(state, work, work.velocity);
+    const Drive drive{state.tie_last_velocity, state.tie_last_velocity, state.laws.rate};
+    project(state, drive, work);
+    take_sound(state, drive, work, work.velocity);
   }
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                               \
-  template void TreeStepper<T>::project(TreeState<T>&, const std::vector<Vec3>&, TreeWorkspace<T>&) const; \
-  template void TreeStepper<T>::take_sound(const TreeState<T>&, TreeWorkspace<T>&,                         \
-                                           layouts::AlignedBuffer<T>&) const;                              \
-  template void TreeStepper<T>::project_velocities(TreeState<T>&, TreeWorkspace<T>&) const;                \
+#define PLUMB_INSTANTIATE(T)                                                                           \
+  template void TreeStepper<T>::project(TreeState<T>&, const Drive&, TreeWorkspace<T>&) const;         \
+  template void TreeStepper<T>::project_without_pushes(TreeState<T>&, const Drive&, TreeWorkspace<T>&) \
+      const;                                                                                           \
+  template void TreeStepper<T>::take_sound(const TreeState<T>&, const Drive&, TreeWorkspace<T>&,       \
+                                           layouts::AlignedBuffer<T>&) const;                          \
+  template void TreeStepper<T>::project_velocities(TreeState<T>&, TreeWorkspace<T>&) const;            \
+  template void TreeStepper<T>::take_blow(TreeState<T>&, TreeWorkspace<T>&) const;                     \
   template void TreeStepper<T>::find_velocities(TreeState<T>&, TreeWorkspace<T>&) const;
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

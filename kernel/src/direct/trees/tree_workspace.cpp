@@ -129,6 +129,7 @@ void TreeWorkspace<T>::add_laws(TreeLaws<T>& laws, std::size_t rods, std::size_t
   to.tie_law_start = tie_law_start.data();
   to.half_kick = laws.half_kick.rods.data();
   to.tie_half_kick = laws.half_kick.ties.data();
+  to.lengths_change = laws.moves;
   to.length_rate = laws.rate.rods.data();
   to.tie_length_rate = laws.rate.ties.data();
   to.law_factors = laws.factor_numbers.data();

@@ -65,6 +65,31 @@ void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) cons
   std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
 }
 
+namespace {
+
+/// Puts changes of speed in the place of speeds, or back.
+void swap_jumps(LoopState& state, LoopWorkspace& work) {
+  std::swap(state.laws.rate, state.laws.jump);
+  for (LoopTackleMotion& tackle : state.tackles) std::swap(tackle.rate, tackle.jump);
+  std::swap(state.fixed_velocity, work.fixed_jump);
+}
+
+}  // namespace
+
+void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
+  if (!state.reels.empty()) return project_velocities(state, work);  // particles change their rod there
+  work.fixed_jump.resize(state.fixed_velocity.size());
+  for (std::size_t i = 0; i < work.fixed_jump.size(); ++i)
+    work.fixed_jump[i] = state.fixed_velocity[i] - state.fixed_last_velocity[i];
+  swap_jumps(state, work);
+  do {
+    std::fill(work.delta.begin(), work.delta.end(), 0.0);
+    project(state, 0, work);
+  } while (let_go(state, work));
+  swap_jumps(state, work);
+  for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] += work.delta[i];
+}
+
 void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   const double step = state.u_step;
   const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
