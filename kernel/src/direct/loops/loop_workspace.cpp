@@ -36,6 +36,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   excess.assign(rods, 0);
   mu_start.assign(state.mu.size(), 0);
   blows = mu_start;
+  fixed_jump.assign(topology->vertices - n, {});
   saved = state.motion();
   trial.assign(delta.size(), 0);
   start = trial;

@@ -130,8 +130,6 @@ void TreeStepper<T>::project_velocities(TreeState<T>& state, TreeWorkspace<T>& w
 template <class T>
 void TreeStepper<T>::take_blow(TreeState<T>& state, TreeWorkspace<T>& work) const {
   if (std::none_of(state.u_step.begin(), state.u_step.end(), [](double step) { return step == 0; })) return;
-  work.tie_jump.resize(state.tie_velocity.size());
-  work.tie_rest.assign(state.tie_velocity.size(), {});
   for (std::size_t i = 0; i < work.tie_jump.size(); ++i)
     work.tie_jump[i] = state.tie_velocity[i] - state.tie_last_velocity[i];
   std::fill_n(work.velocity.data(), work.velocity.size(), T(0));

@@ -14,6 +14,8 @@ TreeWorkspace<T>::TreeWorkspace(const TreeTopology& topology, std::uint32_t lane
   tie_elimination = AlignedBuffer<T>(tree_fields::tie_elimination * p);
   blow = AlignedBuffer<T>(n);
   tie_blow = AlignedBuffer<T>(p);
+  tie_jump.resize(p);
+  tie_rest.resize(p);
   below = AlignedBuffer<T>(tree_fields::below * std::size_t{topology.below_slots} * lanes);
   for (auto* buffer : {&active, &change, &stiffness, &residual, &ratio, &kick, &guess, &guess_before,
                        &mu_scale, &mu_scale_before, &u_delta, &u_before, &inverse_kick, &push, &jolt})

@@ -78,7 +78,6 @@ void swap_jumps(LoopState& state, LoopWorkspace& work) {
 
 void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
   if (!state.reels.empty()) return project_velocities(state, work);  // particles change their rod there
-  work.fixed_jump.resize(state.fixed_velocity.size());
   for (std::size_t i = 0; i < work.fixed_jump.size(); ++i)
     work.fixed_jump[i] = state.fixed_velocity[i] - state.fixed_last_velocity[i];
   swap_jumps(state, work);
