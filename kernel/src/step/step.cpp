@@ -297,6 +297,13 @@ bool Step::is_held_by_contact(std::uint32_t cord) const {
   return compiled_.contact && cord < compiled_.info.rods && compiled_.contact->has_pull(cord);
 }
 
+/// Returns whether the solver that moves a rod says what its anchors hold.
+bool Step::is_held_by_solver(std::uint32_t cord) const {
+  if (is_held_by_contact(cord)) return true;
+  const auto places = compiled_.cords.of(cord);
+  return places.empty() || solver(places.front()).holds_rods();
+}
+
 double Step::pull(std::uint32_t cord, std::uint32_t segment) const {
   if (is_held_by_contact(cord)) return compiled_.contact->pull_of_rod(cord);
   const auto places = compiled_.cords.of(cord);
@@ -338,7 +345,7 @@ void Step::copy_pulls(std::span<double> out) {
 Vec3 Step::reaction(std::uint32_t particle) const {
   Vec3 sum = -1.0 * loads_.loaded(particle);
   for (const Reactions::Held& held : reactions_.at(particle))
-    sum += reactions_.holding(held, is_held_by_contact(held.rod) ? 0 : pull(held.rod),
+    sum += reactions_.holding(held, is_held_by_solver(held.rod) ? 0 : pull(held.rod),
                               position(held.other) - position(particle), velocity(held.other), dt_);
   for (const Place place : compiled_.places.of(particle)) {
     const auto task = sleep_.task_of(compiled_.solvers, place);

@@ -232,7 +232,6 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
   write_projected_tackles(state, work, std::span(factor.values).subspan(system.at_tackles()));
   set_tackle_pivots(state, give_of, factor);
   factor.ldu.factorize(factor.values, factor.smallest);
-  std::fill(work.blows.begin(), work.blows.end(), 0.0);
   // The second time takes out what rounding left in the first.
   for (const double force : {kick, 0.0}) {
     for (std::uint32_t i = 0; i < shape.nodes; ++i)

@@ -243,10 +243,11 @@ void LoopSolver::place_anchor(Slot slot, Vec3 target) {
 void LoopSolver::count_pulls() {
   state_.laws.make(state_.length2);
   state_.laws.pulls = true;
+  state_.hold.resize(state_.fixed_velocity.size());
 }
 
 Vec3 LoopSolver::hold(Slot slot, double dt) const {
-  if (state_.hold.empty()) return {};
+  if (state_.hold.empty() || away_) return {};
   return 1 / dt * state_.hold[slot - state_.topology->nodes];
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/laws/held_rods.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_stepper.hpp"
 #include "direct/loops/loop_vectors.hpp"
@@ -11,6 +12,7 @@ namespace plumb::detail {
 
 void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {
   const LoopTopology& shape = *state.topology;
+  std::fill(work.blows.begin(), work.blows.end(), 0.0);
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
     const Vec3 v = state.fixed_velocity[i - shape.nodes];
     put(&work.delta[3 * std::size_t{i}], v);
@@ -78,9 +80,10 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
 }
 
 void count_blows(LoopState& state, const LoopWorkspace& work) {
-  if (!state.laws.pulls || work.lines) return;
+  if (!state.laws.pulls) return;
   for (std::size_t k = 0; k < state.topology->rods.size(); ++k)
     state.laws.impulse[k] -= work.blows[k] * std::sqrt(state.length2[k]) * state.mass_unit;
+  hold_rod_blows(state, work);
   hold_blows(state, work);
   hold_reel_blows(state, work);
 }
