@@ -19,7 +19,7 @@ struct TreeWorkspace;
 template <class T>
 struct TreeBends {
   layouts::AlignedBuffer<T> law;  ///< It has simd::tree_fields::bend numbers per slot.
-  bool damped = false;  ///< Some bend is.
+  bool damped = false;            ///< Some bend is.
 
   bool any() const { return law.size() > 0; }
 };

@@ -39,8 +39,8 @@ void hold_rods(TreeState<T>& state, double h, double theta, const TreeWorkspace<
       const std::size_t at = state.at(tie, lane);
       const Vec3 change =
           read(state, work.delta, 3 * node, lane) - read(state, state.tie_delta, 3 * tie, lane);
-      state.hold[at] += scale * static_cast<double>(state.tie_mu[at]) *
-                        (start_of(state, tie, lane, work) + theta * change);
+      state.hold[at] +=
+          scale * static_cast<double>(state.tie_mu[at]) * (start_of(state, tie, lane, work) + theta * change);
     }
   });
 }
@@ -50,8 +50,8 @@ void hold_rod_blows(TreeState<T>& state, const TreeWorkspace<T>& work) {
   for_ties(state, [&](std::uint32_t tie, std::uint32_t) {
     for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
       const std::size_t at = state.at(tie, lane);
-      state.hold[at] += state.mass_unit[lane] * static_cast<double>(work.tie_blow[at]) *
-                        start_of(state, tie, lane, work);
+      state.hold[at] +=
+          state.mass_unit[lane] * static_cast<double>(work.tie_blow[at]) * start_of(state, tie, lane, work);
     }
   });
 }
@@ -71,13 +71,12 @@ void hold_rod_blows(LoopState& state, const LoopWorkspace& work) {
   const LoopTopology& shape = *state.topology;
   for (const std::uint32_t k : shape.anchored) {
     const auto [a, b] = shape.rods[k];
-    state.hold[b - shape.nodes] +=
-        state.mass_unit * work.blows[k] * (state.position(a) - state.position(b));
+    state.hold[b - shape.nodes] += state.mass_unit * work.blows[k] * (state.position(a) - state.position(b));
   }
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                 \
-  template void hold_rods(TreeState<T>&, double, double, const TreeWorkspace<T>&);           \
+#define PLUMB_INSTANTIATE(T)                                                       \
+  template void hold_rods(TreeState<T>&, double, double, const TreeWorkspace<T>&); \
   template void hold_rod_blows(TreeState<T>&, const TreeWorkspace<T>&);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

@@ -89,6 +89,7 @@ void LoopSolver::take_blow() {
   }
   count_blows(state_, work_);
   end_blow(work_.tackles);
+  state_.fixed_last_velocity = state_.fixed_velocity;  // rods have passed on how they changed
 }
 
 double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {

@@ -10,7 +10,8 @@
 
 namespace plumb::detail {
 
-void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {
+void LoopStepper::project(LoopState& state, const Projected& acts, LoopWorkspace& work) const {
+  double kick = acts.kick;
   const LoopTopology& shape = *state.topology;
   std::fill(work.blows.begin(), work.blows.end(), 0.0);
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
@@ -29,7 +30,7 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
   if (!shape.system && !work.projection)
     work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
-  project_delta(state, kick, work, factor);
+  project_delta(state, {kick, acts.jumps}, work, factor);
   factor.h = 0;
 }
 
@@ -62,7 +63,7 @@ void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) cons
   note_reel_blows(state, work);
   do {
     std::copy(state.u.begin(), state.u.end(), work.delta.begin());
-    project(state, 0, work);
+    project(state, {.jumps = true}, work);
   } while (let_go(state, work));
   std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
 }
@@ -75,7 +76,7 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   // substep earlier.
   if (step == 0) return;
   std::swap(state.fixed_velocity, state.fixed_last_velocity);  // fixed vertices went like that
-  project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
+  project(state, {.kick = gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0}, work);
   std::swap(state.fixed_velocity, state.fixed_last_velocity);
 }
 
