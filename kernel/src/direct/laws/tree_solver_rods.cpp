@@ -39,6 +39,8 @@ void TreeSolver<T>::count_pulls() {
   make_laws();
   state_.laws.pulls = true;
   state_.hold.resize(state_.tie_velocity.size());
+  for (auto& saved : saved_)
+    if (saved) saved->hold = state_.hold;
 }
 
 template <class T>
