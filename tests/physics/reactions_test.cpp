@@ -85,21 +85,21 @@ TEST(Reactions, MakeTheChangeOfMomentum) {
   scene.particles.back().fixed = false;  // it swings from its first anchor
   scene.particles.back().mass = 0.3;
   const Vec3 push{0.5, 0.2, 0.1};
-  // With one substep the mean of directions is that of gradient mid itself.
-  EXPECT_LT(
-      imbalance(scene, {.method = Method::direct, .gradient = Gradient::mid, .tensions = true}, 100, push),
-      1e-9);
+  for (const std::uint32_t substeps : {1u, 3u})
+    EXPECT_LT(
+        imbalance(
+            scene,
+            {.method = Method::direct, .gradient = Gradient::mid, .substeps = substeps, .tensions = true},
+            100, push),
+        1e-9);
   const auto order = [&](const Settings& settings) {
     return std::log2(imbalance(scene, settings, 200, push) / imbalance(scene, settings, 400, push));
   };
-  EXPECT_NEAR(order({.method = Method::direct, .gradient = Gradient::mid, .substeps = 3, .tensions = true}),
-              2, 0.3);
   // A substep of gradient old has the pull of its start, which stands for half a substep before and after.
   EXPECT_NEAR(order({.method = Method::direct, .gradient = Gradient::old, .tensions = true}), 1, 0.1);
 }
 
-// An anchor that moves by jerks gives blows of some 60 N. They act along rods as a step begins, so that the
-// balance is off by what rods turn in a step, here 0.02 rad.
+// An anchor that moves by jerks gives blows of some 60 N, which act along rods as a step begins.
 TEST(Reactions, HoldTheBlowsOfAnAnchorThatJerks) {
   for (const bool gives : {false, true})
     for (const bool has_loop : {false, true}) {
@@ -116,7 +116,7 @@ TEST(Reactions, HoldTheBlowsOfAnAnchorThatJerks) {
                       at += (step % 7 < 3 ? 0.01 : -0.004) * Vec3{0.3, step % 5 == 0 ? 1.0 : 0.5, 0.1};
                       world.move_anchor(0, at);
                     });
-      EXPECT_LT(off, gives ? 1e-8 : 2) << gives << has_loop;
+      EXPECT_LT(off, 1e-8) << gives << has_loop;
     }
 }
 

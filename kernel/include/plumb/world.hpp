@@ -264,8 +264,8 @@ class PLUMB_API World {
   double reel_out(std::uint32_t reel) const;
 
   /// Returns the force in N that holds an anchor against all there is, averaged over the last step. With
-  /// other forces the reactions make the change of momentum, rods' mass at anchors included: to rounding for
-  /// one substep of gradient mid, else to the order in the step. It is NaN where a pull is (see tension()).
+  /// other forces the reactions make the change of momentum, rods' mass at anchors included: to rounding with
+  /// gradient mid solved directly, else to the order in the step. It is NaN where a pull is (see tension()).
   /// Throws InputError on an unknown or movable particle, or without Settings::tensions.
   Vec3 reaction(std::uint32_t particle) const;
   /// Copies the reactions (N) at all particles into `out`; those of movable ones are zero. Throws InputError

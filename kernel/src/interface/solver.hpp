@@ -162,9 +162,11 @@ class Solver {
 
   /// Adds up how cords pull from now on.
   virtual void count_pulls() {}
-  /// Returns the force (N) that holds a fixed particle against all that is not a rod, averaged over the last
-  /// step of `dt` (s). It is zero unless pulls are added up.
+  /// Returns the force (N) that holds a fixed particle, averaged over the last step of `dt` (s). It is zero
+  /// unless pulls are added up, and where another solver holds the island.
   virtual Vec3 hold(Slot, double /*dt*/) const { return {}; }
+  /// Returns whether hold() has what rods pull with. Else a mean pull along a mean direction stands for it.
+  virtual bool holds_rods() const { return false; }
   /// Returns the pull (N) of a cord, averaged over the last step of `dt` (s).
   virtual double pull(Slot, double /*dt*/) const { return std::numeric_limits<double>::quiet_NaN(); }
   /// Reads the pulls of many cords of this solver into `out`, one after the other.

@@ -121,6 +121,7 @@ class Step {
   void put_force(std::uint32_t particle, Vec3 force);
   bool is_visiting(std::uint32_t cord) const;
   bool is_held_by_contact(std::uint32_t cord) const;
+  bool is_held_by_solver(std::uint32_t cord) const;
   const Place* place_of(std::uint32_t particle) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 

@@ -41,7 +41,6 @@ LoopState island_of(const TreeTopology& tree) {
     out.bends.push_back({{}, {rods.find(a, b), rods.find(b, c)}});
   }
   out.twists.resize(out.topology->twists.size());
-  if (tree.bends.any()) out.hold.resize(out.fixed_velocity.size());
   return out;
 }
 
@@ -130,7 +129,7 @@ auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
     island_->work.bends[k] = island.bends[k].law = bend_numbers(tree, tree.topology->bends.slots[k], 0);
   island.twists = tree.twists.numbers;
   island.twisted = tree.twists.twisted;
-  island.hold = tree.bends.hold;
+  island.hold = tree.hold;
   island.fixed_velocity = tree.tie_velocity;
   island.fixed_last_velocity = tree.tie_last_velocity;
   island.anchors_move = tree.ties_move;
@@ -149,7 +148,7 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
   }
   for (std::size_t i = 0; i < tree.tie_x.size(); ++i) tree.tie_x[i] = island.x[3 * nodes + i];
   if (tree.ties_move) tree.tie_last_velocity = tree.tie_velocity;
-  tree.bends.hold = island.hold;
+  tree.hold = island.hold;
   tree.twists.twisted = island.twisted;
   tree.u_step[0] = island.u_step;
   tree.u_step_before[0] = 0;

@@ -98,7 +98,7 @@ void hold_bends(TreeState<T>& state, double h, double theta, const TreeWorkspace
       for (std::uint32_t i = 0; i < 3; ++i) {
         const std::int64_t place = std::int64_t{slot} - 2 + i;
         if (!motion.is_node(place))
-          state.bends.hold[state.at(motion.end(place), lane)] += numbers.weights[i] * pull;
+          state.hold[state.at(motion.end(place), lane)] += numbers.weights[i] * pull;
       }
     }
 }
@@ -109,18 +109,12 @@ void TreeSolver<T>::fill_bends(std::uint32_t lane, const BendTable& table,
   load_bends(state_, lane, table, bends);
 }
 
-template <class T>
-Vec3 TreeSolver<T>::hold(Slot slot, double dt) const {
-  return state_.bends.any() ? 1 / dt * state_.bends.hold[slot - ties_begin_] : Vec3{};
-}
-
 #define PLUMB_INSTANTIATE(T)                                                                                \
   template void load_bends(TreeState<T>&, std::uint32_t, const BendTable&, std::span<const std::uint32_t>); \
   template BendNumbers bend_numbers(const TreeState<T>&, std::uint32_t, std::uint32_t);                     \
   template void begin_bends(TreeState<T>&, double, TreeWorkspace<T>&);                                      \
   template void hold_bends(TreeState<T>&, double, double, const TreeWorkspace<T>&);                         \
-  template void TreeSolver<T>::fill_bends(std::uint32_t, const BendTable&, std::span<const std::uint32_t>); \
-  template Vec3 TreeSolver<T>::hold(Slot, double) const;
+  template void TreeSolver<T>::fill_bends(std::uint32_t, const BendTable&, std::span<const std::uint32_t>);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)
 #undef PLUMB_INSTANTIATE

@@ -19,9 +19,7 @@ struct TreeWorkspace;
 template <class T>
 struct TreeBends {
   layouts::AlignedBuffer<T> law;  ///< It has simd::tree_fields::bend numbers per slot.
-  /// What is not a rod was held by ties with these impulses (N s) in this step, per tie and lane.
-  std::vector<Vec3> hold;
-  bool damped = false;  ///< Some bend is.
+  bool damped = false;            ///< Some bend is.
 
   bool any() const { return law.size() > 0; }
 };

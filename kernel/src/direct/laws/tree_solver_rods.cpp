@@ -38,13 +38,16 @@ template <class T>
 void TreeSolver<T>::count_pulls() {
   make_laws();
   state_.laws.pulls = true;
+  state_.hold.resize(state_.tie_velocity.size());
+  for (auto& saved : saved_)
+    if (saved) saved->hold = state_.hold;
 }
 
 template <class T>
 void TreeSolver<T>::clear_pulls() {
   for (auto* const each : {&state_.laws.impulse.rods, &state_.laws.impulse.ties})
     std::fill_n(each->data(), each->size(), 0.0);
-  std::fill(state_.bends.hold.begin(), state_.bends.hold.end(), Vec3{});
+  std::fill(state_.hold.begin(), state_.hold.end(), Vec3{});
 }
 
 /// Keeps what was pulled as the step began.
@@ -72,6 +75,12 @@ double TreeSolver<T>::pull(Slot rod, double dt) const {
 template <class T>
 void TreeSolver<T>::read_pulls(std::span<const Place> rods, double dt, double* out) const {
   for (const Place& rod : rods) *out++ = number_of(state_.laws.impulse, rod.slot, ties_begin_) / dt;
+}
+
+template <class T>
+Vec3 TreeSolver<T>::hold(Slot slot, double dt) const {
+  const bool is_elsewhere = away_ || state_.idle[place_of(slot).lane] != 0;
+  return state_.hold.empty() || is_elsewhere ? Vec3{} : 1 / dt * state_.hold[slot - ties_begin_];
 }
 
 template <class T>
@@ -106,6 +115,7 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   template double TreeSolver<T>::blow(Slot) const;                                        \
   template double TreeSolver<T>::pull(Slot, double) const;                                \
   template void TreeSolver<T>::read_pulls(std::span<const Place>, double, double*) const; \
+  template Vec3 TreeSolver<T>::hold(Slot, double) const;                                  \
   template bool TreeSolver<T>::is_broken(Slot) const;                                     \
   template void TreeSolver<T>::set_length(Slot, double, double);
 PLUMB_INSTANTIATE(float)

@@ -212,7 +212,23 @@ double largest_misfit(const LoopState& state, const LoopWorkspace& work,
   return largest;
 }
 
-void project_delta(const LoopState& state, double kick, LoopWorkspace& work, LoopWorkspace::Factor& factor) {
+namespace {
+
+/// Adds what rods' mass passes on from fixed vertices that change their velocity.
+void pass_on_jumps(const LoopState& state, const SparseAnalysis& analysis, std::span<double> right) {
+  const LoopTopology& shape = *state.topology;
+  for (const std::uint32_t k : shape.anchored) {
+    const auto [a, b] = shape.rods[k];
+    const std::uint32_t fixed = b - shape.nodes;
+    const Vec3 change = state.fixed_velocity[fixed] - state.fixed_last_velocity[fixed];
+    add(right.data() + analysis.position(a), -state.coupling[k] * change);
+  }
+}
+
+}  // namespace
+
+void project_delta(const LoopState& state, const Projected& acts, LoopWorkspace& work,
+                   LoopWorkspace::Factor& factor) {
   const LoopTopology& shape = *state.topology;
   const LoopSystem& system = *factor.system;
   const SparseAnalysis& analysis = system.analysis;
@@ -232,9 +248,9 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
   write_projected_tackles(state, work, std::span(factor.values).subspan(system.at_tackles()));
   set_tackle_pivots(state, give_of, factor);
   factor.ldu.factorize(factor.values, factor.smallest);
-  std::fill(work.blows.begin(), work.blows.end(), 0.0);
   // The second time takes out what rounding left in the first.
-  for (const double force : {kick, 0.0}) {
+  for (const bool again : {false, true}) {
+    const double force = again ? 0 : acts.kick;
     for (std::uint32_t i = 0; i < shape.nodes; ++i)
       put(factor.right.data() + analysis.position(i), force * at(state.force, i));
     for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
@@ -247,6 +263,7 @@ void project_delta(const LoopState& state, double kick, LoopWorkspace& work, Loo
       add(factor.right.data() + analysis.position(a), pull);
       if (b < shape.nodes) add(factor.right.data() + analysis.position(b), -1.0 * pull);
     }
+    if (acts.jumps && !again) pass_on_jumps(state, analysis, factor.right);
     lack_of_projected_tackles(state, work, factor.right);
     hold_locked(state, analysis, factor.right.data());
     factor.ldu.solve(factor.right);

@@ -53,7 +53,9 @@ double largest_misfit(const LoopState& state, const LoopWorkspace& work, const L
 
 /// Moves work.delta, a velocity times a time, onto what no rod resists, and adds what forces do. It solves
 /// M delta' = M delta + kick force + J^T lambda, J delta' = 0 with delta of fixed vertices as it is, and
-/// leaves lambda in work.blows.
-void project_delta(const LoopState& state, double kick, LoopWorkspace& work, LoopWorkspace::Factor& factor);
+/// leaves lambda in work.blows. Where fixed vertices jump, M also has the mass by which rods pass on from
+/// them how their velocity changes.
+void project_delta(const LoopState& state, const Projected& acts, LoopWorkspace& work,
+                   LoopWorkspace::Factor& factor);
 
 }  // namespace plumb::detail

@@ -89,6 +89,7 @@ void LoopSolver::take_blow() {
   }
   count_blows(state_, work_);
   end_blow(work_.tackles);
+  state_.fixed_last_velocity = state_.fixed_velocity;  // rods have passed on how they changed
 }
 
 double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {
@@ -243,10 +244,11 @@ void LoopSolver::place_anchor(Slot slot, Vec3 target) {
 void LoopSolver::count_pulls() {
   state_.laws.make(state_.length2);
   state_.laws.pulls = true;
+  state_.hold.resize(state_.fixed_velocity.size());
 }
 
 Vec3 LoopSolver::hold(Slot slot, double dt) const {
-  if (state_.hold.empty()) return {};
+  if (state_.hold.empty() || away_) return {};
   return 1 / dt * state_.hold[slot - state_.topology->nodes];
 }
 

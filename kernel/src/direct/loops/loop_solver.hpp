@@ -86,6 +86,7 @@ class LoopSolver final : public Solver {
 
   void count_pulls() override;
   Vec3 hold(Slot slot, double dt) const override;
+  bool holds_rods() const override { return true; }
   /// Tackles have the slots after those of rods, and reels those after them.
   double pull(Slot cord, double dt) const override;
   double blow(Slot cord) const override;

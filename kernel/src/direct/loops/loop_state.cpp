@@ -14,11 +14,24 @@ LoopTopology::LoopTopology(const layouts::Graph& island, LoopElements elements)
   while (nodes < vertices && island.movable[nodes]) ++nodes;
   order.resize(vertices);
   std::iota(order.begin(), order.end(), 0u);
+  find_anchored();
 }
 
 LoopTopology::LoopTopology(std::uint32_t movable, std::uint32_t all, std::vector<LoopRod> of)
     : nodes(movable), vertices(all), order(all), rods(std::move(of)) {
   std::iota(order.begin(), order.end(), 0u);
+  find_anchored();
+}
+
+/// What is out of a reel pulls as the reel says.
+void LoopTopology::find_anchored() {
+  const auto is_reeled = [&](std::uint32_t rod) {
+    return std::any_of(reels.begin(), reels.end(), [&](const LoopReel& reel) {
+      return std::find(reel.rods.begin(), reel.rods.end(), rod) != reel.rods.end();
+    });
+  };
+  for (std::uint32_t k = 0; k < rods.size(); ++k)
+    if (rods[k].b >= nodes && !is_reeled(k)) anchored.push_back(k);
 }
 
 void LoopTopology::use_lines(std::span<const Vec3> positions) {

@@ -67,6 +67,7 @@ struct LoopTopology : LoopElements {
   std::uint32_t nodes = 0, vertices;
   std::vector<std::uint32_t> order;  ///< It says by vertex which of the island's it is.
   std::vector<LoopRod> rods;
+  std::vector<std::uint32_t> anchored;  ///< These rods end at fixed vertices, those of reels left out.
   /// One of these is there. The others are for islands whose factorisations would be dear. Who needs a system
   /// all the same makes it.
   std::unique_ptr<const LoopSystem> system;
@@ -74,6 +75,7 @@ struct LoopTopology : LoopElements {
   std::unique_ptr<const NetPattern> net;
 
  private:
+  void find_anchored();
   void renumber(const std::vector<std::uint32_t>& nodes_in_order);
 };
 
@@ -100,7 +102,7 @@ struct LoopMotion {
   std::vector<double>
       pulley_impulses;  ///< Segments behind pulleys with friction pulled so in this step, N s.
   std::vector<LoopReelMotion> reels;
-  /// What is not a rod was held by fixed vertices with these impulses (N s) in this step. There is one each
+  /// Fixed vertices held with these impulses (N s) in this step. There is one each if pulls are added up, or
   /// if there are bends, tackles, twists or reels.
   std::vector<Vec3> hold;
   double u_step = 0;   ///< It is in s.

@@ -7,6 +7,7 @@
 
 #include "direct/displacements/elastic_rods.hpp"
 #include "direct/laws/change_share.hpp"
+#include "direct/laws/held_rods.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_vectors.hpp"
 #include "direct/tackles/loop_pulleys.hpp"
@@ -266,6 +267,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   const double decay = detail::exp(-drag_ * h / 2);
   const SubstepEnd end{h, theta_of(gradient), kick, state.mass_unit};
   end_twists(state, end, work);
+  hold_rods(state, end, work);
   for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     const double delta = work.delta[i];

@@ -66,6 +66,13 @@ struct LoopWorkspace {
   LoopMotion saved;
 };
 
+/// This acts on velocities while they are projected: forces for a time (s), and fixed vertices that jump from
+/// one velocity to another.
+struct Projected {
+  double kick = 0;
+  bool jumps = false;
+};
+
 /// Advances islands with loops (rings, ladders, trusses, nets) by substeps in which all rods are solved at
 /// once. The schemes and the guard are those of TreeStepper: see there.
 ///
@@ -198,7 +205,7 @@ class LoopStepper {
                     Tally& counters) const;
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     Tally& counters) const;
-  void project(LoopState& state, double kick, LoopWorkspace& work) const;
+  void project(LoopState& state, const Projected& acts, LoopWorkspace& work) const;
   /// Elements take many Newton steps each, and hardly ever fail. Nets solved by lines have shorter ways.
   bool is_bounded(const LoopState& state) const {
     return bounds_frames_ && !state.topology->any() && !state.topology->lines;

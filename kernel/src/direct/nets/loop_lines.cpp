@@ -212,6 +212,7 @@ bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) 
   measure(state, lines);
   std::copy(lines.d.begin(), lines.d.end(), solver.directions().begin());
   solver.factorize();
+  std::fill(lines.mu.begin(), lines.mu.end(), 0.0);
   for (std::uint32_t i = 0; i < shape.nodes; ++i)
     for (std::size_t k = 3 * std::size_t{i}; k < 3 * std::size_t{i} + 3; ++k)
       work.delta[k] += kick * solver.inverse_mass(i) * state.force[k];
@@ -226,6 +227,8 @@ bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) 
     const double goal = projected * std::sqrt(square);
     if (!solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta) && turn == 0) return false;
   }
+  for (std::size_t s = 0; s < shape.slots(); ++s)
+    if (shape.numbers[s] != RodLines::none) work.blows[shape.numbers[s]] = lines.mu[s];
   return true;
 }
 

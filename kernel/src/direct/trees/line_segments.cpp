@@ -25,6 +25,13 @@ layouts::Tree segment_tree(std::uint32_t nodes) {
   return tree;
 }
 
+/// Copies what the anchor of a line held, which is its first tie.
+template <class T>
+void copy_hold(const TreeState<T>& from, TreeState<T>& to) {
+  to.hold.resize(from.hold.empty() ? 0 : to.tie_velocity.size());
+  if (!to.hold.empty()) to.hold[0] = from.hold[0];
+}
+
 }  // namespace
 
 bool LineSegments::fits(const TreeTopology& topology, std::uint32_t lanes) {
@@ -79,6 +86,7 @@ void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) con
   whole.tie_velocity[0] = segments.tie_velocity[0];
   whole.tie_last_velocity[0] = segments.tie_last_velocity[0];
   whole.ties_move = segments.ties_move;
+  copy_hold(segments, whole);
 }
 
 template <class T>
@@ -102,6 +110,7 @@ void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) co
   segments.tie_velocity[0] = whole.tie_velocity[0];
   segments.tie_last_velocity[0] = whole.tie_last_velocity[0];
   segments.ties_move = whole.ties_move;
+  copy_hold(whole, segments);
 }
 
 template <class T>

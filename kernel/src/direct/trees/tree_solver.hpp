@@ -93,6 +93,7 @@ class TreeSolver final : public Solver {
   double blow(Slot rod) const override;
   void read_pulls(std::span<const Place> rods, double dt, double* out) const override;
   Vec3 hold(Slot slot, double dt) const override;
+  bool holds_rods() const override { return true; }
   bool is_broken(Slot rod) const override;
   void set_length(Slot rod, double length, double rate) override;
 

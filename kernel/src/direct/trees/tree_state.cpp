@@ -83,7 +83,6 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   weight = AlignedBuffer<double>(3 * n);
   if (topology->bends.any()) {
     bends.law = AlignedBuffer<T>(tree_fields::bend * (n + 2 * std::size_t{lanes}));
-    bends.hold.assign(p, {});
   }
   if (topology->bends.is_twisted()) {
     twists.numbers.resize(lanes);
@@ -246,10 +245,11 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(mass_unit, from.mass_unit);
   copy(scale2, from.scale2);
   copy(bends.law, from.bends.law);
-  copy(bends.hold, from.bends.hold);
   bends.damped = from.bends.damped;
   copy(twists.numbers, from.twists.numbers);
   copy(twists.twisted, from.twists.twisted);
+  hold.resize(from.hold.empty() ? 0 : tie_velocity.size());
+  copy(hold, from.hold);
   ties_move = from.ties_move;
   is_coupled = from.is_coupled;
   copy_laws(*this, from, copy);
@@ -290,8 +290,8 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy(tie_last_velocity, from.tie_last_velocity);
   copy_laws(*this, from, copy);
   copy(bends.law, from.bends.law);
-  copy(bends.hold, from.bends.hold);
   copy(twists.twisted, from.twists.twisted);
+  hold = from.hold;
   frequency2 = from.frequency2;
 }
 

@@ -89,6 +89,9 @@ struct TreeState {
   TreeLaws<T> laws;
   TreeBends<T> bends;
   TreeTwists twists;
+  /// Ties held with these impulses (N s) in this step, per tie and lane. There are none unless pulls are
+  /// added up.
+  std::vector<Vec3> hold;
   bool ties_move = false;
   bool is_coupled = false;  ///< Some rod's mass acts on both its ends at once.
   double frequency2 = 0;  ///< It is of the fastest transverse wave of all lanes, squared, in 1/s^2; gradient

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "direct/attempts/elastic_tree.hpp"
+#include "direct/laws/held_rods.hpp"
 #include "direct/laws/tree_rods.hpp"
 #include "direct/trees/newton_guess.hpp"
 #include "direct/trees/newton_limits.hpp"
@@ -179,6 +180,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
   kernels(state).advance(work.view(state));
   if (const auto& laws = state.laws; laws.moves || laws.pulls || laws.breaks)
     counters.broken_rods += end_rods(state, h, theta_of(gradient), work);
+  hold_rods(state, h, theta_of(gradient), work);
   end_twists(state, h, theta_of(gradient), work);
   if (state.bends.any() && state.laws.pulls) hold_bends(state, h, theta_of(gradient), work);
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/laws/held_rods.hpp"
 #include "direct/trees/newton_limits.hpp"
 #include "direct/trees/tree_stepper.hpp"
 #include "math/elementary.hpp"
@@ -103,6 +104,7 @@ void count_blows(TreeState<T>& state, const TreeWorkspace<T>& work) {
   };
   count(work.blow, state.length2, state.laws.impulse.rods);
   count(work.tie_blow, state.tie_length2, state.laws.impulse.ties);
+  hold_rod_blows(state, work);
 }
 
 }  // namespace

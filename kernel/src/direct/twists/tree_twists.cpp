@@ -22,7 +22,7 @@ void add_holds(TreeState<T>& state, std::uint32_t lane, double h, double theta,
     const Vec3 on[3] = {-1 * pull.first, pull.first - pull.second, pull.second};
     for (std::int64_t i = 0; i < 3; ++i)
       if (const std::int64_t place = slot - 2 + i; !motion.is_node(place))
-        state.bends.hold[state.at(motion.end(place), lane)] += impulse * on[i];
+        state.hold[state.at(motion.end(place), lane)] += impulse * on[i];
   }
 }
 

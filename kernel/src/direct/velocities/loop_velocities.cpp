@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/laws/held_rods.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_stepper.hpp"
 #include "direct/loops/loop_vectors.hpp"
@@ -9,8 +10,10 @@
 
 namespace plumb::detail {
 
-void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) const {
+void LoopStepper::project(LoopState& state, const Projected& acts, LoopWorkspace& work) const {
+  double kick = acts.kick;
   const LoopTopology& shape = *state.topology;
+  std::fill(work.blows.begin(), work.blows.end(), 0.0);
   for (std::uint32_t i = shape.nodes; i < shape.vertices; ++i) {
     const Vec3 v = state.fixed_velocity[i - shape.nodes];
     put(&work.delta[3 * std::size_t{i}], v);
@@ -27,7 +30,7 @@ void LoopStepper::project(LoopState& state, double kick, LoopWorkspace& work) co
   if (!shape.system && !work.projection)
     work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
-  project_delta(state, kick, work, factor);
+  project_delta(state, {kick, acts.jumps}, work, factor);
   factor.h = 0;
 }
 
@@ -60,7 +63,7 @@ void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) cons
   note_reel_blows(state, work);
   do {
     std::copy(state.u.begin(), state.u.end(), work.delta.begin());
-    project(state, 0, work);
+    project(state, {.jumps = true}, work);
   } while (let_go(state, work));
   std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
 }
@@ -97,14 +100,15 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   // substep earlier.
   if (step == 0) return;
   std::swap(state.fixed_velocity, state.fixed_last_velocity);  // fixed vertices went like that
-  project(state, gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0, work);
+  project(state, {.kick = gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0}, work);
   std::swap(state.fixed_velocity, state.fixed_last_velocity);
 }
 
 void count_blows(LoopState& state, const LoopWorkspace& work) {
-  if (!state.laws.pulls || work.lines) return;
+  if (!state.laws.pulls) return;
   for (std::size_t k = 0; k < state.topology->rods.size(); ++k)
     state.laws.impulse[k] -= work.blows[k] * std::sqrt(state.length2[k]) * state.mass_unit;
+  hold_rod_blows(state, work);
   hold_blows(state, work);
   hold_reel_blows(state, work);
 }
