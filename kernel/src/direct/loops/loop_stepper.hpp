@@ -54,6 +54,7 @@ struct LoopWorkspace {
   std::vector<double> d, excess;  ///< d has 3 numbers per rod, in m, and excess is (|d|^2 - L^2)/2, in m^2.
   std::vector<double> mu_start, trial, start;
   std::vector<Vec3> fixed_jump;    ///< Anchors have changed their velocity by so much, in m/s.
+  std::vector<Vec3> fixed_rest;    ///< Zeros: jumps begin there.
   std::vector<double> blows;       ///< They are the multipliers of a projection of velocities, as mu.
   std::vector<BendNumbers> bends;  ///< They hold for this substep.
   std::vector<Vec3> bend_starts;   ///< w of every bend at the start of this substep (curvature.hpp).

@@ -37,6 +37,7 @@ LoopWorkspace::LoopWorkspace(const LoopState& state, Gradient gradient, Isa inst
   mu_start.assign(state.mu.size(), 0);
   blows = mu_start;
   fixed_jump.assign(topology->vertices - n, {});
+  fixed_rest = fixed_jump;
   saved = state.motion();
   trial.assign(delta.size(), 0);
   start = trial;

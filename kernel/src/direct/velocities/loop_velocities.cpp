@@ -75,6 +75,7 @@ void swap_jumps(LoopState& state, LoopWorkspace& work) {
   std::swap(state.laws.rate, state.laws.jump);
   for (LoopTackleMotion& tackle : state.tackles) std::swap(tackle.rate, tackle.jump);
   std::swap(state.fixed_velocity, work.fixed_jump);
+  std::swap(state.fixed_last_velocity, work.fixed_rest);
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
   swap_jumps(state, work);
   do {
     std::fill(work.delta.begin(), work.delta.end(), 0.0);
-    project(state, 0, work);
+    project(state, {.jumps = true}, work);
   } while (let_go(state, work));
   swap_jumps(state, work);
   for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] += work.delta[i];
