@@ -122,7 +122,7 @@ TEST(LoopNewton, ProjectionsByFactorAndByLinesAgree) {
         at(factored.work->delta, lined.state->topology->order[i]));
   ASSERT_GT(largest_rate(factored), 0.01);
   measure_rods(*factored.state, *factored.work);
-  project_delta(*factored.state, 0, *factored.work, factored.work->factor(true));
+  project_delta(*factored.state, {}, *factored.work, factored.work->factor(true));
   EXPECT_LE(largest_rate(factored), 1e-13);
   ASSERT_TRUE(project_by_lines(*lined.state, 0, *lined.work));
   EXPECT_LE(largest_rate(lined), 1e-11) << "conjugate gradients";

@@ -87,8 +87,8 @@ PLUMB_INLINE LawRow<V> law_row_of(const TreeView<T>& tree, const At& at, const L
                                   std::size_t i, const LawIterate<V>& iterate, const V& theta) {
   if (laws == Laws::cables || (laws == Laws::any && tree.has_cables))
     return cable_row<is_old>(law_numbers<V>(at, arrays.law, i), law_step<V>(at, arrays.step, i),
-                             law_start<V>(at, arrays.start, i), iterate, theta,
-                             paid_out<V>(tree, at, arrays, i), tree.is_mid);
+                             law_start<V>(at, arrays.start, i), iterate,
+                             CableSubstep<V>{theta, paid_out<V>(tree, at, arrays, i), tree.is_mid});
   const LawTerms<V> terms = law_terms_of<V>(at, arrays.start, i);
   if constexpr (is_old) {
     return line_law_row(terms, iterate.growth, iterate.mu);

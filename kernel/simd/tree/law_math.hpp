@@ -215,12 +215,18 @@ PLUMB_INLINE LawRow<V> line_law_row(const LawTerms<V>& rod, const V& growth, con
   return {sum * rod.slope, end * gives, end * (rod.slope * growth + (sum * rod.before + mu * gives))};
 }
 
-/// Returns the row of a rod among which some are cables, for every lane as its law asks. See start_cable()
-/// for `paid`.
+/// A substep's gradient, and what a cable pays out in half of it, see start_cable().
+template <class V>
+struct CableSubstep {
+  V theta, paid;
+  bool is_mid;
+};
+/// Returns the row of a rod among which some are cables, for every lane as its law asks.
 template <bool is_old, class V>
 PLUMB_INLINE LawRow<V> cable_row(const LawNumbers<V>& law, const LawStep<V>& step, const LawStart<V>& start,
-                                 const LawIterate<V>& iterate, const V& theta, const V& paid, bool is_mid) {
+                                 const LawIterate<V>& iterate, const CableSubstep<V>& substep) {
   const auto [growth, violation, mu] = iterate;
+  const auto [theta, paid, is_mid] = substep;
   const V zero(0), one(1);
   const LawSpan<V> span = law_span<is_old>(start.length, growth, theta);
   const Pull<V> cable =

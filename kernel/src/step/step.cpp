@@ -241,9 +241,7 @@ void Step::ask_load(double time, double dt) {
 }
 
 void Step::set_force(std::uint32_t particle, Vec3 force) {
-  const Vec3 before = loads_.force(particle), now = loads_.set_force(particle, force);
-  if (!(now == before)) return put_force(particle, now);
-  for (const Place place : compiled_.places.of(particle)) sleep_.wake(compiled_.solvers, place);
+  put_force(particle, loads_.set_force(particle, force));
 }
 
 void Step::put_force(std::uint32_t particle, Vec3 force) {

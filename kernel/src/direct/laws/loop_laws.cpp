@@ -59,8 +59,8 @@ RodRow law_row(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, 
   const auto& [step, start] = work.starts[k];
   const auto row =
       simd::cable_row<false>(numbers_of(laws, k), step_of(step), start_of(start),
-                             simd::LawIterate<double>{iterate.growth, iterate.violation, iterate.mu}, theta,
-                             paid_out(laws, work, k), work.is_mid);
+                             simd::LawIterate<double>{iterate.growth, iterate.violation, iterate.mu},
+                             simd::CableSubstep<double>{theta, paid_out(laws, work, k), work.is_mid});
   return {row.use, row.soft, row.c};
 }
 

@@ -50,6 +50,15 @@ void TreeSolver<T>::clear_pulls() {
   std::fill(state_.hold.begin(), state_.hold.end(), Vec3{});
 }
 
+template <class T>
+void TreeSolver<T>::take_blow(unsigned part) {
+  TreeWorkspace<T>& work = kind_->crews[part].work;
+  if (!line_) return kind_->stepper.take_blow(state_, work);
+  line_->segments.gather(state_, line_->whole);
+  kind_->stepper.take_blow(line_->whole, work);
+  line_->segments.scatter(line_->whole, state_);
+}
+
 /// Keeps what was pulled as the step began.
 template <class T>
 void TreeSolver<T>::keep_blows() {
@@ -111,6 +120,7 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   template void TreeSolver<T>::make_laws();                                               \
   template void TreeSolver<T>::clear_pulls();                                             \
   template void TreeSolver<T>::count_pulls();                                             \
+  template void TreeSolver<T>::take_blow(unsigned);                                       \
   template void TreeSolver<T>::keep_blows();                                              \
   template double TreeSolver<T>::blow(Slot) const;                                        \
   template double TreeSolver<T>::pull(Slot, double) const;                                \

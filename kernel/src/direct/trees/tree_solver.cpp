@@ -110,15 +110,6 @@ void TreeSolver<T>::project_velocities() {
   line_->segments.scatter(line_->whole, state_);
 }
 
-template <class T>
-void TreeSolver<T>::take_blow(unsigned part) {
-  TreeWorkspace<T>& work = kind_->crews[part].work;
-  if (!line_) return kind_->stepper.take_blow(state_, work);
-  line_->segments.gather(state_, line_->whole);
-  kind_->stepper.take_blow(line_->whole, work);
-  line_->segments.scatter(line_->whole, state_);
-}
-
 // --- Steps
 
 template <class T>
