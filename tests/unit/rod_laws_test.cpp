@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "direct/laws/held_rods.hpp"
 #include "direct/laws/law_factors.hpp"
 #include "direct/laws/loop_laws.hpp"
 #include "direct/laws/tree_laws.hpp"
@@ -144,6 +145,25 @@ TEST(TreeRods, TakeTheLengthOfASubstepsEndOrMiddle) {
   TreeLaws<double> copy;
   copy.copy_flags(n.state.laws);
   EXPECT_TRUE(copy.moves);
+}
+
+TEST(HeldRods, AreHeldAlongWhereTheyPulled) {
+  test::TreeNumbers<double> n(scenes::make_chain(2), 1);
+  n.state.laws.pulls = true;
+  n.state.hold.assign(1, {});
+  n.state.tie_mu[0] = -3;
+  const double unit = n.state.mass_unit[0], kick = n.work.kick[0];
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    n.work.tie_rod[c] = c == 0 ? 0.1 : 0;  // the rod leads from the anchor along x
+    n.work.delta[c] = c == 1 ? 0.02 : 0;   // and its end goes along y
+    n.state.tie_delta[c] = 0;
+  }
+  hold_rods(n.state, h, 0.5, n.work);
+  EXPECT_LE(norm(n.state.hold[0] - (-3 * h / kick * unit) * Vec3{0.1, 0.01, 0}), 1e-12);
+  n.state.hold[0] = {};
+  n.work.tie_blow[0] = 2;
+  hold_rod_blows(n.state, n.work);
+  EXPECT_LE(norm(n.state.hold[0] - 2 * unit * Vec3{0.1, 0, 0}), 1e-15);
 }
 
 struct SolverOfLengths : Solver {
