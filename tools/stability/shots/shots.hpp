@@ -36,7 +36,7 @@ struct ShotResult {
 /// Moves a shot. A missile is through a wall if an end or a corner is more than 1 mm beyond its middle. It
 /// is through a held net if an end of its axis is on the other side. It is through anything else if it flies
 /// on as though nothing had been there, and the target's middle was in its way. Past a wall's edge nothing
-/// counts any more, nor do ends that were beside a net's frame.
+/// counts any more, nor do ends that were beside a net's frame or in a mesh at its corner, which is open.
 ShotResult fly(const Shot& shot, const ShotWay& way);
 
 /// Returns whether nothing may come through or gain energy in a shot that is moved in a way. Between islands
