@@ -36,8 +36,8 @@ Vec3 end_of(const Shot& shot, std::size_t i, std::span<const Vec3> positions) {
   return place_of(i % 2 == 0 ? core.a : core.b, positions);
 }
 
-/// Marks ends that are beside a held net: out of its frame, or in a mesh at its corner. That one is open, since
-/// no rods lie along the frame.
+/// Marks ends that are beside a held net: out of its frame, or in a mesh at its corner. That one is open,
+/// since no rods lie along the frame.
 void mark_ends_beside_net(const Shot& shot, std::span<const Vec3> positions, std::vector<bool>& beside) {
   const Vec3 corner = positions.front();
   const double mesh = norm(shot.scene.particles[1].position - shot.scene.particles[0].position);
@@ -126,14 +126,9 @@ const std::vector<ShotWay>& shot_ways() {
   return ways;
 }
 
-bool is_promised(const Shot& shot, const ShotWay& way) {
-  return is_wall(shot.target) || way.settings.method != Method::relax;
-}
-
-std::string fault_of(const Shot& shot, const ShotWay& way, const ShotResult& result) {
+std::string fault_of(const ShotResult& result) {
   std::string out;
   if (!result.finite) append_item(out, "not finite");
-  if (!is_promised(shot, way)) return out;
   if (result.through) append_item(out, "through");
   if (result.gained) append_item(out, "gained energy");
   return out;

@@ -39,11 +39,8 @@ struct ShotResult {
 /// counts any more, nor do ends that were beside a net's frame or in a mesh at its corner, which is open.
 ShotResult fly(const Shot& shot, const ShotWay& way);
 
-/// Returns whether nothing may come through or gain energy in a shot that is moved in a way. Between islands
-/// nothing is swept where contact is relaxed, so that it is not promised there.
-bool is_promised(const Shot& shot, const ShotWay& way);
-/// Names what of a result breaks a promise, or nothing. All must be finite whatever is_promised() says.
-std::string fault_of(const Shot& shot, const ShotWay& way, const ShotResult& result);
+/// Names what of a result is wrong, or nothing.
+std::string fault_of(const ShotResult& result);
 
 /// Returns whether `at` is on the other side of a net than `out` points to: going there along y one crosses
 /// the net an odd number of times. The net's particles are the first side x side ones, row after row, and
