@@ -319,6 +319,7 @@ bool ClusterStepper::learn_tautness(double h) {
 /// Finds positions again while something is missed, or elastics are slack that were not.
 bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   missed_ground_.clear();
+  missed_pairs_.clear();
   gives_up_missed_ = false;
   do {
     if (!find_positions(h, report)) return false;
@@ -326,7 +327,7 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }
-    for (int i = 0; find_missed_ground(); ++i) {
+    for (int i = 0; find_missed(); ++i) {
       if (i == most_missed && h > shortest_) return false;
       gives_up_missed_ = i == most_missed;
       if (gives_up_missed_) break;
