@@ -117,6 +117,17 @@ StepReport counts_of(std::uint64_t number, std::string_view way) {
   return out;
 }
 
+// Corners of thin boxes ended up to 6 mm beyond the middle of a wall in these, until substeps were halved on
+// for as long as something is in a wall, and relaxed hulls pushed out wholly. A relaxed box gained energy, as
+// it was crushed but slow.
+TEST(Blows, WhatWasFoundInRandomShotsStaysMended) {
+  for (const std::uint64_t number : {854u, 12038u, 12660u, 12856u, 14057u, 16549u, 24996u, 38773u}) {
+    const scenes::Shot shot = scenes::make_shot({number});
+    for (const scenes::ShotWay& way : scenes::shot_ways())
+      EXPECT_EQ(scenes::fault_of(scenes::fly(shot, way)), "") << number << ", " << way.name;
+  }
+}
+
 /// Returns the momentum of all particles, kg m/s. Mass along rods counts at their ends.
 Vec3 momentum_of(const Scene& scene, const World& world) {
   const std::vector<Vec3> v = test::velocities_of(world);
@@ -138,15 +149,6 @@ TEST(Blows, WhatIsHeldBackInFlightKeepsItsMomentum) {
     EXPECT_GT(report.guarded_energy + report.trimmed_energy, 0u) << number;
     EXPECT_LT(norm(momentum_of(shot.scene, world) - before), 1e-10 * norm(shot.approach)) << number;
   }
-}
-
-// Corners of two boxes end up beyond the middle of a wall, as LIMITS.md says, and not silently. Those of shot
-// 38773 did, too, until contacts that the matrix does not find were swept.
-TEST(Shots, WhatIsLeftInAWallIsCounted) {
-  for (const std::uint64_t number : {12038u, 12856u})
-    EXPECT_GT(counts_of(number, "direct").missed_contacts, 0u) << number;
-  for (const std::uint64_t number : {0u, 38773u})
-    EXPECT_EQ(counts_of(number, "direct").missed_contacts, 0u) << number;
 }
 
 // A box that is relaxed against a wall is slowed where its blow would bring energy.
