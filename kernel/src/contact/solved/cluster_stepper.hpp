@@ -214,6 +214,7 @@ class ClusterStepper final : public ClusterMover {
   static bool is_crowd(std::span<LinkageState* const> cluster);
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
+  void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
