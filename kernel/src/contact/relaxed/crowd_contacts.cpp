@@ -17,7 +17,7 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
   terms_.clear();
   turn_terms_.clear();
   turnings_.clear();
-  has_woken_ = false;
+  has_woken_ = is_struck_ = is_fast_ = false;
   next_kept_.assign(cluster.size(), 0);
   const Substep in{cluster, crowd, surroundings, ground, h};
   place_hulls(crowd);
@@ -221,27 +221,6 @@ void CrowdContacts<T>::touch_planes(const Substep& in) {
          .surface = &plane.surface,
          .rate = in.ground.rate_of_plane(pair.other)},
         {gap, plane.normal}, contact_key(KeyKind::plane, each.number, 0, pair.other));
-  }
-}
-
-template <class T>
-void CrowdContacts<T>::touch_pairs(const Substep& in) {
-  const Crowd<T>& crowd = in.crowd;
-  const auto middle_of = [&](const Body& body) {
-    return Segment{crowd.position(near_.terms_of(body.a)), crowd.position(near_.terms_of(body.b)),
-                   body.shape->radius};
-  };
-  for (const Pair& pair : near_.pairs()) {
-    const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
-    if (!crowd.is_moving(a.island) && !crowd.is_moving(b.island)) continue;
-    const Touches near = touches(middle_of(a), middle_of(b));
-    for (std::uint32_t n = 0; n < near.count; ++n) {
-      const Touch& touch = near.at[n];
-      const Combination at_a = blend(a.shape->a, a.shape->b, touch.a),
-                        at_b = blend(b.shape->a, b.shape->b, touch.b);
-      add(in, {a.island, a.number, &at_a, &a.shape->surface}, {b.island, b.number, &at_b, &b.shape->surface},
-          touch, contact_key(KeyKind::island, 4 * a.number + n, in.cluster[b.island]->number, b.number));
-    }
   }
 }
 

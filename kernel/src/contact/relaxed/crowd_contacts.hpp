@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -7,6 +8,7 @@
 
 #include "contact/ground/ground_search.hpp"
 #include "contact/relaxed/crowd_pairs.hpp"
+#include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
 #include "scene/barycentric.hpp"
@@ -45,8 +47,8 @@ class CrowdContacts {
   /// starts from their last pushes. Returns false if an island woke because something is about to push it.
   bool begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
              const GroundNow& ground, double h);
-  /// Makes contacts of what goes into ground where it was not expected, because others push it. Returns
-  /// whether there are any.
+  /// Makes contacts of what goes into ground, or through others, where it was not expected, because others
+  /// push it. Returns whether there are any.
   bool find_missed(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
                    const GroundNow& ground, double h);
   /// Visits all contacts once. Returns the largest change of a place, m.
@@ -57,6 +59,23 @@ class CrowdContacts {
   bool bounce(Crowd<T>& crowd);
   /// Ends a substep: keeps pushes for the next one, and adds up their impulses where pulls count.
   void end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h);
+
+  /// Returns whether a capsule meets another one in the substep that it would pass.
+  bool are_struck() const { return is_struck_; }
+  /// Returns whether capsules move far in the substep for how thick they are.
+  bool are_fast() const { return is_fast_; }
+  /// Returns whether some islands push each other.
+  bool hold_islands() const {
+    return std::any_of(contacts_.begin(), contacts_.end(),
+                       [](const Contact& each) { return each.push > 0 && each.island[1] != none; });
+  }
+  /// Returns whether ground pushes something.
+  bool push_ground() const {
+    return std::any_of(contacts_.begin(), contacts_.end(),
+                       [](const Contact& each) { return each.push > 0 && each.island[1] == none; });
+  }
+  /// Returns whether a capsule moves so far past a hull that it might be pushed out on the wrong side.
+  bool outrun_hulls(const Crowd<T>& crowd);
 
   bool has_hulls() const { return !near_.hulls().empty(); }
   bool is_empty() const { return contacts_.empty(); }
@@ -154,11 +173,16 @@ class CrowdContacts {
   void miss(const Substep& in, const Side& side, std::uint32_t ground, double width, const Touch& plane,
             double time);
   void place_hulls(const Crowd<T>& crowd);
+  void place_ways(const Crowd<T>& crowd);
   MovingSegment motion_of(const Crowd<T>& crowd, const Body& body) const;
   MovingHullShape hull_motion(const Crowd<T>& crowd, std::uint32_t hull);
   /// Returns a body, or after all bodies a hull.
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
+  void place_lines(const Crowd<T>& crowd);
   void touch_pairs(const Substep& in);
+  void touch_pair(const Substep& in, const Pair& pair, const Touch& touch, std::uint64_t key);
+  bool is_fast(const Pair& pair) const;
+  void find_missed_pairs(const Substep& in);
   void wake(LinkageState& state);
   void turn(Crowd<T>& crowd, const Turning& turning, Vec3 by) const;
   void resist(Crowd<T>& crowd, const Contact& contact);
@@ -171,6 +195,8 @@ class CrowdContacts {
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
   PlacedHulls placed_hulls_;
+  std::vector<MovingSegment> lines_;  ///< of bodies, from the crowd's origin
+  std::vector<Bounds> ways_;          ///< around what bodies, then hulls pass through, from there
   std::vector<std::uint32_t> near_ground_;
   std::vector<Term> terms_;
   std::vector<Contact> contacts_;
@@ -178,6 +204,7 @@ class CrowdContacts {
   std::vector<TurnTerm> turn_terms_;
   std::vector<Turning> turnings_;
   bool has_woken_ = false;
+  bool is_struck_ = false, is_fast_ = false;
   std::vector<std::size_t> next_kept_;  ///< by island: where the next contact is likely to be found again
 };
 

@@ -178,8 +178,9 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
     return true;
   };
   left_out_.erase(std::remove_if(left_out_.begin(), left_out_.end(), comes), left_out_.end());
-  if (surroundings.tree.is_empty()) return contacts_.size() > before;
   const Substep in{cluster, crowd, surroundings, ground, h};
+  find_missed_pairs(in);
+  if (surroundings.tree.is_empty()) return contacts_.size() > before;
   find_missed_bodies(in);
   find_missed_hulls(in);
   return contacts_.size() > before;

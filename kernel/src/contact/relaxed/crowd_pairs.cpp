@@ -118,39 +118,75 @@ void CrowdPairs<T>::find_hulls(std::span<LinkageState* const> cluster, const Cro
   }
 }
 
+/// Returns whether two bodies or hulls may touch, wherever they are.
+template <class T>
+bool CrowdPairs<T>::may_meet(std::span<LinkageState* const> cluster, std::uint32_t i, std::uint32_t j) const {
+  if (!plumb::may_touch(filter_of(i), filter_of(j))) return false;
+  if (island_of(i) != island_of(j)) return true;
+  const auto lines = static_cast<std::uint32_t>(bodies_.size());
+  return i < lines && j < lines &&
+         cluster[island_of(i)]->linkage->neighbors().may_touch(bodies_[i].number, bodies_[j].number);
+}
+
 template <class T>
 void CrowdPairs<T>::find_pairs(std::span<LinkageState* const> cluster) {
   pairs_.clear();
   hull_pairs_.clear();
-  const auto lines = static_cast<std::uint32_t>(bodies_.size());
-  const auto neighbors_in = [&](std::uint32_t i) -> const Neighbors& {
-    return cluster[island_of(i)]->linkage->neighbors();
-  };
-  bool is_one = true;
-  for (std::uint32_t i = 0; i < bounds_.size() && is_one; ++i)
-    is_one = island_of(i) == island_of(0) && !neighbors_in(i).any_may_touch();
-  if (is_one) return;
-  const auto may_meet = [&](std::uint32_t i, std::uint32_t j) {
-    if (island_of(i) != island_of(j)) return true;
-    return i < lines && j < lines && neighbors_in(i).may_touch(bodies_[i].number, bodies_[j].number);
-  };
+  is_one_ = true;
+  for (std::uint32_t i = 0; i < bounds_.size() && is_one_; ++i)
+    is_one_ = island_of(i) == island_of(0) && !cluster[island_of(i)]->linkage->neighbors().any_may_touch();
+  if (is_one_) return;
   double sum = 0;
   for (const Bounds& each : bounds_)
     sum += std::max({each.high.x - each.low.x, each.high.y - each.low.y, each.high.z - each.low.z});
   hash_.start(sum / static_cast<double>(bounds_.size()), 4 * bounds_.size());
   for (std::uint32_t i = 0; i < bounds_.size(); ++i)
     hash_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
-      if (bounds_[i].overlaps(bounds_[j]) && may_meet(i, j) && plumb::may_touch(filter_of(i), filter_of(j)))
-        (i < lines ? pairs_ : hull_pairs_).push_back({j, i});
+      if (bounds_[i].overlaps(bounds_[j]) && may_meet(cluster, i, j)) add_pair(i, j);
     });
+  sort_pairs(0, 0);
+}
+
+template <class T>
+void CrowdPairs<T>::add_pair(std::uint32_t i, std::uint32_t j) {
+  (std::max(i, j) < bodies_.size() ? pairs_ : hull_pairs_).push_back({std::min(i, j), std::max(i, j)});
+}
+
+/// Sorts pairs from given numbers on, and takes out what comes twice.
+template <class T>
+void CrowdPairs<T>::sort_pairs(std::size_t first, std::size_t first_of_hulls) {
   const auto number = [](const Pair& pair) { return std::uint64_t{pair.one} << 32 | pair.other; };
-  for (std::vector<Pair>* const each : {&pairs_, &hull_pairs_}) {
-    std::sort(each->begin(), each->end(),
-              [&](const Pair& a, const Pair& b) { return number(a) < number(b); });
-    each->erase(std::unique(each->begin(), each->end(),
-                            [&](const Pair& a, const Pair& b) { return number(a) == number(b); }),
-                each->end());
+  const auto sort = [&](std::vector<Pair>& pairs, std::size_t from) {
+    const auto begin = pairs.begin() + static_cast<std::ptrdiff_t>(from);
+    std::sort(begin, pairs.end(), [&](const Pair& a, const Pair& b) { return number(a) < number(b); });
+    pairs.erase(
+        std::unique(begin, pairs.end(), [&](const Pair& a, const Pair& b) { return number(a) == number(b); }),
+        pairs.end());
+  };
+  sort(pairs_, first);
+  sort(hull_pairs_, first_of_hulls);
+}
+
+template <class T>
+void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+                           std::span<const Bounds> ways) {
+  if (is_one_) return;
+  const std::size_t known = pairs_.size(), known_of_hulls = hull_pairs_.size();
+  for (std::uint32_t i = 0; i < ways.size(); ++i) {
+    const Bounds before = bounds_[i];
+    if (ways[i].is_empty() || !crowd.is_moving(island_of(i)) || before.contains(ways[i])) continue;
+    // What is solved again may go somewhat farther.
+    const Vec3 spread = ways[i].high - ways[i].low;
+    const double more = (further - 1) * std::max({spread.x, spread.y, spread.z});
+    hash_.remove(i, before);
+    include(bounds_[i], ways[i].low, more);
+    include(bounds_[i], ways[i].high, more);
+    hash_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
+      if (bounds_[i].overlaps(bounds_[j]) && !before.overlaps(bounds_[j]) && may_meet(cluster, i, j))
+        add_pair(i, j);
+    });
   }
+  sort_pairs(known, known_of_hulls);
 }
 
 /// Finds who may touch planes, and ground that may move.

@@ -48,6 +48,9 @@ class CrowdPairs {
   /// `margin` (m) may touch.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double margin);
+  /// Adds the pairs of bodies or hulls that move farther in a substep than was expected. `ways` are boxes
+  /// around what they pass through, bodies first, from the crowd's origin. Empty ones do not count.
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, std::span<const Bounds> ways);
   bool are_empty() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
@@ -87,6 +90,9 @@ class CrowdPairs {
                                    : hulls_[number - bodies_.size()].shape->filter;
   }
   void find_pairs(std::span<LinkageState* const> cluster);
+  bool may_meet(std::span<LinkageState* const> cluster, std::uint32_t i, std::uint32_t j) const;
+  void add_pair(std::uint32_t i, std::uint32_t j);
+  void sort_pairs(std::size_t first, std::size_t first_of_hulls);
   void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
 
@@ -99,7 +105,8 @@ class CrowdPairs {
   std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
   std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
   std::vector<std::uint32_t> near_;
-  SpatialHash hash_;
+  SpatialHash hash_;     ///< of `bounds_`
+  bool is_one_ = false;  ///< an island that does not touch itself
 };
 
 extern template class CrowdPairs<float>;

@@ -67,6 +67,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   if (relaxes && relax(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;
   shortest_ = dt / most_guards;
+  shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = is_fitted_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
@@ -319,6 +320,7 @@ bool ClusterStepper::learn_tautness(double h) {
 /// Finds positions again while something is missed, or elastics are slack that were not.
 bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   missed_ground_.clear();
+  missed_pairs_.clear();
   gives_up_missed_ = false;
   do {
     if (!find_positions(h, report)) return false;
@@ -326,8 +328,8 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }
-    for (int i = 0; find_missed_ground(); ++i) {
-      if (i == most_missed && h > shortest_) return false;
+    for (int i = 0; find_missed(); ++i) {
+      if (i == most_missed && h > shortest_if_missed_) return false;
       gives_up_missed_ = i == most_missed;
       if (gives_up_missed_) break;
       keeps_slack_ = true;
