@@ -226,15 +226,22 @@ void CrowdContacts<T>::touch_planes(const Substep& in) {
 
 template <class T>
 void CrowdContacts<T>::touch_pairs(const Substep& in) {
+  if (near_.pairs().empty()) return;
   const Crowd<T>& crowd = in.crowd;
-  const auto middle_of = [&](const Body& body) {
-    return Segment{crowd.position(near_.terms_of(body.a)), crowd.position(near_.terms_of(body.b)),
-                   body.shape->radius};
-  };
+  placed_lines_.clear();
+  for (const Body& body : near_.bodies()) {
+    const auto a = near_.terms_of(body.a), b = near_.terms_of(body.b);
+    placed_lines_.push_back({{crowd.position(a), crowd.position(b), body.shape->radius},
+                             std::max(norm(crowd.moved(a)), norm(crowd.moved(b)))});
+  }
   for (const Pair& pair : near_.pairs()) {
     const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
     if (!crowd.is_moving(a.island) && !crowd.is_moving(b.island)) continue;
-    const Touches near = touches(middle_of(a), middle_of(b));
+    const PlacedLine &line_a = placed_lines_[pair.one], &line_b = placed_lines_[pair.other];
+    // What is farther apart does not come about in the substep, see add(). Rounding is far below the share.
+    const double reach = settings_.margin + 1.26 * (line_a.moves + line_b.moves);
+    if (are_apart(line_a.at, line_b.at, reach)) continue;
+    const Touches near = touches(line_a.at, line_b.at, reach);
     for (std::uint32_t n = 0; n < near.count; ++n) {
       const Touch& touch = near.at[n];
       const Combination at_a = blend(a.shape->a, a.shape->b, touch.a),

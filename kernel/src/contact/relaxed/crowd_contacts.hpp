@@ -123,6 +123,12 @@ class CrowdContacts {
     Vec3 push{};               ///< kg m²
   };
 
+  /// This is the line of a body, from the crowd's origin, and how far its ends move at most (m).
+  struct PlacedLine {
+    Segment at;
+    double moves;
+  };
+
   std::span<const Term> terms_of(TermRange range) const {
     return std::span(terms_).subspan(range.first, range.end - range.first);
   }
@@ -171,6 +177,7 @@ class CrowdContacts {
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
   PlacedHulls placed_hulls_;
+  std::vector<PlacedLine> placed_lines_;
   std::vector<std::uint32_t> near_ground_;
   std::vector<Term> terms_;
   std::vector<Contact> contacts_;
