@@ -34,6 +34,8 @@ class CrowdContacts {
     recovery_rate_ = recovery_rate;
     near_.find(cluster, crowd, surroundings, ground, dt, settings_.margin);
   }
+  /// Returns whether something goes where it was not looked for, once displacements are predicted.
+  bool are_outrun(const Crowd<T>& crowd) const { return near_.are_outrun(crowd); }
   /// Returns whether any may touch at all.
   bool any_near() const { return !near_.are_empty(); }
 

@@ -82,6 +82,23 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
   }
 }
 
+template <class T>
+bool CrowdPairs<T>::are_outrun(const Crowd<T>& crowd) const {
+  const auto is_within = [&](TermRange end, double radius, const Bounds& bounds) {
+    const auto terms = terms_of(end);
+    const Vec3 at = crowd.position(terms) + crowd.moved(terms);
+    return at.x - radius >= bounds.low.x && at.x + radius <= bounds.high.x && at.y - radius >= bounds.low.y &&
+           at.y + radius <= bounds.high.y && at.z - radius >= bounds.low.z && at.z + radius <= bounds.high.z;
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Body& each = bodies_[i];
+    if (crowd.is_moving(each.island) && !(is_within(each.a, each.shape->radius, bounds_[i]) &&
+                                          is_within(each.b, each.shape->radius, bounds_[i])))
+      return true;
+  }
+  return false;
+}
+
 /// Returns the box `bounds` of an island's shape and what it reaches when ground carries it.
 template <class T>
 Bounds CrowdPairs<T>::carried(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t island,

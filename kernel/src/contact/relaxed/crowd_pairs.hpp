@@ -48,6 +48,9 @@ class CrowdPairs {
   /// `margin` (m) may touch.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double margin);
+  /// Returns whether some line goes, with its displacement of a substep, where it was not looked for. A blow
+  /// within the step has thrown it there.
+  bool are_outrun(const Crowd<T>& crowd) const;
   bool are_empty() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();

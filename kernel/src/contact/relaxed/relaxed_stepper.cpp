@@ -35,7 +35,7 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   const double h = dt / substeps;
   for (std::uint32_t i = 0; i < substeps; ++i) {
     if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
-    substep(cluster, surroundings, h, dt, report);
+    substep(cluster, surroundings, h, dt - i * h, report);
   }
   scatter(cluster);
 }
@@ -73,15 +73,17 @@ void RelaxedStepper<T>::gather(std::span<LinkageState* const> cluster, const Sur
 
 template <class T>
 void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-                                double h, double dt, Tally& report) {
+                                double h, double left, Tally& report) {
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
+  if (contacts_.are_outrun(crowd_))
+    contacts_.find(cluster, crowd_, surroundings, ground_, left, recovery_rate_);
   // Elsewhere ground, anchors and elastics may give energy.
   const bool is_guarded = !surroundings.any_moves() && !hangs_or_springs(cluster);
   double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
   while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h)) {
     scatter(cluster);
-    gather(cluster, surroundings, dt);
+    gather(cluster, surroundings, left);
     crowd_.predict(h, Gradient::new_);
     if (is_guarded) most_energy = crowd_.kinetic_of_moves(h);
   }

@@ -37,8 +37,9 @@ class RelaxedStepper final : public ClusterMover {
   }
 
  private:
-  void substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h, double dt,
-               Tally& report);
+  /// Takes a substep of h (s), after which `left` - h (s) of the step are left.
+  void substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h,
+               double left, Tally& report);
   bool is_crushed();
   static bool hangs_or_springs(std::span<LinkageState* const> cluster);
   void guard_energy(double most, Tally& report);
