@@ -34,8 +34,12 @@ class CrowdContacts {
     recovery_rate_ = recovery_rate;
     near_.find(cluster, crowd, surroundings, ground, dt, settings_.margin);
   }
-  /// Returns whether something goes where it was not looked for, once displacements are predicted.
-  bool are_outrun(const Crowd<T>& crowd) const { return near_.are_outrun(crowd); }
+  /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
+  /// once displacements are predicted.
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+              const Surroundings& surroundings, const GroundNow& ground, double left) {
+    near_.follow(cluster, crowd, surroundings, ground, left, settings_.margin);
+  }
   /// Returns whether any may touch at all.
   bool any_near() const { return !near_.are_empty(); }
 

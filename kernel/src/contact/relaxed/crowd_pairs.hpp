@@ -48,9 +48,10 @@ class CrowdPairs {
   /// `margin` (m) may touch.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double margin);
-  /// Returns whether some line goes, with its displacement of a substep, where it was not looked for. A blow
-  /// within the step has thrown it there.
-  bool are_outrun(const Crowd<T>& crowd) const;
+  /// Finds, for the time `left` (s) of the step, what lines may touch that go with their displacement of a
+  /// substep where they were not looked for. Blows within the step have thrown them there.
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+              const Surroundings& surroundings, const GroundNow& ground, double left, double margin);
   bool are_empty() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
@@ -89,7 +90,13 @@ class CrowdPairs {
     return number < bodies_.size() ? bodies_[number].shape->filter
                                    : hulls_[number - bodies_.size()].shape->filter;
   }
+  bool is_outrun(const Crowd<T>& crowd, std::uint32_t body) const;
+  Bounds reach_of(const Crowd<T>& crowd, TermRange place, double radius, double dt) const;
+  Bounds reach_of(const Crowd<T>& crowd, const Surroundings& surroundings, const Body& body, double dt,
+                  double further) const;
   void find_pairs(std::span<LinkageState* const> cluster);
+  bool may_meet(std::span<LinkageState* const> cluster, std::uint32_t i, std::uint32_t j) const;
+  void find_more_pairs(std::span<LinkageState* const> cluster);
   void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
 
@@ -102,7 +109,11 @@ class CrowdPairs {
   std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
   std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
   std::vector<std::uint32_t> near_;
-  SpatialHash hash_;
+  SpatialHash hash_;         ///< of bounds_
+  bool has_pairs_ = false;   ///< some shapes may touch each other, and hash_ has them
+  double fastest_ = 0;       ///< m/s, of all that moves
+  std::vector<std::uint32_t> outrun_;
+  std::vector<Pair> more_pairs_, more_hull_pairs_, merged_;
 };
 
 extern template class CrowdPairs<float>;
