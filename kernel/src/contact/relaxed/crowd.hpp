@@ -64,6 +64,7 @@ class Crowd {
   void count_pulls(double h, Gradient gradient, std::span<LinkageState* const> cluster) const;
 
   std::uint32_t rods() const { return rods_; }
+  std::size_t islands() const { return laid_out_.size(); }
   /// Appends the terms of a sum of an island's particles. Returns what a push of one on it moves it by, 1/kg.
   double add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
                    std::vector<Term>& to) const;

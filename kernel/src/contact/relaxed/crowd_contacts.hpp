@@ -10,6 +10,7 @@
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
 #include "scene/barycentric.hpp"
+#include "threads/team.hpp"
 
 namespace plumb::detail {
 
@@ -19,6 +20,9 @@ namespace plumb::detail {
 /// contact keeps the gap between two places open along one normal, and holds surfaces against sliding within
 /// Coulomb's cone. A visit sets its push to what its places alone ask for. All masses are points, so that a
 /// push moves a place alike in all directions, and the three parts of a push need no matrix.
+///
+/// A team may share the work. What it finds comes in batches, which follow each other as one list would, so
+/// that the bits are the same however many there are.
 ///
 /// Friction acts on places of bodies where they are touched, which turns them, and else on the middles of
 /// shapes. What resists rolling and spinning turns bodies against what they touch.
@@ -49,14 +53,15 @@ class CrowdContacts {
 
   /// Makes contacts of those that may touch within a substep of h (s), once displacements are predicted, and
   /// starts from their last pushes. Returns false if an island woke because something is about to push it.
+  /// A team helps, if there is one.
   bool begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
-             const GroundNow& ground, double h);
+             const GroundNow& ground, double h, Team* team);
   /// Makes contacts of what goes into ground where it was not expected, because others push it. Returns
   /// whether there are any.
   bool find_missed(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
                    const GroundNow& ground, double h);
-  /// Visits all contacts once. Returns the largest change of a place, m.
-  double sweep(Crowd<T>& crowd);
+  /// Visits all contacts once, after begin() or find_missed(). Returns the largest change of a place, m.
+  double sweep(Crowd<T>& crowd, Team* team);
   /// Returns how deep (m) some contact goes into what it should stay out of, at most.
   double depth(const Crowd<T>& crowd) const;
   /// Lets velocities bounce, once they are known. Returns whether anything does.
@@ -65,7 +70,10 @@ class CrowdContacts {
   void end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h);
 
   bool has_hulls() const { return !near_.hulls().empty(); }
-  bool is_empty() const { return contacts_.empty(); }
+  bool is_empty() const {
+    return std::all_of(batches_.begin(), batches_.end(),
+                       [](const Batch& batch) { return batch.contacts.empty(); });
+  }
   std::size_t count_pushes() const;
 
  private:
@@ -79,14 +87,6 @@ class CrowdContacts {
   using Hull = typename CrowdPairs<T>::Hull;
   using Vectors = Linkage::HullShape::Vectors;
 
-  /// These do not change while contacts of a substep of h (s) are found.
-  struct Substep {
-    std::span<LinkageState* const> cluster;
-    Crowd<T>& crowd;
-    const Surroundings& surroundings;
-    const GroundNow& ground;
-    double h;
-  };
   /// One side of a contact is on a shape's middle or, without an island, on the ground, whose number stands
   /// in `shape`.
   struct Side {
@@ -129,15 +129,56 @@ class CrowdContacts {
     Vec3 push{};               ///< kg m²
   };
 
+  /// Contacts that one thread has found, with all that their numbers refer to.
+  struct Batch {
+    std::vector<Term> terms{};
+    std::vector<Contact> contacts{};
+    std::vector<Contact> left_out{};  ///< those that did not seem to come about
+    std::vector<TurnTerm> turn_terms{};
+    std::vector<Turning> turnings{};
+    std::vector<std::uint32_t> woken{};      ///< islands
+    std::vector<std::size_t> next_kept{};    ///< by island: where the next contact is likely to be found again
+    void clear(std::size_t islands) {
+      terms.clear();
+      contacts.clear();
+      left_out.clear();
+      turn_terms.clear();
+      turnings.clear();
+      woken.clear();
+      next_kept.assign(islands, 0);
+    }
+    std::span<const Term> terms_of(TermRange range) const {
+      return std::span(terms).subspan(range.first, range.end - range.first);
+    }
+  };
+  /// These do not change while contacts of a substep of h (s) are found. What is found goes to a batch.
+  struct Substep {
+    std::span<LinkageState* const> cluster;
+    Crowd<T>& crowd;
+    const Surroundings& surroundings;
+    const GroundNow& ground;
+    double h;
+    Batch& to;
+  };
+  /// Says what of a list one of several threads works through.
+  struct Share {
+    std::uint32_t number = 0, count = 1;
+    std::span<const Pair> of(std::span<const Pair> pairs) const {
+      const auto size = static_cast<std::uint32_t>(pairs.size());
+      const std::uint32_t first = Team::begin_of(size, number, count);
+      return pairs.subspan(first, Team::begin_of(size, number + 1, count) - first);
+    }
+  };
+  /// Names a contact by its batch and its number there.
+  struct Place {
+    std::uint32_t batch, number;
+  };
   /// This is the line of a body, from the crowd's origin, and how far its ends move at most (m).
   struct PlacedLine {
     Segment at;
     double moves;
   };
 
-  std::span<const Term> terms_of(TermRange range) const {
-    return std::span(terms_).subspan(range.first, range.end - range.first);
-  }
   static const Linkage::Shape& shape_of(const Substep& in, const Side& side) {
     return in.cluster[side.island]->linkage->shape_of(side.shape);
   }
@@ -156,10 +197,12 @@ class CrowdContacts {
   void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Contact& contact);
   void add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
   void start_from_kept(const Substep& in, Contact& contact);
-  void touch_planes(const Substep& in);
-  void touch_boxes(const Substep& in);
-  void touch_segments(const Substep& in);
-  void touch_ground(const Substep& in);
+  void touch_planes(const Substep& in, std::span<const Pair> pairs);
+  void touch_boxes(const Substep& in, std::span<const Pair> pairs);
+  void touch_segments(const Substep& in, std::span<const Pair> pairs);
+  void touch_lines_and_ground(const Substep& in, std::span<const Pair> pairs);
+  void touch_ends_and_ground(const Substep& in, std::span<const Pair> pairs);
+  void touch_hulls_and_ground(const Substep& in);
   void touch_hull_pairs(const Substep& in);
   void find_missed_bodies(const Substep& in);
   void find_missed_hulls(const Substep& in);
@@ -170,14 +213,32 @@ class CrowdContacts {
   MovingHullShape hull_motion(const Crowd<T>& crowd, std::uint32_t hull);
   /// Returns a body, or after all bodies a hull.
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
-  void touch_pairs(const Substep& in);
-  void wake(LinkageState& state);
-  void turn(Crowd<T>& crowd, const Turning& turning, Vec3 by) const;
-  void resist(Crowd<T>& crowd, const Contact& contact);
-  void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Contact& contact,
-                      double h) const;
-  void count_touch(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Contact& contact,
-                   double h) const;
+  void place_lines(const Crowd<T>& crowd);
+  void touch_pairs(const Substep& in, std::span<const Pair> pairs);
+  /// Calls f(batch, contact) for all contacts, in their order.
+  template <class F>
+  void for_contacts(F&& f) {
+    for (Batch& batch : batches_)
+      for (Contact& contact : batch.contacts) f(batch, contact);
+  }
+  template <class F>
+  void for_contacts(F&& f) const {
+    for (const Batch& batch : batches_)
+      for (const Contact& contact : batch.contacts) f(batch, contact);
+  }
+  void find_in_batches(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
+                       const Surroundings& surroundings, const GroundNow& ground, double h, Team* team);
+  bool wake(std::span<LinkageState* const> cluster);
+  static Contact copied(const Batch& from, const Contact& contact, Batch& to);
+  void find_heaps(std::size_t islands);
+  std::uint32_t heap_of(std::uint32_t island);
+  double visit(Crowd<T>& crowd, Batch& batch, Contact& contact);
+  void turn(Crowd<T>& crowd, const Batch& batch, const Turning& turning, Vec3 by) const;
+  void resist(Crowd<T>& crowd, Batch& batch, const Contact& contact);
+  void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,
+                      const Contact& contact, double h) const;
+  void count_touch(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,
+                   const Contact& contact, double h) const;
 
   ContactSettings settings_;  ///< multiplied by their length scale
   double recovery_rate_ = 0;
@@ -185,13 +246,13 @@ class CrowdContacts {
   PlacedHulls placed_hulls_;
   std::vector<PlacedLine> placed_lines_;
   std::vector<std::uint32_t> near_ground_;
-  std::vector<Term> terms_;
-  std::vector<Contact> contacts_;
-  std::vector<Contact> left_out_;  ///< those that did not seem to come about
-  std::vector<TurnTerm> turn_terms_;
-  std::vector<Turning> turnings_;
-  bool has_woken_ = false;
-  std::vector<std::size_t> next_kept_;  ///< by island: where the next contact is likely to be found again
+  std::vector<Batch> batches_;
+  // Heaps are islands that touch each other. They share nothing, so that each may have a thread of its own.
+  std::vector<std::uint32_t> heap_of_;     ///< by island: one of its heap, or itself
+  std::vector<std::uint32_t> heap_ends_;   ///< where each heap ends in in_heaps_
+  std::vector<std::uint32_t> heap_number_; ///< by island that stands for a heap
+  std::vector<Place> in_heaps_;            ///< heap by heap, in the order of contacts
+  std::vector<double> changes_;            ///< m, by heap: the largest of a sweep
 };
 
 }  // namespace plumb::detail

@@ -24,6 +24,7 @@ template <class T>
 void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              const ClusterRules& rules, double dt, Tally& report) {
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
+  team_ = rules.team;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
@@ -80,7 +81,7 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   // Elsewhere ground, anchors and elastics may give energy.
   const bool is_guarded = !surroundings.any_moves() && !hangs_or_springs(cluster);
   double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
-  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h)) {
+  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h, team_)) {
     scatter(cluster);
     gather(cluster, surroundings, left);
     crowd_.predict(h, Gradient::new_);
@@ -168,17 +169,17 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     }
     crowd_.sweep(*kernels_, gradient, counts_);
     joints_.sweep(crowd_);
-    left = contacts_.sweep(crowd_);
+    left = contacts_.sweep(crowd_, team_);
     ++done;
   }
   for (int i = 0; is_hit_ && i < most_hit_sweeps && crowd_.violation(*kernels_) > least_crushed;
        ++i, ++done) {
     crowd_.sweep(*kernels_, gradient, counts_);
     joints_.sweep(crowd_);
-    contacts_.sweep(crowd_);
+    contacts_.sweep(crowd_, team_);
   }
   for (int i = 0; is_hit_ && i < most_presses && contacts_.depth(crowd_) > settings_.slop; ++i)
-    contacts_.sweep(crowd_);
+    contacts_.sweep(crowd_, team_);
   report.block_sweeps += done;
   report.rod_projections += std::uint64_t{done} * crowd_.rods();
   report.stopped_by = std::max(report.stopped_by, reason);

@@ -58,6 +58,7 @@ class RelaxedStepper final : public ClusterMover {
   CrowdJoints<T> joints_;
   std::vector<Vec3> rigid_;
   double recovery_rate_ = 0;
+  Team* team_ = nullptr;
   bool is_hit_ = false;  ///< hulls move fast near what they may touch
   bool counts_ = false;  ///< some island's pulls count
 };

@@ -54,6 +54,7 @@ Bounds reach(const LinkageState& state, double speed, double dt, double margin) 
 void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                           const ClusterRules& rules, double dt, Tally& report) {
   const std::uint32_t substeps = rules.substeps;
+  team_ = rules.team;
   surroundings_ = &surroundings;
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
