@@ -23,7 +23,7 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
                              const Surroundings& surroundings, const GroundNow& ground, double h,
                              Team* team) {
   place_hulls(crowd);
-  place_lines(crowd);
+  place_lines(crowd, team);
   find_in_batches(cluster, crowd, surroundings, ground, h, team);
   if (wake(cluster)) return false;
   for_contacts([&](const Batch& batch, const Contact& contact) {
@@ -279,14 +279,22 @@ void CrowdContacts<T>::touch_planes(const Substep& in, std::span<const Pair> pai
 }
 
 template <class T>
-void CrowdContacts<T>::place_lines(const Crowd<T>& crowd) {
-  placed_lines_.clear();
+void CrowdContacts<T>::place_lines(const Crowd<T>& crowd, Team* team) {
   if (near_.pairs().empty()) return;
-  for (const Body& body : near_.bodies()) {
-    const auto a = near_.terms_of(body.a), b = near_.terms_of(body.b);
-    placed_lines_.push_back({{crowd.position(a), crowd.position(b), body.shape->radius},
-                             std::max(norm(crowd.moved(a)), norm(crowd.moved(b)))});
-  }
+  const auto count = static_cast<std::uint32_t>(near_.bodies().size());
+  placed_lines_.resize(count);
+  const auto place = [&](std::uint32_t first, std::uint32_t end) {
+    for (std::uint32_t i = first; i < end; ++i) {
+      const Body& body = near_.bodies()[i];
+      const auto a = near_.terms_of(body.a), b = near_.terms_of(body.b);
+      placed_lines_[i] = {{crowd.position(a), crowd.position(b), body.shape->radius},
+                          std::max(norm(crowd.moved(a)), norm(crowd.moved(b)))};
+    }
+  };
+  if (team == nullptr) return place(0, count);
+  team->for_parts([&](unsigned part) {
+    place(Team::begin_of(count, part, team->parts()), Team::begin_of(count, part + 1, team->parts()));
+  });
 }
 
 template <class T>

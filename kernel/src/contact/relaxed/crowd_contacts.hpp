@@ -41,8 +41,8 @@ class CrowdContacts {
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-              const Surroundings& surroundings, const GroundNow& ground, double left) {
-    near_.follow(cluster, crowd, surroundings, ground, left, settings_.margin);
+              const Surroundings& surroundings, const GroundNow& ground, double left, Team* team) {
+    near_.follow(cluster, crowd, surroundings, ground, left, settings_.margin, team);
   }
   /// Returns whether any may touch at all.
   bool any_near() const { return !near_.are_empty(); }
@@ -213,7 +213,7 @@ class CrowdContacts {
   MovingHullShape hull_motion(const Crowd<T>& crowd, std::uint32_t hull);
   /// Returns a body, or after all bodies a hull.
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
-  void place_lines(const Crowd<T>& crowd);
+  void place_lines(const Crowd<T>& crowd, Team* team);
   void touch_pairs(const Substep& in, std::span<const Pair> pairs);
   /// Calls f(batch, contact) for all contacts, in their order.
   template <class F>

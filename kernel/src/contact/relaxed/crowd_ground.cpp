@@ -251,8 +251,10 @@ void CrowdContacts<T>::find_missed_bodies(const Substep& in) {
   const GroundSearch search{settings_.margin, settings_.tolerance};
   for (const Body& each : near_.bodies()) {
     if (!in.crowd.is_moving(each.island)) continue;
+    const double moves = std::max(norm(in.crowd.moved(near_.terms_of(each.a))),
+                                  norm(in.crowd.moved(near_.terms_of(each.b))));
+    if (!search.is_fast(moves, each.shape->radius)) continue;
     const MovingSegment moving = motion_of(in.crowd, each);
-    if (!search.is_fast(moves_of(moving), each.shape->radius)) continue;
     in.surroundings.find(bounds_of(moving), near_ground_);
     for (const std::uint32_t ground : near_ground_)
       for_first_touches(in.surroundings, ground, moving, search.close,

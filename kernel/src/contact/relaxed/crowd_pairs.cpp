@@ -130,26 +130,49 @@ bool CrowdPairs<T>::is_outrun(const Crowd<T>& crowd, std::uint32_t body) const {
 }
 
 template <class T>
+void CrowdPairs<T>::find_outrun(const Crowd<T>& crowd, Team* team) {
+  const auto count = static_cast<std::uint32_t>(bodies_.size());
+  outrun_.clear();
+  if (team == nullptr) {
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (is_outrun(crowd, i)) outrun_.push_back(i);
+    return;
+  }
+  is_outrun_.resize(count);
+  team->for_parts([&](unsigned part) {
+    for (std::uint32_t i = Team::begin_of(count, part, team->parts());
+         i < Team::begin_of(count, part + 1, team->parts()); ++i)
+      is_outrun_[i] = is_outrun(crowd, i);
+  });
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (is_outrun_[i] != 0) outrun_.push_back(i);
+}
+
+template <class T>
 void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                            const Surroundings& surroundings, const GroundNow& ground, double left,
-                           double margin) {
-  outrun_.clear();
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-    if (is_outrun(crowd, i)) outrun_.push_back(i);
+                           double margin, Team* team) {
+  find_outrun(crowd, team);
   if (outrun_.empty()) return;
   for (const std::uint32_t i : outrun_) {
     const double fall = fall_in(*cluster[bodies_[i].island]->linkage, left) + margin;
     include(bounds_[i], reach_of(crowd, surroundings, bodies_[i], left, fall));
     if (has_pairs_) hash_.insert(i, bounds_[i]);
   }
+  if (has_pairs_) find_more_pairs(cluster);
+  more_.clear();
+  for (const std::uint32_t i : outrun_)
+    find_on_ground(crowd, surroundings, i, bounds_[i], filter_of(i), more_);
+  merge(on_ground_, more_);
+  more_.clear();
   for (std::uint32_t i = 0; i < balls_.size(); ++i) {
     const Ball& each = balls_[i];
     if (each.body == none || !std::binary_search(outrun_.begin(), outrun_.end(), each.body)) continue;
     include(ball_bounds_[i], bounds_[each.body]);
+    find_on_ground(crowd, surroundings, i, bounds_[each.body], each.ball->filter, more_);
   }
-  if (has_pairs_) find_more_pairs(cluster);
+  merge(ends_on_ground_, more_);
   find_on_moving(crowd, ground, left);
-  find_on_ground(crowd, surroundings);
 }
 
 /// Returns the box `bounds` of an island's shape and what it reaches when ground carries it.
@@ -226,21 +249,24 @@ void CrowdPairs<T>::find_pairs(std::span<LinkageState* const> cluster) {
 template <class T>
 void CrowdPairs<T>::find_more_pairs(std::span<LinkageState* const> cluster) {
   const auto lines = static_cast<std::uint32_t>(bodies_.size());
-  more_pairs_.clear();
-  more_hull_pairs_.clear();
+  more_.clear();
+  more_of_hulls_.clear();
   for (const std::uint32_t i : outrun_)
     hash_.find(bounds_[i], [&](std::uint32_t j) {
       if (i != j && may_meet(cluster, i, j))
-        (j < lines ? more_pairs_ : more_hull_pairs_).push_back({std::min(i, j), std::max(i, j)});
+        (j < lines ? more_ : more_of_hulls_).push_back({std::min(i, j), std::max(i, j)});
     });
-  const auto merge = [&](std::vector<Pair>& into, std::vector<Pair>& more) {
-    sort(more);
-    merged_.clear();
-    std::set_union(into.begin(), into.end(), more.begin(), more.end(), std::back_inserter(merged_), is_before);
-    into.swap(merged_);
-  };
-  merge(pairs_, more_pairs_);
-  merge(hull_pairs_, more_hull_pairs_);
+  merge(pairs_, more_);
+  merge(hull_pairs_, more_of_hulls_);
+}
+
+/// Sorts pairs into others that are sorted, and leaves each of them once.
+template <class T>
+void CrowdPairs<T>::merge(std::vector<Pair>& into, std::vector<Pair>& more) {
+  sort(more);
+  merged_.clear();
+  std::set_union(into.begin(), into.end(), more.begin(), more.end(), std::back_inserter(merged_), is_before);
+  into.swap(merged_);
 }
 
 /// Finds who may touch planes, and ground that may move.
@@ -287,26 +313,31 @@ void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& su
   on_ground_.clear();
   ends_on_ground_.clear();
   hulls_on_ground_.clear();
-  if (surroundings.tree.is_empty()) return;
-  const auto find = [&](std::uint32_t i, const Bounds& around, const Filter& filter, std::vector<Pair>& to) {
-    const Bounds at = moved_by(around, crowd.origin());
-    surroundings.find(at, near_);
-    for (const std::uint32_t shape : near_)
-      if (surroundings.shapes[shape].reaches_into(at) &&
-          plumb::may_touch(filter, surroundings.filter_of(shape)))
-        to.push_back({i, shape});
-  };
   for (std::uint32_t i = 0; i < balls_.size(); ++i)
     if (const Ball& each = balls_[i]; each.body != none)
-      find(i, bounds_[each.body], each.ball->filter, ends_on_ground_);
+      find_on_ground(crowd, surroundings, i, bounds_[each.body], each.ball->filter, ends_on_ground_);
   const auto lines = static_cast<std::uint32_t>(bodies_.size());
   for (std::uint32_t i = 0; i < bounds_.size(); ++i) {
     if (!crowd.is_moving(island_of(i))) continue;
     if (i < lines)
-      find(i, bounds_[i], filter_of(i), on_ground_);
+      find_on_ground(crowd, surroundings, i, bounds_[i], filter_of(i), on_ground_);
     else
-      find(i - lines, bounds_[i], filter_of(i), hulls_on_ground_);
+      find_on_ground(crowd, surroundings, i - lines, bounds_[i], filter_of(i), hulls_on_ground_);
   }
+}
+
+/// Adds what of such ground reaches into a box, from the crowd's origin, as what `number` may touch.
+template <class T>
+void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings,
+                                   std::uint32_t number, const Bounds& around, const Filter& filter,
+                                   std::vector<Pair>& to) {
+  if (surroundings.tree.is_empty()) return;
+  const Bounds at = moved_by(around, crowd.origin());
+  surroundings.find(at, near_);
+  for (const std::uint32_t shape : near_)
+    if (surroundings.shapes[shape].reaches_into(at) &&
+        plumb::may_touch(filter, surroundings.filter_of(shape)))
+      to.push_back({number, shape});
 }
 
 template class CrowdPairs<float>;

@@ -8,6 +8,7 @@
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/spatial_hash.hpp"
+#include "threads/team.hpp"
 
 namespace plumb::detail {
 
@@ -51,7 +52,8 @@ class CrowdPairs {
   /// Finds, for the time `left` (s) of the step, what lines may touch that go with their displacement of a
   /// substep where they were not looked for. Blows within the step have thrown them there.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-              const Surroundings& surroundings, const GroundNow& ground, double left, double margin);
+              const Surroundings& surroundings, const GroundNow& ground, double left, double margin,
+              Team* team);
   bool are_empty() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
@@ -91,6 +93,7 @@ class CrowdPairs {
                                    : hulls_[number - bodies_.size()].shape->filter;
   }
   bool is_outrun(const Crowd<T>& crowd, std::uint32_t body) const;
+  void find_outrun(const Crowd<T>& crowd, Team* team);
   Bounds reach_of(const Crowd<T>& crowd, TermRange place, double radius, double dt) const;
   Bounds reach_of(const Crowd<T>& crowd, const Surroundings& surroundings, const Body& body, double dt,
                   double further) const;
@@ -99,6 +102,9 @@ class CrowdPairs {
   void find_more_pairs(std::span<LinkageState* const> cluster);
   void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
+  void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t number,
+                      const Bounds& around, const Filter& filter, std::vector<Pair>& to);
+  void merge(std::vector<Pair>& into, std::vector<Pair>& more);
 
   std::vector<Term> ends_;
   std::vector<Body> bodies_;
@@ -113,7 +119,8 @@ class CrowdPairs {
   bool has_pairs_ = false;   ///< some shapes may touch each other, and hash_ has them
   double fastest_ = 0;       ///< m/s, of all that moves
   std::vector<std::uint32_t> outrun_;
-  std::vector<Pair> more_pairs_, more_hull_pairs_, merged_;
+  std::vector<std::uint8_t> is_outrun_;  ///< by body
+  std::vector<Pair> more_, more_of_hulls_, merged_;
 };
 
 extern template class CrowdPairs<float>;

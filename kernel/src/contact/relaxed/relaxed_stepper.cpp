@@ -77,7 +77,7 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
                                 double h, double left, Tally& report) {
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
-  contacts_.follow(cluster, crowd_, surroundings, ground_, left);
+  contacts_.follow(cluster, crowd_, surroundings, ground_, left, team_);
   // Elsewhere ground, anchors and elastics may give energy.
   const bool is_guarded = !surroundings.any_moves() && !hangs_or_springs(cluster);
   double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
