@@ -11,7 +11,7 @@ namespace {
 /// Contacts are found kind by kind: with planes, boxes, anchored shapes, other ground by lines, ends and hulls,
 /// and of lines and hulls with each other.
 constexpr std::uint32_t kinds = 8;
-/// More batches than threads even out what they cost. Each takes some memory for every island.
+/// More batches than threads even out what they cost.
 constexpr std::uint32_t batches_per_thread = 4;
 
 }  // namespace
@@ -52,12 +52,12 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   const bool is_shared = team != nullptr && near_.hulls().empty();
   const std::uint32_t shares = is_shared ? batches_per_thread * team->parts() : 1;
   batches_.resize(std::max<std::size_t>(kinds * shares, batches_.size()));
-  for (Batch& batch : batches_) batch.clear(0);
+  for (Batch& batch : batches_) batch.clear();
+  kept_.gather(cluster);
   const auto find = [&](std::uint32_t number) {
     const std::uint32_t kind = number / shares;
     const Share share{number % shares, shares};
     Batch& batch = batches_[number];
-    batch.clear(cluster.size());
     const Substep in{cluster, crowd, surroundings, ground, h, batch};
     if (kind == 0) {
       touch_planes(in, share.of(near_.on_planes()));
@@ -252,14 +252,14 @@ void CrowdContacts<T>::start_from_kept(const Substep& in, Contact& contact) {
   const std::uint32_t island = contact.island[0];
   const LinkageState& state = *in.cluster[island];
   const double h2 = in.h * in.h;
-  const KeptContact held = kept_at(state, contact.key, in.to.next_kept[island]);
+  const KeptContact held = kept_.at(state, island, contact.key);
   if (held.key != contact.key) return;
   const double along = dot(held.force, contact.normal);
   contact.push = h2 * std::max(0.0, along);
   if (along > 0) contact.across = h2 * (held.force - along * contact.normal);
   if (contact.turning == none) return;
   Turning& turning = in.to.turnings[contact.turning];
-  const KeptContact turned = kept_at(state, turning.key, in.to.next_kept[island]);
+  const KeptContact turned = kept_.at(state, island, turning.key);
   if (turned.key == turning.key) turning.push = h2 * turned.force;
 }
 

@@ -7,6 +7,7 @@
 
 #include "contact/ground/ground_search.hpp"
 #include "contact/relaxed/crowd_pairs.hpp"
+#include "contact/relaxed/kept_table.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
 #include "scene/barycentric.hpp"
@@ -136,16 +137,14 @@ class CrowdContacts {
     std::vector<Contact> left_out{};  ///< those that did not seem to come about
     std::vector<TurnTerm> turn_terms{};
     std::vector<Turning> turnings{};
-    std::vector<std::uint32_t> woken{};      ///< islands
-    std::vector<std::size_t> next_kept{};    ///< by island: where the next contact is likely to be found again
-    void clear(std::size_t islands) {
+    std::vector<std::uint32_t> woken{};  ///< islands
+    void clear() {
       terms.clear();
       contacts.clear();
       left_out.clear();
       turn_terms.clear();
       turnings.clear();
       woken.clear();
-      next_kept.assign(islands, 0);
     }
     std::span<const Term> terms_of(TermRange range) const {
       return std::span(terms).subspan(range.first, range.end - range.first);
@@ -246,6 +245,7 @@ class CrowdContacts {
   PlacedHulls placed_hulls_;
   std::vector<PlacedLine> placed_lines_;
   std::vector<std::uint32_t> near_ground_;
+  KeptTable kept_;
   std::vector<Batch> batches_;
   // Heaps are islands that touch each other. They share nothing, so that each may have a thread of its own.
   std::vector<std::uint32_t> heap_of_;     ///< by island: one of its heap, or itself

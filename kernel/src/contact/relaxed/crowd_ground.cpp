@@ -186,7 +186,6 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
                                    const Surroundings& surroundings, const GroundNow& ground, double h) {
   // All that is found now goes behind what was found before.
   Batch& last = batches_.back();
-  last.next_kept.assign(cluster.size(), 0);
   const std::size_t before = last.contacts.size();
   for (Batch& batch : batches_) {
     const auto comes = [&](const Contact& contact) {
