@@ -123,7 +123,7 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const double h = in.h;
   Batch& to = in.to;
   const std::array<Side, 2> sides{one, other};
-  Contact contact{.key = key, .normal = touch.normal};
+  Contact contact{.normal = touch.normal, .key = key};
   add_ends(in, sides, contact);
   double arriving = dot(touch.normal, crowd.velocity(to.terms_of(contact.terms)));
   if (other.rate != nullptr) {

@@ -61,8 +61,10 @@ class CrowdContacts {
   /// whether there are any.
   bool find_missed(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
                    const GroundNow& ground, double h);
-  /// Visits all contacts once, after begin() or find_missed(). Returns the largest change of a place, m.
-  double sweep(Crowd<T>& crowd, Team* team);
+  /// Visits all contacts once, after begin() or find_missed().
+  void sweep(Crowd<T>& crowd, Team* team);
+  /// Does so, and returns the largest change of a place, m.
+  double measured_sweep(Crowd<T>& crowd, Team* team);
   /// Returns how deep (m) some contact goes into what it should stay out of, at most.
   double depth(const Crowd<T>& crowd) const;
   /// Lets velocities bounce, once they are known. Returns whether anything does.
@@ -97,22 +99,24 @@ class CrowdContacts {
     const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   struct Contact {
-    TermRange terms{}, sliding{};   ///< of the middles of shapes, and of the places that friction holds
-    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
-    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    // These are what every visit reads, side by side.
+    TermRange terms{}, sliding{};  ///< of the middles of shapes, and of the places that friction holds
     std::uint32_t turning = none;
-    std::uint64_t key = 0;
     Vec3 normal{};
     double gap = 0;                     ///< m, what may be lost
     double friction = 0;                ///< Coulomb's coefficient
-    double approach = 0;                ///< m/s, how fast it is about to be hit
-    double bounce = 0;                  ///< m/s, what it leaves the surface with
     double over = 0, over_sliding = 0;  ///< kg, what changes its places by a metre
     double push = 0;                    ///< kg m
     Vec3 across{};                      ///< kg m, against sliding
-    double kick = 0;                    ///< kg m/s, of a bounce
     Vec3 carried{};                     ///< m, how far the ground goes
-    double carried_at_end = 0;          ///< m/s, how fast it moves along the normal
+    // The others are read once in a substep.
+    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
+    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    std::uint64_t key = 0;
+    double approach = 0;        ///< m/s, how fast it is about to be hit
+    double bounce = 0;          ///< m/s, what it leaves the surface with
+    double kick = 0;            ///< kg m/s, of a bounce
+    double carried_at_end = 0;  ///< m/s, how fast it moves along the normal
   };
   /// This is a particle of a body that turns at half the sum of all gradient x motion.
   struct TurnTerm {
@@ -231,7 +235,15 @@ class CrowdContacts {
   static Contact copied(const Batch& from, const Contact& contact, Batch& to);
   void find_heaps(std::size_t islands);
   std::uint32_t heap_of(std::uint32_t island);
-  double visit(Crowd<T>& crowd, Batch& batch, Contact& contact);
+  template <class Visit>
+  void for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit);
+  /// This is what a visit changes: pushes, kg m.
+  struct Change {
+    Vec3 along{}, across{};
+    bool is_none() const { return along + across == Vec3{}; }
+  };
+  Change visit(Crowd<T>& crowd, Batch& batch, Contact& contact);
+  static double size_of(const Change& change, const Contact& contact);
   void turn(Crowd<T>& crowd, const Batch& batch, const Turning& turning, Vec3 by) const;
   void resist(Crowd<T>& crowd, Batch& batch, const Contact& contact);
   void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,

@@ -8,24 +8,43 @@
 
 namespace plumb::detail {
 
+/// Calls visit(batch, contact, heap) for all contacts. Heaps are visited by several threads if there is a team.
 template <class T>
-double CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
-  double most = 0;
-  if (team == nullptr) {
-    for_contacts([&](Batch& batch, Contact& contact) { most = std::max(most, visit(crowd, batch, contact)); });
-    return most;
-  }
+template <class Visit>
+void CrowdContacts<T>::for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit) {
+  changes_.assign(1, 0);
+  if (team == nullptr)
+    return for_contacts([&](Batch& batch, Contact& contact) { visit(batch, contact, changes_[0]); });
   if (heap_ends_.empty()) find_heaps(crowd.islands());
   const auto heaps = static_cast<std::uint32_t>(heap_ends_.size());
   changes_.assign(heaps, 0);
   team->for_each(heaps, [&](std::uint32_t heap, unsigned) {
     for (std::uint32_t k = heap == 0 ? 0 : heap_ends_[heap - 1]; k < heap_ends_[heap]; ++k) {
       Batch& batch = batches_[in_heaps_[k].batch];
-      changes_[heap] = std::max(changes_[heap], visit(crowd, batch, batch.contacts[in_heaps_[k].number]));
+      visit(batch, batch.contacts[in_heaps_[k].number], changes_[heap]);
     }
   });
-  for (const double change : changes_) most = std::max(most, change);
-  return most;
+}
+
+template <class T>
+void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
+  for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double&) { visit(crowd, batch, contact); });
+}
+
+template <class T>
+double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
+  for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double& most) {
+    const Change change = visit(crowd, batch, contact);
+    if (!change.is_none()) most = std::max(most, size_of(change, contact));
+  });
+  return changes_.empty() ? 0 : *std::max_element(changes_.begin(), changes_.end());
+}
+
+/// Returns how far (m) a change moves places.
+template <class T>
+double CrowdContacts<T>::size_of(const Change& change, const Contact& contact) {
+  if (contact.sliding == contact.terms) return norm(change.along + change.across) / contact.over;
+  return std::max(norm(change.along) / contact.over, norm(change.across) / contact.over_sliding);
 }
 
 /// Sorts contacts by heaps. Those of a heap stay in their order, so that the bits are those of one thread.
@@ -64,9 +83,9 @@ std::uint32_t CrowdContacts<T>::heap_of(std::uint32_t island) {
   return island;
 }
 
-/// Sets the pushes of a contact to what its places ask for. Returns the change of a place, m.
+/// Sets the pushes of a contact to what its places ask for. Returns what changes.
 template <class T>
-double CrowdContacts<T>::visit(Crowd<T>& crowd, Batch& batch, Contact& contact) {
+auto CrowdContacts<T>::visit(Crowd<T>& crowd, Batch& batch, Contact& contact) -> Change {
   const std::span<const Term> terms = batch.terms_of(contact.terms),
                               sliding = batch.terms_of(contact.sliding);
   const bool is_one = contact.sliding == contact.terms;
@@ -79,18 +98,18 @@ double CrowdContacts<T>::visit(Crowd<T>& crowd, Batch& batch, Contact& contact) 
   across = across - dot(across, contact.normal) * contact.normal;
   const double bound = contact.friction * push, square = dot(across, across);
   if (square > bound * bound) across = bound / std::sqrt(square) * across;
-  const Vec3 by = (push - contact.push) * contact.normal, by_across = across - contact.across;
+  const Change by{(push - contact.push) * contact.normal, across - contact.across};
   contact.push = push;
   contact.across = across;
   if (contact.turning != none) resist(crowd, batch, contact);
-  if (by + by_across == Vec3{}) return 0;
+  if (by.is_none()) return by;
   if (is_one) {
-    crowd.push(terms, by + by_across);
-    return norm(by + by_across) / contact.over;
+    crowd.push(terms, by.along + by.across);
+  } else {
+    crowd.push(terms, by.along);
+    crowd.push(sliding, by.across);
   }
-  crowd.push(terms, by);
-  crowd.push(sliding, by_across);
-  return std::max(norm(by) / contact.over, norm(by_across) / contact.over_sliding);
+  return by;
 }
 
 /// Turns the particles of bodies as a torque (kg m²) does.
@@ -148,11 +167,13 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
   return any;
 }
 
-template double CrowdContacts<float>::sweep(Crowd<float>&, Team*);
+template void CrowdContacts<float>::sweep(Crowd<float>&, Team*);
+template double CrowdContacts<float>::measured_sweep(Crowd<float>&, Team*);
 template void CrowdContacts<float>::turn(Crowd<float>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<float>::depth(const Crowd<float>&) const;
 template bool CrowdContacts<float>::bounce(Crowd<float>&);
-template double CrowdContacts<double>::sweep(Crowd<double>&, Team*);
+template void CrowdContacts<double>::sweep(Crowd<double>&, Team*);
+template double CrowdContacts<double>::measured_sweep(Crowd<double>&, Team*);
 template void CrowdContacts<double>::turn(Crowd<double>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<double>::depth(const Crowd<double>&) const;
 template bool CrowdContacts<double>::bounce(Crowd<double>&);

@@ -169,7 +169,10 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     }
     crowd_.sweep(*kernels_, gradient, counts_);
     joints_.sweep(crowd_);
-    left = contacts_.sweep(crowd_, team_);
+    if (stop.tolerance)
+      left = contacts_.measured_sweep(crowd_, team_);
+    else
+      contacts_.sweep(crowd_, team_);
     ++done;
   }
   for (int i = 0; is_hit_ && i < most_hit_sweeps && crowd_.violation(*kernels_) > least_crushed;
