@@ -36,7 +36,7 @@ class Faller {
 
 /// Says how one program is to be run.
 struct Setting {
-  std::string program{}, name{};                                  ///< without commas
+  std::string program{}, name{};                                 ///< without commas
   std::function<std::unique_ptr<Faller>(const Scene&)> start{};  ///< makes it anew
 };
 

@@ -1,4 +1,5 @@
-// bench_ropes: ropes that fall on ground of triangles and on each other until they sleep, plumb beside Bullet.
+// bench_ropes: ropes that fall on ground of triangles and on each other until they sleep, plumb beside
+// Bullet.
 #include <LinearMath/btScalar.h>
 
 #include <chrono>
@@ -24,7 +25,8 @@ namespace {
 constexpr const char* usage =
     "usage: bench_ropes [--scene SPEC] [--seconds S] [--threads N] [--only WORD] [--quick] [--out FILE]\n"
     "\n"
-    "Ropes fall on ground of triangles and on each other until they sleep: plumb beside Bullet's capsules on\n"
+    "Ropes fall on ground of triangles and on each other until they sleep: plumb beside Bullet's capsules "
+    "on\n"
     "ball joints, each by frames of 1/60 s.\n"
     "\n"
     "  --scene SPEC   ropes on one mesh [terrain:ropes=1000,triangles=10000]\n"
@@ -55,8 +57,9 @@ Run run_setting(const Setting& setting, const Scene& scene, std::uint32_t frames
     out.last = meter.measure(positions);
     out.end_strain = faller->strain();
     out.strain = std::max(out.strain, out.end_strain);
-    out.most = {std::max(out.most.in_ground, out.last.in_ground), std::max(out.most.in_ropes, out.last.in_ropes),
-                std::max(out.most.through, out.last.through), std::max(out.most.lost, out.last.lost)};
+    out.most = {std::max(out.most.in_ground, out.last.in_ground),
+                std::max(out.most.in_ropes, out.last.in_ropes), std::max(out.most.through, out.last.through),
+                std::max(out.most.lost, out.last.lost)};
     out.awake = faller->awake();
     if (out.awake == 0) break;
   }
@@ -65,11 +68,11 @@ Run run_setting(const Setting& setting, const Scene& scene, std::uint32_t frames
 
 std::vector<Setting> all_settings(unsigned threads) {
   std::vector<Setting> out;
-  for (const auto& [substeps, sweeps] : {std::pair{4u, 5u}, {4u, 10u}, {8u, 5u}, {8u, 10u}, {16u, 5u}, {16u, 10u}, {32u, 5u}})
+  for (const auto& [substeps, sweeps] :
+       {std::pair{4u, 5u}, {4u, 10u}, {8u, 5u}, {8u, 10u}, {16u, 5u}, {16u, 10u}, {32u, 5u}})
     out.push_back(plumb_relaxed(substeps, sweeps, threads));
   out.push_back(plumb_automatic(threads));
-  for (const auto& [steps, iterations] :
-       {std::pair{4u, 10}, {4u, 50}, {8u, 10}, {16u, 10}, {16u, 50}})
+  for (const auto& [steps, iterations] : {std::pair{4u, 10}, {4u, 50}, {8u, 10}, {16u, 10}, {16u, 50}})
     out.push_back(bullet_rods(steps, iterations));
   return out;
 }
@@ -112,9 +115,9 @@ int run(int argc, char** argv) {
   const Scene scene = scenes::load_scene(spec);
   std::printf("%s; Bullet %d. %s: %zu rods, %zu triangles.\n\n", scenes::describe_machine().cpu.c_str(),
               btGetVersion(), spec.c_str(), scene.rods.size(), scene.meshes.at(0).triangles.size());
-  const std::vector<std::string> header{"program",       "setting",       "s", "awake", "mean ms",
-                                        "worst ms",      "all s",         "strain %, most / last",
-                                        "in ground mm",  "in ropes mm",   "through", "beside"};
+  const std::vector<std::string> header{"program",      "setting",     "s",       "awake",
+                                        "mean ms",      "worst ms",    "all s",   "strain %, most / last",
+                                        "in ground mm", "in ropes mm", "through", "beside"};
   tools::Table table(header);
   Sheet sheet(header);
   for (const Setting& setting : all_settings(threads)) {

@@ -33,11 +33,9 @@ Setting setting_of(std::string name, const Settings& settings) {
 }  // namespace
 
 Setting plumb_relaxed(std::uint32_t substeps, std::uint32_t sweeps, unsigned threads) {
-  return setting_of("relax " + std::to_string(substeps) + " x " + std::to_string(sweeps),
-                    {.method = Method::relax,
-                     .substeps = substeps,
-                     .stop = {.sweeps = sweeps},
-                     .threads = threads});
+  return setting_of(
+      "relax " + std::to_string(substeps) + " x " + std::to_string(sweeps),
+      {.method = Method::relax, .substeps = substeps, .stop = {.sweeps = sweeps}, .threads = threads});
 }
 
 Setting plumb_automatic(unsigned threads) {
