@@ -295,8 +295,9 @@ TEST(RelaxedGround, GivesTheSameBitsOnEveryMachine) {
   }
 }
 
-// A ball at rest is struck within a step, and thrown at ground that was out of its reach as the step began. In a
-// substep it moves by a fifth of its radius, which is not swept. Sweeps and the slop leave less than 1 mm.
+// A ball at rest is struck within a step, and thrown at ground that was out of its reach as the step began.
+// In a substep it moves by a fifth of its radius, which is not swept. Sweeps and the slop leave less than 1
+// mm.
 TEST(RelaxedGround, KeepsOutWhatABlowThrowsAtItWithinAStep) {
   for (const Precision precision : {Precision::double_, Precision::single}) {
     Scene scene;

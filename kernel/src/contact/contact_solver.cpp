@@ -218,7 +218,9 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
   bool slow = sleep_, held = false;
   for (LinkageState* const state : cluster) {
     if (state->asleep) continue;
-    state->slow_time = top_speed(*state) < settings_.sleep_speed ? state->slow_time + dt : 0;
+    // What sweeps leave makes a particle here or there jump, though its island rests.
+    const double speed = relaxes_ || state->is_relaxed ? mean_speed(*state) : top_speed(*state);
+    state->slow_time = speed < settings_.sleep_speed ? state->slow_time + dt : 0;
     held = held || state->linkage->is_grounded() || !state->kept.empty();
     slow = slow && state->slow_time >= sleep_time_ && !is_carried(*state);
   }

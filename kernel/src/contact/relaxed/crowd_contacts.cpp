@@ -8,8 +8,8 @@
 namespace plumb::detail {
 namespace {
 
-/// Contacts are found kind by kind: with planes, boxes, anchored shapes, other ground by lines, ends and hulls,
-/// and of lines and hulls with each other.
+/// Contacts are found kind by kind: with planes, boxes, anchored shapes, other ground by lines, ends and
+/// hulls, and of lines and hulls with each other.
 constexpr std::uint32_t kinds = 8;
 /// More batches than threads even out what they cost.
 constexpr std::uint32_t batches_per_thread = 4;
@@ -171,9 +171,8 @@ void CrowdContacts<T>::add_ends(const Substep& in, const std::array<Side, 2>& si
     contact.shape[i] = side.shape;
     contact.other_terms = static_cast<std::uint32_t>(in.to.terms.size());
     if (side.island == none) continue;
-    moves +=
-        in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, *side.at, i == 0 ? 1 : -1,
-                             in.to.terms);
+    moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, *side.at, i == 0 ? 1 : -1,
+                                in.to.terms);
   }
   contact.terms.end = static_cast<std::uint32_t>(in.to.terms.size());
   contact.over = 1 / moves;
@@ -238,11 +237,11 @@ void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>&
       {xx + std::abs(xy) + std::abs(zx), yy + std::abs(xy) + std::abs(yz), zz + std::abs(yz) + std::abs(zx)});
   contact.turning = static_cast<std::uint32_t>(in.to.turnings.size());
   in.to.turnings.push_back({.first = first,
-                       .end = static_cast<std::uint32_t>(in.to.turn_terms.size()),
-                       .key = contact.key | turning_key,
-                       .rolling = rolling,
-                       .spinning = spinning,
-                       .over = most > 0 ? 1 / most : 0});
+                            .end = static_cast<std::uint32_t>(in.to.turn_terms.size()),
+                            .key = contact.key | turning_key,
+                            .rolling = rolling,
+                            .spinning = spinning,
+                            .over = most > 0 ? 1 / most : 0});
   if (sides[1].rate != nullptr) in.to.turnings.back().carried = in.h * sides[1].rate->spin;
 }
 

@@ -41,8 +41,8 @@ class CrowdContacts {
   }
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
-  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-              const Surroundings& surroundings, const GroundNow& ground, double left, Team* team) {
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
+              const GroundNow& ground, double left, Team* team) {
     near_.follow(cluster, crowd, surroundings, ground, left, settings_.margin, team);
   }
   /// Returns whether any may touch at all.
@@ -260,11 +260,11 @@ class CrowdContacts {
   KeptTable kept_;
   std::vector<Batch> batches_;
   // Heaps are islands that touch each other. They share nothing, so that each may have a thread of its own.
-  std::vector<std::uint32_t> heap_of_;     ///< by island: one of its heap, or itself
-  std::vector<std::uint32_t> heap_ends_;   ///< where each heap ends in in_heaps_
-  std::vector<std::uint32_t> heap_number_; ///< by island that stands for a heap
-  std::vector<Place> in_heaps_;            ///< heap by heap, in the order of contacts
-  std::vector<double> changes_;            ///< m, by heap: the largest of a sweep
+  std::vector<std::uint32_t> heap_of_;      ///< by island: one of its heap, or itself
+  std::vector<std::uint32_t> heap_ends_;    ///< where each heap ends in in_heaps_
+  std::vector<std::uint32_t> heap_number_;  ///< by island that stands for a heap
+  std::vector<Place> in_heaps_;             ///< heap by heap, in the order of contacts
+  std::vector<double> changes_;             ///< m, by heap: the largest of a sweep
 };
 
 }  // namespace plumb::detail

@@ -241,8 +241,7 @@ void CrowdContacts<T>::miss(const Substep& in, const Side& side, std::uint32_t g
   for (const Batch& batch : batches_) number += batch.contacts.size();
   if (is_missed(plane, time, std::max(settings_.tolerance, std::min(settings_.margin, harmless * width))) &&
       plumb::may_touch(shape_of(in, side).filter, in.surroundings.filter_of(ground)))
-    add(in, side, ground_side(in, ground), plane,
-        ground_key(GroundPart::missed, side.shape, ground, number));
+    add(in, side, ground_side(in, ground), plane, ground_key(GroundPart::missed, side.shape, ground, number));
 }
 
 template <class T>
@@ -250,8 +249,8 @@ void CrowdContacts<T>::find_missed_bodies(const Substep& in) {
   const GroundSearch search{settings_.margin, settings_.tolerance};
   for (const Body& each : near_.bodies()) {
     if (!in.crowd.is_moving(each.island)) continue;
-    const double moves = std::max(norm(in.crowd.moved(near_.terms_of(each.a))),
-                                  norm(in.crowd.moved(near_.terms_of(each.b))));
+    const double moves =
+        std::max(norm(in.crowd.moved(near_.terms_of(each.a))), norm(in.crowd.moved(near_.terms_of(each.b))));
     if (!search.is_fast(moves, each.shape->radius)) continue;
     const MovingSegment moving = motion_of(in.crowd, each);
     in.surroundings.find(bounds_of(moving), near_ground_);

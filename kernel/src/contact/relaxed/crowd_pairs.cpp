@@ -84,8 +84,7 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
       const Linkage::Shape& shape = linkage.shapes()[k];
       const TermRange a = add_terms(shape.a), b = add_terms(shape.b);
       bodies_.push_back({i, k, &shape, a, b});
-      bounds_.push_back(
-          reach_of(crowd, surroundings, bodies_.back(), dt, crowd.is_moving(i) ? fall : 0));
+      bounds_.push_back(reach_of(crowd, surroundings, bodies_.back(), dt, crowd.is_moving(i) ? fall : 0));
     }
     if (!crowd.is_moving(i)) continue;
     for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
@@ -93,8 +92,8 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
       const std::uint32_t body = ball.shape < linkage.shapes().size() ? first_body + ball.shape : none;
       balls_.push_back({i, k, &ball, add_terms(ball.center), body});
       const double radius = ball.radius + dt * fastest_ + fall;
-      ball_bounds_.push_back(carried(crowd, surroundings, i, reach_of(crowd, balls_.back().center, radius, dt),
-                                     ball.filter));
+      ball_bounds_.push_back(
+          carried(crowd, surroundings, i, reach_of(crowd, balls_.back().center, radius, dt), ball.filter));
     }
   }
 }
@@ -230,8 +229,7 @@ void CrowdPairs<T>::find_pairs(std::span<LinkageState* const> cluster) {
   const auto lines = static_cast<std::uint32_t>(bodies_.size());
   has_pairs_ = false;
   for (std::uint32_t i = 0; i < bounds_.size() && !has_pairs_; ++i)
-    has_pairs_ =
-        island_of(i) != island_of(0) || cluster[island_of(i)]->linkage->neighbors().any_may_touch();
+    has_pairs_ = island_of(i) != island_of(0) || cluster[island_of(i)]->linkage->neighbors().any_may_touch();
   if (!has_pairs_) return;
   double sum = 0;
   for (const Bounds& each : bounds_)

@@ -51,9 +51,8 @@ class CrowdPairs {
             const GroundNow& ground, double dt, double margin);
   /// Finds, for the time `left` (s) of the step, what lines may touch that go with their displacement of a
   /// substep where they were not looked for. Blows within the step have thrown them there.
-  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-              const Surroundings& surroundings, const GroundNow& ground, double left, double margin,
-              Team* team);
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
+              const GroundNow& ground, double left, double margin, Team* team);
   bool are_empty() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
@@ -115,9 +114,9 @@ class CrowdPairs {
   std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
   std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
   std::vector<std::uint32_t> near_;
-  SpatialHash hash_;         ///< of bounds_
-  bool has_pairs_ = false;   ///< some shapes may touch each other, and hash_ has them
-  double fastest_ = 0;       ///< m/s, of all that moves
+  SpatialHash hash_;        ///< of bounds_
+  bool has_pairs_ = false;  ///< some shapes may touch each other, and hash_ has them
+  double fastest_ = 0;      ///< m/s, of all that moves
   std::vector<std::uint32_t> outrun_;
   std::vector<std::uint8_t> is_outrun_;  ///< by body
   std::vector<Pair> more_, more_of_hulls_, merged_;

@@ -8,7 +8,8 @@
 
 namespace plumb::detail {
 
-/// Calls visit(batch, contact, heap) for all contacts. Heaps are visited by several threads if there is a team.
+/// Calls visit(batch, contact, heap) for all contacts. Heaps are visited by several threads if there is a
+/// team.
 template <class T>
 template <class Visit>
 void CrowdContacts<T>::for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit) {

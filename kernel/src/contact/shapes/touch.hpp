@@ -56,8 +56,7 @@ inline bool are_apart(const Segment& a, const Segment& b, double reach) {
     return std::abs(apart) - std::abs(one) - std::abs(two) > 2 * most;
   };
   return parts(twice.x, own.x, other.x) || parts(twice.y, own.y, other.y) || parts(twice.z, own.z, other.z) ||
-         dot(twice, twice) - std::abs(dot(twice, own)) - std::abs(dot(twice, other)) >
-             2 * most * norm(twice);
+         dot(twice, twice) - std::abs(dot(twice, own)) - std::abs(dot(twice, other)) > 2 * most * norm(twice);
 }
 
 /// Lists where two segments are to be kept apart. They are kept apart where they are nearest. Segments that

@@ -168,7 +168,10 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   const ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)), .team = team_};
   relaxed_->step(cluster, surroundings, rules, dt, tried);
   if (bring_to_lengths(surroundings)) {
-    for (LinkageState* const state : cluster) state->forget_tautness();
+    for (LinkageState* const state : cluster) {
+      state->forget_tautness();
+      state->is_relaxed = true;
+    }
     report = tried;
     return true;
   }
