@@ -239,6 +239,7 @@ std::vector<Generator> what_falls() {
   using R = RopeShape;
   using H = HeapShape;
   using D = DrapeShape;
+  using T = TerrainShape;
   using S = ShotShape;
   using B = BoxesShape;
   return {
@@ -272,6 +273,19 @@ std::vector<Generator> what_falls() {
                    {"friction", &D::friction},
                    {"box", &D::box},
                    {"sphere", &D::sphere}}),
+      describe<T>("terrain", "stacks of ropes that fall on hilly ground of triangles and on each other",
+                  make_terrain,
+                  {{"ropes", &T::ropes},
+                   {"links", &T::links},
+                   {"length", &T::length},
+                   {"mass", &T::mass},
+                   {"radius", &T::radius},
+                   {"spacing", &T::spacing},
+                   {"stack", &T::stack},
+                   {"triangles", &T::triangles},
+                   {"hills", &T::hills},
+                   {"friction", &T::friction},
+                   {"seed", &T::seed}}),
       describe<B>("boxes", "turned boxes that fall on a plane and on each other", make_boxes,
                   {{"boxes", &B::boxes},
                    {"size", &B::size},

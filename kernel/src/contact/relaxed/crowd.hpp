@@ -72,6 +72,7 @@ class Crowd {
   void count_pulls(double h, Gradient gradient, std::span<LinkageState* const> cluster) const;
 
   std::uint32_t rods() const { return rods_; }
+  std::size_t islands() const { return laid_out_.size(); }
   /// Returns whether the rods of some island that moves go round in loops.
   bool has_loops() const { return has_loops_; }
   /// Appends the terms of a sum of an island's particles. Returns what a push of one on it moves it by, 1/kg.

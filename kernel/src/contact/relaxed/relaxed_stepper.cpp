@@ -29,6 +29,7 @@ template <class T>
 void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              const ClusterRules& rules, double dt, Tally& report) {
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
+  team_ = rules.team;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
@@ -40,7 +41,7 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   const double h = dt / substeps;
   for (std::uint32_t i = 0; i < substeps; ++i) {
     if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
-    advance(cluster, surroundings, {start + i * h, h, dt}, most_struck_cuts, report);
+    advance(cluster, surroundings, {start + i * h, h, dt - i * h}, most_struck_cuts, report);
   }
   scatter(cluster);
 }
@@ -53,9 +54,9 @@ void RelaxedStepper<T>::advance(std::span<LinkageState* const> cluster, const Su
   if (substep(cluster, surroundings, span, cuts > 1, report)) return;
   ++report.halvings;
   const double half = 0.5 * span.h;
-  advance(cluster, surroundings, {span.start, half, span.dt}, cuts / 2, report);
+  advance(cluster, surroundings, {span.start, half, span.left}, cuts / 2, report);
   if (surroundings.any_moves()) ground_.find(surroundings, span.start + half);
-  advance(cluster, surroundings, {span.start + half, half, span.dt}, cuts / 2, report);
+  advance(cluster, surroundings, {span.start + half, half, span.left - half}, cuts / 2, report);
 }
 
 /// Returns whether a blow has left rods far from their lengths.
@@ -99,11 +100,12 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   const double h = span.h;
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
+  contacts_.follow(cluster, crowd_, surroundings, ground_, span.left, team_);
   const bool is_guarded = !surroundings.any_moves() && !is_driven(cluster);
   double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
-  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h)) {
+  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h, team_)) {
     scatter(cluster);
-    gather(cluster, surroundings, span.dt);
+    gather(cluster, surroundings, span.left);
     crowd_.predict(h, Gradient::new_);
     if (is_guarded) most_energy = crowd_.kinetic_of_moves(h);
   }
@@ -114,7 +116,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   is_swept_on_ = false;
   solve(gradient, report);
   bool is_missed = false;
-  for (int i = 0; contacts_.find_missed(cluster, crowd_, surroundings, ground_, h); ++i) {
+  for (int i = 0; contacts_.find_missed(cluster, crowd_, surroundings, ground_, h, team_); ++i) {
     is_missed = i == most_missed;
     if (is_missed) break;
     if (gradient != Gradient::new_) {
@@ -213,7 +215,10 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     }
     crowd_.sweep(*kernels_, gradient, counts_);
     joints_.sweep(crowd_);
-    left = contacts_.sweep(crowd_);
+    if (stop.tolerance)
+      left = contacts_.measured_sweep(crowd_, team_);
+    else
+      contacts_.sweep(crowd_, team_);
     ++done;
   }
   if (is_hit_ || is_struck()) {
@@ -234,10 +239,11 @@ std::uint32_t RelaxedStepper<T>::sweep_on(Gradient gradient) {
   for (; done < most_hit_sweeps && crowd_.violation(*kernels_) > most; ++done) {
     crowd_.sweep(*kernels_, gradient, counts_);
     joints_.sweep(crowd_);
-    contacts_.sweep(crowd_);
+    contacts_.sweep(crowd_, team_);
   }
   const std::uint32_t presses = is_hit_ ? most_presses : std::min(most_presses, rules_.stop.sweeps);
-  for (std::uint32_t i = 0; i < presses && contacts_.depth(crowd_) > deepest; ++i) contacts_.sweep(crowd_);
+  for (std::uint32_t i = 0; i < presses && contacts_.depth(crowd_) > deepest; ++i)
+    contacts_.sweep(crowd_, team_);
   return done;
 }
 

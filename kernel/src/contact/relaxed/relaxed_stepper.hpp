@@ -40,9 +40,9 @@ class RelaxedStepper final : public ClusterMover {
   }
 
  private:
-  /// A time to move through: when it begins and how long it is, and the length of the step that it is of, s.
+  /// A time to move through: when it begins, how long it is, and how much of the step is left then, s.
   struct Span {
-    double start, h, dt;
+    double start, h, left;
   };
   void advance(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
                std::uint32_t cuts, Tally& report);
@@ -69,6 +69,7 @@ class RelaxedStepper final : public ClusterMover {
   CrowdJoints<T> joints_;
   std::vector<Vec3> rigid_;
   double recovery_rate_ = 0;
+  Team* team_ = nullptr;      ///< that may help
   bool is_swept_on_ = false;  ///< in this substep, after a blow
   bool is_hit_ = false;       ///< hulls move fast near what they may touch
   bool counts_ = false;       ///< some island's pulls count

@@ -392,6 +392,7 @@ class ClusterStepper final : public ClusterMover {
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
   double shortest_if_missed_ = 0;             ///< s, where something is in ground still
+  Team* team_ = nullptr;                      ///< that may help what is relaxed
   double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits
   double still_ = 0;          ///< m, a change of a position that no longer matters
 };

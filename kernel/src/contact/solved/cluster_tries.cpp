@@ -182,9 +182,13 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
   keep_motion(cluster);
   Tally tried = report;
-  relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, tried);
+  const ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)), .team = team_};
+  relaxed_->step(cluster, surroundings, rules, dt, tried);
   if (bring_to_lengths(surroundings)) {
-    for (LinkageState* const state : cluster) state->forget_tautness();
+    for (LinkageState* const state : cluster) {
+      state->forget_tautness();
+      state->is_relaxed = true;
+    }
     report = tried;
     if (!surroundings.any_moves()) hold_energy(report);
     return true;
