@@ -52,6 +52,7 @@ template <class T>
 void CrowdPairs<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                          const Surroundings& surroundings, const GroundNow& ground, double dt,
                          double margin) {
+  margin_ = margin;
   find_shapes(cluster, crowd, surroundings, dt, margin);
   find_hulls(cluster, crowd, surroundings, dt, margin);
   find_pairs(cluster);
@@ -150,11 +151,11 @@ void CrowdPairs<T>::find_outrun(const Crowd<T>& crowd, Team* team) {
 template <class T>
 void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                            const Surroundings& surroundings, const GroundNow& ground, double left,
-                           double margin, Team* team) {
+                           Team* team) {
   find_outrun(crowd, team);
   if (outrun_.empty()) return;
   for (const std::uint32_t i : outrun_) {
-    const double fall = fall_in(*cluster[bodies_[i].island]->linkage, left) + margin;
+    const double fall = fall_in(*cluster[bodies_[i].island]->linkage, left) + margin_;
     include(bounds_[i], reach_of(crowd, surroundings, bodies_[i], left, fall));
     if (has_pairs_) hash_.insert(i, bounds_[i]);
   }

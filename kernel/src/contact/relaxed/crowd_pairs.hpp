@@ -52,7 +52,7 @@ class CrowdPairs {
   /// Finds, for the time `left` (s) of the step, what lines may touch that go with their displacement of a
   /// substep where they were not looked for. Blows within the step have thrown them there.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
-              const GroundNow& ground, double left, double margin, Team* team);
+              const GroundNow& ground, double left, Team* team);
   bool are_empty() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
@@ -116,6 +116,7 @@ class CrowdPairs {
   std::vector<std::uint32_t> near_;
   SpatialHash hash_;        ///< of bounds_
   bool has_pairs_ = false;  ///< some shapes may touch each other, and hash_ has them
+  double margin_ = 0;       ///< m, nearer than which shapes may touch
   double fastest_ = 0;      ///< m/s, of all that moves
   std::vector<std::uint32_t> outrun_;
   std::vector<std::uint8_t> is_outrun_;  ///< by body
