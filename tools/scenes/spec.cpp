@@ -239,9 +239,6 @@ std::vector<Generator> what_falls() {
   using R = RopeShape;
   using H = HeapShape;
   using D = DrapeShape;
-  using T = TerrainShape;
-  using S = ShotShape;
-  using B = BoxesShape;
   return {
       describe<R>("rope", "a rope that falls on a plane, level or, with the radius of a coil, wound",
                   make_rope,
@@ -273,6 +270,14 @@ std::vector<Generator> what_falls() {
                    {"friction", &D::friction},
                    {"box", &D::box},
                    {"sphere", &D::sphere}}),
+  };
+}
+
+std::vector<Generator> what_falls_in_numbers() {
+  using T = TerrainShape;
+  using S = ShotShape;
+  using B = BoxesShape;
+  return {
       describe<T>("terrain", "stacks of ropes that fall on hilly ground of triangles and on each other",
                   make_terrain,
                   {{"ropes", &T::ropes},
@@ -304,6 +309,7 @@ const std::vector<Generator>& generators() {
     std::vector<Generator> out = chains_and_nets();
     for (Generator& generator : figures_and_solids()) out.push_back(std::move(generator));
     for (Generator& generator : what_falls()) out.push_back(std::move(generator));
+    for (Generator& generator : what_falls_in_numbers()) out.push_back(std::move(generator));
     return out;
   }();
   return list;

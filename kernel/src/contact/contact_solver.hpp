@@ -118,8 +118,14 @@ class ContactSolver final : public Solver {
 
   /// Returns whether a piece is so much of the step's work that the whole team is to move it, on its own.
   bool is_for_team(std::uint32_t piece, unsigned parts) const;
-  /// Tells which team may help with the pieces that are moved next, if any.
-  void set_team(Team* team) { team_ = team; }
+  /// Calls advance(piece) for those, with the team's help.
+  template <class Advance>
+  void for_team_pieces(Team& team, Advance&& advance) {
+    team_ = &team;
+    for (std::uint32_t piece = 0; piece < pieces(); ++piece)
+      if (is_for_team(piece, team.parts())) advance(piece);
+    team_ = nullptr;
+  }
 
   std::uint32_t pieces() const override { return static_cast<std::uint32_t>(pieces_.size()); }
   std::uint32_t islands(std::uint32_t piece) const override;

@@ -45,7 +45,7 @@ class CrowdContacts {
   /// once displacements are predicted.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
               const GroundNow& ground, double left, Team* team) {
-    near_.follow(cluster, crowd, surroundings, ground, left, settings_.margin, team);
+    near_.follow(cluster, crowd, surroundings, ground, left, team);
   }
   /// Returns whether any may touch at all.
   bool any_near() const { return !near_.are_empty(); }

@@ -52,6 +52,7 @@ template <class T>
 void CrowdPairs<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                          const Surroundings& surroundings, const GroundNow& ground, double dt,
                          double margin) {
+  margin_ = margin;
   left_ = dt;
   find_shapes(cluster, crowd, surroundings, dt, margin);
   find_hulls(cluster, crowd, surroundings, dt, margin);
@@ -151,11 +152,11 @@ void CrowdPairs<T>::find_outrun(const Crowd<T>& crowd, Team* team) {
 template <class T>
 void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                            const Surroundings& surroundings, const GroundNow& ground, double left,
-                           double margin, Team* team) {
+                           Team* team) {
   left_ = left;
   find_outrun(crowd, team);
   for (const std::uint32_t i : outrun_) {
-    const double fall = fall_in(*cluster[bodies_[i].island]->linkage, left) + margin;
+    const double fall = fall_in(*cluster[bodies_[i].island]->linkage, left) + margin_;
     widen(i, reach_of(crowd, surroundings, bodies_[i], left, fall));
   }
   find_more(cluster, crowd, surroundings, ground);

@@ -52,7 +52,7 @@ class CrowdPairs {
   /// Finds, for the time `left` (s) of the step, what lines may touch that go with their displacement of a
   /// substep where they were not looked for. Blows within the step have thrown them there.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
-              const GroundNow& ground, double left, double margin, Team* team);
+              const GroundNow& ground, double left, Team* team);
   /// Does so once a substep is solved, where others have pushed them. `ways` are boxes around what bodies,
   /// then hulls pass through in it, from the crowd's origin. Empty ones do not count.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
@@ -123,6 +123,7 @@ class CrowdPairs {
   std::vector<std::uint32_t> near_;
   SpatialHash hash_;                     ///< of bounds_
   bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
+  double margin_ = 0;                    ///< m, nearer than which shapes may touch
   double fastest_ = 0;                   ///< m/s, of all that moves
   double left_ = 0;                      ///< s, the time of the step that is looked ahead
   std::vector<std::uint32_t> outrun_;    ///< what has left its bounds, ascending
