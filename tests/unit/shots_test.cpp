@@ -128,7 +128,7 @@ TEST(Shots, WhatPassesThroughIsSeen) {
 TEST(Shots, RisingEnergyIsSeen) {
   Shot shot = make_shot({0});
   ASSERT_EQ(shot.missile, Missile::ball);
-  EXPECT_EQ(fault_of(shot, way("direct"), fly(shot, way("direct"))), "");
+  EXPECT_EQ(fault_of(fly(shot, way("direct"))), "");
   const Vec3 ahead = (100 / norm(shot.approach)) * shot.approach;
   const Vec3 ball = shot.scene.particles[shot.first].position;
   shot.scene.particles.push_back({.position = ball + ahead, .fixed = true});

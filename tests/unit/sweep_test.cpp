@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/shapes/hulls/convex_hull.hpp"
+#include "contact/shapes/passing.hpp"
 #include "support/meshes.hpp"
 
 namespace plumb::detail {
@@ -52,6 +53,66 @@ TEST(Sweep, FirstTouchIsThatOfSmallSteps) {
   }
   EXPECT_GT(touched, 100);
   EXPECT_GT(at_start, 20);
+}
+
+// Two lines that both move: they are apart until they touch, and touch along the normal.
+TEST(Sweep, FirstTouchOfTwoLinesIsThatOfSmallSteps) {
+  test::Random random(53);
+  int touched = 0, at_start = 0;
+  for (int round = 0; round < 10000; ++round) {
+    const MovingSegment a = random_segment(random, 0.5), b = random_segment(random, 0.5);
+    const auto line = [](const MovingSegment& each, double time) {
+      return Segment{at(each.at.p, each.p_by, time), at(each.at.q, each.q_by, time), each.at.radius};
+    };
+    const auto gap = [&](double time) { return touch(line(a, time), line(b, time)).gap; };
+    const auto found = sweep(a, b, close);
+    const double until = found ? found->time : 1;
+    if (found && until == 0) {  // they touch at the start
+      ++at_start;
+      EXPECT_LE(gap(0), close);
+      continue;
+    }
+    for (int i = 0; i <= 100; ++i) EXPECT_GE(gap(until * i / 100), 0);
+    if (!found) continue;
+    ++touched;
+    EXPECT_LE(gap(until), close);
+    EXPECT_LT(dot(found->normal, moved_between(a, b, found->a, found->b)), 0);
+  }
+  EXPECT_GT(touched, 100);
+  EXPECT_GT(at_start, 20);
+}
+
+// What goes deeper than is harmless on its way is found, and only that. Steps of a thousandth see depths to
+// the way in half of one.
+TEST(Sweep, LinesThatPassThroughEachOtherAreFound) {
+  const PairSearch search{.margin = 2e-3, .close = close};
+  test::Random random(54);
+  int passed = 0, spared = 0;
+  for (int round = 0; round < 10000; ++round) {
+    const MovingSegment a = random_segment(random, 0.5), b = random_segment(random, 0.5);
+    const double radii = a.at.radius + b.at.radius;
+    const auto apart = [&](double time) {
+      return touch({at(a.at.p, a.p_by, time), at(a.at.q, a.q_by, time), 0},
+                   {at(b.at.p, b.p_by, time), at(b.at.q, b.q_by, time), 0})
+          .gap;
+    };
+    if (apart(0) < radii) continue;
+    double least = apart(0);
+    for (int i = 1; i <= 1000; ++i) least = std::min(least, apart(i / 1000.0));
+    const double core = radii - search.harmless(std::min(a.at.radius, b.at.radius));
+    const double unseen = 0.5e-3 * moves_between(a, b);
+    const auto plane = search.passed(a, b);
+    if (least < core - unseen) {
+      ++passed;
+      EXPECT_TRUE(plane);
+    } else if (least > core + close) {
+      ++spared;
+      EXPECT_FALSE(plane);
+    }
+    EXPECT_TRUE(!plane || plane->gap >= 0);
+  }
+  EXPECT_GT(passed, 100);
+  EXPECT_GT(spared, 100);
 }
 
 /// A landscape that is high and folded, so that shots meet it from all sides.

@@ -239,8 +239,6 @@ std::vector<Generator> what_falls() {
   using R = RopeShape;
   using H = HeapShape;
   using D = DrapeShape;
-  using S = ShotShape;
-  using B = BoxesShape;
   return {
       describe<R>("rope", "a rope that falls on a plane, level or, with the radius of a coil, wound",
                   make_rope,
@@ -272,6 +270,27 @@ std::vector<Generator> what_falls() {
                    {"friction", &D::friction},
                    {"box", &D::box},
                    {"sphere", &D::sphere}}),
+  };
+}
+
+std::vector<Generator> what_falls_in_numbers() {
+  using T = TerrainShape;
+  using S = ShotShape;
+  using B = BoxesShape;
+  return {
+      describe<T>("terrain", "stacks of ropes that fall on hilly ground of triangles and on each other",
+                  make_terrain,
+                  {{"ropes", &T::ropes},
+                   {"links", &T::links},
+                   {"length", &T::length},
+                   {"mass", &T::mass},
+                   {"radius", &T::radius},
+                   {"spacing", &T::spacing},
+                   {"stack", &T::stack},
+                   {"triangles", &T::triangles},
+                   {"hills", &T::hills},
+                   {"friction", &T::friction},
+                   {"seed", &T::seed}}),
       describe<B>("boxes", "turned boxes that fall on a plane and on each other", make_boxes,
                   {{"boxes", &B::boxes},
                    {"size", &B::size},
@@ -290,6 +309,7 @@ const std::vector<Generator>& generators() {
     std::vector<Generator> out = chains_and_nets();
     for (Generator& generator : figures_and_solids()) out.push_back(std::move(generator));
     for (Generator& generator : what_falls()) out.push_back(std::move(generator));
+    for (Generator& generator : what_falls_in_numbers()) out.push_back(std::move(generator));
     return out;
   }();
   return list;

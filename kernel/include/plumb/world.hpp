@@ -42,9 +42,9 @@ struct StepReport {
   // all attempts.
   std::uint64_t direct_substeps =
       0;  ///< Substeps that islands took. Each piece of a cut one counts, an elastic one does not.
-  std::uint64_t newton = 0;  ///< Newton steps, summed over islands.
-  std::uint64_t halvings =
-      0;  ///< Substeps of an island that did not converge, or turned too far, and were cut.
+  std::uint64_t newton = 0;    ///< Newton steps, summed over islands.
+  std::uint64_t halvings = 0;  ///< Substeps of an island that did not converge, or turned too far, and were
+                               ///< cut. Relaxed ones, too, that a blow would tear or let something pass.
   /// Counts substeps that were taken in a way that damps, because they, or some just before, did not
   /// converge. That is gradient new or, where things touch, a looser grip or relaxation.
   std::uint64_t fallbacks = 0;

@@ -7,6 +7,7 @@
 #include "contact/surroundings.hpp"
 #include "interface/tally.hpp"
 #include "plumb/settings.hpp"
+#include "threads/team.hpp"
 
 namespace plumb::detail {
 
@@ -15,6 +16,7 @@ struct ClusterRules {
   std::uint32_t substeps = 1;    ///< of a step, at least
   std::uint32_t time_order = 2;  ///< of an island alone in the air
   bool is_watched = false;       ///< errors are estimated, which is to tell the length of substeps in the air
+  Team* team = nullptr;          ///< that may help; null: there is none
 };
 
 /// Moves the islands of one cluster after the other.

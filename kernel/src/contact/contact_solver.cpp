@@ -162,6 +162,13 @@ void ContactSolver::begin_step(double dt, Team& team) {
     returned_.push_back({visitors_[state.number].number(), visitors_[state.number].first_slot()});
   }
   rests_.assign(clusters_.count(), 0);
+  work_of_pieces_ = 0;
+  for (const std::uint32_t c : pieces_) work_of_pieces_ += clusters_[c].size();
+}
+
+bool ContactSolver::is_for_team(std::uint32_t piece, unsigned parts) const {
+  const std::size_t islands = cluster(piece).size();
+  return islands >= worth_threads && islands * parts > work_of_pieces_;
 }
 
 /// Returns whether a cluster is a single island that its own solver can move, with nothing near.
@@ -178,7 +185,7 @@ std::uint32_t ContactSolver::islands(std::uint32_t piece) const {
 
 double ContactSolver::advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part,
                               Tally& report) {
-  const ClusterRules rules{count, time_order_, !histories_.empty()};
+  const ClusterRules rules{count, time_order_, !histories_.empty(), team_};
   movers_[part]->step(cluster(piece), surroundings_, rules, h * count, report);
   return 0;
 }
@@ -211,7 +218,9 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
   bool slow = sleep_, held = false;
   for (LinkageState* const state : cluster) {
     if (state->asleep) continue;
-    state->slow_time = top_speed(*state) < settings_.sleep_speed ? state->slow_time + dt : 0;
+    // What sweeps leave makes a particle here or there jump, though its island rests.
+    const double speed = relaxes_ || state->is_relaxed ? mean_speed(*state) : top_speed(*state);
+    state->slow_time = speed < settings_.sleep_speed ? state->slow_time + dt : 0;
     held = held || state->linkage->is_grounded() || !state->kept.empty();
     slow = slow && state->slow_time >= sleep_time_ && !is_carried(*state);
   }

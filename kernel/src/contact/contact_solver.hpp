@@ -116,6 +116,17 @@ class ContactSolver final : public Solver {
   /// Returns whether enough islands are awake for several threads to win over one.
   bool is_worth_threads() const { return clusters_.awake().size() >= worth_threads; }
 
+  /// Returns whether a piece is so much of the step's work that the whole team is to move it, on its own.
+  bool is_for_team(std::uint32_t piece, unsigned parts) const;
+  /// Calls advance(piece) for those, with the team's help.
+  template <class Advance>
+  void for_team_pieces(Team& team, Advance&& advance) {
+    team_ = &team;
+    for (std::uint32_t piece = 0; piece < pieces(); ++piece)
+      if (is_for_team(piece, team.parts())) advance(piece);
+    team_ = nullptr;
+  }
+
   std::uint32_t pieces() const override { return static_cast<std::uint32_t>(pieces_.size()); }
   std::uint32_t islands(std::uint32_t piece) const override;
   void begin_step(double dt, Team& team) override;
@@ -217,6 +228,8 @@ class ContactSolver final : public Solver {
   bool is_listed_ = false;  ///< nothing was moved in the last step, and its list is made
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step
+  std::size_t work_of_pieces_ = 0;     ///< islands of all of them
+  Team* team_ = nullptr;
   std::vector<Return> returned_, woken_;
   std::vector<std::uint8_t> rests_;  ///< by cluster, set after its step: it may sleep
   ProjectionWork work_;

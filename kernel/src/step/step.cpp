@@ -133,12 +133,11 @@ void Step::solve(StepReport& report) {
     for (const std::uint32_t s : visited_) compiled_.solvers[s]->begin_step(dt_, team);
     for (const std::uint32_t s : visited_)
       if (Solver& solver = *compiled_.solvers[s]; solver.wants_team()) advance_with_team(s, solver, team);
+    if (contact) contact->for_team_pieces(team, [&](std::uint32_t piece) { advance(*contact, piece, 0); });
     const auto tasks = static_cast<std::uint32_t>(active_.size());
     team.for_each(tasks + clusters, [&](std::uint32_t i, unsigned part) {
-      if (i < tasks)
-        advance(sleep_.tasks()[active_[i]], part);
-      else
-        advance(*contact, i - tasks, part);
+      if (i < tasks) return advance(sleep_.tasks()[active_[i]], part);
+      if (!contact->is_for_team(i - tasks, team.parts())) advance(*contact, i - tasks, part);
     });
   });
   for (const StepReport& of_part : reports_) report += of_part;

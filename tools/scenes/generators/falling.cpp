@@ -8,6 +8,7 @@
 #include "plumb/joints.hpp"
 #include "scenes/basics/require.hpp"
 #include "scenes/basics/seeded.hpp"
+#include "scenes/basics/triangles.hpp"
 
 namespace plumb::scenes {
 namespace {
@@ -42,6 +43,34 @@ void add_rope(Scene& scene, std::uint32_t links, const Link& link, Where&& where
     scene.particles.push_back({.position = where(i), .mass = link.mass});
     if (i > 0) add_capsule(scene, first + i - 1, first + i, link);
   }
+}
+
+/// Adds a rope whose middle is at a place, level but for ripples.
+void add_level_rope(Scene& scene, std::uint32_t links, const Link& link, Vec3 middle, double angle) {
+  const Vec3 along = link.length * Vec3{std::cos(angle), 0, std::sin(angle)};
+  add_rope(scene, links, link, [&](std::uint32_t i) {
+    return middle + (i - 0.5 * links) * along + Vec3{0, ripple * std::sin(i), 0};
+  });
+}
+
+/// Returns how high a hill is at a place, from -1 to 1. Hills are about 3 m apart.
+double hill_at(double x, double z) {
+  return 0.6 * std::sin(1.1 * x + 0.4 * z) * std::sin(0.3 * x - 1.3 * z) +
+         0.4 * std::sin(2.3 * x + z) * std::sin(2.9 * z - 0.7 * x);
+}
+
+/// Makes a square of hilly ground around the origin.
+GroundMesh hilly_ground(std::uint32_t triangles, double side, double hills) {
+  const auto cells = static_cast<std::uint32_t>(std::ceil(std::sqrt(0.5 * triangles)));
+  GroundMesh ground;
+  for (std::uint32_t row = 0; row <= cells; ++row)
+    for (std::uint32_t column = 0; column <= cells; ++column) {
+      const double x = side * (column / static_cast<double>(cells) - 0.5),
+                   z = side * (row / static_cast<double>(cells) - 0.5);
+      ground.vertices.push_back({x, hills * hill_at(x, z), z});
+    }
+  ground.triangles = grid_triangles(cells);
+  return ground;
 }
 
 /// Weighs a box as it is turned: the sum of its principal moments times the squares of its axes.
@@ -105,10 +134,7 @@ Scene make_heap(const HeapShape& shape) {
     const double angle = std::numbers::pi * unit_double(random);
     const double x = aside * (2 * unit_double(random) - 1), z = aside * (2 * unit_double(random) - 1);
     const Vec3 middle{x, shape.radius + shape.spacing * (rope + 1), z};
-    const Vec3 along = shape.length * Vec3{std::cos(angle), 0, std::sin(angle)};
-    add_rope(scene, shape.links, link, [&](std::uint32_t i) {
-      return middle + (i - 0.5 * shape.links) * along + Vec3{0, ripple * std::sin(i), 0};
-    });
+    add_level_rope(scene, shape.links, link, middle, angle);
   }
   scene.planes.push_back({.surface = link.surface});
   return scene;
@@ -142,6 +168,34 @@ Scene make_drape(const DrapeShape& shape) {
   else if (shape.box != 0)
     scene.boxes.push_back(
         {.center = middle, .half_size = {quarter, top / 2, quarter}, .surface = link.surface});
+  return scene;
+}
+
+Scene make_terrain(const TerrainShape& shape) {
+  const Link link = link_of(shape);
+  require_at_least(shape.ropes, 1, "ropes");
+  require_at_least(shape.stack, 1, "stack");
+  require_at_least(shape.triangles, 2, "triangles");
+  require_positive(shape.spacing, "spacing");
+  require_not_negative(shape.hills, "hills");
+  if (!(shape.spacing > 2 * shape.radius)) throw InputError("spacing must be more than two radii");
+  require_countable(std::uint64_t{shape.ropes} * (shape.links + std::uint64_t{1}));
+  require_countable(shape.triangles);
+  const std::uint32_t stacks = (shape.ropes - 1) / shape.stack + 1;
+  const auto across = static_cast<std::uint32_t>(std::ceil(std::sqrt(stacks)));
+  // Ropes of stacks side by side have room to turn, and ground reaches beyond them by half a rope.
+  const double between = 1.05 * shape.length * shape.links;
+  Random random(shape.seed);
+  Scene scene;
+  for (std::uint32_t rope = 0; rope < shape.ropes; ++rope) {
+    const std::uint32_t at = rope % stacks, level = rope / stacks;
+    const double x = between * (at % across - 0.5 * (across - 1)),
+                 z = between * (at / across - 0.5 * (across - 1));
+    const double height = shape.hills + shape.radius + shape.spacing * (level + 1);
+    add_level_rope(scene, shape.links, link, {x, height, z}, random.between(0, std::numbers::pi));
+  }
+  scene.meshes.push_back(hilly_ground(shape.triangles, between * (across + 1), shape.hills));
+  scene.meshes.back().surface = link.surface;
   return scene;
 }
 

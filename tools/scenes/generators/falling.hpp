@@ -44,6 +44,21 @@ struct DrapeShape {
   std::uint32_t sphere = 0;  ///< 1: there is a sphere instead of the box, as wide as that.
 };
 
+/// Stacks of level ropes, side by side, fall on hilly ground of triangles and on each other.
+struct TerrainShape {
+  std::uint32_t ropes = 40;
+  std::uint32_t links = 32;
+  double length = 0.1;             ///< Length of a rod, in m.
+  double mass = 0.1;               ///< Mass of a particle, in kg.
+  double radius = 0.02;            ///< Of a capsule, in m.
+  double spacing = 0.1;            ///< Height between the ropes of a stack, in m.
+  std::uint32_t stack = 40;        ///< Ropes above each other, at most.
+  std::uint32_t triangles = 2000;  ///< Of the ground, which is a square grid of the next larger number.
+  double hills = 0.3;              ///< Height of hills, and depth of valleys, at most, in m.
+  double friction = 0.5;
+  std::uint32_t seed = 1;
+};
+
 /// Solid boxes, each turned at random, fall on a plane and on each other.
 struct BoxesShape {
   std::uint32_t boxes = 5;
@@ -58,6 +73,7 @@ struct BoxesShape {
 Scene make_rope(const RopeShape& shape);
 Scene make_heap(const HeapShape& shape);
 Scene make_drape(const DrapeShape& shape);
+Scene make_terrain(const TerrainShape& shape);
 Scene make_boxes(const BoxesShape& shape);
 
 }  // namespace plumb::scenes

@@ -36,16 +36,19 @@ Vec3 end_of(const Shot& shot, std::size_t i, std::span<const Vec3> positions) {
   return place_of(i % 2 == 0 ? core.a : core.b, positions);
 }
 
-/// Marks ends that are beside the frame of a held net.
+/// Marks ends that are beside a held net: out of its frame, or in a mesh at its corner. That one is open,
+/// since no rods lie along the frame.
 void mark_ends_beside_net(const Shot& shot, std::span<const Vec3> positions, std::vector<bool>& beside) {
   const Vec3 corner = positions.front();
+  const double mesh = norm(shot.scene.particles[1].position - shot.scene.particles[0].position);
   for (std::size_t i = 0; i < beside.size(); ++i) {
     const Vec3 at = end_of(shot, i, positions);
-    if (std::abs(at.x) > std::abs(corner.x) || std::abs(at.z) > std::abs(corner.z)) beside[i] = true;
+    const double x = std::abs(at.x) - std::abs(corner.x), z = std::abs(at.z) - std::abs(corner.z);
+    if (std::max(x, z) > 0 || std::min(x, z) > -mesh) beside[i] = true;
   }
 }
 
-/// Says whether an end is behind a held net. Ends that were beside its frame may have gone round it.
+/// Says whether an end is behind a held net. Ends that were beside it may have gone round it.
 bool is_through_net(const Shot& shot, std::span<const Vec3> positions, const std::vector<bool>& beside) {
   for (std::size_t i = 0; i < beside.size(); ++i)
     if (!beside[i] && is_behind_net(positions, shot.net, end_of(shot, i, positions), shot.out)) return true;
@@ -123,14 +126,9 @@ const std::vector<ShotWay>& shot_ways() {
   return ways;
 }
 
-bool is_promised(const Shot& shot, const ShotWay& way) {
-  return is_wall(shot.target) || way.settings.method != Method::relax;
-}
-
-std::string fault_of(const Shot& shot, const ShotWay& way, const ShotResult& result) {
+std::string fault_of(const ShotResult& result) {
   std::string out;
   if (!result.finite) append_item(out, "not finite");
-  if (!is_promised(shot, way)) return out;
   if (result.through) append_item(out, "through");
   if (result.gained) append_item(out, "gained energy");
   return out;

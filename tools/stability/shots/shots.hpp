@@ -36,14 +36,11 @@ struct ShotResult {
 /// Moves a shot. A missile is through a wall if an end or a corner is more than 1 mm beyond its middle. It
 /// is through a held net if an end of its axis is on the other side. It is through anything else if it flies
 /// on as though nothing had been there, and the target's middle was in its way. Past a wall's edge nothing
-/// counts any more, nor do ends that were beside a net's frame.
+/// counts any more, nor do ends that were beside a net's frame or in a mesh at its corner, which is open.
 ShotResult fly(const Shot& shot, const ShotWay& way);
 
-/// Returns whether nothing may come through or gain energy in a shot that is moved in a way. Between islands
-/// nothing is swept where contact is relaxed, so that it is not promised there.
-bool is_promised(const Shot& shot, const ShotWay& way);
-/// Names what of a result breaks a promise, or nothing. All must be finite whatever is_promised() says.
-std::string fault_of(const Shot& shot, const ShotWay& way, const ShotResult& result);
+/// Names what of a result is wrong, or nothing.
+std::string fault_of(const ShotResult& result);
 
 /// Returns whether `at` is on the other side of a net than `out` points to: going there along y one crosses
 /// the net an odd number of times. The net's particles are the first side x side ones, row after row, and

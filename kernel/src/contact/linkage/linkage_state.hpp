@@ -31,6 +31,7 @@ struct LinkageMotion {
   double elapsed = 0;                   ///< s, since the beginning of the step
   bool on_ground = false;               ///< its matrix held contacts with ground in the last substep
   std::uint8_t relax_for = 0;           ///< so many steps, because it could not be solved
+  bool is_relaxed = false;              ///< method auto relaxed its last step
   double slow_time = 0;                 ///< time for which it has been slow, s
   std::optional<double> energy{};       ///< energy that free flight keeps, J
   std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
@@ -182,5 +183,7 @@ double throw_of(const LinkageState& state, double dt);
 Bounds reach(const LinkageState& state, double speed, double dt, double margin);
 /// Returns the speed of the fastest particle, m/s.
 double top_speed(const LinkageState& state);
+/// Returns the root mean square of the speeds (m/s) of an island's movable particles, by mass.
+double mean_speed(const LinkageState& state);
 
 }  // namespace plumb::detail

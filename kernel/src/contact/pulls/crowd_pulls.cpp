@@ -7,7 +7,7 @@ namespace plumb::detail {
 /// Adds the impulses of a contact to what pushed its shapes and the fixed particles of its islands.
 template <class T>
 void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                                      const Contact& contact, double h) const {
+                                      const Batch& batch, const Contact& contact, double h) const {
   const Vec3 across = 1 / h * contact.across;
   const Vec3 along = (1 / h * contact.push + contact.kick) * contact.normal;
   for (int side = 0; side < 2; ++side) {
@@ -17,12 +17,12 @@ void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, co
     if (!pulls.counts || cluster[island]->asleep) continue;
     pulls.shapes[contact.shape[side]] += (side == 0 ? 1.0 : -1.0) * (along + across);
     if (side == 1 && island == contact.island[0]) continue;
-    crowd.push_fixed(terms_of(contact.terms), island, along, pulls);
-    crowd.push_fixed(terms_of(contact.sliding), island, across, pulls);
+    crowd.push_fixed(batch.terms_of(contact.terms), island, along, pulls);
+    crowd.push_fixed(batch.terms_of(contact.sliding), island, across, pulls);
     if (contact.turning == none) continue;
-    const Turning& turning = turnings_[contact.turning];
+    const Turning& turning = batch.turnings[contact.turning];
     for (std::uint32_t k = turning.first; k < turning.end; ++k) {
-      const TurnTerm& term = turn_terms_[k];
+      const TurnTerm& term = batch.turn_terms[k];
       const Term whole{term.at, 1, 0};
       if (term.island == island)
         crowd.push_fixed({&whole, 1}, island, 0.5 / h * cross(turning.push, term.gradient), pulls);
@@ -34,14 +34,14 @@ void CrowdContacts<T>::count_impulses(std::span<LinkageState* const> cluster, co
 /// that holds what lies on it keeps what it touched before it slept, and the other one counts.
 template <class T>
 void CrowdContacts<T>::count_touch(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                                   const Contact& contact, double h) const {
+                                   const Batch& batch, const Contact& contact, double h) const {
   const auto is_awake = [&](int side) {
     return contact.island[side] != none && !cluster[contact.island[side]]->asleep;
   };
   const int own = is_awake(0) ? 0 : 1, other = 1 - own;
   if (!is_awake(own)) return;
   const auto surface = [&](int side) {
-    const std::span<const Term> all = terms_of(contact.terms);
+    const std::span<const Term> all = batch.terms_of(contact.terms);
     const std::size_t first = contact.other_terms - contact.terms.first;
     const double sign = side == 0 ? 1 : -1;
     const double radius = cluster[contact.island[side]]->linkage->shape_of(contact.shape[side]).radius;
@@ -58,12 +58,12 @@ void CrowdContacts<T>::count_touch(std::span<LinkageState* const> cluster, const
 }
 
 template void CrowdContacts<float>::count_impulses(std::span<LinkageState* const>, const Crowd<float>&,
-                                                   const Contact&, double) const;
+                                                   const Batch&, const Contact&, double) const;
 template void CrowdContacts<float>::count_touch(std::span<LinkageState* const>, const Crowd<float>&,
-                                                const Contact&, double) const;
+                                                const Batch&, const Contact&, double) const;
 template void CrowdContacts<double>::count_impulses(std::span<LinkageState* const>, const Crowd<double>&,
-                                                    const Contact&, double) const;
+                                                    const Batch&, const Contact&, double) const;
 template void CrowdContacts<double>::count_touch(std::span<LinkageState* const>, const Crowd<double>&,
-                                                 const Contact&, double) const;
+                                                 const Batch&, const Contact&, double) const;
 
 }  // namespace plumb::detail

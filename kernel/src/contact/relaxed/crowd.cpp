@@ -49,8 +49,12 @@ template <class T>
 void Crowd<T>::lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules) {
   first_.clear();
   inverse_mass_.clear();
+  has_loops_ = false;
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
+    // Anchors close loops, too.
+    const std::uint32_t rods_of_tree = linkage.movable() - (linkage.is_grounded() ? 0 : 1);
+    has_loops_ = has_loops_ || (moves_[i] != 0 && linkage.rods() > rods_of_tree);
     first_.push_back(static_cast<std::uint32_t>(inverse_mass_.size()));
     for (std::uint32_t k = 0; k < linkage.particles(); ++k)
       inverse_mass_.push_back(k < linkage.movable() && moves_[i] != 0 ? 1 / linkage.mass_of(k) : 0);
@@ -173,6 +177,17 @@ T Crowd<T>::violation(const simd::AccessKernels<T>& kernels) {
 }
 
 template <class T>
+double Crowd<T>::violation_before() const {
+  double most = 0;
+  for (std::size_t lane = 0; lane < rod_of_.size(); ++lane) {
+    if (rod_of_[lane].island == none) continue;
+    const Vec3 along = at(x_.data(), address_a_[lane]) - at(x_.data(), address_b_[lane]);
+    most = std::max(most, std::abs(dot(along, along) / rod_of_[lane].length2 - 1));
+  }
+  return most;
+}
+
+template <class T>
 void Crowd<T>::advance(double h, Gradient gradient) {
   const T over = static_cast<T>(1 / h);
   for (std::size_t i = 0; i < laid_out_.size(); ++i) {
@@ -199,9 +214,24 @@ double Crowd<T>::kinetic(const T* data) const {
 }
 
 template <class T>
-void Crowd<T>::slow(double share) {
+void Crowd<T>::slow(double share, Vec3 about) {
   for (std::uint32_t k = 0; k < particles_; ++k)
-    if (inverse_mass_[k] > 0) put(v_.data(), record * k, share * at(v_.data(), record * k));
+    if (inverse_mass_[k] > 0) put(v_.data(), record * k, about + share * (at(v_.data(), record * k) - about));
+}
+
+template <class T>
+auto Crowd<T>::common_motion() const -> CommonMotion {
+  CommonMotion out;
+  Vec3 momentum{};
+  double mass = 0;
+  for (std::uint32_t k = 0; k < particles_; ++k) {
+    if (!(inverse_mass_[k] > 0)) return {};
+    mass += 1 / inverse_mass_[k];
+    momentum += 1 / inverse_mass_[k] * at(v_.data(), record * k);
+  }
+  out.velocity = (1 / mass) * momentum;
+  out.energy = 0.5 * mass * dot(out.velocity, out.velocity);
+  return out;
 }
 
 template <class T>

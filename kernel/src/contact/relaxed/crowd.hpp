@@ -51,19 +51,30 @@ class Crowd {
   void sweep(const simd::AccessKernels<T>& kernels, Gradient gradient, bool counts);
   /// Returns the largest violation of a rod, |C|/L².
   T violation(const simd::AccessKernels<T>& kernels);
+  /// Returns the largest violation of a rod where the substep begins, |C|/L².
+  double violation_before() const;
   /// Ends a substep: moves particles and finds their velocities.
   void advance(double h, Gradient gradient);
   /// Returns the kinetic energy (J) of velocities, or of displacements in h (s).
   double kinetic() const { return kinetic(v_.data()); }
   double kinetic_of_moves(double h) const { return kinetic(p_.data()) / (h * h); }
-  /// Multiplies velocities by a share.
-  void slow(double share);
+  /// Multiplies what velocities differ from one (m/s) by a share.
+  void slow(double share, Vec3 about);
+  /// The velocity (m/s) that all would have together, and its energy, J. It is zero if something is fixed.
+  struct CommonMotion {
+    Vec3 velocity{};
+    double energy = 0;
+  };
+  CommonMotion common_motion() const;
   /// Puts an island back to where the substep began, at rest. Returns whether it was not finite.
   bool stop_if_broken(LinkageState& state, std::uint32_t island);
   /// Adds the impulses with which rods pulled in a substep of h (s).
   void count_pulls(double h, Gradient gradient, std::span<LinkageState* const> cluster) const;
 
   std::uint32_t rods() const { return rods_; }
+  std::size_t islands() const { return laid_out_.size(); }
+  /// Returns whether the rods of some island that moves go round in loops.
+  bool has_loops() const { return has_loops_; }
   /// Appends the terms of a sum of an island's particles. Returns what a push of one on it moves it by, 1/kg.
   double add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
                    std::vector<Term>& to) const;
@@ -128,6 +139,7 @@ class Crowd {
   std::vector<double> inverse_mass_;           ///< 1/kg, by particle; 0 for what does not move
   Vec3 origin_;
   std::uint32_t particles_ = 0, rods_ = 0;
+  bool has_loops_ = false;
   layouts::AlignedBuffer<T> x_, p_, v_, a_;  ///< records, in m, m, m/s and m/s²
   layouts::AlignedBuffer<T> rod_, weight_, moved_;
   std::vector<std::uint32_t> address_a_, address_b_;

@@ -6,47 +6,99 @@
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// Contacts are found kind by kind: with planes, boxes, anchored shapes, other ground by lines, ends and
+/// hulls, and of lines and hulls with each other.
+constexpr std::uint32_t kinds = 8;
+/// More batches than threads even out what they cost.
+constexpr std::uint32_t batches_per_thread = 4;
+
+}  // namespace
 
 // --- Contacts of a substep
 
 template <class T>
 bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
-                             const Surroundings& surroundings, const GroundNow& ground, double h) {
-  contacts_.clear();
-  left_out_.clear();
-  terms_.clear();
-  turn_terms_.clear();
-  turnings_.clear();
-  has_woken_ = false;
-  next_kept_.assign(cluster.size(), 0);
-  const Substep in{cluster, crowd, surroundings, ground, h};
+                             const Surroundings& surroundings, const GroundNow& ground, double h,
+                             Team* team) {
+  is_fast_ = false;
   place_hulls(crowd);
-  touch_planes(in);
-  touch_boxes(in);
-  touch_segments(in);
-  touch_ground(in);
-  touch_pairs(in);
-  touch_hull_pairs(in);
-  if (has_woken_) return false;
-  for (const Contact& contact : contacts_) {
-    if (!(contact.push > 0)) continue;
+  place_lines(crowd, team);
+  find_in_batches(cluster, crowd, surroundings, ground, h, team);
+  if (wake(cluster)) return false;
+  for_contacts([&](const Batch& batch, const Contact& contact) {
+    if (!(contact.push > 0)) return;
     if (contact.sliding == contact.terms) {
-      crowd.push(terms_of(contact.terms), contact.push * contact.normal + contact.across);
+      crowd.push(batch.terms_of(contact.terms), contact.push * contact.normal + contact.across);
     } else {
-      crowd.push(terms_of(contact.terms), contact.push * contact.normal);
-      crowd.push(terms_of(contact.sliding), contact.across);
+      crowd.push(batch.terms_of(contact.terms), contact.push * contact.normal);
+      crowd.push(batch.terms_of(contact.sliding), contact.across);
     }
-    if (contact.turning != none) turn(crowd, turnings_[contact.turning], turnings_[contact.turning].push);
-  }
+    if (contact.turning != none) {
+      const Turning& turning = batch.turnings[contact.turning];
+      turn(crowd, batch, turning, turning.push);
+    }
+  });
+  heap_ends_.clear();
   return true;
 }
 
+/// Finds the contacts of each kind one after the other, in as many batches as threads may work through.
 template <class T>
-void CrowdContacts<T>::wake(LinkageState& state) {
-  state.asleep = false;
-  state.slow_time = 0;
-  state.pulls.begin_step();
-  has_woken_ = true;
+void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
+                                       const Surroundings& surroundings, const GroundNow& ground, double h,
+                                       Team* team) {
+  // Hulls are placed in one working memory.
+  const bool is_shared = team != nullptr && near_.hulls().empty();
+  const std::uint32_t shares = is_shared ? batches_per_thread * team->parts() : 1;
+  batches_.resize(std::max<std::size_t>(kinds * shares, batches_.size()));
+  for (Batch& batch : batches_) batch.clear();
+  kept_.gather(cluster);
+  const auto find = [&](std::uint32_t number) {
+    const std::uint32_t kind = number / shares;
+    const Share share{number % shares, shares};
+    Batch& batch = batches_[number];
+    const Substep in{cluster, crowd, surroundings, ground, h, batch};
+    if (kind == 0) {
+      touch_planes(in, share.of(near_.on_planes()));
+    } else if (kind == 1) {
+      touch_boxes(in, share.of(near_.on_boxes()));
+    } else if (kind == 2) {
+      touch_segments(in, share.of(near_.on_segments()));
+    } else if (kind == 3) {
+      touch_lines_and_ground(in, share.of(near_.on_ground()));
+    } else if (kind == 4) {
+      touch_ends_and_ground(in, share.of(near_.ends_on_ground()));
+    } else if (kind == 5) {
+      touch_hulls_and_ground(in);
+    } else if (kind == 6) {
+      touch_pairs(in, share.of(near_.pairs()));
+    } else {
+      touch_hull_pairs(in);
+    }
+  };
+  if (is_shared) {
+    team->for_each(kinds * shares, [&](std::uint32_t number, unsigned) { find(number); });
+  } else {
+    for (std::uint32_t number = 0; number < kinds; ++number) find(number);
+  }
+}
+
+/// Wakes the sleepers that are about to be pushed. Returns whether there are any.
+template <class T>
+bool CrowdContacts<T>::wake(std::span<LinkageState* const> cluster) {
+  bool any = false;
+  for (const Batch& batch : batches_)
+    for (const std::uint32_t island : batch.woken) {
+      LinkageState& state = *cluster[island];
+      if (!state.asleep) continue;
+      state.asleep = false;
+      state.slow_time = 0;
+      state.pulls.begin_step();
+      any = true;
+    }
+  return any;
 }
 
 template <class T>
@@ -70,10 +122,11 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
                            std::uint64_t key) {
   const Crowd<T>& crowd = in.crowd;
   const double h = in.h;
+  Batch& to = in.to;
   const std::array<Side, 2> sides{one, other};
-  Contact contact{.key = key, .normal = touch.normal};
+  Contact contact{.normal = touch.normal, .key = key};
   add_ends(in, sides, contact);
-  double arriving = dot(touch.normal, crowd.velocity(terms_of(contact.terms)));
+  double arriving = dot(touch.normal, crowd.velocity(to.terms_of(contact.terms)));
   if (other.rate != nullptr) {
     const Vec3 place = crowd.origin() + middle(in, one) - shape_of(in, one).radius * touch.normal;
     contact.carried = other.rate->moved(place, touch.normal, h);
@@ -81,7 +134,7 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
     contact.carried_at_end =
         dot(touch.normal, other.rate->later(h).at(place + contact.carried, touch.normal));
   }
-  const Vec3 shift = crowd.moved(terms_of(contact.terms)) - contact.carried;
+  const Vec3 shift = crowd.moved(to.terms_of(contact.terms)) - contact.carried;
   const double closing = dot(touch.normal, shift);
   const bool comes = touch.gap + closing <= settings_.margin + 0.25 * norm(shift);
   const bool may_pass =
@@ -89,12 +142,13 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   const bool is_watched = (is_hull(in, one) || is_hull(in, other) || may_pass) &&
                           touch.gap <= in_sight(norm(shift), settings_.length_scale);
   if (!(contact.over < INFINITY) || (!comes && !is_watched)) {
-    terms_.resize(contact.terms.first);
+    to.terms.resize(contact.terms.first);
     return;
   }
   for (const Side& side : sides) {
     if (!comes || !(touch.gap + closing < 0) || side.island == none) continue;
-    if (LinkageState& state = *in.cluster[side.island]; state.asleep && !state.frozen) wake(state);
+    if (const LinkageState& state = *in.cluster[side.island]; state.asleep && !state.frozen)
+      to.woken.push_back(side.island);
   }
   const double restitution = std::max(one.surface->restitution, other.surface->restitution);
   contact.gap = recovered(touch.gap, settings_.slop, h * recovery_rate_);
@@ -104,24 +158,24 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   add_sliding(in, sides, touch, contact);
   add_turning(in, sides, contact);
   if (comes) start_from_kept(in, contact);
-  (comes ? contacts_ : left_out_).push_back(contact);
+  (comes ? to.contacts : to.left_out).push_back(contact);
 }
 
 /// Adds the places that the normal push acts on.
 template <class T>
 void CrowdContacts<T>::add_ends(const Substep& in, const std::array<Side, 2>& sides, Contact& contact) {
-  contact.terms.first = static_cast<std::uint32_t>(terms_.size());
+  contact.terms.first = static_cast<std::uint32_t>(in.to.terms.size());
   double moves = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     const Side& side = sides[i];
     contact.island[i] = side.island;
     contact.shape[i] = side.shape;
-    contact.other_terms = static_cast<std::uint32_t>(terms_.size());
+    contact.other_terms = static_cast<std::uint32_t>(in.to.terms.size());
     if (side.island == none) continue;
-    moves +=
-        in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, *side.at, i == 0 ? 1 : -1, terms_);
+    moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, *side.at, i == 0 ? 1 : -1,
+                                in.to.terms);
   }
-  contact.terms.end = static_cast<std::uint32_t>(terms_.size());
+  contact.terms.end = static_cast<std::uint32_t>(in.to.terms.size());
   contact.over = 1 / moves;
 }
 
@@ -133,7 +187,7 @@ void CrowdContacts<T>::add_sliding(const Substep& in, const std::array<Side, 2>&
   contact.sliding = contact.terms;
   contact.over_sliding = contact.over;
   if (!turns(in, sides[0]) && !turns(in, sides[1])) return;
-  contact.sliding.first = static_cast<std::uint32_t>(terms_.size());
+  contact.sliding.first = static_cast<std::uint32_t>(in.to.terms.size());
   double moves = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     const Side& side = sides[i];
@@ -147,9 +201,9 @@ void CrowdContacts<T>::add_sliding(const Substep& in, const std::array<Side, 2>&
       at.count = 4;
       for (std::uint32_t k = 0; k < 4; ++k) at.terms[k] = {shape.body[k], weights[k]};
     }
-    moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, at, sign, terms_);
+    moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, at, sign, in.to.terms);
   }
-  contact.sliding.end = static_cast<std::uint32_t>(terms_.size());
+  contact.sliding.end = static_cast<std::uint32_t>(in.to.terms.size());
   contact.over_sliding = 1 / moves;
 }
 
@@ -159,7 +213,7 @@ void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>&
   const Surface &one = *sides[0].surface, &two = *sides[1].surface;
   const double rolling = std::max(one.rolling, two.rolling), spinning = std::max(one.spinning, two.spinning);
   if (!(rolling > 0 || spinning > 0) || (!turns(in, sides[0]) && !turns(in, sides[1]))) return;
-  const auto first = static_cast<std::uint32_t>(turn_terms_.size());
+  const auto first = static_cast<std::uint32_t>(in.to.turn_terms.size());
   // A torque turns by this matrix, symmetric and positive; no torque by more than its largest row sum.
   double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -170,7 +224,7 @@ void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>&
       const std::uint32_t particle = shape_of(in, side).body[k];
       const double inverse = in.crowd.inverse_mass(side.island, particle);
       const Vec3 g = gradients[k];
-      turn_terms_.push_back(
+      in.to.turn_terms.push_back(
           {side.island, in.crowd.number_of(side.island, particle), (i == 0 ? 1.0 : -1.0) * g, inverse});
       xx += 0.25 * inverse * (g.y * g.y + g.z * g.z);
       yy += 0.25 * inverse * (g.z * g.z + g.x * g.x);
@@ -182,14 +236,14 @@ void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>&
   }
   const double most = std::max(
       {xx + std::abs(xy) + std::abs(zx), yy + std::abs(xy) + std::abs(yz), zz + std::abs(yz) + std::abs(zx)});
-  contact.turning = static_cast<std::uint32_t>(turnings_.size());
-  turnings_.push_back({.first = first,
-                       .end = static_cast<std::uint32_t>(turn_terms_.size()),
-                       .key = contact.key | turning_key,
-                       .rolling = rolling,
-                       .spinning = spinning,
-                       .over = most > 0 ? 1 / most : 0});
-  if (sides[1].rate != nullptr) turnings_.back().carried = in.h * sides[1].rate->spin;
+  contact.turning = static_cast<std::uint32_t>(in.to.turnings.size());
+  in.to.turnings.push_back({.first = first,
+                            .end = static_cast<std::uint32_t>(in.to.turn_terms.size()),
+                            .key = contact.key | turning_key,
+                            .rolling = rolling,
+                            .spinning = spinning,
+                            .over = most > 0 ? 1 / most : 0});
+  if (sides[1].rate != nullptr) in.to.turnings.back().carried = in.h * sides[1].rate->spin;
 }
 
 /// Takes up the pushes that held a contact in the last substep.
@@ -198,20 +252,20 @@ void CrowdContacts<T>::start_from_kept(const Substep& in, Contact& contact) {
   const std::uint32_t island = contact.island[0];
   const LinkageState& state = *in.cluster[island];
   const double h2 = in.h * in.h;
-  const KeptContact held = kept_at(state, contact.key, next_kept_[island]);
+  const KeptContact held = kept_.at(state, island, contact.key);
   if (held.key != contact.key) return;
   const double along = dot(held.force, contact.normal);
   contact.push = h2 * std::max(0.0, along);
   if (along > 0) contact.across = h2 * (held.force - along * contact.normal);
   if (contact.turning == none) return;
-  Turning& turning = turnings_[contact.turning];
-  const KeptContact turned = kept_at(state, turning.key, next_kept_[island]);
+  Turning& turning = in.to.turnings[contact.turning];
+  const KeptContact turned = kept_.at(state, island, turning.key);
   if (turned.key == turning.key) turning.push = h2 * turned.force;
 }
 
 template <class T>
-void CrowdContacts<T>::touch_planes(const Substep& in) {
-  for (const Pair& pair : near_.on_planes()) {
+void CrowdContacts<T>::touch_planes(const Substep& in, std::span<const Pair> pairs) {
+  for (const Pair& pair : pairs) {
     const Ball& each = near_.balls()[pair.one];
     const Plane& plane = in.ground.planes()[pair.other];
     const Vec3 at = in.crowd.origin() + in.crowd.position(near_.terms_of(each.center));
@@ -225,135 +279,36 @@ void CrowdContacts<T>::touch_planes(const Substep& in) {
 }
 
 template <class T>
-void CrowdContacts<T>::touch_pairs(const Substep& in) {
-  const Crowd<T>& crowd = in.crowd;
-  const auto middle_of = [&](const Body& body) {
-    return Segment{crowd.position(near_.terms_of(body.a)), crowd.position(near_.terms_of(body.b)),
-                   body.shape->radius};
-  };
-  for (const Pair& pair : near_.pairs()) {
-    const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
-    if (!crowd.is_moving(a.island) && !crowd.is_moving(b.island)) continue;
-    const Touches near = touches(middle_of(a), middle_of(b));
-    for (std::uint32_t n = 0; n < near.count; ++n) {
-      const Touch& touch = near.at[n];
-      const Combination at_a = blend(a.shape->a, a.shape->b, touch.a),
-                        at_b = blend(b.shape->a, b.shape->b, touch.b);
-      add(in, {a.island, a.number, &at_a, &a.shape->surface}, {b.island, b.number, &at_b, &b.shape->surface},
-          touch, contact_key(KeyKind::island, 4 * a.number + n, in.cluster[b.island]->number, b.number));
-    }
-  }
-}
-
-// --- Visits
-
-template <class T>
-double CrowdContacts<T>::sweep(Crowd<T>& crowd) {
-  double most = 0;
-  for (Contact& contact : contacts_) {
-    const std::span<const Term> terms = terms_of(contact.terms), sliding = terms_of(contact.sliding);
-    const bool is_one = contact.sliding == contact.terms;
-    const Vec3 moved = crowd.moved(terms) - contact.carried;
-    const double along = dot(contact.normal, moved);
-    const double push = std::max(0.0, contact.push - contact.over * (contact.gap + along));
-    const Vec3 slid = is_one ? moved : crowd.moved(sliding) - contact.carried;
-    Vec3 across = contact.across - contact.over_sliding * (slid - dot(contact.normal, slid) * contact.normal);
-    // What the normal push turned by since it was kept would pull along the normal.
-    across = across - dot(across, contact.normal) * contact.normal;
-    const double bound = contact.friction * push, square = dot(across, across);
-    if (square > bound * bound) across = bound / std::sqrt(square) * across;
-    const Vec3 by = (push - contact.push) * contact.normal, by_across = across - contact.across;
-    contact.push = push;
-    contact.across = across;
-    if (contact.turning != none) resist(crowd, contact);
-    if (by + by_across == Vec3{}) continue;
-    if (is_one) {
-      crowd.push(terms, by + by_across);
-      most = std::max(most, norm(by + by_across) / contact.over);
-    } else {
-      crowd.push(terms, by);
-      crowd.push(sliding, by_across);
-      most = std::max({most, norm(by) / contact.over, norm(by_across) / contact.over_sliding});
-    }
-  }
-  return most;
-}
-
-/// Turns the particles of bodies as a torque (kg m²) does.
-template <class T>
-void CrowdContacts<T>::turn(Crowd<T>& crowd, const Turning& turning, Vec3 by) const {
-  for (std::uint32_t k = turning.first; k < turning.end; ++k) {
-    const TurnTerm& term = turn_terms_[k];
-    crowd.push(term.at, 0.5 * term.inverse_mass * cross(by, term.gradient));
-  }
-}
-
-/// Sets the torque that resists turning, within what the normal push allows.
-template <class T>
-void CrowdContacts<T>::resist(Crowd<T>& crowd, const Contact& contact) {
-  Turning& turning = turnings_[contact.turning];
-  Vec3 turned = -1.0 * turning.carried;
-  for (std::uint32_t k = turning.first; k < turning.end; ++k)
-    turned += 0.5 * cross(turn_terms_[k].gradient, crowd.moved(turn_terms_[k].at));
-  const Vec3 wanted = turning.push - turning.over * turned;
-  const double most_spinning = turning.spinning * contact.push, most_rolling = turning.rolling * contact.push;
-  const double spinning = dot(wanted, contact.normal);
-  Vec3 rolling = wanted - spinning * contact.normal;
-  const double square = dot(rolling, rolling);
-  if (square > most_rolling * most_rolling) rolling = most_rolling / std::sqrt(square) * rolling;
-  const Vec3 push = rolling + std::clamp(spinning, -most_spinning, most_spinning) * contact.normal;
-  turn(crowd, turning, push - turning.push);
-  turning.push = push;
-}
-
-template <class T>
-double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
-  double most = 0;
-  for (const Contact& contact : contacts_)
-    most = std::max(
-        most, -contact.gap - dot(contact.normal, crowd.moved(terms_of(contact.terms)) - contact.carried));
-  return most;
-}
-
-template <class T>
-bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
-  constexpr int sweeps = 4;
-  const auto bounces = [](const Contact& contact) { return contact.bounce > 0 && contact.push > 0; };
-  if (std::none_of(contacts_.begin(), contacts_.end(), bounces)) return false;
-  for (int i = 0; i < sweeps; ++i)
-    for (Contact& contact : contacts_) {
-      if (!bounces(contact)) continue;
-      const std::span<const Term> terms = terms_of(contact.terms);
-      const double leaves = dot(contact.normal, crowd.velocity(terms)) - contact.carried_at_end;
-      const double kick = std::max(0.0, contact.kick + contact.over * (contact.bounce - leaves));
-      crowd.push_velocity(terms, (kick - contact.kick) * contact.normal);
-      contact.kick = kick;
-    }
-  return true;
-}
-
-template <class T>
 void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h) {
   for (LinkageState* const state : cluster)
     if (!state->asleep) state->kept.clear();
-  for (const Contact& contact : contacts_) {
+  for_contacts([&](const Batch& batch, const Contact& contact) {
     const Vec3 push = contact.push * contact.normal + contact.across;
-    if (push == Vec3{}) continue;
+    if (push == Vec3{}) return;
     if (LinkageState& state = *cluster[contact.island[0]]; !state.asleep) {
       state.kept.push_back({contact.key, 1 / (h * h) * push, {}});
-      if (contact.turning != none)
-        state.kept.push_back(
-            {turnings_[contact.turning].key, 1 / (h * h) * turnings_[contact.turning].push, {}});
+      if (contact.turning != none) {
+        const Turning& turning = batch.turnings[contact.turning];
+        state.kept.push_back({turning.key, 1 / (h * h) * turning.push, {}});
+      }
     }
-    count_impulses(cluster, crowd, contact, h);
-    count_touch(cluster, crowd, contact, h);
-  }
+    count_impulses(cluster, crowd, batch, contact, h);
+    count_touch(cluster, crowd, batch, contact, h);
+  });
+}
+
+template <class T>
+std::size_t CrowdContacts<T>::count_contacts() const {
+  std::size_t out = 0;
+  for (const Batch& batch : batches_) out += batch.contacts.size();
+  return out;
 }
 
 template <class T>
 std::size_t CrowdContacts<T>::count_pushes() const {
-  return static_cast<std::size_t>(std::count_if(contacts_.begin(), contacts_.end(),
-                                                [](const Contact& contact) { return contact.push > 0; }));
+  std::size_t out = 0;
+  for_contacts([&](const Batch&, const Contact& contact) { out += contact.push > 0; });
+  return out;
 }
 
 template class CrowdContacts<float>;

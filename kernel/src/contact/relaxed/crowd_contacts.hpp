@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -7,9 +8,12 @@
 
 #include "contact/ground/ground_search.hpp"
 #include "contact/relaxed/crowd_pairs.hpp"
+#include "contact/relaxed/kept_table.hpp"
+#include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
 #include "scene/barycentric.hpp"
+#include "threads/team.hpp"
 
 namespace plumb::detail {
 
@@ -19,6 +23,9 @@ namespace plumb::detail {
 /// contact keeps the gap between two places open along one normal, and holds surfaces against sliding within
 /// Coulomb's cone. A visit sets its push to what its places alone ask for. All masses are points, so that a
 /// push moves a place alike in all directions, and the three parts of a push need no matrix.
+///
+/// A team may share the work. What it finds comes in batches, which follow each other as one list would, so
+/// that the bits are the same however many there are.
 ///
 /// Friction acts on places of bodies where they are touched, which turns them, and else on the middles of
 /// shapes. What resists rolling and spinning turns bodies against what they touch.
@@ -34,6 +41,12 @@ class CrowdContacts {
     recovery_rate_ = recovery_rate;
     near_.find(cluster, crowd, surroundings, ground, dt, settings_.margin);
   }
+  /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
+  /// once displacements are predicted.
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
+              const GroundNow& ground, double left, Team* team) {
+    near_.follow(cluster, crowd, surroundings, ground, left, team);
+  }
   /// Returns whether any may touch at all.
   bool any_near() const { return !near_.are_empty(); }
 
@@ -43,14 +56,17 @@ class CrowdContacts {
 
   /// Makes contacts of those that may touch within a substep of h (s), once displacements are predicted, and
   /// starts from their last pushes. Returns false if an island woke because something is about to push it.
+  /// A team helps, if there is one.
   bool begin(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
-             const GroundNow& ground, double h);
-  /// Makes contacts of what goes into ground where it was not expected, because others push it. Returns
-  /// whether there are any.
+             const GroundNow& ground, double h, Team* team);
+  /// Makes contacts of what goes into ground, or through others, where it was not expected, because others
+  /// push it. Returns whether there are any.
   bool find_missed(std::span<LinkageState* const> cluster, Crowd<T>& crowd, const Surroundings& surroundings,
-                   const GroundNow& ground, double h);
-  /// Visits all contacts once. Returns the largest change of a place, m.
-  double sweep(Crowd<T>& crowd);
+                   const GroundNow& ground, double h, Team* team);
+  /// Visits all contacts once, after begin() or find_missed().
+  void sweep(Crowd<T>& crowd, Team* team);
+  /// Does so, and returns the largest change of a place, m.
+  double measured_sweep(Crowd<T>& crowd, Team* team);
   /// Returns how deep (m) some contact goes into what it should stay out of, at most.
   double depth(const Crowd<T>& crowd) const;
   /// Lets velocities bounce, once they are known. Returns whether anything does.
@@ -58,8 +74,28 @@ class CrowdContacts {
   /// Ends a substep: keeps pushes for the next one, and adds up their impulses where pulls count.
   void end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h);
 
+  /// Returns whether a capsule meets another one in the substep that it would pass.
+  bool are_struck() const {
+    return std::any_of(batches_.begin(), batches_.end(), [](const Batch& batch) { return batch.is_struck; });
+  }
+  /// Returns whether capsules move far in the substep for how thick they are.
+  bool are_fast() const { return is_fast_; }
+  /// Returns whether some islands push each other.
+  bool hold_islands() const {
+    return any_of([](const Contact& each) { return each.push > 0 && each.island[1] != none; });
+  }
+  /// Returns whether ground pushes something.
+  bool push_ground() const {
+    return any_of([](const Contact& each) { return each.push > 0 && each.island[1] == none; });
+  }
+  /// Returns whether a capsule moves so far past a hull that it might be pushed out on the wrong side, after
+  /// find_missed().
+  bool outrun_hulls(const Crowd<T>& crowd);
+
   bool has_hulls() const { return !near_.hulls().empty(); }
-  bool is_empty() const { return contacts_.empty(); }
+  bool is_empty() const {
+    return !any_of([](const Contact&) { return true; });
+  }
   std::size_t count_pushes() const;
 
  private:
@@ -73,14 +109,6 @@ class CrowdContacts {
   using Hull = typename CrowdPairs<T>::Hull;
   using Vectors = Linkage::HullShape::Vectors;
 
-  /// These do not change while contacts of a substep of h (s) are found.
-  struct Substep {
-    std::span<LinkageState* const> cluster;
-    Crowd<T>& crowd;
-    const Surroundings& surroundings;
-    const GroundNow& ground;
-    double h;
-  };
   /// One side of a contact is on a shape's middle or, without an island, on the ground, whose number stands
   /// in `shape`.
   struct Side {
@@ -90,22 +118,24 @@ class CrowdContacts {
     const GroundRate* rate = nullptr;  ///< of ground that moves
   };
   struct Contact {
-    TermRange terms{}, sliding{};   ///< of the middles of shapes, and of the places that friction holds
-    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
-    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    // These are what every visit reads, side by side.
+    TermRange terms{}, sliding{};  ///< of the middles of shapes, and of the places that friction holds
     std::uint32_t turning = none;
-    std::uint64_t key = 0;
     Vec3 normal{};
     double gap = 0;                     ///< m, what may be lost
     double friction = 0;                ///< Coulomb's coefficient
-    double approach = 0;                ///< m/s, how fast it is about to be hit
-    double bounce = 0;                  ///< m/s, what it leaves the surface with
     double over = 0, over_sliding = 0;  ///< kg, what changes its places by a metre
     double push = 0;                    ///< kg m
     Vec3 across{};                      ///< kg m, against sliding
-    double kick = 0;                    ///< kg m/s, of a bounce
     Vec3 carried{};                     ///< m, how far the ground goes
-    double carried_at_end = 0;          ///< m/s, how fast it moves along the normal
+    // The others are read once in a substep.
+    std::uint32_t other_terms = 0;  ///< where those of the second shape begin
+    std::uint32_t island[2] = {none, none}, shape[2] = {0, 0};
+    std::uint64_t key = 0;
+    double approach = 0;        ///< m/s, how fast it is about to be hit
+    double bounce = 0;          ///< m/s, what it leaves the surface with
+    double kick = 0;            ///< kg m/s, of a bounce
+    double carried_at_end = 0;  ///< m/s, how fast it moves along the normal
   };
   /// This is a particle of a body that turns at half the sum of all gradient x motion.
   struct TurnTerm {
@@ -123,9 +153,56 @@ class CrowdContacts {
     Vec3 push{};               ///< kg m²
   };
 
-  std::span<const Term> terms_of(TermRange range) const {
-    return std::span(terms_).subspan(range.first, range.end - range.first);
-  }
+  /// Contacts that one thread has found, with all that their numbers refer to.
+  struct Batch {
+    std::vector<Term> terms{};
+    std::vector<Contact> contacts{};
+    std::vector<Contact> left_out{};  ///< those that did not seem to come about
+    std::vector<TurnTerm> turn_terms{};
+    std::vector<Turning> turnings{};
+    std::vector<std::uint32_t> woken{};  ///< islands
+    bool is_struck = false;              ///< a capsule meets another one that it would pass
+    void clear() {
+      terms.clear();
+      contacts.clear();
+      left_out.clear();
+      turn_terms.clear();
+      turnings.clear();
+      woken.clear();
+      is_struck = false;
+    }
+    std::span<const Term> terms_of(TermRange range) const {
+      return std::span(terms).subspan(range.first, range.end - range.first);
+    }
+  };
+  /// These do not change while contacts of a substep of h (s) are found. What is found goes to a batch.
+  struct Substep {
+    std::span<LinkageState* const> cluster;
+    Crowd<T>& crowd;
+    const Surroundings& surroundings;
+    const GroundNow& ground;
+    double h;
+    Batch& to;
+  };
+  /// Says what of a list one of several threads works through.
+  struct Share {
+    std::uint32_t number = 0, count = 1;
+    std::span<const Pair> of(std::span<const Pair> pairs) const {
+      const auto size = static_cast<std::uint32_t>(pairs.size());
+      const std::uint32_t first = Team::begin_of(size, number, count);
+      return pairs.subspan(first, Team::begin_of(size, number + 1, count) - first);
+    }
+  };
+  /// Names a contact by its batch and its number there.
+  struct Place {
+    std::uint32_t batch, number;
+  };
+  /// This is how the line of a body moves, from the crowd's origin, and how far its ends do at most (m).
+  struct PlacedLine {
+    MovingSegment way;
+    double moves;
+  };
+
   static const Linkage::Shape& shape_of(const Substep& in, const Side& side) {
     return in.cluster[side.island]->linkage->shape_of(side.shape);
   }
@@ -144,10 +221,12 @@ class CrowdContacts {
   void add_sliding(const Substep& in, const std::array<Side, 2>& sides, const Touch& touch, Contact& contact);
   void add_turning(const Substep& in, const std::array<Side, 2>& sides, Contact& contact);
   void start_from_kept(const Substep& in, Contact& contact);
-  void touch_planes(const Substep& in);
-  void touch_boxes(const Substep& in);
-  void touch_segments(const Substep& in);
-  void touch_ground(const Substep& in);
+  void touch_planes(const Substep& in, std::span<const Pair> pairs);
+  void touch_boxes(const Substep& in, std::span<const Pair> pairs);
+  void touch_segments(const Substep& in, std::span<const Pair> pairs);
+  void touch_lines_and_ground(const Substep& in, std::span<const Pair> pairs);
+  void touch_ends_and_ground(const Substep& in, std::span<const Pair> pairs);
+  void touch_hulls_and_ground(const Substep& in);
   void touch_hull_pairs(const Substep& in);
   void find_missed_bodies(const Substep& in);
   void find_missed_hulls(const Substep& in);
@@ -158,27 +237,71 @@ class CrowdContacts {
   MovingHullShape hull_motion(const Crowd<T>& crowd, std::uint32_t hull);
   /// Returns a body, or after all bodies a hull.
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
-  void touch_pairs(const Substep& in);
-  void wake(LinkageState& state);
-  void turn(Crowd<T>& crowd, const Turning& turning, Vec3 by) const;
-  void resist(Crowd<T>& crowd, const Contact& contact);
-  void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Contact& contact,
-                      double h) const;
-  void count_touch(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Contact& contact,
-                   double h) const;
+  void place_lines(const Crowd<T>& crowd, Team* team);
+  void place_ways(const Crowd<T>& crowd);
+  PairSearch pair_search() const { return {settings_.margin, settings_.tolerance}; }
+  bool is_fast(const Pair& pair) const;
+  void touch_pair(const Substep& in, const Pair& pair, const Touch& touch, std::uint64_t key);
+  void touch_pairs(const Substep& in, std::span<const Pair> pairs);
+  void find_missed_pairs(const Substep& in, Team* team);
+  /// Calls f(batch, contact) for all contacts, in their order.
+  template <class F>
+  void for_contacts(F&& f) {
+    for (Batch& batch : batches_)
+      for (Contact& contact : batch.contacts) f(batch, contact);
+  }
+  template <class F>
+  void for_contacts(F&& f) const {
+    for (const Batch& batch : batches_)
+      for (const Contact& contact : batch.contacts) f(batch, contact);
+  }
+  /// Returns whether is(contact) is true of some contact.
+  template <class Is>
+  bool any_of(Is&& is) const {
+    return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+      return std::any_of(batch.contacts.begin(), batch.contacts.end(), is);
+    });
+  }
+  std::size_t count_contacts() const;
+  void find_in_batches(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
+                       const Surroundings& surroundings, const GroundNow& ground, double h, Team* team);
+  bool wake(std::span<LinkageState* const> cluster);
+  static Contact copied(const Batch& from, const Contact& contact, Batch& to);
+  void find_heaps(std::size_t islands);
+  std::uint32_t heap_of(std::uint32_t island);
+  template <class Visit>
+  void for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit);
+  /// This is what a visit changes: pushes, kg m.
+  struct Change {
+    Vec3 along{}, across{};
+    bool is_none() const { return along + across == Vec3{}; }
+  };
+  Change visit(Crowd<T>& crowd, Batch& batch, Contact& contact);
+  static double size_of(const Change& change, const Contact& contact);
+  void turn(Crowd<T>& crowd, const Batch& batch, const Turning& turning, Vec3 by) const;
+  void resist(Crowd<T>& crowd, Batch& batch, const Contact& contact);
+  void count_impulses(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,
+                      const Contact& contact, double h) const;
+  void count_touch(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Batch& batch,
+                   const Contact& contact, double h) const;
 
   ContactSettings settings_;  ///< multiplied by their length scale
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
   PlacedHulls placed_hulls_;
+  std::vector<PlacedLine> placed_lines_;    ///< by body
+  std::vector<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is
+  bool is_fast_ = false;                    ///< some line is, or was in this substep
+  std::vector<Bounds> ways_;                ///< around what bodies, then hulls pass through, from there
   std::vector<std::uint32_t> near_ground_;
-  std::vector<Term> terms_;
-  std::vector<Contact> contacts_;
-  std::vector<Contact> left_out_;  ///< those that did not seem to come about
-  std::vector<TurnTerm> turn_terms_;
-  std::vector<Turning> turnings_;
-  bool has_woken_ = false;
-  std::vector<std::size_t> next_kept_;  ///< by island: where the next contact is likely to be found again
+  KeptTable kept_;
+  std::vector<Batch> batches_;
+  // Heaps are islands that touch each other. They share nothing, so that each may have a thread of its own.
+  std::vector<std::uint32_t> heap_of_;      ///< by island: one of its heap, or itself
+  std::vector<std::uint32_t> heap_ends_;    ///< where each heap ends in in_heaps_
+  std::vector<std::uint32_t> heap_number_;  ///< by island that stands for a heap
+  std::vector<Place> in_heaps_;             ///< heap by heap, in the order of contacts
+  std::vector<double> changes_;             ///< m, by heap: the largest of a sweep
 };
 
 }  // namespace plumb::detail

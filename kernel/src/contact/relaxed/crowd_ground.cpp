@@ -9,8 +9,8 @@
 namespace plumb::detail {
 
 template <class T>
-void CrowdContacts<T>::touch_boxes(const Substep& in) {
-  for (const Pair& pair : near_.on_boxes()) {
+void CrowdContacts<T>::touch_boxes(const Substep& in, std::span<const Pair> pairs) {
+  for (const Pair& pair : pairs) {
     const Body& each = near_.bodies()[pair.one];
     const Surroundings::Solid& box = in.ground.boxes()[pair.other];
     const Vec3 off = in.crowd.origin() - box.center;
@@ -29,8 +29,8 @@ void CrowdContacts<T>::touch_boxes(const Substep& in) {
 }
 
 template <class T>
-void CrowdContacts<T>::touch_segments(const Substep& in) {
-  for (const Pair& pair : near_.on_segments()) {
+void CrowdContacts<T>::touch_segments(const Substep& in, std::span<const Pair> pairs) {
+  for (const Pair& pair : pairs) {
     const Body& each = near_.bodies()[pair.one];
     const Segment own{in.crowd.origin() + in.crowd.position(near_.terms_of(each.a)),
                       in.crowd.origin() + in.crowd.position(near_.terms_of(each.b)), each.shape->radius};
@@ -103,11 +103,11 @@ auto CrowdContacts<T>::ground_side(const Substep& in, std::uint32_t ground) -> S
 }
 
 template <class T>
-void CrowdContacts<T>::touch_ground(const Substep& in) {
+void CrowdContacts<T>::touch_lines_and_ground(const Substep& in, std::span<const Pair> pairs) {
   const Surroundings& surroundings = in.surroundings;
   const Crowd<T>& crowd = in.crowd;
   const GroundSearch search{settings_.margin, settings_.tolerance};
-  for (const auto& [number, ground] : near_.on_ground()) {
+  for (const auto& [number, ground] : pairs) {
     const Body& each = near_.bodies()[number];
     const Side other = ground_side(in, ground);
     for_line_touches(surroundings, ground, motion_of(crowd, each), each.number, search,
@@ -116,7 +116,14 @@ void CrowdContacts<T>::touch_ground(const Substep& in) {
                        add(in, {each.island, each.number, &at, &each.shape->surface}, other, touch, key);
                      });
   }
-  for (const auto& [number, ground] : near_.ends_on_ground()) {
+}
+
+template <class T>
+void CrowdContacts<T>::touch_ends_and_ground(const Substep& in, std::span<const Pair> pairs) {
+  const Surroundings& surroundings = in.surroundings;
+  const Crowd<T>& crowd = in.crowd;
+  const GroundSearch search{settings_.margin, settings_.tolerance};
+  for (const auto& [number, ground] : pairs) {
     const Ball& each = near_.balls()[number];
     const Side other = ground_side(in, ground);
     const auto [line, p_by, q_by] = motion_of(crowd, near_.bodies()[each.body]);
@@ -128,6 +135,13 @@ void CrowdContacts<T>::touch_ground(const Substep& in) {
                           touch, key);
                     });
   }
+}
+
+template <class T>
+void CrowdContacts<T>::touch_hulls_and_ground(const Substep& in) {
+  const Surroundings& surroundings = in.surroundings;
+  const Crowd<T>& crowd = in.crowd;
+  const GroundSearch search{settings_.margin, settings_.tolerance};
   for (const auto& [number, ground] : near_.hulls_on_ground()) {
     const Hull& each = near_.hulls()[number];
     const Side other = ground_side(in, ground);
@@ -169,20 +183,54 @@ void CrowdContacts<T>::touch_hull_pairs(const Substep& in) {
 
 template <class T>
 bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd<T>& crowd,
-                                   const Surroundings& surroundings, const GroundNow& ground, double h) {
-  const std::size_t before = contacts_.size();
-  const auto comes = [&](const Contact& contact) {
-    const Vec3 moved = crowd.moved(terms_of(contact.terms)) - contact.carried;
-    if (contact.gap + dot(contact.normal, moved) > -settings_.slop) return false;
-    contacts_.push_back(contact);
-    return true;
+                                   const Surroundings& surroundings, const GroundNow& ground, double h,
+                                   Team* team) {
+  // All that is found now goes behind what was found before.
+  Batch& last = batches_.back();
+  const std::size_t before = last.contacts.size();
+  for (Batch& batch : batches_) {
+    const auto comes = [&](const Contact& contact) {
+      const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - contact.carried;
+      if (contact.gap + dot(contact.normal, moved) > -settings_.slop) return false;
+      last.contacts.push_back(&batch == &last ? contact : copied(batch, contact, last));
+      return true;
+    };
+    batch.left_out.erase(std::remove_if(batch.left_out.begin(), batch.left_out.end(), comes),
+                         batch.left_out.end());
+  }
+  const Substep in{cluster, crowd, surroundings, ground, h, last};
+  find_missed_pairs(in, team);
+  if (!surroundings.tree.is_empty()) {
+    find_missed_bodies(in);
+    find_missed_hulls(in);
+  }
+  if (last.contacts.size() == before) return false;
+  heap_ends_.clear();
+  return true;
+}
+
+/// Returns a contact of one batch for another one, which gets all that it refers to.
+template <class T>
+auto CrowdContacts<T>::copied(const Batch& from, const Contact& contact, Batch& to) -> Contact {
+  Contact out = contact;
+  const auto copy = [&](TermRange range) {
+    const auto first = static_cast<std::uint32_t>(to.terms.size());
+    to.terms.insert(to.terms.end(), from.terms.begin() + range.first, from.terms.begin() + range.end);
+    return TermRange{first, static_cast<std::uint32_t>(to.terms.size())};
   };
-  left_out_.erase(std::remove_if(left_out_.begin(), left_out_.end(), comes), left_out_.end());
-  if (surroundings.tree.is_empty()) return contacts_.size() > before;
-  const Substep in{cluster, crowd, surroundings, ground, h};
-  find_missed_bodies(in);
-  find_missed_hulls(in);
-  return contacts_.size() > before;
+  out.terms = copy(contact.terms);
+  out.other_terms = out.terms.first + (contact.other_terms - contact.terms.first);
+  out.sliding = contact.sliding == contact.terms ? out.terms : copy(contact.sliding);
+  if (contact.turning == none) return out;
+  Turning turning = from.turnings[contact.turning];
+  const auto first = static_cast<std::uint32_t>(to.turn_terms.size());
+  to.turn_terms.insert(to.turn_terms.end(), from.turn_terms.begin() + turning.first,
+                       from.turn_terms.begin() + turning.end);
+  turning.first = first;
+  turning.end = static_cast<std::uint32_t>(to.turn_terms.size());
+  out.turning = static_cast<std::uint32_t>(to.turnings.size());
+  to.turnings.push_back(turning);
+  return out;
 }
 
 /// Adds a contact with what a shape went into, if that was not expected. `width` (m) is half of the shape's.
@@ -194,7 +242,7 @@ void CrowdContacts<T>::miss(const Substep& in, const Side& side, std::uint32_t g
   if (is_missed(plane, time, std::max(settings_.tolerance, std::min(settings_.margin, harmless * width))) &&
       plumb::may_touch(shape_of(in, side).filter, in.surroundings.filter_of(ground)))
     add(in, side, ground_side(in, ground), plane,
-        ground_key(GroundPart::missed, side.shape, ground, contacts_.size()));
+        ground_key(GroundPart::missed, side.shape, ground, count_contacts()));
 }
 
 template <class T>
@@ -202,8 +250,10 @@ void CrowdContacts<T>::find_missed_bodies(const Substep& in) {
   const GroundSearch search{settings_.margin, settings_.tolerance};
   for (const Body& each : near_.bodies()) {
     if (!in.crowd.is_moving(each.island)) continue;
+    const double moves =
+        std::max(norm(in.crowd.moved(near_.terms_of(each.a))), norm(in.crowd.moved(near_.terms_of(each.b))));
+    if (!search.is_fast(moves, each.shape->radius)) continue;
     const MovingSegment moving = motion_of(in.crowd, each);
-    if (!search.is_fast(moves_of(moving), each.shape->radius)) continue;
     in.surroundings.find(bounds_of(moving), near_ground_);
     for (const std::uint32_t ground : near_ground_)
       for_first_touches(in.surroundings, ground, moving, search.close,
@@ -233,21 +283,25 @@ void CrowdContacts<T>::find_missed_hulls(const Substep& in) {
   }
 }
 
-template void CrowdContacts<float>::touch_boxes(const Substep&);
-template void CrowdContacts<float>::touch_segments(const Substep&);
+template void CrowdContacts<float>::touch_boxes(const Substep&, std::span<const Pair>);
+template void CrowdContacts<float>::touch_segments(const Substep&, std::span<const Pair>);
 template std::uint32_t CrowdContacts<float>::cuts(const Crowd<float>&, double) const;
 template void CrowdContacts<float>::place_hulls(const Crowd<float>&);
-template void CrowdContacts<float>::touch_ground(const Substep&);
+template void CrowdContacts<float>::touch_lines_and_ground(const Substep&, std::span<const Pair>);
+template void CrowdContacts<float>::touch_ends_and_ground(const Substep&, std::span<const Pair>);
+template void CrowdContacts<float>::touch_hulls_and_ground(const Substep&);
 template void CrowdContacts<float>::touch_hull_pairs(const Substep&);
 template bool CrowdContacts<float>::find_missed(std::span<LinkageState* const>, Crowd<float>&,
-                                                const Surroundings&, const GroundNow&, double);
-template void CrowdContacts<double>::touch_boxes(const Substep&);
-template void CrowdContacts<double>::touch_segments(const Substep&);
+                                                const Surroundings&, const GroundNow&, double, Team*);
+template void CrowdContacts<double>::touch_boxes(const Substep&, std::span<const Pair>);
+template void CrowdContacts<double>::touch_segments(const Substep&, std::span<const Pair>);
 template std::uint32_t CrowdContacts<double>::cuts(const Crowd<double>&, double) const;
 template void CrowdContacts<double>::place_hulls(const Crowd<double>&);
-template void CrowdContacts<double>::touch_ground(const Substep&);
+template void CrowdContacts<double>::touch_lines_and_ground(const Substep&, std::span<const Pair>);
+template void CrowdContacts<double>::touch_ends_and_ground(const Substep&, std::span<const Pair>);
+template void CrowdContacts<double>::touch_hulls_and_ground(const Substep&);
 template void CrowdContacts<double>::touch_hull_pairs(const Substep&);
 template bool CrowdContacts<double>::find_missed(std::span<LinkageState* const>, Crowd<double>&,
-                                                 const Surroundings&, const GroundNow&, double);
+                                                 const Surroundings&, const GroundNow&, double, Team*);
 
 }  // namespace plumb::detail

@@ -8,6 +8,7 @@
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/spatial_hash.hpp"
+#include "threads/team.hpp"
 
 namespace plumb::detail {
 
@@ -48,6 +49,14 @@ class CrowdPairs {
   /// `margin` (m) may touch.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double margin);
+  /// Finds, for the time `left` (s) of the step, what lines may touch that go with their displacement of a
+  /// substep where they were not looked for. Blows within the step have thrown them there.
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
+              const GroundNow& ground, double left, Team* team);
+  /// Does so once a substep is solved, where others have pushed them. `ways` are boxes around what bodies,
+  /// then hulls pass through in it, from the crowd's origin. Empty ones do not count.
+  void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
+              const GroundNow& ground, std::span<const Bounds> ways);
   bool are_empty() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
@@ -86,9 +95,22 @@ class CrowdPairs {
     return number < bodies_.size() ? bodies_[number].shape->filter
                                    : hulls_[number - bodies_.size()].shape->filter;
   }
+  bool is_outrun(const Crowd<T>& crowd, std::uint32_t body) const;
+  void find_outrun(const Crowd<T>& crowd, Team* team);
+  Bounds reach_of(const Crowd<T>& crowd, TermRange place, double radius, double dt) const;
+  Bounds reach_of(const Crowd<T>& crowd, const Surroundings& surroundings, const Body& body, double dt,
+                  double further) const;
   void find_pairs(std::span<LinkageState* const> cluster);
+  bool may_meet(std::span<LinkageState* const> cluster, std::uint32_t i, std::uint32_t j) const;
+  void widen(std::uint32_t number, const Bounds& by);
+  void find_more(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+                 const Surroundings& surroundings, const GroundNow& ground);
+  void find_more_pairs(std::span<LinkageState* const> cluster);
   void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
+  void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t number,
+                      const Bounds& around, const Filter& filter, std::vector<Pair>& to);
+  void merge(std::vector<Pair>& into, std::vector<Pair>& more);
 
   std::vector<Term> ends_;
   std::vector<Body> bodies_;
@@ -99,7 +121,14 @@ class CrowdPairs {
   std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
   std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
   std::vector<std::uint32_t> near_;
-  SpatialHash hash_;
+  SpatialHash hash_;                     ///< of bounds_
+  bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
+  double margin_ = 0;                    ///< m, nearer than which shapes may touch
+  double fastest_ = 0;                   ///< m/s, of all that moves
+  double left_ = 0;                      ///< s, the time of the step that is looked ahead
+  std::vector<std::uint32_t> outrun_;    ///< what has left its bounds, ascending
+  std::vector<std::uint8_t> is_outrun_;  ///< by body
+  std::vector<Pair> more_, more_of_hulls_, merged_;
 };
 
 extern template class CrowdPairs<float>;

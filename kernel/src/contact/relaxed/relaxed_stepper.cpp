@@ -13,10 +13,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Where hulls are hit, sweeps go on until rods are violated by at most a share, or so often.
-constexpr int most_hit_sweeps = 400;
+constexpr std::uint32_t most_hit_sweeps = 400;
 constexpr double least_crushed = 1e-3;
+/// What a fast capsule strikes is swept on until rods are violated by at most this share, or as they were
+/// before. A net opens its meshes no farther then than 5 %.
+constexpr double least_torn = 0.1;
+/// A substep in which something is struck, and torn or passed all the same, is cut into at most so many.
+constexpr std::uint32_t most_struck_cuts = 32;
 /// Contacts alone are visited at most so often more, so that what sweeps leave is not in the ground.
-constexpr int most_presses = 50;
+constexpr std::uint32_t most_presses = 50;
 
 }  // namespace
 
@@ -24,6 +29,7 @@ template <class T>
 void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              const ClusterRules& rules, double dt, Tally& report) {
   recovery_rate_ = settings_.recovery * rules.substeps / dt;
+  team_ = rules.team;
   counts_ = std::any_of(cluster.begin(), cluster.end(),
                         [](const LinkageState* state) { return state->pulls.counts; });
   const double start = cluster.front()->elapsed;
@@ -35,9 +41,22 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   const double h = dt / substeps;
   for (std::uint32_t i = 0; i < substeps; ++i) {
     if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
-    substep(cluster, surroundings, h, dt, report);
+    advance(cluster, surroundings, {start + i * h, h, dt - i * h}, most_struck_cuts, report);
   }
   scatter(cluster);
+}
+
+/// Moves a cluster through a time, in halves if a blow would tear it or let something pass, down to so many
+/// cuts.
+template <class T>
+void RelaxedStepper<T>::advance(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                                const Span& span, std::uint32_t cuts, Tally& report) {
+  if (substep(cluster, surroundings, span, cuts > 1, report)) return;
+  ++report.halvings;
+  const double half = 0.5 * span.h;
+  advance(cluster, surroundings, {span.start, half, span.left}, cuts / 2, report);
+  if (surroundings.any_moves()) ground_.find(surroundings, span.start + half);
+  advance(cluster, surroundings, {span.start + half, half, span.left - half}, cuts / 2, report);
 }
 
 /// Returns whether a blow has left rods far from their lengths.
@@ -48,10 +67,13 @@ bool RelaxedStepper<T>::is_crushed() {
   return crowd_.violation(*kernels_) > least_crushed;
 }
 
+/// Returns whether anchors that move, or elastics, may give energy.
 template <class T>
-bool RelaxedStepper<T>::hangs_or_springs(std::span<LinkageState* const> cluster) {
+bool RelaxedStepper<T>::is_driven(std::span<LinkageState* const> cluster) {
   return std::any_of(cluster.begin(), cluster.end(), [](const LinkageState* state) {
-    return state->linkage->is_grounded() || !state->linkage->elastics().empty();
+    const auto anchors = std::span(state->v).subspan(state->linkage->movable());
+    return !state->linkage->elastics().empty() ||
+           std::any_of(anchors.begin(), anchors.end(), [](Vec3 v) { return v != Vec3{}; });
   });
 }
 
@@ -71,17 +93,19 @@ void RelaxedStepper<T>::gather(std::span<LinkageState* const> cluster, const Sur
   contacts_.find(cluster, crowd_, surroundings, ground_, dt, recovery_rate_);
 }
 
+/// Moves a cluster through a time, unless it may be halved and that is better. Returns whether it did.
 template <class T>
-void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
-                                double h, double dt, Tally& report) {
+bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                                const Span& span, bool may_halve, Tally& report) {
+  const double h = span.h;
   const Gradient asked = rules_.gradient == Gradient::old ? Gradient::mid : rules_.gradient;
   crowd_.predict(h, Gradient::new_);
-  // Elsewhere ground, anchors and elastics may give energy.
-  const bool is_guarded = !surroundings.any_moves() && !hangs_or_springs(cluster);
+  contacts_.follow(cluster, crowd_, surroundings, ground_, span.left, team_);
+  const bool is_guarded = !surroundings.any_moves() && !is_driven(cluster);
   double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
-  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h)) {
+  while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h, team_)) {
     scatter(cluster);
-    gather(cluster, surroundings, dt);
+    gather(cluster, surroundings, span.left);
     crowd_.predict(h, Gradient::new_);
     if (is_guarded) most_energy = crowd_.kinetic_of_moves(h);
   }
@@ -89,12 +113,12 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   Gradient gradient = is_new ? Gradient::new_ : asked;
   if (gradient != Gradient::new_) crowd_.predict(h, gradient);
   begin_rows(cluster, h);
+  is_swept_on_ = false;
   solve(gradient, report);
-  for (int i = 0; contacts_.find_missed(cluster, crowd_, surroundings, ground_, h); ++i) {
-    if (i == most_missed) {
-      ++report.missed_contacts;
-      break;
-    }
+  bool is_missed = false;
+  for (int i = 0; contacts_.find_missed(cluster, crowd_, surroundings, ground_, h, team_); ++i) {
+    is_missed = i == most_missed;
+    if (is_missed) break;
     if (gradient != Gradient::new_) {
       gradient = Gradient::new_;
       crowd_.predict(h, gradient);
@@ -102,10 +126,14 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     }
     solve(gradient, report);
   }
+  const bool is_torn = is_struck() && (is_missed || crowd_.violation(*kernels_) > most_violated());
+  if (may_halve && (is_torn || contacts_.outrun_hulls(crowd_))) return false;
+  report.missed_contacts += is_missed;
   crowd_.advance(h, gradient);
   const bool bounces = contacts_.bounce(crowd_);
   brake_joints(cluster, h);
-  if (is_guarded && (is_hit_ || bounces) && gradient == Gradient::new_) guard_energy(most_energy, report);
+  const bool is_violent = is_hit_ || is_swept_on_ || bounces || contacts_.are_fast();
+  if (is_guarded && is_violent && gradient == Gradient::new_) guard_energy(most_energy, report);
   contacts_.end(cluster, crowd_, h);
   if (counts_) crowd_.count_pulls(h, gradient, cluster);
   report.broken_rods += joints_.end(cluster, crowd_, gradient == Gradient::mid ? 0.5 * h : h);
@@ -116,15 +144,35 @@ void RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     cluster[i]->frozen = true;
     ++report.frozen_islands;
   }
+  return true;
 }
 
-/// Bounces by single places, and what a blow to a hull winds up, give no energy (J) of motion.
+/// Returns whether capsules that are fast meet others in the substep, or hold on to them, or hulls are
+/// pushed.
+template <class T>
+bool RelaxedStepper<T>::is_struck() const {
+  return contacts_.are_struck() || (contacts_.are_fast() && contacts_.hold_islands()) ||
+         (contacts_.has_hulls() && !contacts_.is_empty());
+}
+
+/// Returns up to which violation of rods a blow is swept on. What has no loops has no meshes that open.
+template <class T>
+double RelaxedStepper<T>::most_violated() const {
+  if (is_hit_) return least_crushed;
+  return crowd_.has_loops() ? std::max(least_torn, crowd_.violation_before()) : INFINITY;
+}
+
+/// Bounces by single places, and what a blow winds up, give no energy (J) of motion. What flies keeps its
+/// momentum while it is held back.
 template <class T>
 void RelaxedStepper<T>::guard_energy(double most, Tally& report) {
   const double energy = crowd_.kinetic();
   if (!(energy > most)) return;
   ++(energy - most > contact_limits::gained * energy ? report.guarded_energy : report.trimmed_energy);
-  crowd_.slow(std::sqrt(most / energy));
+  typename Crowd<T>::CommonMotion common{};
+  if (!contacts_.push_ground()) common = crowd_.common_motion();
+  if (!(common.energy < most)) common = {};
+  crowd_.slow(std::sqrt((most - common.energy) / (energy - common.energy)), common.velocity);
 }
 
 template <class T>
@@ -167,20 +215,36 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
     }
     crowd_.sweep(*kernels_, gradient, counts_);
     joints_.sweep(crowd_);
-    left = contacts_.sweep(crowd_);
+    if (stop.tolerance)
+      left = contacts_.measured_sweep(crowd_, team_);
+    else
+      contacts_.sweep(crowd_, team_);
     ++done;
   }
-  for (int i = 0; is_hit_ && i < most_hit_sweeps && crowd_.violation(*kernels_) > least_crushed;
-       ++i, ++done) {
-    crowd_.sweep(*kernels_, gradient, counts_);
-    joints_.sweep(crowd_);
-    contacts_.sweep(crowd_);
+  if (is_hit_ || is_struck()) {
+    const std::uint32_t more = sweep_on(gradient);
+    is_swept_on_ = is_swept_on_ || more > 0;
+    done += more;
   }
-  for (int i = 0; is_hit_ && i < most_presses && contacts_.depth(crowd_) > settings_.slop; ++i)
-    contacts_.sweep(crowd_);
   report.block_sweeps += done;
   report.rod_projections += std::uint64_t{done} * crowd_.rods();
   report.stopped_by = std::max(report.stopped_by, reason);
+}
+
+/// Sweeps on after a blow, until rods fit and nothing is in anything. Returns how often.
+template <class T>
+std::uint32_t RelaxedStepper<T>::sweep_on(Gradient gradient) {
+  const double most = most_violated(), deepest = is_hit_ ? settings_.tolerance : settings_.margin;
+  std::uint32_t done = 0;
+  for (; done < most_hit_sweeps && crowd_.violation(*kernels_) > most; ++done) {
+    crowd_.sweep(*kernels_, gradient, counts_);
+    joints_.sweep(crowd_);
+    contacts_.sweep(crowd_, team_);
+  }
+  const std::uint32_t presses = is_hit_ ? most_presses : std::min(most_presses, rules_.stop.sweeps);
+  for (std::uint32_t i = 0; i < presses && contacts_.depth(crowd_) > deepest; ++i)
+    contacts_.sweep(crowd_, team_);
+  return done;
 }
 
 template class RelaxedStepper<float>;

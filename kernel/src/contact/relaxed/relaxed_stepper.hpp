@@ -14,6 +14,9 @@ namespace plumb::detail {
 /// In every sweep rods come first, colour after colour, then joints, then contacts, so that what a sweep
 /// leaves is in rods and not in the ground. While something may touch, a substep is of gradient new: its
 /// velocities are those that it took, so that what lands comes to rest. So it is where something is elastic.
+///
+/// What is fast is swept against ground and others, and kept off the planes in which it touches first. Blows
+/// are swept on until rods fit, or else in halves of the substep, so that nothing is torn open.
 template <class T>
 class RelaxedStepper final : public ClusterMover {
  public:
@@ -37,10 +40,19 @@ class RelaxedStepper final : public ClusterMover {
   }
 
  private:
-  void substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h, double dt,
-               Tally& report);
+  /// A time to move through: when it begins, how long it is, and how much of the step is left then, s.
+  struct Span {
+    double start, h, left;
+  };
+  void advance(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
+               std::uint32_t cuts, Tally& report);
+  bool substep(std::span<LinkageState* const> cluster, const Surroundings& surroundings, const Span& span,
+               bool may_halve, Tally& report);
   bool is_crushed();
-  static bool hangs_or_springs(std::span<LinkageState* const> cluster);
+  bool is_struck() const;
+  double most_violated() const;
+  std::uint32_t sweep_on(Gradient gradient);
+  static bool is_driven(std::span<LinkageState* const> cluster);
   void guard_energy(double most, Tally& report);
   void scatter(std::span<LinkageState* const> cluster);
   void gather(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double dt);
@@ -57,8 +69,10 @@ class RelaxedStepper final : public ClusterMover {
   CrowdJoints<T> joints_;
   std::vector<Vec3> rigid_;
   double recovery_rate_ = 0;
-  bool is_hit_ = false;  ///< hulls move fast near what they may touch
-  bool counts_ = false;  ///< some island's pulls count
+  Team* team_ = nullptr;      ///< that may help
+  bool is_swept_on_ = false;  ///< in this substep, after a blow
+  bool is_hit_ = false;       ///< hulls move fast near what they may touch
+  bool counts_ = false;       ///< some island's pulls count
 };
 
 extern template class RelaxedStepper<float>;

@@ -16,6 +16,10 @@ struct Bounds {
     return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y &&
            low.z <= o.high.z && o.low.z <= high.z;
   }
+  bool contains(const Bounds& o) const {
+    return low.x <= o.low.x && o.high.x <= high.x && low.y <= o.low.y && o.high.y <= high.y &&
+           low.z <= o.low.z && o.high.z <= high.z;
+  }
 };
 
 inline constexpr Bounds nowhere{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};

@@ -45,6 +45,24 @@ std::optional<FirstTouch> sweep(const MovingSegment& moving, const Convex& shape
   });
 }
 
+std::optional<FirstPairTouch> sweep(const MovingSegment& a, const MovingSegment& b, double close) {
+  FirstPairTouch out;
+  const auto at = [](const MovingSegment& each, double t) {
+    return Segment{each.at.p + t * each.p_by, each.at.q + t * each.q_by, each.at.radius};
+  };
+  const auto see = [&](double t) {
+    const Touch now = touch(at(a, t), at(b, t));
+    out = {t, now.normal, now.a, now.b};
+    return Separation{now.gap, now.normal, {}};
+  };
+  // Places between the ends of a line move by no more than one of its ends does.
+  const auto approach = [&](Vec3 n) {
+    return std::max(dot(n, b.p_by), dot(n, b.q_by)) - std::min(dot(n, a.p_by), dot(n, a.q_by));
+  };
+  if (!advance(close, see, approach)) return std::nullopt;
+  return out;
+}
+
 std::optional<FirstHullTouch> sweep(const MovingHull& moving, const Convex& shape, double close) {
   FirstHullTouch out;
   const auto see = [&](double t) {

@@ -6,7 +6,8 @@
 #include "contact/shapes/hulls/convex.hpp"
 #include "contact/shapes/meshes/triangle_mesh.hpp"
 
-/// This file says when something that moves straight on first touches something that stands still.
+/// This file says when something that moves straight on first touches something that stands still, or moves,
+/// too.
 namespace plumb::detail {
 
 /// This is a rounded segment whose ends move straight, by p_by and q_by (m).
@@ -81,6 +82,16 @@ std::optional<FirstTouch> sweep(const MovingSegment& moving, const Convex& shape
 /// one shields do not count, nor those of an outward mesh from inside. Of equal times that with the lowest
 /// number counts.
 std::optional<FirstTouch> sweep(const MovingSegment& moving, const TriangleMesh& mesh, double close);
+
+/// Says when and how two segments touch each other first.
+struct FirstPairTouch {
+  double time = 0;      ///< share of the way, 0 to 1
+  Vec3 normal{};        ///< unit vector from the second one to the first
+  double a = 0, b = 0;  ///< places along them, from 0 to 1
+};
+
+/// Finds the first touch of two segments that both move.
+std::optional<FirstPairTouch> sweep(const MovingSegment& a, const MovingSegment& b, double close);
 
 /// This is a hull whose vertices move straight on within some time.
 struct MovingHull {

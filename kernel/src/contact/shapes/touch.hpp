@@ -47,16 +47,30 @@ inline Touch touch(const Segment& a, const Segment& b) {
   return {distance - a.radius - b.radius, normal, s, t};
 }
 
+/// Returns whether a plane across an axis or across the line between middles parts two segments' surfaces by
+/// more than `reach` (m).
+inline bool are_apart(const Segment& a, const Segment& b, double reach) {
+  const Vec3 own = a.q - a.p, other = b.q - b.p, twice = (a.p + a.q) - (b.p + b.q);
+  const double most = reach + a.radius + b.radius;
+  const auto parts = [&](double apart, double one, double two) {
+    return std::abs(apart) - std::abs(one) - std::abs(two) > 2 * most;
+  };
+  return parts(twice.x, own.x, other.x) || parts(twice.y, own.y, other.y) || parts(twice.z, own.z, other.z) ||
+         dot(twice, twice) - std::abs(dot(twice, own)) - std::abs(dot(twice, other)) > 2 * most * norm(twice);
+}
+
 /// Lists where two segments are to be kept apart. They are kept apart where they are nearest. Segments that
 /// lie along each other are also kept apart at the ends of their common part. `count` entries of `at` are
-/// set.
+/// set, none if the gap is wider than `reach` (m).
 struct Touches {
   Touch at[3];
   std::uint32_t count = 0;
 };
-inline Touches touches(const Segment& a, const Segment& b) {
+inline Touches touches(const Segment& a, const Segment& b, double reach = INFINITY) {
   Touches out;
-  out.at[out.count++] = touch(a, b);
+  out.at[0] = touch(a, b);
+  if (out.at[0].gap > reach) return out;
+  out.count = 1;
   const Vec3 u = a.q - a.p, v = b.q - b.p;
   const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v);
   constexpr double along =

@@ -157,6 +157,7 @@ void ClusterStepper::find_contacts(double h) {
       const Island& other = islands_[j];
       if (!(island.awake || other.awake) || !island.bounds.overlaps(other.bounds)) continue;
       touch_island(i, j, h);
+      touch_missed_pairs(i, j, h);
       if (island.hulls.size() + other.hulls.size() > 0) touch_island_hulls(i, j, h);
     }
   }

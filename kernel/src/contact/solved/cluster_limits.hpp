@@ -38,6 +38,9 @@ inline constexpr std::size_t few_touching = 24;
 inline constexpr std::uint8_t patience = 15;
 /// A step is cut into at most this many substeps because one would gain energy.
 inline constexpr double most_guards = 64;
+/// A step is cut into at most this many substeps because something is in ground still. With 64 corners of
+/// thin boxes at 100 m/s stayed 6 mm deep, and with 256 none did.
+inline constexpr double most_missed_cuts = 1024;
 /// Islands at rest may gain this share of the energy that lifts them by their size. Larger values repeat
 /// fewer substeps and let resting things creep.
 inline constexpr double unnoticed = 3e-9;

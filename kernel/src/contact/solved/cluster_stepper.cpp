@@ -30,6 +30,15 @@ double top_speed(const LinkageState& state) {
   return std::sqrt(square);
 }
 
+double mean_speed(const LinkageState& state) {
+  double mass = 0, sum = 0;
+  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
+    mass += state.linkage->mass_of(k);
+    sum += state.linkage->mass_of(k) * dot(state.v[k], state.v[k]);
+  }
+  return mass > 0 ? std::sqrt(sum / mass) : 0;
+}
+
 ContactSettings scaled(ContactSettings settings) {
   for (double* const each :
        {&settings.margin, &settings.slop, &settings.bounce_speed, &settings.tolerance, &settings.sleep_speed})
@@ -54,6 +63,7 @@ Bounds reach(const LinkageState& state, double speed, double dt, double margin) 
 void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                           const ClusterRules& rules, double dt, Tally& report) {
   const std::uint32_t substeps = rules.substeps;
+  team_ = rules.team;
   surroundings_ = &surroundings;
   count_ = static_cast<std::uint32_t>(cluster.size());
   if (islands_.size() < count_) islands_.resize(count_);
@@ -61,12 +71,14 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].state = cluster[i];
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
+  for (LinkageState* const state : cluster) state->is_relaxed = false;
   const bool relaxes = relaxes_crowds_ && is_crowd(cluster);
   if (relaxes_crowds_)
     for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
   if (relaxes && relax(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;
   shortest_ = dt / most_guards;
+  shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
   tight_ = is_fitted_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
@@ -319,6 +331,7 @@ bool ClusterStepper::learn_tautness(double h) {
 /// Finds positions again while something is missed, or elastics are slack that were not.
 bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   missed_ground_.clear();
+  missed_pairs_.clear();
   gives_up_missed_ = false;
   do {
     if (!find_positions(h, report)) return false;
@@ -326,8 +339,8 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }
-    for (int i = 0; find_missed_ground(); ++i) {
-      if (i == most_missed && h > shortest_) return false;
+    for (int i = 0; find_missed(); ++i) {
+      if (i == most_missed && h > shortest_if_missed_) return false;
       gives_up_missed_ = i == most_missed;
       if (gives_up_missed_) break;
       keeps_slack_ = true;

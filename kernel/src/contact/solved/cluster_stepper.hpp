@@ -17,6 +17,7 @@
 #include "contact/linkage/visitor.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/shapes/touch.hpp"
+#include "contact/solved/missed.hpp"
 #include "contact/spatial_hash.hpp"
 #include "contact/surroundings.hpp"
 #include "interface/tally.hpp"
@@ -213,6 +214,7 @@ class ClusterStepper final : public ClusterMover {
   static bool is_crowd(std::span<LinkageState* const> cluster);
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
+  void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
@@ -279,7 +281,11 @@ class ClusterStepper final : public ClusterMover {
   static MovingSegment motion_of(const Island& island, const Linkage::Shape& shape);
   static MovingHullShape hull_motion(Island& island, std::uint32_t hull);
   bool passes_ground(const Island& island, const Surroundings& surroundings);
+  bool find_missed();
   bool find_missed_ground();
+  bool find_missed_pairs();
+  void find_missed_pairs(std::uint32_t i, std::uint32_t j);
+  void touch_missed_pairs(std::uint32_t i, std::uint32_t j, double h);
   void touch_island(std::uint32_t i, std::uint32_t j, double h);
   void touch_itself(std::uint32_t i, double h);
   void touch_capsules(std::uint32_t i, std::uint32_t k, std::uint32_t j, std::uint32_t l, double h);
@@ -372,13 +378,8 @@ class ClusterStepper final : public ClusterMover {
   const Surroundings* surroundings_ = nullptr;  ///< of this step
   GroundNow ground_;                            ///< as the substep starts
   std::vector<std::uint32_t> near_ground_;      ///< an island's or a shape's, ascending
-  /// A shape went into ground unexpectedly.
-  struct MissedGround {
-    std::uint32_t island, shape, ground, number;
-    Combination at;
-    Touch touch;
-  };
   std::vector<MissedGround> missed_ground_;
+  std::vector<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false;  ///< something is in ground still
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;      ///< something pushes in this substep, or is near enough to
@@ -390,6 +391,8 @@ class ClusterStepper final : public ClusterMover {
   Flight flight_;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
+  double shortest_if_missed_ = 0;             ///< s, where something is in ground still
+  Team* team_ = nullptr;                      ///< that may help what is relaxed
   double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits
   double still_ = 0;          ///< m, a change of a position that no longer matters
 };

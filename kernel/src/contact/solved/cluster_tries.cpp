@@ -155,6 +155,23 @@ void ClusterStepper::return_to_motion(std::span<LinkageState* const> cluster) {
   }
 }
 
+/// Takes back what a relaxed step has gained above the energy of before_: to bring rods to their lengths
+/// turns strain into motion.
+void ClusterStepper::hold_energy(Tally& report) {
+  double before = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    const LinkageState& state = *island.state;
+    before += state.linkage->kinetic(before_[i].v) + state.linkage->potential(before_[i].x, state.force);
+    island.v = state.v;
+    island.theta = 0;
+  }
+  guard_energy(before, true, false, report);
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) islands_[i].state->v = islands_[i].v;
+}
+
 /// Relaxes a step of dt (s), and brings rods to their lengths after it. Returns false, and nothing has moved,
 /// if some island cannot be relaxed or its rods are too far from their lengths.
 bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
@@ -165,10 +182,15 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   if (!relaxed_ || !std::all_of(cluster.begin(), cluster.end(), can_relax)) return false;
   keep_motion(cluster);
   Tally tried = report;
-  relaxed_->step(cluster, surroundings, {.substeps = std::max(substeps, relaxed_substeps(dt))}, dt, tried);
+  const ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)), .team = team_};
+  relaxed_->step(cluster, surroundings, rules, dt, tried);
   if (bring_to_lengths(surroundings)) {
-    for (LinkageState* const state : cluster) state->forget_tautness();
+    for (LinkageState* const state : cluster) {
+      state->forget_tautness();
+      state->is_relaxed = true;
+    }
     report = tried;
+    if (!surroundings.any_moves()) hold_energy(report);
     return true;
   }
   report.block_sweeps = tried.block_sweeps;

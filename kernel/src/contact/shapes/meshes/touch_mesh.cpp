@@ -13,6 +13,19 @@ constexpr double at_end = 1e-9;
 /// What is nearer than this (m) lies in the mesh and has no side of its own.
 constexpr double no_side = 1e-12;
 
+Bounds around(const Triangle& triangle) {
+  Bounds out = nowhere;
+  for (const Vec3 corner : triangle) include(out, corner, 0);
+  return out;
+}
+
+/// Returns whether a triangle's plane is farther than `reach` (m) from a segment.
+bool is_above_or_below(const TriangleMesh& mesh, std::uint32_t i, Vec3 p, Vec3 q, double reach) {
+  const Vec3 n = mesh.normal(i), corner = mesh.vertex(mesh.vertices_of(i)[0]);
+  const double at_p = dot(n, p - corner), at_q = dot(n, q - corner);
+  return std::min(at_p, at_q) > reach || std::max(at_p, at_q) < -reach;
+}
+
 Bounds ball(Vec3 p, double radius) {
   Bounds out = nowhere;
   include(out, p, radius);
@@ -93,7 +106,9 @@ void touch_edge(const TriangleMesh& mesh, std::uint32_t number, const Segment& s
                 LineTouches& out) {
   const TriangleMesh::Edge& edge = mesh.edge(number);
   if (edge.is_flat) return;
-  const Touch near = touch(segment, {mesh.vertex(edge.a), mesh.vertex(edge.b), 0});
+  const Segment side{mesh.vertex(edge.a), mesh.vertex(edge.b), 0};
+  if (are_apart(segment, side, reach)) return;
+  const Touch near = touch(segment, side);
   const auto is_inner = [](double t) { return t > at_end && t < 1 - at_end; };
   const MeshPart part{MeshPart::Kind::edge, number};
   if (near.gap > reach || near.gap <= no_side || !is_inner(near.a) || !is_inner(near.b)) return;
@@ -104,8 +119,12 @@ void touch_edge(const TriangleMesh& mesh, std::uint32_t number, const Segment& s
 /// Adds a segment's touch with a vertex, if it is nearest within the segment.
 void touch_vertex(const TriangleMesh& mesh, std::uint32_t number, const Segment& segment, double reach,
                   LineTouches& out) {
-  const Vec3 vertex = mesh.vertex(number), along = segment.q - segment.p;
-  const double at = dot(along, vertex - segment.p) / dot(along, along);
+  const Vec3 vertex = mesh.vertex(number), along = segment.q - segment.p, from = vertex - segment.p;
+  const double square = dot(along, along), way = dot(along, from);
+  // Most vertices are far, which takes no root and no division to tell; rounding is far below the share.
+  if (!(way > 0 && way < square)) return;
+  if (dot(from, from) * square - way * way > 1.001 * reach * reach * square) return;
+  const double at = way / square;
   if (!(at > at_end && at < 1 - at_end)) return;
   const Vec3 apart = between(segment.p, segment.q, at) - vertex;
   const double gap = norm(apart);
@@ -131,9 +150,18 @@ void touch_mesh(const TriangleMesh& mesh, Vec3 p, Vec3 middle, double reach, dou
   LineTouches own;
   LineTouch nearest{.gap = INFINITY};
   bool is_through = false;
-  mesh.find(ball(p, reach), [&](std::uint32_t i) {
+  // The tree lists some triangles that are only near.
+  const Bounds within = ball(p, reach);
+  Bounds way = nowhere;
+  include(way, middle, 0);
+  include(way, p, 0);
+  mesh.find(within, [&](std::uint32_t i) {
+    const Triangle triangle = mesh.triangle(i);
+    const Bounds bounds = around(triangle);
+    if (mesh.sides() == MeshSides::both && !is_through && bounds.overlaps(way))
+      is_through = crosses(triangle, middle, p);
+    if (!bounds.overlaps(within) || is_above_or_below(mesh, i, p, p, reach)) return;
     LineTouch touch{.at = at};
-    if (mesh.sides() == MeshSides::both && !is_through) is_through = crosses(mesh.triangle(i), middle, p);
     if (!touch_triangle(mesh, i, p, middle, touch) || touch.gap > reach) return;
     if (touch.gap < nearest.gap) nearest = touch;
     if (!mesh.leads_inside(touch.part, touch.normal) && !is_listed(own, touch)) own.add(touch);
@@ -163,6 +191,7 @@ void touch_mesh_between(const TriangleMesh& mesh, Vec3 p, Vec3 q, double reach, 
   include(box, p, reach);
   include(box, q, reach);
   mesh.find(box, [&](std::uint32_t i) {
+    if (!around(mesh.triangle(i)).overlaps(box) || is_above_or_below(mesh, i, p, q, reach)) return;
     for (const std::uint32_t edge : mesh.edges_of(i))
       if (mesh.owner_of_edge(edge) == i) touch_edge(mesh, edge, {p, q, 0}, reach, out);
     for (const std::uint32_t vertex : mesh.vertices_of(i))

@@ -1,0 +1,138 @@
+// This file finds where capsules of a crowd touch each other, and where they would pass through each other.
+
+#include <algorithm>
+
+#include "contact/relaxed/crowd_contacts.hpp"
+#include "contact/rows.hpp"
+
+namespace plumb::detail {
+
+/// Places the lines of bodies where the substep begins, with their displacements of now.
+template <class T>
+void CrowdContacts<T>::place_lines(const Crowd<T>& crowd, Team* team) {
+  const auto count = static_cast<std::uint32_t>(near_.bodies().size());
+  const unsigned parts = team == nullptr ? 1 : team->parts();
+  placed_lines_.resize(count);
+  part_is_fast_.assign(parts, 0);
+  auto place = [&](unsigned part) {
+    bool any_fast = false;
+    for (std::uint32_t i = Team::begin_of(count, part, parts); i < Team::begin_of(count, part + 1, parts);
+         ++i) {
+      const Body& body = near_.bodies()[i];
+      const auto a = near_.terms_of(body.a), b = near_.terms_of(body.b);
+      PlacedLine& line = placed_lines_[i];
+      line.way = {{crowd.position(a), crowd.position(b), body.shape->radius}, crowd.moved(a), crowd.moved(b)};
+      line.moves = moves_of(line.way);
+      any_fast = any_fast || pair_search().is_fast(line.moves, body.shape->radius);
+    }
+    part_is_fast_[part] = any_fast ? 1 : 0;
+  };
+  if (team == nullptr)
+    place(0);
+  else
+    team->for_parts(place);
+  is_fast_ = is_fast_ || std::find(part_is_fast_.begin(), part_is_fast_.end(), 1) != part_is_fast_.end();
+}
+
+/// Finds what those pass through in the substep that may be fast.
+template <class T>
+void CrowdContacts<T>::place_ways(const Crowd<T>& crowd) {
+  ways_.clear();
+  for (const PlacedLine& each : placed_lines_)
+    ways_.push_back(pair_search().may_be_fast(each.moves, each.way.at.radius) ? bounds_of(each.way)
+                                                                              : nowhere);
+  for (std::uint32_t k = 0; k < near_.hulls().size(); ++k) {
+    const Bounds way = bounds_of(hull_motion(crowd, k).hull);
+    ways_.push_back({way.low - crowd.origin(), way.high - crowd.origin()});
+  }
+}
+
+template <class T>
+bool CrowdContacts<T>::outrun_hulls(const Crowd<T>& crowd) {
+  constexpr double farthest = 0.5;  // of the way to the hull's middle
+  const auto lines = static_cast<std::uint32_t>(placed_lines_.size());
+  return std::any_of(near_.hull_pairs().begin(), near_.hull_pairs().end(), [&](const Pair& pair) {
+    if (pair.one >= lines || !ways_[pair.one].overlaps(ways_[pair.other])) return false;
+    const MovingSegment& line = placed_lines_[pair.one].way;
+    const MovingHullShape hull = hull_motion(crowd, pair.other - lines);
+    double most = 0;
+    for (const Vec3 by : hull.hull.by) most = std::max({most, norm(by - line.p_by), norm(by - line.q_by)});
+    return most > settings_.margin + farthest * (hull.shape.half_width + line.at.radius);
+  });
+}
+
+template <class T>
+bool CrowdContacts<T>::is_fast(const Pair& pair) const {
+  const PlacedLine &a = placed_lines_[pair.one], &b = placed_lines_[pair.other];
+  const double radii = a.way.at.radius + b.way.at.radius;
+  // The first takes no roots, and most are not fast.
+  return pair_search().is_fast(a.moves + b.moves, radii) &&
+         pair_search().is_fast(moves_between(a.way, b.way), radii);
+}
+
+template <class T>
+void CrowdContacts<T>::touch_pair(const Substep& in, const Pair& pair, const Touch& touch,
+                                  std::uint64_t key) {
+  const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
+  const Combination at_a = blend(a.shape->a, a.shape->b, touch.a),
+                    at_b = blend(b.shape->a, b.shape->b, touch.b);
+  add(in, {a.island, a.number, &at_a, &a.shape->surface}, {b.island, b.number, &at_b, &b.shape->surface},
+      touch, key);
+}
+
+template <class T>
+void CrowdContacts<T>::touch_pairs(const Substep& in, std::span<const Pair> pairs) {
+  constexpr std::uint32_t first = 3;  // the number after those of touches()
+  const PairSearch search = pair_search();
+  for (const Pair& pair : pairs) {
+    const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
+    if (!in.crowd.is_moving(a.island) && !in.crowd.is_moving(b.island)) continue;
+    const PlacedLine &line_a = placed_lines_[pair.one], &line_b = placed_lines_[pair.other];
+    // What is farther apart does not come about in the substep, see add(), nor does it meet in passing, since
+    // it moves by less. Rounding is far below the share.
+    const double comes = settings_.margin + 1.26 * (line_a.moves + line_b.moves);
+    if (are_apart(line_a.way.at, line_b.way.at, comes)) continue;
+    const auto key = [&](std::uint32_t n) {
+      return contact_key(KeyKind::island, 4 * a.number + n, in.cluster[b.island]->number, b.number);
+    };
+    const bool fast = is_fast(pair);
+    const double reach = fast ? search.reach(line_a.way.at.radius + line_b.way.at.radius) : comes;
+    const Touches near = touches(line_a.way.at, line_b.way.at, reach);
+    for (std::uint32_t n = 0; n < near.count; ++n)
+      if (near.at[n].gap <= reach) touch_pair(in, pair, near.at[n], key(n));
+    if (!fast) continue;
+    if (const auto plane = search.first_touch(line_a.way, line_b.way)) {
+      touch_pair(in, pair, *plane, key(first));
+      in.to.is_struck = true;
+    }
+  }
+}
+
+/// Adds contacts between shapes that pass through each other, since others pushed them.
+template <class T>
+void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
+  place_lines(in.crowd, team);
+  place_ways(in.crowd);
+  near_.follow(in.cluster, in.crowd, in.surroundings, in.ground, ways_);
+  for (const Pair& pair : near_.pairs()) {
+    if (!is_fast(pair)) continue;
+    const auto plane = pair_search().passed(placed_lines_[pair.one].way, placed_lines_[pair.other].way);
+    if (!plane) continue;
+    in.to.is_struck = true;
+    const std::uint32_t other = near_.bodies()[pair.other].island;
+    touch_pair(in, pair, *plane,
+               contact_key(KeyKind::island, std::uint64_t{1} << 40 | near_.bodies()[pair.one].number,
+                           in.cluster[other]->number, count_contacts()));
+  }
+}
+
+template bool CrowdContacts<float>::outrun_hulls(const Crowd<float>&);
+template bool CrowdContacts<double>::outrun_hulls(const Crowd<double>&);
+template void CrowdContacts<float>::place_lines(const Crowd<float>&, Team*);
+template void CrowdContacts<double>::place_lines(const Crowd<double>&, Team*);
+template void CrowdContacts<float>::touch_pairs(const Substep&, std::span<const Pair>);
+template void CrowdContacts<double>::touch_pairs(const Substep&, std::span<const Pair>);
+template void CrowdContacts<float>::find_missed_pairs(const Substep&, Team*);
+template void CrowdContacts<double>::find_missed_pairs(const Substep&, Team*);
+
+}  // namespace plumb::detail

@@ -1,0 +1,180 @@
+// This file visits the contacts of a crowd, alone or with a team.
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "contact/relaxed/crowd_contacts.hpp"
+
+namespace plumb::detail {
+
+/// Calls visit(batch, contact, heap) for all contacts. Heaps are visited by several threads if there is a
+/// team.
+template <class T>
+template <class Visit>
+void CrowdContacts<T>::for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit) {
+  changes_.assign(1, 0);
+  if (team == nullptr)
+    return for_contacts([&](Batch& batch, Contact& contact) { visit(batch, contact, changes_[0]); });
+  if (heap_ends_.empty()) find_heaps(crowd.islands());
+  const auto heaps = static_cast<std::uint32_t>(heap_ends_.size());
+  changes_.assign(heaps, 0);
+  team->for_each(heaps, [&](std::uint32_t heap, unsigned) {
+    for (std::uint32_t k = heap == 0 ? 0 : heap_ends_[heap - 1]; k < heap_ends_[heap]; ++k) {
+      Batch& batch = batches_[in_heaps_[k].batch];
+      visit(batch, batch.contacts[in_heaps_[k].number], changes_[heap]);
+    }
+  });
+}
+
+template <class T>
+void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
+  for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double&) { visit(crowd, batch, contact); });
+}
+
+template <class T>
+double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
+  for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double& most) {
+    const Change change = visit(crowd, batch, contact);
+    if (!change.is_none()) most = std::max(most, size_of(change, contact));
+  });
+  return changes_.empty() ? 0 : *std::max_element(changes_.begin(), changes_.end());
+}
+
+/// Returns how far (m) a change moves places.
+template <class T>
+double CrowdContacts<T>::size_of(const Change& change, const Contact& contact) {
+  if (contact.sliding == contact.terms) return norm(change.along + change.across) / contact.over;
+  return std::max(norm(change.along) / contact.over, norm(change.across) / contact.over_sliding);
+}
+
+/// Sorts contacts by heaps. Those of a heap stay in their order, so that the bits are those of one thread.
+template <class T>
+void CrowdContacts<T>::find_heaps(std::size_t islands) {
+  heap_of_.resize(islands);
+  std::iota(heap_of_.begin(), heap_of_.end(), 0u);
+  for_contacts([&](const Batch&, const Contact& contact) {
+    if (contact.island[1] == none) return;
+    const std::uint32_t a = heap_of(contact.island[0]), b = heap_of(contact.island[1]);
+    heap_of_[std::max(a, b)] = std::min(a, b);
+  });
+  heap_number_.assign(islands, none);
+  heap_ends_.clear();
+  for_contacts([&](const Batch&, const Contact& contact) {
+    std::uint32_t& number = heap_number_[heap_of(contact.island[0])];
+    if (number == none) {
+      number = static_cast<std::uint32_t>(heap_ends_.size());
+      heap_ends_.push_back(0);
+    }
+    ++heap_ends_[number];
+  });
+  // Ends are starts until contacts are put there.
+  std::exclusive_scan(heap_ends_.begin(), heap_ends_.end(), heap_ends_.begin(), 0u);
+  in_heaps_.resize(count_contacts());
+  for (std::uint32_t b = 0; b < batches_.size(); ++b)
+    for (std::uint32_t k = 0; k < batches_[b].contacts.size(); ++k)
+      in_heaps_[heap_ends_[heap_number_[heap_of(batches_[b].contacts[k].island[0])]]++] = {b, k};
+}
+
+template <class T>
+std::uint32_t CrowdContacts<T>::heap_of(std::uint32_t island) {
+  while (heap_of_[island] != island) island = heap_of_[island] = heap_of_[heap_of_[island]];
+  return island;
+}
+
+/// Sets the pushes of a contact to what its places ask for. Returns what changes.
+template <class T>
+auto CrowdContacts<T>::visit(Crowd<T>& crowd, Batch& batch, Contact& contact) -> Change {
+  const std::span<const Term> terms = batch.terms_of(contact.terms),
+                              sliding = batch.terms_of(contact.sliding);
+  const bool is_one = contact.sliding == contact.terms;
+  const Vec3 moved = crowd.moved(terms) - contact.carried;
+  const double along = dot(contact.normal, moved);
+  const double push = std::max(0.0, contact.push - contact.over * (contact.gap + along));
+  const Vec3 slid = is_one ? moved : crowd.moved(sliding) - contact.carried;
+  Vec3 across = contact.across - contact.over_sliding * (slid - dot(contact.normal, slid) * contact.normal);
+  // What the normal push turned by since it was kept would pull along the normal.
+  across = across - dot(across, contact.normal) * contact.normal;
+  const double bound = contact.friction * push, square = dot(across, across);
+  if (square > bound * bound) across = bound / std::sqrt(square) * across;
+  const Change by{(push - contact.push) * contact.normal, across - contact.across};
+  contact.push = push;
+  contact.across = across;
+  if (contact.turning != none) resist(crowd, batch, contact);
+  if (by.is_none()) return by;
+  if (is_one) {
+    crowd.push(terms, by.along + by.across);
+  } else {
+    crowd.push(terms, by.along);
+    crowd.push(sliding, by.across);
+  }
+  return by;
+}
+
+/// Turns the particles of bodies as a torque (kg m²) does.
+template <class T>
+void CrowdContacts<T>::turn(Crowd<T>& crowd, const Batch& batch, const Turning& turning, Vec3 by) const {
+  for (std::uint32_t k = turning.first; k < turning.end; ++k) {
+    const TurnTerm& term = batch.turn_terms[k];
+    crowd.push(term.at, 0.5 * term.inverse_mass * cross(by, term.gradient));
+  }
+}
+
+/// Sets the torque that resists turning, within what the normal push allows.
+template <class T>
+void CrowdContacts<T>::resist(Crowd<T>& crowd, Batch& batch, const Contact& contact) {
+  Turning& turning = batch.turnings[contact.turning];
+  Vec3 turned = -1.0 * turning.carried;
+  for (std::uint32_t k = turning.first; k < turning.end; ++k)
+    turned += 0.5 * cross(batch.turn_terms[k].gradient, crowd.moved(batch.turn_terms[k].at));
+  const Vec3 wanted = turning.push - turning.over * turned;
+  const double most_spinning = turning.spinning * contact.push, most_rolling = turning.rolling * contact.push;
+  const double spinning = dot(wanted, contact.normal);
+  Vec3 rolling = wanted - spinning * contact.normal;
+  const double square = dot(rolling, rolling);
+  if (square > most_rolling * most_rolling) rolling = most_rolling / std::sqrt(square) * rolling;
+  const Vec3 push = rolling + std::clamp(spinning, -most_spinning, most_spinning) * contact.normal;
+  turn(crowd, batch, turning, push - turning.push);
+  turning.push = push;
+}
+
+template <class T>
+double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
+  double most = 0;
+  for_contacts([&](const Batch& batch, const Contact& contact) {
+    const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - contact.carried;
+    most = std::max(most, -contact.gap - dot(contact.normal, moved));
+  });
+  return most;
+}
+
+template <class T>
+bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
+  constexpr int sweeps = 4;
+  const auto bounces = [](const Contact& contact) { return contact.bounce > 0 && contact.push > 0; };
+  bool any = false;
+  for_contacts([&](const Batch&, const Contact& contact) { any = any || bounces(contact); });
+  for (int i = 0; any && i < sweeps; ++i)
+    for_contacts([&](const Batch& batch, Contact& contact) {
+      if (!bounces(contact)) return;
+      const std::span<const Term> terms = batch.terms_of(contact.terms);
+      const double leaves = dot(contact.normal, crowd.velocity(terms)) - contact.carried_at_end;
+      const double kick = std::max(0.0, contact.kick + contact.over * (contact.bounce - leaves));
+      crowd.push_velocity(terms, (kick - contact.kick) * contact.normal);
+      contact.kick = kick;
+    });
+  return any;
+}
+
+template void CrowdContacts<float>::sweep(Crowd<float>&, Team*);
+template double CrowdContacts<float>::measured_sweep(Crowd<float>&, Team*);
+template void CrowdContacts<float>::turn(Crowd<float>&, const Batch&, const Turning&, Vec3) const;
+template double CrowdContacts<float>::depth(const Crowd<float>&) const;
+template bool CrowdContacts<float>::bounce(Crowd<float>&);
+template void CrowdContacts<double>::sweep(Crowd<double>&, Team*);
+template double CrowdContacts<double>::measured_sweep(Crowd<double>&, Team*);
+template void CrowdContacts<double>::turn(Crowd<double>&, const Batch&, const Turning&, Vec3) const;
+template double CrowdContacts<double>::depth(const Crowd<double>&) const;
+template bool CrowdContacts<double>::bounce(Crowd<double>&);
+
+}  // namespace plumb::detail

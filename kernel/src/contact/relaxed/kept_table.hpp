@@ -1,0 +1,49 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/linkage/linkage_state.hpp"
+
+namespace plumb::detail {
+
+/// Finds what held the contacts of a cluster's islands in the last substep, by key, in constant time.
+class KeptTable {
+ public:
+  /// Takes in what islands keep, which must not change until the next time.
+  void gather(std::span<LinkageState* const> cluster) {
+    std::size_t count = 0;
+    for (const LinkageState* const state : cluster) count += state->kept.size();
+    slots_.assign(std::bit_ceil(2 * count + 1), nullptr);
+    for (std::uint32_t i = 0; i < cluster.size(); ++i)
+      for (const KeptContact& each : cluster[i]->kept) {
+        std::size_t slot = first_slot(i, each.key);
+        while (slots_[slot] != nullptr) slot = (slot + 1) & (slots_.size() - 1);
+        slots_[slot] = &each;
+      }
+  }
+
+  /// Returns the forces that held a contact of an island of the cluster. Nothing held it if the result has
+  /// another key.
+  KeptContact at(const LinkageState& state, std::uint32_t island, std::uint64_t key) const {
+    const KeptContact* const own = state.kept.data();
+    for (std::size_t slot = first_slot(island, key); slots_[slot] != nullptr;
+         slot = (slot + 1) & (slots_.size() - 1))
+      if (slots_[slot]->key == key && slots_[slot] >= own && slots_[slot] < own + state.kept.size())
+        return *slots_[slot];
+    return {};
+  }
+
+ private:
+  /// Keys are mixed, but islands that are alike have the same ones. The factor is that of the golden ratio.
+  std::size_t first_slot(std::uint32_t island, std::uint64_t key) const {
+    const std::uint64_t mixed = key ^ (island * std::uint64_t{0x9e3779b97f4a7c15});
+    return static_cast<std::size_t>(mixed >> 7) & (slots_.size() - 1);
+  }
+
+  std::vector<const KeptContact*> slots_;  ///< a power of two, at least half of them null
+};
+
+}  // namespace plumb::detail
