@@ -51,7 +51,5 @@ Setting plumb_relaxed(std::uint32_t substeps, std::uint32_t sweeps, unsigned thr
 Setting plumb_automatic(unsigned threads);
 /// Capsules on ball joints.
 Setting bullet_rods(std::uint32_t steps, int iterations);
-/// Soft bodies of nodes and links, which Bullet keeps apart by `clusters` of nodes a rope.
-Setting bullet_soft(std::uint32_t steps, int iterations);
 
 }  // namespace plumb::bench
