@@ -9,6 +9,7 @@
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
+#include "contact/solved/missed.hpp"
 #include "contact/surroundings.hpp"
 #include "scenes/spec.hpp"
 #include "support/bodies.hpp"
@@ -120,6 +121,25 @@ TEST(ClusterStepper, BouncesFromASpeedOn) {
     const double left = velocity_after(scene, 4).y;
     EXPECT_NEAR(left, times < 1 ? 0 : speed, 1e-2 * speed);
   }
+}
+
+// A light ball is thrown at 164 m/s by a blow within the step, which nobody foresaw. What it would pass through
+// in that substep is a MissedPair: nobody passes.
+TEST(ClusterStepper, KeepsApartWhatPassesUnexpectedly) {
+  Scene scene;
+  scene.gravity = {};
+  test::add_ball(scene, {-0.5, 0, 0}, 0.05, 1, {90, 0, 0});  // it comes from the left
+  test::add_ball(scene, {0, 0, 0}, 0.05, 0.1, {});           // and throws this one
+  test::add_ball(scene, {0.8, 0, 0}, 0.05, 1, {});           // through that one, unless that is found
+  test::Linkages islands(scene);
+  std::vector<LinkageState*> cluster;
+  for (LinkageState& state : islands.states) cluster.push_back(&state);
+  ClusterStepper stepper(Isa::scalar, ContactSettings{});
+  const Surroundings around(scene);
+  Tally report;
+  for (int i = 0; i < 3; ++i) stepper.step(cluster, around, {.substeps = 1}, test::frame, report);
+  EXPECT_LT(cluster[0]->x.front().x + 0.099, cluster[1]->x.front().x);
+  EXPECT_LT(cluster[1]->x.front().x + 0.099, cluster[2]->x.front().x);
 }
 
 // The solver has a place for every particle of islands with shapes, where the scene puts it.

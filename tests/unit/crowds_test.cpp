@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <vector>
 
 #include "contact/cluster_mover.hpp"
@@ -11,6 +12,7 @@
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
 #include "contact/relaxed/crowd_pairs.hpp"
+#include "contact/relaxed/kept_table.hpp"
 #include "contact/rows.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/layouts/packing.hpp"
@@ -126,10 +128,10 @@ TEST(CrowdContacts, KeepAGapOpenAndHoldWithinTheCone) {
   contacts.find(ball.cluster, crowd, surroundings, ground, 0.01, 10);
   ASSERT_TRUE(contacts.any_near());
   crowd.predict(0.01, Gradient::new_);
-  ASSERT_TRUE(contacts.begin(ball.cluster, crowd, surroundings, ground, 0.01));
+  ASSERT_TRUE(contacts.begin(ball.cluster, crowd, surroundings, ground, 0.01, nullptr));
   EXPECT_FALSE(contacts.is_empty());
-  EXPECT_NEAR(contacts.sweep(crowd), 0.03 * std::sqrt(1 + 0.04), 1e-12);
-  EXPECT_EQ(contacts.sweep(crowd), 0) << "it is solved";
+  EXPECT_NEAR(contacts.measured_sweep(crowd, nullptr), 0.03 * std::sqrt(1 + 0.04), 1e-12);
+  EXPECT_EQ(contacts.measured_sweep(crowd, nullptr), 0) << "it is solved";
   crowd.advance(0.01, Gradient::new_);
   contacts.end(ball.cluster, crowd, 0.01);
   crowd.scatter(ball.state, 0);
@@ -150,6 +152,26 @@ TEST(ContactRows, TakeBackAShareOfOverlapsAndBounceByTheSpeedOfArrival) {
   const Combination middle = blend(combination(point_at(3)), combination(point_at(5)), 0.25);
   ASSERT_EQ(middle.count, 2u);
   EXPECT_EQ(middle.terms[0].weight, 0.75);
+}
+
+// Islands that are alike keep contacts of the same keys. Each finds its own, and none what it did not keep.
+TEST(KeptTable, FindsWhatAnIslandKeptByKey) {
+  std::deque<One> ones;
+  for (int i = 0; i < 3; ++i) ones.emplace_back(dumbbell(1));
+  std::vector<LinkageState*> cluster;
+  for (std::size_t i = 0; i < ones.size(); ++i) {
+    for (std::uint64_t key = 1; key <= 40; ++key)
+      if (key % (i + 1) == 0) ones[i].state.kept.push_back({.key = key, .force = {1.0 * key, 1.0 * i, 0}});
+    cluster.push_back(&ones[i].state);
+  }
+  KeptTable table;
+  table.gather(cluster);
+  for (std::uint32_t i = 0; i < ones.size(); ++i)
+    for (std::uint64_t key = 1; key <= 40; ++key) {
+      const KeptContact found = table.at(ones[i].state, i, key);
+      EXPECT_EQ(found.key == key, key % (i + 1) == 0) << i << " " << key;
+      EXPECT_EQ(found.force, (key % (i + 1) == 0 ? Vec3{1.0 * key, 1.0 * i, 0} : Vec3{}));
+    }
 }
 
 }  // namespace
