@@ -123,8 +123,8 @@ TEST(ClusterStepper, BouncesFromASpeedOn) {
   }
 }
 
-// A light ball is thrown at 164 m/s by a blow within the step, which nobody foresaw. What it would pass through
-// in that substep is a MissedPair: nobody passes.
+// A light ball is thrown at 164 m/s by a blow within the step, which nobody foresaw. What it would pass
+// through in that substep is a MissedPair: nobody passes.
 TEST(ClusterStepper, KeepsApartWhatPassesUnexpectedly) {
   Scene scene;
   scene.gravity = {};
