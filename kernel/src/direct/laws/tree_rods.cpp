@@ -166,11 +166,11 @@ std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWo
   for_parts([&](auto part, bool ties) {
     const auto& mu = ties ? state.tie_mu : state.mu;
     const auto& starts = ties ? work.tie_law_start : work.law_start;
-    for (std::size_t first = ties ? 0 : lanes; first < mu.size(); first += lanes) {
+    std::uint32_t entry = ties ? 0 : 1;
+    for (std::size_t first = ties ? 0 : lanes; first < mu.size(); first += lanes, ++entry) {
       OfLanes pull;
       if (laws.gives) put_pulled_lengths<T>(laws, part, first, {mu.data(), starts.data(), h, theta}, pull);
-      if (laws.cables && theta != 0)
-        put_cable_lengths(state, work, theta, static_cast<std::uint32_t>(first / lanes), ties, pull);
+      if (laws.cables && theta != 0) put_cable_lengths(state, work, theta, entry, ties, pull);
       if (!laws.gives) std::copy_n(part(laws.length).data() + first, lanes, pull.data());
       double* const impulse = part(laws.impulse).data() + first;
       for (std::size_t lane = 0; lane < lanes; ++lane) {

@@ -49,7 +49,7 @@ void TreeStepper<T>::take_sound(const TreeState<T>& state, const Drive& drive, T
       given += square(double{work.velocity[i]}) + square(double{work.kick[lane]} * double{state.force[i]});
     }
     // An anchor may move all particles, and a rod that is hauled in all that are behind it.
-    const double particles = static_cast<double>(to.size() / state.lanes) / 3;
+    const double particles = state.topology->nodes;
     for (std::size_t i = lane; i < drive.velocity.size(); i += state.lanes)
       for (const Vec3 v : {drive.velocity[i], drive.before[i]}) given += particles * dot(v, v);
     double hauled = 0;
