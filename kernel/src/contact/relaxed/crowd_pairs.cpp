@@ -107,12 +107,12 @@ Bounds CrowdPairs<T>::reach_of(const Crowd<T>& crowd, TermRange place, double ra
   return passed_through(crowd.position(terms), dt * crowd.velocity(terms), radius);
 }
 
-/// Returns a box around the way of a line in dt (s), which ground may carry, and `further` (m) around that.
+/// Returns a box around the way of a line in dt (s), which ground may carry, and `more` (m) around that.
 template <class T>
 Bounds CrowdPairs<T>::reach_of(const Crowd<T>& crowd, const Surroundings& surroundings, const Body& body,
-                               double dt, double further) const {
-  Bounds around = reach_of(crowd, body.a, body.shape->radius + further, dt);
-  include(around, reach_of(crowd, body.b, body.shape->radius + further, dt));
+                               double dt, double more) const {
+  Bounds around = reach_of(crowd, body.a, body.shape->radius + more, dt);
+  include(around, reach_of(crowd, body.b, body.shape->radius + more, dt));
   return carried(crowd, surroundings, body.island, around, body.shape->filter);
 }
 

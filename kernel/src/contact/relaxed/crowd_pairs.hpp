@@ -99,7 +99,7 @@ class CrowdPairs {
   void find_outrun(const Crowd<T>& crowd, Team* team);
   Bounds reach_of(const Crowd<T>& crowd, TermRange place, double radius, double dt) const;
   Bounds reach_of(const Crowd<T>& crowd, const Surroundings& surroundings, const Body& body, double dt,
-                  double further) const;
+                  double more) const;
   void find_pairs(std::span<LinkageState* const> cluster);
   bool may_meet(std::span<LinkageState* const> cluster, std::uint32_t i, std::uint32_t j) const;
   void widen(std::uint32_t number, const Bounds& by);
