@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "contact/shapes/hulls/convex_hull.hpp"
 #include "contact/shapes/passing.hpp"
 #include "support/meshes.hpp"
@@ -28,9 +31,34 @@ MovingSegment random_segment(test::Random& random, double length) {
           is_point ? by : by + 0.3 * random_vector(random)};
 }
 
+/// Counts what was swept: what touched on its way, and what did at the start.
+struct Swept {
+  int touched = 0, at_start = 0;
+
+  /// Things are apart by `gap`(time) until they touch, if they do, and come nearer by `nears`(found) < 0.
+  template <class Found, class Gap, class Nears>
+  void expect_first(const std::optional<Found>& found, Gap&& gap, Nears&& nears) {
+    const double until = found ? found->time : 1;
+    if (found && until == 0) {
+      ++at_start;
+      EXPECT_LE(gap(0), close);
+      return;
+    }
+    for (int i = 0; i <= 100; ++i) EXPECT_GE(gap(until * i / 100), 0);
+    if (!found) return;
+    ++touched;
+    EXPECT_LE(gap(until), close);
+    EXPECT_LT(nears(*found), 0);
+  }
+  void expect_many() const {
+    EXPECT_GT(touched, 100);
+    EXPECT_GT(at_start, 20);
+  }
+};
+
 TEST(Sweep, FirstTouchIsThatOfSmallSteps) {
   test::Random random(51);
-  int touched = 0, at_start = 0;
+  Swept swept;
   for (int round = 0; round < 3000; ++round) {
     const Triangle t{random_vector(random), random_vector(random), random_vector(random)};
     const MovingSegment moving = random_segment(random, 0.5);
@@ -38,48 +66,28 @@ TEST(Sweep, FirstTouchIsThatOfSmallSteps) {
       return nearest_on(t, at(moving.at.p, moving.p_by, time), at(moving.at.q, moving.q_by, time)).distance -
              moving.at.radius;
     };
-    const auto found = sweep(moving, t, close);
-    const double until = found ? found->time : 1;
-    if (found && until == 0) {  // it touches at the start
-      ++at_start;
-      EXPECT_LE(gap(0), close);
-      continue;
-    }
-    for (int i = 0; i <= 100; ++i) EXPECT_GE(gap(until * i / 100), 0);
-    if (!found) continue;
-    ++touched;
-    EXPECT_LE(gap(until), close);
-    EXPECT_LT(std::min(dot(found->normal, moving.p_by), dot(found->normal, moving.q_by)), 0);
+    swept.expect_first(sweep(moving, t, close), gap, [&](const auto& found) {
+      return std::min(dot(found.normal, moving.p_by), dot(found.normal, moving.q_by));
+    });
   }
-  EXPECT_GT(touched, 100);
-  EXPECT_GT(at_start, 20);
+  swept.expect_many();
 }
 
 // Two lines that both move: they are apart until they touch, and touch along the normal.
 TEST(Sweep, FirstTouchOfTwoLinesIsThatOfSmallSteps) {
   test::Random random(53);
-  int touched = 0, at_start = 0;
+  Swept swept;
   for (int round = 0; round < 10000; ++round) {
     const MovingSegment a = random_segment(random, 0.5), b = random_segment(random, 0.5);
     const auto line = [](const MovingSegment& each, double time) {
       return Segment{at(each.at.p, each.p_by, time), at(each.at.q, each.q_by, time), each.at.radius};
     };
     const auto gap = [&](double time) { return touch(line(a, time), line(b, time)).gap; };
-    const auto found = sweep(a, b, close);
-    const double until = found ? found->time : 1;
-    if (found && until == 0) {  // they touch at the start
-      ++at_start;
-      EXPECT_LE(gap(0), close);
-      continue;
-    }
-    for (int i = 0; i <= 100; ++i) EXPECT_GE(gap(until * i / 100), 0);
-    if (!found) continue;
-    ++touched;
-    EXPECT_LE(gap(until), close);
-    EXPECT_LT(dot(found->normal, moved_between(a, b, found->a, found->b)), 0);
+    swept.expect_first(sweep(a, b, close), gap, [&](const auto& found) {
+      return dot(found.normal, moved_between(a, b, found.a, found.b));
+    });
   }
-  EXPECT_GT(touched, 100);
-  EXPECT_GT(at_start, 20);
+  swept.expect_many();
 }
 
 // What goes deeper than is harmless on its way is found, and only that. Steps of a thousandth see depths to

@@ -21,10 +21,7 @@ struct LineMotion {
   /// Returns three numbers from entry `first` on.
   template <class From>
   Vec3 read(const From& from, std::size_t first) const {
-    const auto number = [&](std::size_t c) {
-      return static_cast<double>(from[state.at(static_cast<std::uint32_t>(first + c), lane)]);
-    };
-    return {number(0), number(1), number(2)};
+    return state.read(from, first, lane);
   }
   Vec3 delta(std::int64_t place) const {
     return is_node(place) ? read(work.delta, 3 * static_cast<std::size_t>(place))

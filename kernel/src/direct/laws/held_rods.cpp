@@ -13,18 +13,10 @@ void for_ties(const TreeState<T>& state, F&& f) {
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k) f(k, i);
 }
 
-/// Returns three numbers from entry `first` of a lane on.
-template <class T>
-Vec3 read(const TreeState<T>& state, const layouts::AlignedBuffer<T>& from, std::uint32_t first,
-          std::uint32_t lane) {
-  const auto number = [&](std::uint32_t c) { return static_cast<double>(from[state.at(first + c, lane)]); };
-  return {number(0), number(1), number(2)};
-}
-
 template <class T>
 Vec3 start_of(const TreeState<T>& state, std::uint32_t tie, std::uint32_t lane,
               const TreeWorkspace<T>& work) {
-  return read(state, work.tie_rod, simd::tree_fields::rod * tie, lane);
+  return state.read(work.tie_rod, simd::tree_fields::rod * tie, lane);
 }
 
 }  // namespace
@@ -37,8 +29,7 @@ void hold_rods(TreeState<T>& state, double h, double theta, const TreeWorkspace<
       if (work.active[lane] == 0) continue;
       const double scale = h / static_cast<double>(work.kick[lane]) * state.mass_unit[lane];
       const std::size_t at = state.at(tie, lane);
-      const Vec3 change =
-          read(state, work.delta, 3 * node, lane) - read(state, state.tie_delta, 3 * tie, lane);
+      const Vec3 change = state.read(work.delta, 3 * node, lane) - state.read(state.tie_delta, 3 * tie, lane);
       state.hold[at] +=
           scale * static_cast<double>(state.tie_mu[at]) * (start_of(state, tie, lane, work) + theta * change);
     }

@@ -102,16 +102,6 @@ void put_pulled_lengths(const TreeLaws<T>& laws, Part part, std::size_t first, c
     to[lane] = rigid[lane] != 0 ? length[lane] - half * rate[lane] : to[lane];
 }
 
-/// Returns three numbers from entry `first` of a lane on.
-template <class T>
-Vec3 read(const TreeState<T>& state, const layouts::AlignedBuffer<T>& from, std::size_t first,
-          std::size_t lane) {
-  const auto number = [&](std::size_t c) {
-    return static_cast<double>(from[(first + c) * state.lanes + lane]);
-  };
-  return {number(0), number(1), number(2)};
-}
-
 /// Puts those of elastic cables: what they pull with does not tell how long they are where they come tight.
 /// `entry` is a node or a tie.
 template <class T>
@@ -126,11 +116,11 @@ void put_cable_lengths(const TreeState<T>& state, const TreeWorkspace<T>& work, 
   for (std::size_t lane = 0; lane < state.lanes; ++lane) {
     const T* const numbers = laws.data() + law * state.lanes * entry + lane;
     if (numbers[2 * state.lanes] != 0 || numbers[3 * state.lanes] == 0) continue;
-    const Vec3 other = is_tie ? read(state, state.tie_delta, 3 * std::size_t{entry}, lane)
-                              : read(state, work.delta, 3 * std::size_t{tree.parent[entry]}, lane);
-    const Vec3 d = read(state, rods, simd::tree_fields::rod * std::size_t{entry}, lane);
+    const Vec3 other = is_tie ? state.read(state.tie_delta, 3 * std::size_t{entry}, lane)
+                              : state.read(work.delta, 3 * std::size_t{tree.parent[entry]}, lane);
+    const Vec3 d = state.read(rods, simd::tree_fields::rod * std::size_t{entry}, lane);
     const double start = norm(d);
-    to[lane] = start + theta * (norm(d + read(state, work.delta, 3 * node, lane) - other) - start);
+    to[lane] = start + theta * (norm(d + state.read(work.delta, 3 * node, lane) - other) - start);
   }
 }
 

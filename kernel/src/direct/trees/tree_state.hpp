@@ -58,6 +58,12 @@ struct TreeState {
   void copy_motion(const TreeState& from);
 
   std::size_t at(std::uint32_t entry, std::uint32_t lane) const { return std::size_t{entry} * lanes + lane; }
+  /// Returns three numbers of a lane, from entry `first` of a buffer on.
+  template <class Buffer>
+  Vec3 read(const Buffer& from, std::size_t first, std::size_t lane) const {
+    const auto number = [&](std::size_t c) { return static_cast<double>(from[(first + c) * lanes + lane]); };
+    return {number(0), number(1), number(2)};
+  }
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);
 

@@ -7,9 +7,9 @@
 
 namespace plumb::detail {
 
-// Anchors, cords and drums that change their speed give a blow: velocities are projected onto the new one,
-// and what that pulls is counted. Gradient mid would swing about it for ever, an even number of substeps
-// would keep the old one, and a cord with friction would rub by what swings.
+// Anchors, cords and drums that change their speed give a blow to velocities, and what that pulls is counted.
+// Without it gradient mid would swing about the new speed for ever, an even number of substeps would keep the
+// old one, and a cord with friction would rub by what swings.
 
 /// Says whether an anchor's velocity (m/s) changes by more than the rounding of its path.
 inline bool velocity_changes(Vec3 before, Vec3 after) {
