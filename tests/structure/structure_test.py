@@ -148,6 +148,12 @@ def check_source(path, complain):
             complain(f"{title}: a function of {parameters} parameters, at most {MOST_PARAMETERS}")
 
 
+def check_includes(path, complain):
+    for number, line in enumerate(path.read_text().split("\n"), 1):
+        if re.match(r'\s*#\s*include\s*["<].*\.cpp[">]', line):
+            complain(f"{name(path)}:{number}: a source file is included")
+
+
 def check_files(folder, complain):
     counts = collections.Counter(name(path.parent) for path in files_below(folder))
     for subfolder, count in sorted(counts.items()):
@@ -190,6 +196,7 @@ def main(folders):
         for path in files_below(folder):
             if path.suffix in CPP:
                 check_source(path, complaints.append)
+                check_includes(path, complaints.append)
         if folder.split("/")[0] in UNIQUE:
             check_equal_lines(folder, complaints.append)
     print("\n".join(complaints) if complaints else "within all limits: " + ", ".join(folders))
