@@ -383,6 +383,44 @@ TEST_F(Allocations, AreNoneInStepsOfFiftyFallenCapsules) {
   }
 }
 
+/// Boxes and flat coins of hulls, and balls, that fall onto ground of every kind, and onto each other.
+Scene solids_on_ground() {
+  Scene scene;
+  scene.planes.push_back({.offset = -0.5});
+  scene.meshes.push_back(
+      {.vertices = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}, .triangles = {{0, 2, 1}, {0, 3, 2}}});
+  scene.ground_hulls.push_back({.points = {{4, 0, 0}, {6, 0, -1}, {6, 0, 1}, {5, 0.5, 0}}});
+  scene.ground_capsules.push_back({.a = {4, 0, -1}, .b = {6, 0, -1}, .radius = 0.3});
+  HeightField field{.corner = {8, 0, -2}, .columns = 5};
+  for (int i = 0; i < 25; ++i) field.heights.push_back(0.05 * (i % 3));
+  scene.height_fields.push_back(field);
+  for (const double x : {0.0, 5.0, 10.0})
+    for (int i = 0; i < 6; ++i) {
+      const Vec3 at{x + 0.05 * i, 0.8 + 0.3 * i, -0.1 * i};
+      if (i % 3 == 2) {
+        test::add_ball(scene, at, 0.1, 1, {}, {});
+        continue;
+      }
+      MassProperties solid = i % 3 == 0 ? solid_box(2, {0.3, 0.2, 0.2})
+                                        : MassProperties{.mass = 1, .inertia = {0.01, 0.02, 0.01}};
+      solid.center = at;
+      const Box box{.center = at, .half_size = i % 3 == 0 ? Vec3{0.15, 0.1, 0.1} : Vec3{0.15, 0.02, 0.15}};
+      scene.hulls.push_back(box_on_body(add_body(scene, solid), box));
+    }
+  return scene;
+}
+
+// Meshes, hulls, ground capsules and height fields, once all lie: until then more places may be touched
+// than ever before.
+TEST_F(Allocations, AreNoneInStepsOfSolidsOnGroundOfEveryKind) {
+  const Scene scene = solids_on_ground();
+  for (const Method method : {Method::direct, Method::automatic, Method::relax}) {
+    World world(scene, {.method = method, .substeps = 4, .sleep = false, .threads = 1});
+    test::run(world, 1.0 / 60, 900);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 120); }), 0u) << to_string(method);
+  }
+}
+
 // Gradients new and mid keep what tells them how directions turn.
 TEST_F(Allocations, AreNoneInStepsOfFiguresAlongOtherGradients) {
   for (const Gradient gradient : {Gradient::new_, Gradient::mid}) {

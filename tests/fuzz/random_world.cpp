@@ -193,6 +193,31 @@ void add_limbs(Bytes& bytes, Scene& scene) {
                               .torque = number(bytes, -5, 5)});
 }
 
+/// Solids of hulls, some of them flat, and ground of other kinds. They come last, so that what earlier bytes
+/// say stays as it was.
+void add_solids(Bytes& bytes, Scene& scene) {
+  for (int i = bytes.ConsumeIntegralInRange(1, 3); i > 0; --i) {
+    const bool is_flat = rarely(bytes, 3);
+    MassProperties solid = is_flat
+                               ? MassProperties{.mass = 1, .inertia = {.xx = 0.02, .yy = 0.01, .zz = 0.01}}
+                               : solid_box(number(bytes, 0.1, 10), {0.3, 0.2, 0.1});
+    solid.center = place(bytes);
+    const Box box{.center = solid.center,
+                  .half_size = {is_flat ? number(bytes, 1e-4, 0.05) : 0.15, 0.1, 0.05},
+                  .surface = surface(bytes)};
+    scene.hulls.push_back(box_on_body(add_body(scene, solid), box));
+    scene.hulls.back().radius = rarely(bytes, 3) ? number(bytes, 0, 0.05) : 0;
+  }
+  if (bytes.ConsumeBool())
+    scene.ground_capsules.push_back(
+        {.a = place(bytes), .b = place(bytes), .radius = number(bytes, 0, 0.3), .surface = surface(bytes)});
+  if (bytes.ConsumeBool()) {
+    HeightField field{.corner = {-1, -2, -1}, .columns = 3, .surface = surface(bytes)};
+    for (int i = 0; i < 9; ++i) field.heights.push_back(number(bytes, -0.5, 0.5));
+    scene.height_fields.push_back(field);
+  }
+}
+
 Settings settings(Bytes& bytes) {
   Settings out;
   out.method = bytes.PickValueInArray({Method::automatic, Method::relax, Method::direct, Method::automatic,
@@ -241,6 +266,7 @@ RandomWorld make_random_world(const std::uint8_t* data, std::size_t size) {
   if (rarely(bytes, 6)) add_twist(bytes, out.scene);
   if (rarely(bytes, 3)) add_laws(bytes, out.scene);
   if (rarely(bytes, 6)) add_tackle(bytes, out.scene);
+  if (rarely(bytes, 4)) add_solids(bytes, out.scene);
   return out;
 }
 

@@ -54,12 +54,16 @@ TEST(ValidateBodies, AskForFourPlacesWithAVolume) {
             "body 3: its particles lie in one plane");
 }
 
-// A solid's inertia passes; that of a disc without thickness, of which four particles could be three, does
-// not.
+// A solid's inertia passes, and that of a disc without thickness. That of a line spins without inertia, and
+// nothing has a moment above the sum of the others.
 TEST(ValidateBodies, AskForTheInertiaOfASolid) {
   EXPECT_EQ(refusal([] { require_solid(0, solid_box(2, {0.1, 0.2, 0.3})); }), "");
   MassProperties disc = solid_box(2, {0.1, 0.2, 0.3});
   disc.inertia = {.xx = 1, .yy = 1, .zz = 2};
+  EXPECT_EQ(refusal([&] { require_solid(0, disc); }), "");
+  disc.inertia = {.xx = 1, .yy = 1, .zz = 0};
+  EXPECT_NE(refusal([&] { require_solid(0, disc); }).find("that of a line"), std::string::npos);
+  disc.inertia = {.xx = 1, .yy = 1, .zz = 2.1};
   EXPECT_NE(refusal([&] { require_solid(0, disc); }).find("not that of a solid"), std::string::npos);
 }
 

@@ -75,6 +75,7 @@ Scene bodies_and_joints() {
   Scene scene;
   add_body(scene, {.mass = 0.7, .center = {1.0 / 3, 0, 1}, .inertia = {1.1, 1.2, 1.3, 0.1 / 3, 0, -0.1}});
   add_body(scene, {.mass = 3, .center = {2, 0, 1}, .inertia = {.xx = 1, .yy = 1, .zz = 1}});
+  add_body(scene, {.mass = 0.3, .center = {5, 1.0 / 3, 0}, .inertia = {.xx = 0.1, .yy = 0.2, .zz = 0.1}});
   scene.particles[2].asleep = true;
   scene.rods[1].mass = 0.2;
   scene.rods[1].linear_drag = 0.1;

@@ -32,9 +32,10 @@ PLUMB_API Vec3 position_of(const Scene& scene, const Point& point);
 /// Adds a body at rest with exactly the mass, the centre of mass and the inertia given, and returns its
 /// number.
 ///
-/// It adds four particles without mass and the six rods between them. The particles are those of
-/// four_points(), so that the mass matrix is a quarter of the mass on each. Throws InputError if the inertia
-/// is that of a plate or a line, or if the body is thinner than validate() allows.
+/// It adds four particles without mass and the six rods between them. Their mass matrix is diagonal. It is a
+/// quarter of the mass on each, and they are those of four_points(), unless the body is thinner than a
+/// hundredth of its length. Then one or two stand off it and weigh less: nothing, if the body is flat. Throws
+/// InputError if the inertia is that of a line, or that of no body.
 PLUMB_API std::uint32_t add_body(Scene& scene, const MassProperties& properties);
 /// Adds a body on four particles of the scene. It adds the rods between them that are missing, except between
 /// two anchors. It goes through all rods of the scene.

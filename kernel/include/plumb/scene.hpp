@@ -147,7 +147,7 @@ struct Reel {
 };
 
 /// This is a rigid solid with a full tensor of inertia, carried by four particles that do not lie in one
-/// plane.
+/// plane. Its mass may: that of a disc is flat.
 ///
 /// Rods keep the four apart, and the scene lists them like all others (add_body()). There are six, less those
 /// between two fixed particles. The body's mass acts on the four by the exact kinetic energy (body_mass()),
@@ -336,7 +336,8 @@ PLUMB_API bool has_more_than_rods(const Scene& scene);
 ///
 /// Of bodies, joints and shapes it refuses:
 /// - a body whose particles lie in one plane (their volume is below 1e-9 of their size cubed) or lack a rod;
-/// - inertia that no solid has;
+/// - inertia that no solid has, or that of a line, which spins about itself without inertia;
+/// - a rod between a flat or thin body's particles that is not rigid;
 /// - weights of a point that do not add up to 1;
 /// - a ball joint or an alignment of nothing that moves;
 /// - an angle without directions, or with limits outside [0, pi];

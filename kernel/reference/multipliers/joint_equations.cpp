@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "reference/multipliers/small_matrices.hpp"
+#include "scene/flat/flat_bodies.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -24,6 +25,7 @@ JointEquations::JointEquations(const Scene& island, MassModel model) {
   for (const Particle& particle : island.particles) movable_ += particle.fixed ? 0u : 1u;
   add_masses(island, model);
   add_constraints(island);
+  find_flat_rows(island);
   f.setZero(3 * Eigen::Index{movable_});
   c.setZero(rows());
   x_ = f;
@@ -71,6 +73,23 @@ void JointEquations::add_constraints(const Scene& island) {
       constraints_.push_back({.u = {}, .v = way(each.a, each.b), .axis = axis});
 }
 
+/// Rods of flat bodies make M regular: with rho Jᵀ c beside f, neither solutions nor multipliers change.
+void JointEquations::find_flat_rows(const Scene& island) {
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
+    if (!has_singular_mass(island, i)) continue;
+    const Body& body = island.bodies[i];
+    const auto is_in = [&](std::uint32_t particle) {
+      return std::find(body.particles.begin(), body.particles.end(), particle) != body.particles.end();
+    };
+    if (rho_.size() == 0) rho_.setZero(rows());
+    for (const std::uint32_t particle : body.particles)
+      if (particle < movable_) masses_[particle] = std::max(masses_[particle], nominal_mass(body));
+    for (std::size_t r = 0; r < island.rods.size(); ++r)
+      if (is_in(island.rods[r].a) && is_in(island.rods[r].b))
+        rho_[static_cast<Eigen::Index>(r)] = body.mass / (4 * constraints_[r].value);
+  }
+}
+
 void JointEquations::set_positions(std::span<const Vec3> x) {
   const Eigen::Index n = f.size();
   std::vector<Eigen::Triplet<double>>& all = entries_;
@@ -97,6 +116,11 @@ void JointEquations::set_positions(std::span<const Vec3> x) {
     mass_.resize(n, n);
     mass_.setFromTriplets(masses.begin(), masses.end());
   }
+  if (rho_.size() > 0)
+    regular_mass_ =
+        mass_ + Eigen::SparseMatrix<double>(jacobian_.transpose() * rho_.asDiagonal() * jacobian_);
+  else if (!is_analyzed_)
+    regular_mass_ = mass_;
   // The matrix is scaled so that the diagonals of M and of J diag(M)⁻¹ Jᵀ are one.
   scale_.resize(n + rows());
   for (Eigen::Index i = 0; i < n; ++i) scale_[i] = 1 / std::sqrt(masses_[static_cast<std::size_t>(i / 3)]);
@@ -110,7 +134,8 @@ void JointEquations::set_positions(std::span<const Vec3> x) {
     if (row >= column) all.emplace_back(row, column, scale_[row] * value * scale_[column]);
   };
   for (Eigen::Index k = 0; k < n; ++k) {
-    for (Eigen::SparseMatrix<double>::InnerIterator it(mass_, k); it; ++it) scaled(it.row(), k, it.value());
+    for (Eigen::SparseMatrix<double>::InnerIterator it(regular_mass_, k); it; ++it)
+      scaled(it.row(), k, it.value());
     for (Eigen::SparseMatrix<double>::InnerIterator it(jacobian_, k); it; ++it)
       scaled(n + it.row(), k, it.value());
   }
@@ -176,6 +201,7 @@ const Eigen::VectorXd& JointEquations::solve() {
   const auto add_solution = [&](const Eigen::VectorXd& of_f, const Eigen::VectorXd& of_c) {
     right_.resize(of_f.size() + of_c.size());
     right_ << of_f, of_c;
+    if (rho_.size() > 0) right_.head(of_f.size()) += jacobian_.transpose() * rho_.cwiseProduct(of_c);
     right_ = scale_.cwiseProduct(right_);
     factor_.solve(right_, solved_);
     solved_ = scale_.cwiseProduct(solved_);

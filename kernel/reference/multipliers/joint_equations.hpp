@@ -57,14 +57,17 @@ class JointEquations {
 
   void add_masses(const Scene& island, MassModel model);
   void add_constraints(const Scene& island);
+  void find_flat_rows(const Scene& island);
   double residuals();
 
   std::uint32_t movable_ = 0;
   std::vector<Coupling> couplings_;  ///< all entries of M with a movable first particle
-  std::vector<double> masses_;       ///< kg, its diagonal
+  std::vector<double> masses_;       ///< kg, its diagonal, or a quarter of a flat body if that is more
   std::vector<Constraint> constraints_;
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::SparseMatrix<double> mass_, jacobian_, matrix_;
+  Eigen::SparseMatrix<double> regular_mass_;  ///< M + Jᵀ rho J, which is regular where bodies are flat
+  Eigen::VectorXd rho_;                       ///< of rows, kg/m²; none if no body is flat
   SparseCholesky factor_;
   bool is_analyzed_ = false;
   double largest_miss_ = 0;

@@ -6,6 +6,19 @@
 namespace plumb::detail {
 namespace {
 
+/// These are shares of `close`, within which solids lie against each other. A place that lies on a surface is
+/// off it by no more than the first of these, which is far above rounding. Where the surface was only touched
+/// nearby, it is off by no more than the second.
+constexpr double on_surface = 1e-6, on_surface_nearby = 1e-3;
+/// A surface is looked at so many times `close` from a place, which is far beyond what lies against it, and
+/// is still the same spot: 1 mm where `close` is the 10 µm of ContactSettings::tolerance.
+constexpr double aside = 100;
+/// What is so many times `close` in front of a surface is in another solid if it is nearer to that than this.
+/// It is halfway: the surface is one `close` away.
+constexpr double in_front = 0.5;
+/// Faces of two solids that meet at an angle of less than this (rad) go on into each other.
+constexpr double flat_enough = 1e-3;
+
 /// A box around a solid box.
 Bounds bounds_of(Vec3 center, Vec3 half, const Frame3& frame) {
   const auto far = [&](double a, double b, double c) {
@@ -136,10 +149,10 @@ bool Surroundings::goes_on(std::uint32_t shape, const GroundShape& other, Vec3 a
   other.for_normals(at, close, [&](Vec3 n) {
     const Vec3 along = n - dot(n, normal) * normal;
     const double size = norm(along);
-    if (out || !(size > 1e-3)) return;
-    const Vec3 next = at + (100 * close / size) * along;
-    out =
-        shapes[shape].distance(next) <= 1e-6 * close && !is_within(shape, next + close * normal, 0.5 * close);
+    if (out || !(size > flat_enough)) return;
+    const Vec3 next = at + (aside * close / size) * along;
+    out = shapes[shape].distance(next) <= on_surface * close &&
+          !is_within(shape, next + close * normal, in_front * close);
   });
   return out;
 }
@@ -148,8 +161,9 @@ bool Surroundings::is_flat(std::uint32_t shape, Vec3 at, Vec3 along, double clos
   const double length = norm(along);
   if (!(length > 0)) return true;
   for (const double side : {-1.0, 1.0}) {
-    const Vec3 next = at + (side * 100 * close / length) * along;
-    const bool is_on = shapes[shape].distance(next) <= 1e-3 * close || is_within(shape, next, close);
+    const Vec3 next = at + (side * aside * close / length) * along;
+    const bool is_on =
+        shapes[shape].distance(next) <= on_surface_nearby * close || is_within(shape, next, close);
     if (!is_on) return false;
   }
   return true;
@@ -166,8 +180,8 @@ bool Surroundings::is_covered(std::uint32_t shape, const Near& near, double clos
     const GroundShape& other = shapes[i];
     if (out || i == shape || !other.is_convex() || !other.bounds().overlaps(around)) return;
     if (other.distance(at) > close) return;
-    const bool hides =
-        other.distance(near.place) < near.distance - 1e-6 * close || other.distance(before) < 0.5 * close;
+    const bool hides = other.distance(near.place) < near.distance - on_surface * close ||
+                       other.distance(before) < in_front * close;
     out = hides && !goes_on(shape, other, at, near.normal, close);
   });
   return out;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/barycentric.hpp"
+#include "scene/flat/flat_bodies.hpp"
 #include "scene/refuse.hpp"
 #include "scene/validate_bodies.hpp"
 
@@ -102,11 +103,8 @@ Vec3 position_of(const Scene& scene, const Point& point) {
 std::uint32_t add_body(Scene& scene, const MassProperties& properties) {
   const std::size_t number = scene.bodies.size();
   detail::require_solid(number, properties);
-  const std::array<PointMass, 4> points = four_points(properties);
-  detail::require_volume(number,
-                         {points[0].position, points[1].position, points[2].position, points[3].position});
   const auto first = static_cast<std::uint32_t>(scene.particles.size());
-  for (const PointMass& point : points) scene.particles.push_back({.position = point.position});
+  for (const Vec3 place : detail::body_points(properties)) scene.particles.push_back({.position = place});
   for (std::uint32_t j = 0; j < 4; ++j)
     for (std::uint32_t k = 0; k < j; ++k) push_rod(scene, first + k, first + j);
   return push_body(scene, {first, first + 1, first + 2, first + 3}, properties);

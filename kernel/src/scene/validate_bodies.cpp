@@ -7,6 +7,7 @@
 
 #include "plumb/joints.hpp"
 #include "scene/barycentric.hpp"
+#include "scene/flat/flat_bodies.hpp"
 #include "scene/ground/validate_ground.hpp"
 #include "scene/refuse.hpp"
 #include "scene/second_moments.hpp"
@@ -18,6 +19,8 @@ namespace {
 /// Sums that must be one, and lengths that must be one, may be off by this much. A larger value accepts
 /// scenes whose joints start with larger errors.
 constexpr double rounding = 1e-9;
+/// Second moments count as nothing below this share of the largest, which rounding may leave of it.
+constexpr double flat = 1e-12;
 
 bool is_amount(double value) {
   return value >= 0 && std::isfinite(value);
@@ -28,10 +31,13 @@ std::uint64_t pair_of(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{low} << 32 | high;
 }
 
-std::vector<std::uint64_t> sorted_pairs(const std::vector<Rod>& rods) {
+/// Returns the ends of the rods that are wanted, in ascending order.
+template <class IsWanted>
+std::vector<std::uint64_t> sorted_pairs(const std::vector<Rod>& rods, IsWanted&& is_wanted) {
   std::vector<std::uint64_t> pairs;
   pairs.reserve(rods.size());
-  for (const Rod& rod : rods) pairs.push_back(pair_of(rod.a, rod.b));
+  for (const Rod& rod : rods)
+    if (is_wanted(rod)) pairs.push_back(pair_of(rod.a, rod.b));
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
@@ -44,6 +50,17 @@ void require_rods(const Scene& scene, std::size_t i, const std::vector<std::uint
       if (std::binary_search(pairs.begin(), pairs.end(), pair_of(ids[j], ids[k]))) continue;
       refuse("body ", i, ": no rod keeps its particles ", ids[k], " and ", ids[j], " apart");
     }
+}
+
+/// A flat body has no inertia against some motions of its four particles, and only rigid rods forbid these.
+void require_rigid_rods(const Scene& scene, std::size_t i, const std::vector<std::uint64_t>& giving) {
+  const auto& ids = scene.bodies[i].particles;
+  for (std::size_t j = 0; j < 4; ++j)
+    for (std::size_t k = 0; k < j; ++k)
+      if (std::binary_search(giving.begin(), giving.end(), pair_of(ids[j], ids[k])) &&
+          has_singular_mass(scene, i))
+        refuse("body ", i, ": the rod between its particles ", ids[k], " and ", ids[j],
+               " must be rigid, because the body is flat or thin");
 }
 
 void validate_pin(const Scene& scene, std::size_t i) {
@@ -184,29 +201,29 @@ void require_solid(std::size_t i, const MassProperties& properties) {
     refuse("body ", i, ": mass must be positive and finite, got ", mass, " kg");
   if (!is_finite(center)) refuse("body ", i, ": center of mass is not finite");
   if (!is_finite(inertia)) refuse("body ", i, ": inertia is not finite");
-  // A body that is flat to rounding is refused as flat, because its mass matrix could not be told from that
-  // of three particles.
   const auto moment = principal_axes(second_moments(inertia)).moment;
-  if (!(moment[2] > 0 && moment[0] > 1e-12 * moment[2])) {
-    refuse(
-        "body ", i,
-        ": inertia is not that of a solid: the second moments of its mass must be positive, "
-        "the smallest is ",
-        moment[0],
-        " kg m^2; a plate or a line needs a thickness of more than 1e-6 of its size, since four particles in "
-        "one plane do not say how it turns out of it");
+  if (!(moment[2] > 0 && moment[0] >= -flat * moment[2])) {
+    refuse("body ", i, ": inertia is not that of a solid: a second moment of its mass is negative (",
+           moment[0], " kg m^2)");
+  }
+  if (!(moment[0] + moment[1] > flat * moment[2])) {
+    refuse("body ", i, ": inertia is that of a line, which nothing keeps from spinning about itself: a body ",
+           "needs a thickness of more than 1e-6 of its length, and a rod with mass needs none");
   }
 }
 
 void validate_bodies(const Scene& scene) {
   if (scene.bodies.empty()) return;
-  const std::vector<std::uint64_t> pairs = sorted_pairs(scene.rods);
+  const std::vector<std::uint64_t> pairs = sorted_pairs(scene.rods, [](const Rod&) { return true; });
+  const std::vector<std::uint64_t> giving =
+      sorted_pairs(scene.rods, [](const Rod& rod) { return !rod.law.is_rigid(); });
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
     require_particles(scene, i, body.particles);
     require_volume(i, positions_of(scene, body.particles));
     require_solid(i, {body.mass, body.center, body.inertia});
     require_rods(scene, i, pairs);
+    require_rigid_rods(scene, i, giving);
   }
 }
 

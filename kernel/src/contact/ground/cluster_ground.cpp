@@ -41,7 +41,7 @@ bool ClusterStepper::start_on_ground(Island& island) {
   linkage.put(island.momentum, right);
   aim_elastics(island);
   island.ground.add_pushes(linkage, right);
-  linkage.plan().solve(state.factors, island.unknowns);
+  state.solve(island.unknowns);
   for (ElasticStep& step : island.elastics) step.p = 0;
   pull_elastics(island, 1);
   island.take_pulls(island.pulls, 0, 1);
@@ -58,7 +58,7 @@ bool ClusterStepper::correct_on_ground(Island& island) {
   const std::span<double> right = island.right();
   if (island.ground.is_stale() && !factor_on_ground(island, false)) return false;
   island.ground.add_lack(linkage, right);
-  linkage.plan().solve(state.factors, island.unknowns);
+  state.solve(island.unknowns);
   island.step.assign(state.x.size(), Vec3{});
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.step[k] = linkage.taken(right, k);
   island.ground.aim(island.step);
@@ -86,7 +86,7 @@ void ClusterStepper::find_velocities_on_ground(Island& island) {
     std::fill(right.begin(), right.end(), 0.0);
     fill_velocities(island);
     island.ground.add_pushes(linkage, right);
-    linkage.plan().solve(state.factors, island.unknowns);
+    state.solve(island.unknowns);
     island.step.assign(state.x.size(), Vec3{});
     for (std::uint32_t k = 0; k < linkage.movable(); ++k)
       island.step[k] = linkage.taken(right, k) - island.v[k];

@@ -68,7 +68,7 @@ void Flight::accelerate(LinkageState& state, Stage& stage, double time) {
   state.add_elastic_pulls(force_);
   if (linkage.drag() != 0 || linkage.joint_drag() != 0) brake(linkage, stage);
   linkage.put(force_, right);
-  linkage.plan().solve(state.factors, unknowns_);
+  state.solve(unknowns_);
   if (state.pulls.counts) count_pulls(state, stage, time);
   for (std::size_t i = 0; i < state.broken.size(); ++i) rod_impulses_[i] += time * state.elastic_pull(i);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) stage.a[k] = linkage.taken(right, k);
@@ -93,7 +93,7 @@ void Flight::take_forbidden(LinkageState& state) {
   linkage.momenta(state.v, momentum_);
   linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
   linkage.put(momentum_, right);
-  linkage.plan().solve(state.factors, unknowns_);
+  state.solve(unknowns_);
   pulls_.assign(state.pulls.counts ? linkage.constraints() : 0, 0);
   linkage.take_multipliers(right, 1, pulls_);
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
@@ -119,7 +119,7 @@ bool Flight::land(LinkageState& state, Tally& report) {
     if (violation <= exact_landing) break;
     if (!std::isfinite(violation) || i == most_landings) return false;
     ++report.newton;
-    linkage.plan().solve(state.factors, unknowns_);
+    state.solve(unknowns_);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += linkage.taken(right, k);
   }
   if (!state.factor()) return false;

@@ -60,11 +60,12 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use)
       drag_(part.drag),
       joint_drag_(part.joint_drag) {
   const std::vector<Vec3> x = positions_of(part);
-  weigh(part);
+  weigh(part, use);
   std::uint32_t row = 3 * movable_;
   add_rods(part, row);
   add_joints(part, x, row);
   constraints_ = row - 3 * movable_;
+  find_flat_rods(part);
   add_angles(part, x);
   add_elastics(part);
   add_shapes(part, x);
@@ -169,7 +170,7 @@ void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
   }
 }
 
-void Linkage::weigh(const Scene& part) {
+void Linkage::weigh(const Scene& part, Use use) {
   masses_.assign(movable_, 0);
   weights_.assign(movable_, 0);
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> between;
@@ -193,6 +194,8 @@ void Linkage::weigh(const Scene& part) {
     for (std::size_t j = 0; j < 4; ++j)
       for (std::size_t k = 0; k < 4; ++k) add(particles[j], particles[k], mass[j][k]);
   }
+  nominal_masses_ = masses_;
+  weigh_flat_bodies(part, use);
   for (const auto& [pair, mass] : between)
     if (mass != 0) couplings_.push_back({pair.first, pair.second, mass});
   for (const double weight : weights_) mass_ += weight;
@@ -209,6 +212,8 @@ void Linkage::couple_shapes(std::vector<std::pair<std::uint32_t, std::uint32_t>>
     for (const std::uint32_t i : hull.particles)
       for (const std::uint32_t j : hull.particles)
         if (j < i && i < movable_) pairs.emplace_back(3 * i, 3 * j);
+  for (const FlatRod& rod : flat_rods_)
+    if (rod.a < movable_ && rod.b < movable_) pairs.emplace_back(3 * rod.a, 3 * rod.b);
 }
 
 void Linkage::plan(Isa isa) {
@@ -274,7 +279,7 @@ void Linkage::hold_constraints(std::span<const Vec3> x) {
                        std::span<const std::uint32_t> particles) {
     double sum = 0;
     for (std::size_t i = 0; i < places.size(); ++i)
-      if (places[i] != none) sum += values[places[i]] * values[places[i]] / masses_[particles[i / 3]];
+      if (places[i] != none) sum += values[places[i]] * values[places[i]] / nominal_masses_[particles[i / 3]];
     pivots[row - 3 * movable_] = std::max(sum, 1e-6 / (mass_ * size_ * size_));
   };
   for (const RodRow& rod : rods_) add(rod.row, rod.places, std::array{rod.a, rod.b});

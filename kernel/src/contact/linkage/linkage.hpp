@@ -222,8 +222,8 @@ class Linkage {
   void add(const Combination& at, Vec3 vector, std::span<double> solved) const;
   /// Returns the part of a place's motion that is that of fixed particles.
   Vec3 of_fixed(const Combination& at, std::span<const Vec3> motion) const;
-  /// Returns what a movable particle has on the diagonal of M, kg.
-  double own_mass_of(std::uint32_t particle) const { return masses_[particle]; }
+  /// Returns what a movable particle has on the diagonal of M, kg, or a quarter of a flat body if it is more.
+  double own_mass_of(std::uint32_t particle) const { return nominal_masses_[particle]; }
   /// Returns the mass of a place's heaviest movable particle, kg.
   double heaviest(const Combination& at) const;
 
@@ -244,6 +244,13 @@ class Linkage {
   void add_wave_inertia(std::span<const double> inertia, std::span<simd::Block> matrix) const;
   void add_wave_momenta(std::span<const double> inertia, std::span<const Vec3> v, std::span<Vec3> out) const;
   double wave_product(std::span<const double> inertia, std::span<const Vec3> v) const;
+  /// Counts rods of flat bodies. These have a singular M, which gets rho Jᵀ J of their rods: see push_flat().
+  std::size_t flat_rods() const { return flat_rods_.size(); }
+  /// Finds the gradients of such rods at `x`, along their second ends, in 1/m.
+  void find_flat_gradients(std::span<const Vec3> x, std::span<Vec3> out) const;
+  /// Adds rho Jᵀ c to the right hand side, of such rods and their own right hand sides c. Then solutions and
+  /// multipliers are those of M alone.
+  void push_flat(std::span<const Vec3> gradients, std::span<double> right) const;
   /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
   /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.
@@ -297,6 +304,11 @@ class Linkage {
     double over_mass;                     ///< 1/kg, the sum of its ends' inverse masses
     std::array<std::uint32_t, 9> places;  ///< of M: x, y and z of a, of b, and between them; or none
   };
+  struct FlatRod {
+    std::uint32_t a, b, row;
+    double over2, mass;  ///< 1/L², and kg, that of the body
+    Combination way() const { return {.terms = {{{b, 1}, {a, -1}}}, .count = 2}; }
+  };
   struct DotRow {
     Combination u, v;
     double value, over;
@@ -336,7 +348,10 @@ class Linkage {
   void add_filter(const Filter& filter);
   void add_shapes(const Scene& part, std::span<const Vec3> x);
   void add_hulls(const Scene& part, std::span<const Vec3> x);
-  void weigh(const Scene& part);
+  void weigh(const Scene& part, Use use);
+  void weigh_flat_bodies(const Scene& part, Use use);
+  void find_flat_rods(const Scene& part);
+  void stiffen_flat(std::span<const Vec3> x, std::span<simd::Block> matrix) const;
   /// Elastics take their rows after all constraints.
   void add_elastics(const Scene& part);
   void add_elastic(Elastic elastic, const ElasticLaw& law);
@@ -356,9 +371,10 @@ class Linkage {
   std::vector<RodRow> rods_;
   std::vector<DotRow> dots_;
   std::vector<PinRow> pins_;
-  std::vector<double> masses_;       ///< kg, the diagonal of M
-  std::vector<Coupling> couplings_;  ///< off the diagonal, between movable particles
-  std::vector<double> weights_;      ///< kg, what gravity pulls on
+  std::vector<double> masses_;          ///< kg, the diagonal of M
+  std::vector<double> nominal_masses_;  ///< kg, the same, or more where a body is flat
+  std::vector<Coupling> couplings_;     ///< off the diagonal, between movable particles
+  std::vector<double> weights_;         ///< kg, what gravity pulls on
   std::vector<Air> airs_;
   std::vector<Shape> shapes_;
   std::vector<HullShape> hulls_;
@@ -373,6 +389,7 @@ class Linkage {
   std::vector<BendElastics> bends_;
   std::vector<RodRow> giving_rods_;
   std::vector<TautRod> taut_rods_;
+  std::vector<FlatRod> flat_rods_;
   std::vector<ColoredRod> colored_rods_;
   std::vector<std::uint32_t> color_begin_{0};
   Vec3 gravity_{};

@@ -44,6 +44,7 @@ void Linkage::assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix
       const double w = pin.sum.terms[i].weight;
       if (pin.places[3 * i] != none) write(values, &pin.places[3 * i], {w, w, w});
     }
+  stiffen_flat(x, matrix);
 }
 
 void Linkage::add_gradient(const Combination& sum, Vec3 along, std::span<const std::uint32_t> touched,
@@ -85,7 +86,7 @@ Vec3 Linkage::of_fixed(const Combination& at, std::span<const Vec3> motion) cons
 double Linkage::heaviest(const Combination& at) const {
   double out = 0;
   for (std::uint32_t i = 0; i < at.count; ++i)
-    if (at.terms[i].particle < movable_) out = std::max(out, masses_[at.terms[i].particle]);
+    if (at.terms[i].particle < movable_) out = std::max(out, nominal_masses_[at.terms[i].particle]);
   return out;
 }
 
@@ -171,7 +172,7 @@ void Linkage::add_pulls(std::span<const Vec3> x, std::span<const double> multipl
 double Linkage::largest_move(std::span<const Vec3> momenta) const {
   double square = 0;
   for (std::uint32_t i = 0; i < movable_; ++i) {
-    const Vec3 by = (1 / masses_[i]) * momenta[i];
+    const Vec3 by = (1 / nominal_masses_[i]) * momenta[i];
     square = std::max(square, dot(by, by));
   }
   return std::sqrt(square);

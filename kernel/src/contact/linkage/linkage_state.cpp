@@ -125,7 +125,7 @@ void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<si
   for (int i = 0; i < velocity_corrections; ++i) {
     std::fill(right.begin(), right.end(), 0.0);
     linkage->rates(x, velocities, linkage->all(), right);
-    linkage->plan().solve(factors, unknowns);
+    solve(unknowns);
     linkage->take_multipliers(right, 1, multipliers);
     for (std::uint32_t k = 0; k < linkage->movable(); ++k) velocities[k] += linkage->taken(right, k);
   }
@@ -200,7 +200,7 @@ void LinkageState::find_gives() {
     } else {
       std::fill(right.begin(), right.end(), 0.0);
       linkage->put(push_, right);
-      linkage->plan().solve(factors, unknowns_);
+      solve(unknowns_);
       for (std::uint32_t k = 0; k < linkage->movable(); ++k)
         gives[i] += dot(push_[k], linkage->taken(right, k));
     }

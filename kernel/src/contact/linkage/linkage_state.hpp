@@ -130,6 +130,12 @@ struct LinkageState : LinkageMotion {
         linkage->couple(elastics[i], linkage->slope(elastics[i], at), std::max(own, least_soft(i)), factors);
     factored = false;
   }
+  /// Solves with the factors. `unknowns` holds right hand sides, then the solution: multipliers of
+  /// constraints, and what particles move by.
+  void solve(std::vector<simd::Quad>& unknowns) const {
+    if (!flat_gradients_.empty()) linkage->push_flat(flat_gradients_, numbers(unknowns));
+    linkage->plan().solve(factors, unknowns);
+  }
   /// Takes again from velocities of redundant constraints at x what those forbid. Overwrites `unknowns`, and
   /// adds its multipliers to those that are given, if any.
   void correct_velocities(std::span<Vec3> velocities, std::vector<simd::Quad>& unknowns,
@@ -166,9 +172,12 @@ struct LinkageState : LinkageMotion {
   void assemble(std::span<const Vec3> at) {
     factors.resize(linkage->plan().blocks());
     linkage->assemble(at, factors);
+    flat_gradients_.resize(linkage->flat_rods());
+    linkage->find_flat_gradients(at, flat_gradients_);
     if (!wave_inertia.empty()) linkage->add_wave_inertia(wave_inertia, factors);
   }
 
+  std::vector<Vec3> flat_gradients_;  ///< 1/m, of rods of flat bodies where the matrix was assembled
   std::vector<simd::Quad> unknowns_;
   std::vector<Vec3> push_;
 };

@@ -50,7 +50,7 @@ double project_positions(LinkageState& state, ProjectionWork& work) {
     if (i == 0) first = violation;
     if (violation <= unnoticed) return 0;
     if (!std::isfinite(violation) || !state.factor()) break;
-    linkage.plan().solve(state.factors, work.unknowns);
+    state.solve(work.unknowns);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += linkage.taken(right, k);
     state.factored = false;
   }
@@ -71,7 +71,7 @@ double project_velocities(LinkageState& state, ProjectionWork& work) {
   const std::span<double> right = numbers(work.unknowns);
   linkage.momenta(state.v, work.momentum);
   linkage.put(work.momentum, right);
-  linkage.plan().solve(state.factors, work.unknowns);
+  state.solve(work.unknowns);
   work.before = state.v;
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.v[k] = linkage.taken(right, k);
   if (linkage.is_redundant()) state.correct_velocities(state.v, work.unknowns);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "contact/ground/ground_search.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
@@ -87,10 +88,10 @@ std::uint32_t CrowdContacts<T>::cuts(const Crowd<T>& crowd, double h) const {
   for (const Pair& pair : near_.hull_pairs())
     for (const std::uint32_t i : {pair.one, pair.other})
       if (i >= lines) see(near_.hulls()[i - lines]);
+  const Hull* last = nullptr;  // corners of a hull follow each other
   for (const Pair& pair : near_.on_planes())
     if (const Ball& ball = near_.balls()[pair.one]; ball.body == none)
-      for (const Hull& hull : near_.hulls())
-        if (hull.island == ball.island && hull.shape->number == ball.ball->shape) see(hull);
+      if (const Hull* const hull = near_.hull_of(ball); hull && hull != std::exchange(last, hull)) see(*hull);
   return static_cast<std::uint32_t>(std::ceil(std::min(most, most_cuts)));
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "contact/platforms/ground_now.hpp"
@@ -65,6 +67,15 @@ class CrowdPairs {
   std::span<const Body> bodies() const { return bodies_; }
   std::span<const Ball> balls() const { return balls_; }
   std::span<const Hull> hulls() const { return hulls_; }
+  /// Returns the hull that a ball is a corner of, or nothing. Hulls are ordered by island and number.
+  const Hull* hull_of(const Ball& ball) const {
+    const std::pair name{ball.island, ball.ball->shape};
+    const auto name_of = [](const Hull& hull) { return std::pair{hull.island, hull.shape->number}; };
+    const auto at =
+        std::lower_bound(hulls_.begin(), hulls_.end(), name,
+                         [&](const Hull& hull, const auto& than) { return name_of(hull) < than; });
+    return at != hulls_.end() && name_of(*at) == name ? &*at : nullptr;
+  }
   /// Names two bodies.
   std::span<const Pair> pairs() const { return pairs_; }
   /// Names a hull and a body or another hull. Numbers of hulls follow those of bodies.

@@ -45,7 +45,7 @@ void ClusterStepper::find_velocities(Island& island) {
   const std::span<double> right = island.right();
   do {
     fill_velocities(island);
-    linkage.plan().solve(state.factors, island.unknowns);
+    state.solve(island.unknowns);
     island.take_pulls(island.end_pulls, 0, 1);
   } while (let_go_at_end(island));
   for (std::uint32_t k = 0; k < linkage.movable(); ++k) island.v[k] = linkage.taken(right, k);

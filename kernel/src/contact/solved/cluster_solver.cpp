@@ -270,7 +270,7 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   if (on_ground) {
     if (!correct_on_ground(island)) return false;
   } else {
-    linkage.plan().solve(state.factors, island.unknowns);
+    state.solve(island.unknowns);
     take_lag(island, 1);
     pull_elastics(island, 1);
     island.take_pulls(island.pulls, 1, 1);

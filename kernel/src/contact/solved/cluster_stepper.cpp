@@ -240,7 +240,7 @@ void ClusterStepper::predict(Island& island) {
   linkage.targets(island.directions(), island.d, island.there, right);
   linkage.put(island.momentum, right);
   aim_elastics(island);
-  linkage.plan().solve(state.factors, island.unknowns);
+  state.solve(island.unknowns);
   pull_elastics(island, 1);
   island.take_pulls(island.pulls, 0, 1);
   for (std::uint32_t i = 0; i < linkage.movable(); ++i) island.d[i] = linkage.taken(right, i);
