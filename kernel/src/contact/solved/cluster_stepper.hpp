@@ -15,10 +15,10 @@
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/linkage/visitor.hpp"
+#include "contact/near_pairs.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/shapes/touch.hpp"
 #include "contact/solved/missed.hpp"
-#include "contact/spatial_hash.hpp"
 #include "contact/surroundings.hpp"
 #include "interface/tally.hpp"
 
@@ -148,6 +148,10 @@ class ClusterStepper final : public ClusterMover {
     bool awake = false;
     Bounds bounds{};
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
+    /// Boxes around its capsules, and around all of them. Contacts of capsules are in sight only where such
+    /// boxes of two islands overlap.
+    std::vector<Bounds> sights;
+    Bounds sight{};
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
     /// Where on the way from the start of a substep (0) to its end (1) constraints' directions are taken.
     double theta = 0;
@@ -220,7 +224,7 @@ class ClusterStepper final : public ClusterMover {
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void keep_motion(std::span<LinkageState* const> cluster);
   void return_to_motion(std::span<LinkageState* const> cluster);
-  double longest_substep(double most, double turn) const;
+  double longest_substep(double most, double turn);
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
@@ -270,6 +274,7 @@ class ClusterStepper final : public ClusterMover {
   bool is_contact_missed() const;
   void find_contacts(double h);
   void find_bounds();
+  void find_sights(Island& island) const;
   double work_of_ground(double h) const;
   void touch_planes(std::uint32_t i, double h);
   void touch_boxes(std::uint32_t i, double h);
@@ -372,9 +377,12 @@ class ClusterStepper final : public ClusterMover {
   std::vector<Levers> levers_;
   std::vector<RowsTouch> touches_;  ///< empty unless they count
   std::vector<LeftOut> left_out_;
-  SpatialHash own_shapes_;                      ///< of one island
+  NearPairs own_pairs_;                         ///< of one island's shapes
   std::vector<Bounds> own_bounds_;              ///< around those
-  std::vector<std::uint64_t> own_pairs_;        ///< of those, the first one's number in the high half
+  NearPairs near_islands_;                      ///< which may touch in this substep
+  NearPairs close_islands_;                     ///< which may do so within a step
+  std::vector<Bounds> island_bounds_;           ///< of which such pairs are
+  std::vector<double> top_speeds_;              ///< m/s, of islands
   const Surroundings* surroundings_ = nullptr;  ///< of this step
   GroundNow ground_;                            ///< as the substep starts
   std::vector<std::uint32_t> near_ground_;      ///< an island's or a shape's, ascending
