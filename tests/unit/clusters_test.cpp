@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "contact/cluster_rows.hpp"
 #include "contact/contact_solver.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/solved/cluster_limits.hpp"
-#include "contact/solved/cluster_rows.hpp"
 #include "contact/solved/cluster_stepper.hpp"
 #include "contact/solved/missed.hpp"
 #include "contact/surroundings.hpp"

@@ -28,11 +28,9 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   const double closing = dot(touch.normal, shift);
   if (touch.gap + closing > settings_.margin + 0.25 * norm(shift)) {
     if (touch.gap >= in_sight(norm(shift), settings_.length_scale)) return;
-    if (!all_near_) {
-      left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
-                           touch.gap, touch.normal, carried});
-      return;
-    }
+    if (!all_near_)
+      return left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
+                                  touch.gap, touch.normal, carried});
   }
   for (Island* island : {one, two})
     if (island && !island->awake) {

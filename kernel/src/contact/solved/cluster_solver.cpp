@@ -234,7 +234,7 @@ double ClusterStepper::sweep(int correction, int& sweeps) {
   // constraints again.
   if (is_wide_) begin_free<&Row::p>();
   double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
-  const bool is_late = correction >= most_turning_sweeps && (is_wide_ || turns());
+  const bool is_late = correction >= most_turning_sweeps && (is_crowded() || turns());
   if (left <= (is_late ? 10 : 1) * still_) return left;
   const int most = correction == 0 || is_wide_ ? most_sweeps : most_sweeps / 4;
   if (is_wide_) return sweep_freely<&Row::p>(still_, rough, most, sweeps);
@@ -300,7 +300,8 @@ bool ClusterStepper::solve_positions(Tally& report) {
   if (is_wide_) end_free<&Row::p>();
   double last = INFINITY, last_to_do = INFINITY, first = 0;
   int sweeps = 0;
-  const int most = any_ground || is_wide_ ? most_ground_corrections : most_corrections;
+  const bool is_disturbed = any_ground || is_crowded();
+  const int most = is_disturbed ? most_ground_corrections : most_corrections;
   for (int correction = 0; correction < most; ++correction) {
     const double left = sweep(correction, sweeps);
     Progress now;
@@ -314,7 +315,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
     }
     if (correction == 0) first = now.violation;
     // Contacts that come and go disturb constraints for a while.
-    const bool gets_worse = any_ground || is_wide_
+    const bool gets_worse = is_disturbed
                                 ? correction > 1 && now.violation > std::max(most_disturbed, 4 * first)
                                 : correction > 3 && now.violation > std::max(exact, 0.9 * last);
     if (now.violation > 0.5 || gets_worse) return false;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/cluster_mover.hpp"
+#include "contact/cluster_rows.hpp"
 #include "contact/ground/ground_contacts.hpp"
 #include "contact/ground/ground_search.hpp"
 #include "contact/levers/lever.hpp"
@@ -18,7 +19,7 @@
 #include "contact/near_pairs.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/shapes/touch.hpp"
-#include "contact/solved/cluster_rows.hpp"
+#include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/missed.hpp"
 #include "contact/surroundings.hpp"
 #include "interface/tally.hpp"
@@ -265,6 +266,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   template <Sweep sweep>
   double sweep_velocities();
   bool is_wide() const;
+  /// Returns whether contacts are so many that some come and go in each correction, and disturb constraints.
+  bool is_crowded() const { return is_wide_ || rows_.size() > contact_limits::few_rows; }
   double see_freely(const Row& row) const;
   void push_freely(const Row& row, double by);
   void push_freely(const Row& first, double by0, double by1, double by2);
