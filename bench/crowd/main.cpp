@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "plumb/measures.hpp"
@@ -15,21 +16,43 @@ namespace {
 
 constexpr double frame = 1.0 / 60;
 
-enum Phase : std::int64_t { falling, touching };
+enum Phase : std::int64_t { falling, touching, heaped };
 
-/// Makes `count` figures. The first `awake` of them are in the air, 5 m up, or topple from where they stand.
-/// The others sleep.
+constexpr std::size_t layers = 4;         // of a heap
+constexpr double apart = 0.8, above = 2;  // m, figures of a heap and their layers
+
+/// Returns where a figure of a heap stands, not quite in rows.
+Vec3 place_in_heap(std::size_t i, std::uint32_t count) {
+  const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count) / layers)));
+  const std::size_t layer = i / (side * side), row = i % (side * side);
+  const auto turn = static_cast<double>(i);
+  return {apart * static_cast<double>(row % side) + 0.1 * std::sin(7.3 * turn),
+          0.02 + above * static_cast<double>(layer),
+          apart * static_cast<double>(row / side) + 0.1 * std::cos(5.1 * turn)};
+}
+
+/// Makes `count` figures. The first `awake` of them are in the air, 5 m up, topple from where they stand, or
+/// fall on each other. The others sleep.
 Scene figures(std::uint32_t count, std::uint32_t awake, Phase phase) {
   Scene scene = scenes::make_crowd({.humanoids = count, .hit = 0});
   const std::size_t each = scene.particles.size() / count;
-  for (std::size_t i = 0; i < awake * each; ++i) {
-    Particle& particle = scene.particles[i];
-    particle.asleep = false;
+  for (std::size_t figure = 0; figure < awake; ++figure) {
+    const std::span<Particle> limbs = std::span(scene.particles).subspan(figure * each, each);
     // No two figures are alike, as they are not in a game.
-    const double turn = static_cast<double>(i / each);
-    particle.velocity = {0.4 * particle.position.y * std::cos(turn), 0,
-                         0.4 * particle.position.y * std::sin(turn)};
-    if (phase == falling) particle.position.y += 5;
+    const auto turn = static_cast<double>(figure);
+    Vec3 by{};
+    if (phase == falling) by.y = 5;
+    if (phase == heaped) {
+      for (const Particle& particle : limbs) by += (-1.0 / static_cast<double>(each)) * particle.position;
+      by.y = 0;
+      by += place_in_heap(figure, count);
+    }
+    for (Particle& particle : limbs) {
+      particle.asleep = false;
+      particle.velocity = {0.4 * particle.position.y * std::cos(turn), 0,
+                           0.4 * particle.position.y * std::sin(turn)};
+      particle.position += by;
+    }
   }
   return scene;
 }
@@ -83,8 +106,12 @@ void awake(benchmark::State& state) {
             .settings = {.method = Method::direct,
                          .sleep = false,
                          .threads = static_cast<unsigned>(state.range(2))},
-            .skipped = phase == falling ? 5 : 40,
-            .frames = phase == falling ? 45 : 80};
+            .skipped = phase == falling    ? 5
+                       : phase == touching ? 40
+                                           : 0,
+            .frames = phase == falling    ? 45
+                      : phase == touching ? 80
+                                          : 60};
   show(state, film, count);
 }
 
@@ -109,6 +136,14 @@ BENCHMARK(awake)
     ->ArgNames({"figures", "touching", "threads"})
     ->ArgsProduct({{1, 1000}, {falling, touching}, {1, 2}})
     ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+BENCHMARK(awake)
+    ->Name("heap")
+    ->ArgNames({"figures", "touching", "threads"})
+    ->ArgsProduct({{16, 64, 1000, 10000}, {heaped}, {1}})
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(1)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
 BENCHMARK(asleep)->Unit(benchmark::kMillisecond)->Iterations(5)->UseRealTime();

@@ -61,6 +61,34 @@ TEST(FallingRope, CoilsWithoutStretching) {
   }
 }
 
+// Turns of a coil lie on each other, so that pushes of thousands of places follow from each other. What is
+// not solved would be relaxed, which counts as a fallback; without sweeps of free particles hundreds were.
+// Those that are let be are of the blow, where ground has more places than its matrix and the rope touches
+// itself in few.
+TEST(FallingRope, CoilsByMethodDirectWithoutStretching) {
+  for (const std::uint32_t links : {60u, 240u}) {
+    const Scene scene = scenes::make_rope({.links = links, .coil = 0.3});
+    World world(scene, {.method = Method::direct, .threads = 1});
+    double before = test::energy_of(scene, world).total();
+    const double highest = before;
+    StepReport total{};
+    double strain = 0, depth = 0;
+    for (int i = 0; i < 90; ++i) {
+      total += world.step(frame);
+      strain = std::max(strain, test::stretch_of(scene, world).max);
+      depth = std::max(depth, test::deepest(scene, world));
+      const double now = test::energy_of(scene, world).total();
+      EXPECT_LT(now, before + 1e-6 * highest) << links << ", " << i;
+      before = now;
+    }
+    EXPECT_EQ(total.unsolved, 0u);
+    EXPECT_EQ(total.missed_contacts, 0u);
+    EXPECT_LE(total.fallbacks, 10u) << links;
+    EXPECT_LT(strain, 1e-6);
+    EXPECT_LT(depth, 1e-3);
+  }
+}
+
 // What touches in many places is relaxed, and its rods are brought to their lengths after every step. That
 // moves them into what they touch by a part of what relaxation left.
 TEST(Heap, IsRelaxedAndKeepsItsLengths) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "contact/cluster_rows.hpp"
 #include "contact/contact_solver.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
 #include "contact/linkage/scene_parts.hpp"
@@ -162,6 +163,26 @@ TEST(ContactSolver, PlacesParticlesWhereTheSceneDoes) {
   std::uint32_t islands = 0;
   for (std::uint32_t piece = 0; piece < solver.pieces(); ++piece) islands += solver.islands(piece);
   EXPECT_EQ(islands, parts.count()) << "every island is in one piece";
+}
+
+// What resists sliding, rolling or spinning has no push of its own where nothing presses.
+TEST(ClusterRows, KnowWhatActsThroughANormal) {
+  using Kind = ClusterRows::Kind;
+  ClusterRows::Row row;
+  for (const Kind kind : {Kind::sliding, Kind::rolling, Kind::spinning}) {
+    row.kind = kind;
+    EXPECT_TRUE(row.follows_normal());
+  }
+  for (const Kind kind : {Kind::normal, Kind::limit, Kind::brake}) {
+    row.kind = kind;
+    EXPECT_FALSE(row.follows_normal());
+  }
+  row.add_end(3, 5, 7);
+  row.add_end(4, 6, 8);
+  EXPECT_EQ(row.ends, 2u);
+  EXPECT_EQ(row.island[1], 4u);
+  EXPECT_EQ(row.side[1], 6u);
+  EXPECT_EQ(row.of[1], 8u);
 }
 
 }  // namespace

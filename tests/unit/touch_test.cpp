@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 
+#include "contact/near_pairs.hpp"
 #include "contact/spatial_hash.hpp"
 #include "contact/surroundings.hpp"
 #include "support/random_trees.hpp"
@@ -136,6 +137,25 @@ TEST(SpatialHash, KnowsNoFarthestPlace) {
   int found = 0;
   hash.find(far, [&](std::uint32_t id) { found += id == 7; });
   EXPECT_EQ(found, 1);
+}
+
+// Few boxes are compared with each other, many are put into cells. One that is not finite overlaps others,
+// too.
+TEST(NearPairs, AreAllThatOverlapInOrder) {
+  test::Random random(25);
+  NearPairs pairs;
+  for (const std::uint32_t count : {0u, 1u, 5u, 200u, 30u}) {
+    std::vector<Bounds> boxes;
+    for (std::uint32_t i = 0; i < count; ++i) boxes.push_back(random_bounds(random));
+    if (count > 5) boxes[3].high.x = INFINITY;
+    std::vector<NearPairs::Pair> wanted;
+    for (std::uint32_t k = 0; k < count; ++k)
+      for (std::uint32_t l = k + 1; l < count; ++l)
+        if (boxes[k].overlaps(boxes[l])) wanted.push_back({k, l});
+    const std::span<const NearPairs::Pair> found = pairs.find(boxes);
+    EXPECT_TRUE(std::equal(found.begin(), found.end(), wanted.begin(), wanted.end())) << count;
+    EXPECT_EQ(pairs.found().size(), wanted.size());
+  }
 }
 
 // The lowest corner of a box is its height above a plane.

@@ -117,11 +117,21 @@ void ClusterStepper::add_turning_rows(const GroundContact& contact, std::span<co
   }
 }
 
+/// Returns whether so much of an island that can be swept freely touched itself or others in the last substep
+/// that pushes of the ground follow from theirs, and not from the island's matrix.
+bool ClusterStepper::touches_others(std::uint32_t i) const {
+  const LinkageState& state = *islands_[i].state;
+  return state.laws.empty() && state.linkage->has_free_masses() &&
+         static_cast<std::size_t>(std::count_if(
+             state.kept.begin(), state.kept.end(),
+             [](const KeptContact& each) { return kind_of(each.key) == KeyKind::island; })) > few_touching;
+}
+
 /// Turns contacts with ground into rows if they are few, or no more than can be swept where that is needed.
 void ClusterStepper::spread_ground(std::uint32_t i, double h) {
   Island& island = islands_[i];
   const Linkage& linkage = *island.state->linkage;
-  bool may_stand = linkage.gives_by_bends_alone() && !linkage.is_redundant();
+  bool may_stand = linkage.gives_by_bends_alone() && !linkage.is_redundant() && !touches_others(i);
   island.ground.for_all([&](const GroundContact& contact) {
     may_stand = may_stand && contact.rolling == 0 && contact.spinning == 0;
   });

@@ -20,6 +20,9 @@ constexpr double tiny_if_redundant = 1e-8;
 /// A pivot that is smaller by this factor than its constraint's own is that of a redundant one. Masses that
 /// differ by 1e6 make 1e6 of it.
 constexpr double redundant = 1e8;
+/// Particles count as free if no coupling takes more than the rest of this share of their masses. A slender
+/// rod alone leaves half.
+constexpr double least_free_mass = 0.1;
 
 std::vector<Vec3> positions_of(const Scene& scene) {
   std::vector<Vec3> out;
@@ -198,6 +201,12 @@ void Linkage::weigh(const Scene& part, Use use) {
   weigh_flat_bodies(part, use);
   for (const auto& [pair, mass] : between)
     if (mass != 0) couplings_.push_back({pair.first, pair.second, mass});
+  free_masses_ = masses_;
+  for (const Coupling& each : couplings_)
+    for (const std::uint32_t particle : {each.a, each.b}) free_masses_[particle] -= std::abs(each.mass);
+  has_free_masses_ = true;
+  for (std::uint32_t i = 0; i < movable_; ++i)
+    has_free_masses_ = has_free_masses_ && free_masses_[i] > least_free_mass * masses_[i];
   for (const double weight : weights_) mass_ += weight;
 }
 

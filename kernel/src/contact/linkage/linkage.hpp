@@ -224,6 +224,11 @@ class Linkage {
   Vec3 of_fixed(const Combination& at, std::span<const Vec3> motion) const;
   /// Returns what a movable particle has on the diagonal of M, kg, or a quarter of a flat body if it is more.
   double own_mass_of(std::uint32_t particle) const { return nominal_masses_[particle]; }
+  /// Returns a mass (kg) that a movable particle has at least, whatever the others do: M less these on its
+  /// diagonal has no negative eigenvalue. It is that of its row which no coupling weighs up. Bodies have
+  /// none.
+  double free_mass_of(std::uint32_t particle) const { return free_masses_[particle]; }
+  bool has_free_masses() const { return has_free_masses_; }
   /// Returns the mass of a place's heaviest movable particle, kg.
   double heaviest(const Combination& at) const;
 
@@ -373,6 +378,7 @@ class Linkage {
   std::vector<PinRow> pins_;
   std::vector<double> masses_;          ///< kg, the diagonal of M
   std::vector<double> nominal_masses_;  ///< kg, the same, or more where a body is flat
+  std::vector<double> free_masses_;     ///< kg, see free_mass_of()
   std::vector<Coupling> couplings_;     ///< off the diagonal, between movable particles
   std::vector<double> weights_;         ///< kg, what gravity pulls on
   std::vector<Air> airs_;
@@ -394,7 +400,7 @@ class Linkage {
   std::vector<std::uint32_t> color_begin_{0};
   Vec3 gravity_{};
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
-  bool has_air_ = false, is_redundant_ = false, breaks_ = false;
+  bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false;
 };
 
 }  // namespace plumb::detail

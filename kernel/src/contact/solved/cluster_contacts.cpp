@@ -26,11 +26,11 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   }
   const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : carried);
   const double closing = dot(touch.normal, shift);
-  if (!all_near_ && touch.gap + closing > settings_.margin + 0.25 * norm(shift)) {
-    if (touch.gap < in_sight(norm(shift), settings_.length_scale))
-      left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
-                           touch.gap, touch.normal, carried});
-    return;
+  if (touch.gap + closing > settings_.margin + 0.25 * norm(shift)) {
+    if (touch.gap >= in_sight(norm(shift), settings_.length_scale)) return;
+    if (!all_near_)
+      return left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
+                                  touch.gap, touch.normal, carried});
   }
   for (Island* island : {one, two})
     if (island && !island->awake) {
@@ -130,6 +130,23 @@ void ClusterStepper::find_bounds() {
   }
 }
 
+/// Finds the boxes beyond which capsules cannot be in sight of others, see add_contact().
+void ClusterStepper::find_sights(Island& island) const {
+  // Two shares of this are at least in_sight() of what both islands move by.
+  const double moves = island.awake ? island.moves : 0;
+  const double share =
+      std::max(0.5 * settings_.margin, 0.5 * in_sight(0, settings_.length_scale)) + 2 * moves;
+  island.sights.clear();
+  island.sight = nowhere;
+  for (const Linkage::Shape& shape : island.state->linkage->shapes()) {
+    Bounds& bounds = island.sights.emplace_back(nowhere);
+    for (const Combination* const end : {&shape.a, &shape.b})
+      include(bounds, end->of(island.state->x), shape.radius + share);
+    include(island.sight, bounds.low, 0);
+    include(island.sight, bounds.high, 0);
+  }
+}
+
 void ClusterStepper::find_contacts(double h) {
   rows_.clear();
   left_out_.clear();
@@ -142,6 +159,13 @@ void ClusterStepper::find_contacts(double h) {
     islands_[i].next_kept = 0;
   }
   find_bounds();
+  island_bounds_.clear();
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    island_bounds_.push_back(islands_[i].bounds);
+    if (count_ > 1) find_sights(islands_[i]);
+  }
+  const std::span<const NearPairs::Pair> pairs = near_islands_.find(island_bounds_);
+  auto pair = pairs.begin();
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& island = islands_[i];
     if (island.awake) {
@@ -153,9 +177,10 @@ void ClusterStepper::find_contacts(double h) {
       if (island.state->linkage->neighbors().any_may_touch()) touch_itself(i, h);
       add_angles(i, h);
     }
-    for (std::uint32_t j = i + 1; j < count_; ++j) {
+    for (; pair != pairs.end() && pair->first == i; ++pair) {
+      const std::uint32_t j = pair->second;
       const Island& other = islands_[j];
-      if (!(island.awake || other.awake) || !island.bounds.overlaps(other.bounds)) continue;
+      if (!(island.awake || other.awake)) continue;
       touch_island(i, j, h);
       touch_missed_pairs(i, j, h);
       if (island.hulls.size() + other.hulls.size() > 0) touch_island_hulls(i, j, h);
@@ -228,11 +253,15 @@ void ClusterStepper::touch_anchored(std::uint32_t i, double h) {
 }
 
 void ClusterStepper::touch_island(std::uint32_t i, std::uint32_t j, double h) {
-  const std::span<const Linkage::Shape> shapes = islands_[i].state->linkage->shapes(),
-                                        others = islands_[j].state->linkage->shapes();
-  for (std::uint32_t k = 0; k < shapes.size(); ++k)
+  const Island &island = islands_[i], &other = islands_[j];
+  const std::span<const Linkage::Shape> shapes = island.state->linkage->shapes(),
+                                        others = other.state->linkage->shapes();
+  for (std::uint32_t k = 0; k < shapes.size(); ++k) {
+    if (!island.sights[k].overlaps(other.sight)) continue;
     for (std::uint32_t l = 0; l < others.size(); ++l)
-      if (plumb::may_touch(shapes[k].filter, others[l].filter)) touch_capsules(i, k, j, l, h);
+      if (island.sights[k].overlaps(other.sights[l]) && plumb::may_touch(shapes[k].filter, others[l].filter))
+        touch_capsules(i, k, j, l, h);
+  }
 }
 
 /// Adds contacts between capsule k of island i and capsule l of island j.
@@ -255,8 +284,6 @@ void ClusterStepper::touch_itself(std::uint32_t i, double h) {
   const Linkage& linkage = *island.state->linkage;
   const std::span<const Linkage::Shape> shapes = linkage.shapes();
   own_bounds_.clear();
-  own_pairs_.clear();
-  double sum = 0;
   for (const Linkage::Shape& shape : shapes) {
     Bounds& bounds = own_bounds_.emplace_back(nowhere);
     for (const Combination* const end : {&shape.a, &shape.b}) {
@@ -264,21 +291,10 @@ void ClusterStepper::touch_itself(std::uint32_t i, double h) {
       include(bounds, at, shape.radius + settings_.margin);
       include(bounds, at + 1.25 * end->of(island.d), shape.radius + settings_.margin);
     }
-    const Vec3 spread = bounds.high - bounds.low;
-    sum += std::max({spread.x, spread.y, spread.z});
   }
-  const auto count = static_cast<std::uint32_t>(shapes.size());
-  own_shapes_.start(sum / count, 4 * shapes.size());
-  for (std::uint32_t l = 0; l < count; ++l)
-    own_shapes_.find_and_insert(l, own_bounds_[l], [&](std::uint32_t k) {
-      if (own_bounds_[k].overlaps(own_bounds_[l]) && linkage.neighbors().may_touch(k, l) &&
-          plumb::may_touch(shapes[k].filter, shapes[l].filter))
-        own_pairs_.push_back(std::uint64_t{std::min(k, l)} << 32 | std::max(k, l));
-    });
-  std::sort(own_pairs_.begin(), own_pairs_.end());
-  own_pairs_.erase(std::unique(own_pairs_.begin(), own_pairs_.end()), own_pairs_.end());
-  for (const std::uint64_t pair : own_pairs_)
-    touch_capsules(i, static_cast<std::uint32_t>(pair >> 32), i, static_cast<std::uint32_t>(pair), h);
+  for (const auto [k, l] : own_pairs_.find(own_bounds_))
+    if (linkage.neighbors().may_touch(k, l) && plumb::may_touch(shapes[k].filter, shapes[l].filter))
+      touch_capsules(i, k, i, l, h);
 }
 
 /// Returns whether other contacts pushed something through a surface that it was not expected to reach.

@@ -77,6 +77,15 @@ inline constexpr int most_sweeps = 60;
 /// Where directions are not those of the start, what sweeps change turns pulls, so that corrections wait for
 /// them. After so many, sweeps go on only while they change more than is let be in the end.
 inline constexpr int most_turning_sweeps = 3;
+/// Where an island has more sides of contacts, pushes are found freely, and else by its responses to each.
+/// Those take the square of this number of responses.
+inline constexpr std::size_t most_responses = 256;
+/// So many passes over contacts go before a solve there. One more costs little beside it.
+inline constexpr int free_passes = 2;
+/// Beyond so many rows of contacts some come and go in each correction. Constraints may then get worse for a
+/// while, as where contacts stand in the matrix: of 64 figures in a heap one or the other did in most
+/// substeps, which were cut for all.
+inline constexpr std::size_t few_rows = 128;
 /// Velocities after contact are swept and corrected in at most this many rounds.
 inline constexpr int most_rounds = 4;
 /// A place counts as held if a push moves it by less than this share of what it would move a free linkage by.

@@ -95,20 +95,27 @@ void ClusterStepper::bounce(double h) {
     // Gradient new has pushed all it is to push by then.
     const bool is_over = islands_[row.island[0]].theta == 1;
     if (!row.held || !pushes) row.q = lasts && !is_over ? 0.5 / h * row.p : 0;
-    // Speeds follow from find_velocities().
-    for (std::uint32_t i = 0; i < row.ends; ++i) row.end[i].push[row.end[i].side] += row.q;
   }
+  lay_pushes();
   const double enough = still_ / h;
   for (int round = 0; round < most_rounds; ++round) {
     for (std::uint32_t i = 0; i < count_; ++i) {
       Island& island = islands_[i];
       if (island.sides.empty()) continue;
       find_velocities(island);
-      see(island, island.v);
+      if (!is_wide_) see(island, island.v);
     }
+    if (is_wide_) begin_free<&Row::q>();
     double left = sweep_velocities<Sweep::looks>();
     if (left <= enough) return;
-    const double till = round + 1 < most_rounds ? std::max(enough, rough * left) : enough;
+    const bool is_last = round + 1 == most_rounds;
+    if (is_wide_) {
+      int sweeps = 0;
+      sweep_freely<&Row::q>(enough, is_last ? 0 : rough, most_sweeps, sweeps);
+      lay_pushes();
+      continue;
+    }
+    const double till = is_last ? enough : std::max(enough, rough * left);
     left = INFINITY;
     for (int i = 0; i < most_sweeps && left > till; ++i) left = sweep_velocities<Sweep::pushes>();
   }

@@ -18,6 +18,7 @@ std::uint32_t padded(std::size_t batches) {
 }  // namespace
 
 void ClusterStepper::find_responses(bool of_elastic_ones_alone) {
+  if (is_wide_) return find_free_responses();
   for (std::uint32_t i = 0; i < count_; ++i)
     if (Island& each = islands_[i];
         !each.sides.empty() && !(of_elastic_ones_alone && each.state->laws.empty()))

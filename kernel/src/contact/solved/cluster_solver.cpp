@@ -21,6 +21,7 @@ void ClusterStepper::see(Island& island, std::span<const Vec3> motion) {
 }
 
 double ClusterStepper::see(const Row& row) {
+  if (is_wide_) return see_freely(row);
   double out = row.end[0].speed[row.end[0].side];
   if (row.ends == 2) out += row.end[1].speed[row.end[1].side];
   return out;
@@ -33,6 +34,7 @@ double ClusterStepper::slide(const Row& row) {
 
 void ClusterStepper::push(const Row& row, double by) {
   if (by == 0) return;
+  if (is_wide_) return push_freely(row, by);
   for (std::uint32_t i = 0; i < row.ends; ++i) {
     const End& end = row.end[i];
     kernels_->add_three(end.speed, {by, end.coupling}, {0, end.coupling}, {0, end.coupling}, end.padded);
@@ -41,6 +43,7 @@ void ClusterStepper::push(const Row& row, double by) {
 }
 
 void ClusterStepper::push(const Row& first, double by0, double by1, double by2) {
+  if (is_wide_) return push_freely(first, by0, by1, by2);
   for (std::uint32_t i = 0; i < first.ends; ++i) {
     const End& end = first.end[i];
     kernels_->add_three(end.speed, {by0, end.coupling}, {by1, end.coupling + end.padded},
@@ -157,7 +160,7 @@ double ClusterStepper::sweep_positions() {
     switch (row.kind) {
       case Kind::normal: {
         const double normal = std::max(0.0, row.p - row.over * row.gap - row.over * u);
-        if (normal > 0 || row.p > 0)
+        if (normal > 0 || row.p != 0)
           worst = std::max(worst, contact<&Row::p, sweep>(r, normal, row.bound * normal));
         r += 2;
         continue;
@@ -229,10 +232,12 @@ template double ClusterStepper::sweep_velocities<ClusterStepper::Sweep::pushes>(
 double ClusterStepper::sweep(int correction, int& sweeps) {
   // A correction may have changed contacts too little to matter. Sweeping then would only disturb
   // constraints again.
+  if (is_wide_) begin_free<&Row::p>();
   double left = correction == 0 && !rows_.empty() ? INFINITY : sweep_positions<Sweep::looks>();
-  const bool is_late = correction >= most_turning_sweeps && turns();
+  const bool is_late = correction >= most_turning_sweeps && (is_crowded() || turns());
   if (left <= (is_late ? 10 : 1) * still_) return left;
-  const int most = correction == 0 ? most_sweeps : most_sweeps / 4;
+  const int most = correction == 0 || is_wide_ ? most_sweeps : most_sweeps / 4;
+  if (is_wide_) return sweep_freely<&Row::p>(still_, rough, most, sweeps);
   left = sweep_positions<Sweep::pushes>();
   const double till = std::max(still_, rough * left);
   int taken = 1;
@@ -279,7 +284,7 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
       island.there[k] = state.x[k] + island.d[k];
     }
   }
-  if (!island.sides.empty()) see(island, island.d);
+  if (!island.sides.empty() && !is_wide_) see(island, island.d);
   return true;
 }
 
@@ -287,13 +292,16 @@ bool ClusterStepper::solve_positions(Tally& report) {
   bool any_ground = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     Island& island = islands_[i];
-    if (!island.sides.empty()) see(island, island.d);
+    if (!island.sides.empty() && !is_wide_) see(island, island.d);
     any_ground = any_ground || !island.ground.is_empty();
   }
+  if (is_wide_) begin_free<&Row::p>();
   push_held();
+  if (is_wide_) end_free<&Row::p>();
   double last = INFINITY, last_to_do = INFINITY, first = 0;
   int sweeps = 0;
-  const int most = any_ground ? most_ground_corrections : most_corrections;
+  const bool is_disturbed = any_ground || is_crowded();
+  const int most = is_disturbed ? most_ground_corrections : most_corrections;
   for (int correction = 0; correction < most; ++correction) {
     const double left = sweep(correction, sweeps);
     Progress now;
@@ -307,8 +315,9 @@ bool ClusterStepper::solve_positions(Tally& report) {
     }
     if (correction == 0) first = now.violation;
     // Contacts that come and go disturb constraints for a while.
-    const bool gets_worse = any_ground ? correction > 1 && now.violation > std::max(most_disturbed, 4 * first)
-                                       : correction > 3 && now.violation > std::max(exact, 0.9 * last);
+    const bool gets_worse = is_disturbed
+                                ? correction > 1 && now.violation > std::max(most_disturbed, 4 * first)
+                                : correction > 3 && now.violation > std::max(exact, 0.9 * last);
     if (now.violation > 0.5 || gets_worse) return false;
     last = now.violation;
     last_to_do = now.to_do;

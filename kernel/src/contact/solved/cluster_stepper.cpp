@@ -141,24 +141,31 @@ bool ClusterStepper::fly(std::uint32_t time_order, double h, Tally& report) {
   return true;
 }
 
-double ClusterStepper::longest_substep(double most, double turn) const {
+double ClusterStepper::longest_substep(double most, double turn) {
   double out = most;
+  top_speeds_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
-    const Island& a = islands_[i];
-    if (a.awake) {
-      const double turning = a.state->linkage->turning(a.state->v, a.state->broken);
-      if (turning * out > turn) out = turn / turning;
-    }
-    if (count_ == 1) break;
-    const Bounds own = bounds_of(*a.state->linkage, a.state->x, 0);
-    for (std::uint32_t j = i + 1; j < count_; ++j) {
-      const Island& b = islands_[j];
-      if (!a.awake && !b.awake) continue;
-      const double speed = (a.awake ? top_speed(*a.state) : 0) + (b.awake ? top_speed(*b.state) : 0);
-      const double near = most_approach * (a.state->linkage->thinness() + b.state->linkage->thinness());
-      const double far = distance(own, bounds_of(*b.state->linkage, b.state->x, 0));
-      out = std::min(out, std::max(near, far) / (speed + 1e-30));
-    }
+    const Island& island = islands_[i];
+    top_speeds_.push_back(island.awake ? top_speed(*island.state) : 0);
+    if (!island.awake) continue;
+    const double turning = island.state->linkage->turning(island.state->v, island.state->broken);
+    if (turning * out > turn) out = turn / turning;
+  }
+  if (count_ == 1) return out;
+  // Two islands matter only if they may meet until then.
+  const double until = out;
+  island_bounds_.clear();
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    island.bounds = bounds_of(*island.state->linkage, island.state->x, 0);
+    island_bounds_.push_back(grown(island.bounds, until * top_speeds_[i]));
+  }
+  for (const auto [i, j] : close_islands_.find(island_bounds_)) {
+    const Island &a = islands_[i], &b = islands_[j];
+    if (!a.awake && !b.awake) continue;
+    const double speed = top_speeds_[i] + top_speeds_[j];
+    const double near = most_approach * (a.state->linkage->thinness() + b.state->linkage->thinness());
+    out = std::min(out, std::max(near, distance(a.bounds, b.bounds)) / (speed + 1e-30));
   }
   return out;
 }
@@ -385,6 +392,7 @@ bool ClusterStepper::find_positions(double h, Tally& report) {
   if (leaves_middle()) return find_positions(h, report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].ground.is_empty() && !start_on_ground(islands_[i])) return false;
+  is_wide_ = is_wide();
   if (!rows_.empty()) find_responses(false);
   return solve_positions(report);
 }

@@ -9,16 +9,18 @@
 #include <vector>
 
 #include "contact/cluster_mover.hpp"
+#include "contact/cluster_rows.hpp"
 #include "contact/ground/ground_contacts.hpp"
 #include "contact/ground/ground_search.hpp"
 #include "contact/levers/lever.hpp"
 #include "contact/linkage/flight.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/linkage/visitor.hpp"
+#include "contact/near_pairs.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/shapes/touch.hpp"
+#include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/missed.hpp"
-#include "contact/spatial_hash.hpp"
 #include "contact/surroundings.hpp"
 #include "interface/tally.hpp"
 
@@ -50,7 +52,7 @@ ContactSettings scaled(ContactSettings settings);
 /// Without elastics energy does not rise. What a substep would gain is taken from the motion that is not that
 /// of a rigid whole, which keeps momentum and angular momentum. In free flight gradient old gets back what it
 /// would lose.
-class ClusterStepper final : public ClusterMover {
+class ClusterStepper final : public ClusterMover, ClusterRows {
  public:
   /// The settings are scaled already (scaled()). `relaxed` moves what cannot be solved, if given, and what
   /// touches in many places if `relaxes_crowds`.
@@ -65,89 +67,16 @@ class ClusterStepper final : public ClusterMover {
             const ClusterRules& rules, double dt, Tally& report) override;
 
  private:
-  /// A sum of particles, among an island's terms.
-  struct Sum {
-    std::uint32_t first = 0, end = 0;
-    friend bool operator==(const Sum&, const Sum&) = default;
-  };
-  /// A push on an island: along_a on a sum of its particles, along_b on another.
-  struct Side {
-    Sum a, b;
-    Vec3 along_a{}, along_b{};
-  };
-  enum class Kind : std::uint8_t { normal, sliding, rolling, spinning, limit, brake };
-  static constexpr std::uint32_t none = 0xffffffff;
-
-  /// Where a row finds what its side of an island sees, and what its pushes do there.
-  struct End {
-    double* speed = nullptr;  ///< of the island's sides
-    double* push = nullptr;
-    const double* coupling = nullptr;  ///< the side's row; of a contact's other rows, the next ones
-    std::uint32_t side = 0, padded = 0;
-  };
-  struct Row {
-    Kind kind = Kind::normal;
-    bool held = false;  ///< in the last substep: p and q are what did
-    std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
-    std::uint32_t ends = 0;  ///< islands that it acts on
-    End end[2]{};
-    double gap = 0;           ///< m or rad, what may be lost
-    double given = 0;         ///< m, what the ground moves by
-    double given_at_end = 0;  ///< m/s, how fast it moves
-    /// Of brakes; of normals the coefficient of friction, of rolling and spinning a length (m).
-    double bound = 0;
-    double bounce = 0;          ///< m/s, what it leaves with; of brakes the bound of q
-    double own = 0;             ///< its response to itself
-    double over = 0;            ///< 1 / own, or 0
-    double p = 0, q = 0;        ///< what pushes positions, and velocities
-    double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
-    std::uint64_t key = 0;
-    std::uint32_t of[2] = {0, 0};  ///< the shapes that touch, or the angle and 1 at its upper limit
-    std::uint32_t normal = none;   ///< of rolling and spinning, the row of the contact's normal
-    Vec3 along{};                  ///< of contacts, the direction of what it pushes
-
-    /// Returns whether it may push only where the contact's normal does.
-    bool follows_normal() const {
-      return kind == Kind::sliding || kind == Kind::rolling || kind == Kind::spinning;
-    }
-    void add_end(std::uint32_t on, std::uint32_t at, std::uint32_t shape) {
-      island[ends] = on;
-      side[ends] = at;
-      of[ends++] = shape;
-    }
-  };
-  /// One end of a contact: the island, the place on the middle of a shape there, and the way from it to
-  /// where it is touched.
-  struct ContactEnd {
-    std::uint32_t island;
-    const Combination* at;
-    std::uint32_t shape;
-    Vec3 arm;
-  };
-  /// The levers of a contact. Its sides on an island follow each other, as do the three of turning.
-  struct Levers {
-    struct End {
-      std::uint32_t island, shape, normal, turning;
-      Sum middle;
-      Vec3 arm;
-    };
-    End end[2]{};
-    std::uint32_t ends = 0;
-    Vec3 along{};  ///< the contact's normal
-  };
-  /// Says where shapes touch whose contact has rows from `row` on, for those who count that.
-  struct RowsTouch {
-    std::uint32_t row, ends, other;
-    Combination at[2];
-    double radius[2];
-    double approach;  ///< m/s
-  };
   using Lanes = simd::Lanes;
   struct Island {
     LinkageState* state = nullptr;
     bool awake = false;
     Bounds bounds{};
     double moves = 0;  ///< m, the ends of its shapes in the substep, at most
+    /// Boxes around its capsules, and around all of them. Contacts of capsules are in sight only where such
+    /// boxes of two islands overlap.
+    std::vector<Bounds> sights;
+    Bounds sight{};
     std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
     /// Where on the way from the start of a substep (0) to its end (1) constraints' directions are taken.
     double theta = 0;
@@ -172,6 +101,10 @@ class ClusterStepper final : public ClusterMover {
     std::vector<Lanes> speed;     ///< what each side sees of d or v
     std::vector<Lanes> push;      ///< on each side, not yet applied
     std::vector<Lanes> sum;       ///< of responses
+    // Where pushes are found freely:
+    std::vector<Vec3> free;         ///< m or m/s, how particles would move if they were free
+    std::vector<Vec3> last_motion;  ///< m or m/s, after the last sweep
+    std::vector<double> last_pulls;
 
     std::span<double> right() { return numbers(unknowns); }
     /// Returns where the directions of the factors of positions are.
@@ -220,7 +153,7 @@ class ClusterStepper final : public ClusterMover {
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void keep_motion(std::span<LinkageState* const> cluster);
   void return_to_motion(std::span<LinkageState* const> cluster);
-  double longest_substep(double most, double turn) const;
+  double longest_substep(double most, double turn);
   bool is_alone(const Surroundings& surroundings, double h) const;
   bool fly(std::uint32_t time_order, double h, Tally& report);
   void start(Island& island, double h);
@@ -270,6 +203,7 @@ class ClusterStepper final : public ClusterMover {
   bool is_contact_missed() const;
   void find_contacts(double h);
   void find_bounds();
+  void find_sights(Island& island) const;
   double work_of_ground(double h) const;
   void touch_planes(std::uint32_t i, double h);
   void touch_boxes(std::uint32_t i, double h);
@@ -294,6 +228,7 @@ class ClusterStepper final : public ClusterMover {
   void touch_island_hulls(std::uint32_t i, std::uint32_t j, double h);
   /// The first place is on an island.
   void add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key, double h);
+  bool touches_others(std::uint32_t i) const;
   void spread_ground(std::uint32_t i, double h);
   void note_touch(const GroundContact& contact, std::span<const ContactEnd> ends);
   void add_contact_rows(const GroundContact& contact, std::span<const ContactEnd> ends, double h);
@@ -310,10 +245,10 @@ class ClusterStepper final : public ClusterMover {
   static double couple_ends(Row& row);
   void couple(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
-  static double see(const Row& row);
+  double see(const Row& row);
   /// Returns how a row moves against what it touches, in m or m/s.
   template <double Row::*of>
-  static double slide(const Row& row);
+  double slide(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();
@@ -330,6 +265,29 @@ class ClusterStepper final : public ClusterMover {
   double sweep_positions();
   template <Sweep sweep>
   double sweep_velocities();
+  bool is_wide() const;
+  /// Returns whether contacts are so many that some come and go in each correction, and disturb constraints.
+  bool is_crowded() const { return is_wide_ || rows_.size() > contact_limits::few_rows; }
+  double see_freely(const Row& row) const;
+  void push_freely(const Row& row, double by);
+  void push_freely(const Row& first, double by0, double by1, double by2);
+  void add_free_terms(std::size_t r);
+  void find_free_responses();
+  void lay_pushes();
+  template <double Row::*of>
+  void follow_free(Island& island, std::vector<Vec3>& motion);
+  template <double Row::*of>
+  static std::vector<Vec3>& motion_of(Island& island);
+  template <double Row::*of>
+  void extrapolate(double share);
+  template <double Row::*of>
+  void keep_last();
+  template <double Row::*of>
+  void begin_free();
+  template <double Row::*of>
+  void end_free();
+  template <double Row::*of>
+  double sweep_freely(double enough, double share, int most, int& sweeps);
   bool solve_positions(Tally& report);
   void finish(double h, bool touched);
   void find_velocities(Island& island);
@@ -372,9 +330,12 @@ class ClusterStepper final : public ClusterMover {
   std::vector<Levers> levers_;
   std::vector<RowsTouch> touches_;  ///< empty unless they count
   std::vector<LeftOut> left_out_;
-  SpatialHash own_shapes_;                      ///< of one island
+  NearPairs own_pairs_;                         ///< of one island's shapes
   std::vector<Bounds> own_bounds_;              ///< around those
-  std::vector<std::uint64_t> own_pairs_;        ///< of those, the first one's number in the high half
+  NearPairs near_islands_;                      ///< which may touch in this substep
+  NearPairs close_islands_;                     ///< which may do so within a step
+  std::vector<Bounds> island_bounds_;           ///< of which such pairs are
+  std::vector<double> top_speeds_;              ///< m/s, of islands
   const Surroundings* surroundings_ = nullptr;  ///< of this step
   GroundNow ground_;                            ///< as the substep starts
   std::vector<std::uint32_t> near_ground_;      ///< an island's or a shape's, ascending
@@ -386,8 +347,11 @@ class ClusterStepper final : public ClusterMover {
   bool is_fitted_ = false;      ///< rods were brought to their lengths in this step
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
-  bool keeps_slack_ = false;    ///< which elastics are slack is known from the last try
-  int switches_ = 0;            ///< how often that was changed in this substep
+  bool is_wide_ = false;        ///< pushes are found freely
+  std::vector<FreeTerm> free_terms_;
+  std::vector<double> last_pushes_, swept_from_;  ///< then, of rows
+  bool keeps_slack_ = false;                      ///< which elastics are slack is known from the last try
+  int switches_ = 0;                              ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s

@@ -17,10 +17,8 @@ bool ClusterStepper::find_missed() {
 
 bool ClusterStepper::find_missed_pairs() {
   const std::size_t before = missed_pairs_.size();
-  for (std::uint32_t i = 0; i < count_; ++i)
-    for (std::uint32_t j = i + 1; j < count_; ++j)
-      if ((islands_[i].awake || islands_[j].awake) && islands_[i].bounds.overlaps(islands_[j].bounds))
-        find_missed_pairs(i, j);
+  for (const auto [i, j] : near_islands_.found())
+    if (islands_[i].awake || islands_[j].awake) find_missed_pairs(i, j);
   return missed_pairs_.size() > before;
 }
 

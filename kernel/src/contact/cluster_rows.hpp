@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+
+#include "contact/linkage/combination.hpp"
+#include "plumb/vec3.hpp"
+
+namespace plumb::detail {
+
+/// This is what pushes in a cluster, and on what. Rows are those of contacts, angle limits and brakes.
+struct ClusterRows {
+  /// A sum of particles, among an island's terms.
+  struct Sum {
+    std::uint32_t first = 0, end = 0;
+    friend bool operator==(const Sum&, const Sum&) = default;
+  };
+  /// A push on an island: along_a on a sum of its particles, along_b on another.
+  struct Side {
+    Sum a, b;
+    Vec3 along_a{}, along_b{};
+  };
+  enum class Kind : std::uint8_t { normal, sliding, rolling, spinning, limit, brake };
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  /// Where a row finds what its side of an island sees, and what its pushes do there.
+  struct End {
+    double* speed = nullptr;  ///< of the island's sides
+    double* push = nullptr;
+    const double* coupling = nullptr;  ///< the side's row; of a contact's other rows, the next ones
+    std::uint32_t side = 0, padded = 0;
+  };
+  struct Row {
+    Kind kind = Kind::normal;
+    bool held = false;  ///< in the last substep: p and q are what did
+    std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
+    std::uint32_t ends = 0;  ///< islands that it acts on
+    End end[2]{};
+    double gap = 0;           ///< m or rad, what may be lost
+    double given = 0;         ///< m, what the ground moves by
+    double given_at_end = 0;  ///< m/s, how fast it moves
+    /// Of brakes; of normals the coefficient of friction, of rolling and spinning a length (m).
+    double bound = 0;
+    double bounce = 0;          ///< m/s, what it leaves with; of brakes the bound of q
+    double own = 0;             ///< its response to itself
+    double over = 0;            ///< 1 / own, or 0
+    double p = 0, q = 0;        ///< what pushes positions, and velocities
+    double across[2] = {0, 0};  ///< of normals: what a push of one takes from the two rows that follow
+    std::uint64_t key = 0;
+    std::uint32_t of[2] = {0, 0};  ///< the shapes that touch, or the angle and 1 at its upper limit
+    std::uint32_t axis = 0;        ///< which of a contact's rows
+    std::uint32_t first_term = 0, end_term = 0;  ///< among free terms
+    std::uint32_t normal = none;                 ///< of rolling and spinning, the row of the contact's normal
+    Vec3 along{};                                ///< of contacts, the direction of what it pushes
+
+    /// Returns whether it may push only where the contact's normal does.
+    bool follows_normal() const {
+      return kind == Kind::sliding || kind == Kind::rolling || kind == Kind::spinning;
+    }
+    void add_end(std::uint32_t on, std::uint32_t at, std::uint32_t shape) {
+      island[ends] = on;
+      side[ends] = at;
+      of[ends++] = shape;
+    }
+  };
+  /// A free particle that a contact's rows act on.
+  struct FreeTerm {
+    Vec3* motion;      ///< m or m/s
+    double over_mass;  ///< 1/kg, 0 if it is fixed
+    Vec3 along[3]{};   ///< of each row
+  };
+  /// One end of a contact: the island, the place on the middle of a shape there, and the way from it to
+  /// where it is touched.
+  struct ContactEnd {
+    std::uint32_t island;
+    const Combination* at;
+    std::uint32_t shape;
+    Vec3 arm;
+  };
+  /// The levers of a contact. Its sides on an island follow each other, as do the three of turning.
+  struct Levers {
+    struct End {
+      std::uint32_t island, shape, normal, turning;
+      Sum middle;
+      Vec3 arm;
+    };
+    End end[2]{};
+    std::uint32_t ends = 0;
+    Vec3 along{};  ///< the contact's normal
+  };
+  /// Says where shapes touch whose contact has rows from `row` on, for those who count that.
+  struct RowsTouch {
+    std::uint32_t row, ends, other;
+    Combination at[2];
+    double radius[2];
+    double approach;  ///< m/s
+  };
+};
+
+}  // namespace plumb::detail
