@@ -12,7 +12,7 @@
 
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "simd/relax/end_lanes.hpp"
-#include "simd/relax/least_push.hpp"
+#include "simd/relax/least_distance.hpp"
 #include "simd/relax/relax_kernels.hpp"
 #include "support/graphs.hpp"
 
@@ -142,7 +142,7 @@ TEST(EndBody, KeepsAGapOpenWithinTheCone) {
   EXPECT_NEAR(ends.p[4 * 1], aside - held, 1e-17);
   EXPECT_GE(most, std::hypot(down - gap, held) - 1e-17);
   EXPECT_LT(own.measure(ends.view(), &first, 1), 1e-17) << "it is solved";
-  EXPECT_GT(least_push<double>, 0);
+  EXPECT_GT(least_distance<double>, 0);
 }
 
 }  // namespace

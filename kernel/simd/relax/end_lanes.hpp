@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "simd/relax/least_push.hpp"
+#include "simd/relax/least_distance.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
 namespace plumb::simd {
@@ -51,8 +51,10 @@ PLUMB_INLINE Triple<T> visit_ends(const EndView<T>& view, const EndLanes<T>& end
   const Triple<T> across_before = ends.load3(f::across);
   Triple<T> across = across_before - over * (p - along * n);
   across = across - dot(across, n) * n;
-  const Batch<T> bound = ends.load(f::friction) * push, size = xsimd::sqrt(dot(across, across));
-  across = (bound / xsimd::max(size, xsimd::max(bound, Batch<T>(least_push<T>)))) * across;
+  const Batch<T> bound = ends.load(f::friction) * push, square = dot(across, across);
+  // What lies takes no root.
+  if (const auto slides = square > bound * bound; xsimd::any(slides))
+    across = xsimd::select(slides, bound / xsimd::sqrt(square), Batch<T>(T(1))) * across;
   const Triple<T> by = (push - before) * n + (across - across_before);
   ends.store(push, f::push);
   ends.store3(across, f::across);
@@ -107,7 +109,7 @@ PLUMB_INLINE Batch<T> gap_of_ends(const EndGround<T>& ground, const Triple<T>& x
                                 Batch<T>(T(1)));
   const Triple<T> apart = x - (place + t * along);
   const Batch<T> distance = xsimd::sqrt(dot(apart, apart));
-  normal = (Batch<T>(T(1)) / xsimd::max(distance, Batch<T>(least_push<T>))) * apart;
+  normal = (Batch<T>(T(1)) / xsimd::max(distance, Batch<T>(least_distance<T>))) * apart;
   return (distance - far) - radius;
 }
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "simd/relax/least_push.hpp"
+#include "simd/relax/least_distance.hpp"
 #include "simd/relax/scalar_access.hpp"
 
 namespace plumb::simd {
@@ -54,9 +54,8 @@ Triple<T> visit_end(const EndView<T>& view, const OneEnd<T>& end) {
   // What the normal has turned by since the push was kept would pull along it.
   const T along_normal = dot(across, n);
   across = {across.x - along_normal * n.x, across.y - along_normal * n.y, across.z - along_normal * n.z};
-  const T bound = end(f::friction) * push, size = std::sqrt(dot(across, across));
-  const T least = bound > least_push<T> ? bound : least_push<T>;
-  const T share = bound / (size > least ? size : least);
+  const T bound = end(f::friction) * push, square = dot(across, across);
+  const T share = square > bound * bound ? bound / std::sqrt(square) : T(1);
   across = {share * across.x, share * across.y, share * across.z};
   const T pushed = push - push_before;
   const Triple<T> by{pushed * n.x + (across.x - before.x), pushed * n.y + (across.y - before.y),
@@ -114,7 +113,7 @@ T gap_of_end(const EndGround<T>& ground, const Triple<T>& x, T radius, Triple<T>
   const Triple<T> apart{x.x - (place.x + t * along.x), x.y - (place.y + t * along.y),
                         x.z - (place.z + t * along.z)};
   const T distance = std::sqrt(dot(apart, apart));
-  const T over = T(1) / (distance > least_push<T> ? distance : least_push<T>);
+  const T over = T(1) / (distance > least_distance<T> ? distance : least_distance<T>);
   normal = {over * apart.x, over * apart.y, over * apart.z};
   return (distance - ground.far) - radius;
 }

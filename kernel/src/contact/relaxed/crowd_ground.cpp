@@ -67,6 +67,10 @@ void CrowdContacts<T>::place_hulls(const Crowd<T>& crowd) {
 
 template <class T>
 MovingSegment CrowdContacts<T>::motion_of(const Crowd<T>& crowd, const Body& body) const {
+  if (const auto [p, q] = body.at; body.is_plain())
+    return {{crowd.origin() + crowd.position(p), crowd.origin() + crowd.position(q), body.radius},
+            crowd.moved(p),
+            crowd.moved(q)};
   return {{crowd.origin() + crowd.position(near_.terms_of(body.a)),
            crowd.origin() + crowd.position(near_.terms_of(body.b)), body.shape->radius},
           crowd.moved(near_.terms_of(body.a)),
