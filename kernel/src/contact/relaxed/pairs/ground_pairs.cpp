@@ -93,15 +93,15 @@ void CrowdPairs<T>::find_plain_ends(const Crowd<T>& crowd, const Surroundings& s
       add(planes + k, surroundings.filter_of(k), [&](const Bounds& at) { return shape.reaches_into(at); });
 }
 
-/// Returns whether a line cannot go deeper than its ends by more than the slop. Between them the distance
-/// from what is round sags by no more than l²/(8 R), with R from its middle line to that of the shape.
+/// Returns whether a line, as long as it is now, cannot go deeper than its ends by more than the slop.
+/// Between them the distance from what is round sags by no more than l²/(8 R), with R from its middle line to
+/// that of the shape.
 template <class T>
 bool CrowdPairs<T>::is_kept_out_by_ends(const Crowd<T>& crowd, const Body& body,
                                         const GroundShape& ground) const {
-  constexpr double stretched = 1.1;  // rods may be in the step
   const auto round = ground.capsule();
   if (!round || !body.is_plain() || body.shape->turning == Linkage::Shape::Turning::body) return false;
-  const Vec3 along = stretched * (crowd.position(body.at[1]) - crowd.position(body.at[0]));
+  const Vec3 along = crowd.position(body.at[1]) - crowd.position(body.at[0]);
   return dot(along, along) <= 8 * (round->radius + body.radius) * slop_;
 }
 
