@@ -173,7 +173,7 @@ class CrowdPairs {
   SpatialHash hash_;                     ///< of bounds_
   bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
   double margin_;                        ///< m, nearer than which shapes may touch
-  double slop_;  ///< m
+  double slop_;                          ///< m
   double fastest_ = 0;                   ///< m/s, of all that moves
   double left_ = 0;                      ///< s, the time of the step that is looked ahead
   std::vector<std::uint32_t> outrun_;    ///< what has left its bounds, ascending
