@@ -10,9 +10,11 @@
 #include "contact/cluster_mover.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/relaxed/crowd_contacts.hpp"
+#include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/crowd_joints.hpp"
-#include "contact/relaxed/crowd_pairs.hpp"
 #include "contact/relaxed/kept_table.hpp"
+#include "contact/relaxed/pairs/crowd_pairs.hpp"
+#include "contact/relaxed/pairs/ways.hpp"
 #include "contact/rows.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/layouts/packing.hpp"
@@ -121,7 +123,7 @@ TEST(CrowdContacts, KeepAGapOpenAndHoldWithinTheCone) {
   One ball(scene);
   const Surroundings surroundings(scene);
   Crowd<double> crowd;
-  CrowdContacts<double> contacts(ContactSettings{});
+  CrowdContacts<double> contacts(ContactSettings{}, simd::kernels<double>(best_isa()).ends);
   crowd.gather(ball.cluster, {});
   GroundNow ground;
   ground.find(surroundings, 0);
@@ -134,6 +136,7 @@ TEST(CrowdContacts, KeepAGapOpenAndHoldWithinTheCone) {
   EXPECT_EQ(contacts.measured_sweep(crowd, nullptr), 0) << "it is solved";
   crowd.advance(0.01, Gradient::new_);
   contacts.end(ball.cluster, crowd, 0.01);
+  contacts.keep(ball.cluster, crowd);
   crowd.scatter(ball.state, 0);
   EXPECT_NEAR(ball.state.x[0].y, 0.1, 1e-15);
   EXPECT_NEAR(ball.state.v[0].x, 1 - 0.2 * 3, 1e-12) << "friction takes its share of the blow";

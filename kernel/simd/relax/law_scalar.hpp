@@ -33,10 +33,6 @@ T smaller(T a, T b) {
   return a < b ? a : b;
 }
 template <class T>
-T dot(const Triple<T>& a, const Triple<T>& b) {
-  return (a.x * b.x + a.y * b.y) + a.z * b.z;
-}
-template <class T>
 Triple<T> operator+(const Triple<T>& a, const Triple<T>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }

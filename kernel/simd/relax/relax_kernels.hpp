@@ -107,6 +107,69 @@ struct AccessKernels {
   LawKernels<T> laws;
 };
 
+/// Fields per end of a shape that ground may hold, in vectors for each vector of ends.
+namespace end_fields {
+inline constexpr std::uint32_t normal = 0;     ///< x, y, z of a unit vector out of the ground
+inline constexpr std::uint32_t gap = 3;        ///< m, what may be lost along it
+inline constexpr std::uint32_t push = 4;       ///< kg m, along the normal
+inline constexpr std::uint32_t across = 5;     ///< kg m, as x, y, z: against sliding
+inline constexpr std::uint32_t over = 8;       ///< kg, what moves it by a metre; 0 where nothing touches
+inline constexpr std::uint32_t moves = 9;      ///< 1/kg, what a push of one moves it by
+inline constexpr std::uint32_t friction = 10;  ///< Coulomb's coefficient
+inline constexpr std::uint32_t mass = 11;      ///< kg; 0 for padding
+inline constexpr std::uint32_t radius = 12;    ///< m
+inline constexpr std::uint32_t force = 13;     ///< N, as x, y, z: what held it in the last substep
+inline constexpr std::uint32_t count = 16;
+}  // namespace end_fields
+
+/// What kernels need of ends. Each is a particle, a record of positions and of displacements (m).
+template <class T>
+struct EndView {
+  const T* x;
+  T* p;
+  T* fields;                ///< end_fields::count vectors per vector of ends.
+  const std::uint32_t* at;  ///< Records, by lane.
+};
+
+/// This is what a range of ends may touch: a plane, or all that is within a radius of a line.
+template <class T>
+struct EndGround {
+  bool is_plane;
+  T place[3];  ///< The plane's normal, or where the line starts, m.
+  T along[3];  ///< The line's way, m.
+  T inverse;   ///< Of the square of its length, 1/m²; 0 for a point.
+  T far;       ///< m, the plane's offset or the radius.
+};
+
+/// Says which ends touch in a substep, all lengths in m, and which gaps they keep.
+template <class T>
+struct EndRules {
+  T margin;  ///< What comes nearer touches.
+  T spread;  ///< So does what comes nearer by this share of its own displacement.
+  T passes;  ///< What moves farther than the margin and this share of its radius touches only within those.
+  T slop;    ///< This overlap is left as it is.
+  T share;   ///< Of an overlap beyond the slop, so much is taken back.
+  T square;  ///< s², makes pushes of forces.
+};
+
+/// Loops over ends. No two of a range are the same particle. Those of one vector are visited at once.
+template <class T>
+struct EndKernels {
+  /// Finds which ends of a range touch, with the pushes of last forces. Writes whether any of a vector does.
+  void (*find)(const EndView<T>&, Range, const EndGround<T>&, const EndRules<T>&, std::uint8_t* touched);
+  /// Lets those touch that did not, and go deeper than `most` (m) beyond what they may. Returns whether any
+  /// does, and marks its vector.
+  bool (*watch)(const EndView<T>&, Range, T most, std::uint8_t* touched);
+  /// Moves the ends of `count` vectors as their pushes do.
+  void (*start)(const EndView<T>&, const std::uint32_t* vectors, std::uint32_t count);
+  /// Visits those ends once.
+  void (*sweep)(const EndView<T>&, const std::uint32_t* vectors, std::uint32_t count);
+  /// Does so. Returns the largest change of a place, m.
+  T (*measure)(const EndView<T>&, const std::uint32_t* vectors, std::uint32_t count);
+  /// Makes forces of the pushes of a range; `over` (1/s²) is what makes them so.
+  void (*keep)(const EndView<T>&, Range, T over);
+};
+
 /// Loops over particle numbers, whatever the layout. Lengths are multiples of the logical width.
 template <class T>
 struct ParticleKernels {
@@ -129,6 +192,7 @@ template <class T>
 struct Kernels {
   ParticleKernels<T> particles;
   AccessKernels<T> access[3];  ///< by layouts::Access
+  EndKernels<T> ends;
 };
 
 /// Every instruction set, slowest first, and what a processor must have for it (`cpu` is xsimd's list). The

@@ -4,6 +4,7 @@
 //
 // relax_scalar.cpp says what is computed and why. The operations and their order are the same here.
 
+#include "simd/relax/end_lanes.hpp"
 #include "simd/relax/law_lanes.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
@@ -179,6 +180,7 @@ template <class T>
 constexpr Kernels<T> table = {
     {predict<T>, accumulate<T>, all_finite<T>, advance<T>, advance_mid<T>, advance_mid_guarded<T>},
     {access_kernels<RowAccess, T>, access_kernels<GatherAccess, T>, access_kernels<RecordAccess, T>},
+    end_kernels<T>,
 };
 
 }  // namespace

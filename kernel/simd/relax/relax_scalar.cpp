@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "simd/relax/end_scalar.hpp"
 #include "simd/relax/law_scalar.hpp"
 
 namespace plumb::simd {
@@ -152,6 +153,7 @@ template <class T>
 constexpr Kernels<T> table = {
     {predict<T>, accumulate<T>, all_finite<T>, advance<T>, advance_mid<T>, advance_mid_guarded<T>},
     {access_kernels<rows, T>, access_kernels<gather, T>, access_kernels<records, T>},
+    end_kernels<T>,
 };
 
 }  // namespace

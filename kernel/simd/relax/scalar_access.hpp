@@ -18,6 +18,11 @@ struct Triple {
   T x, y, z;
 };
 
+template <class T>
+T dot(const Triple<T>& a, const Triple<T>& b) {
+  return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+
 /// Element of the x of one end of rod `lane` of vector `v`.
 template <AccessKind access, class T>
 std::uint32_t address(const std::uint32_t* addresses, std::uint32_t v, std::uint32_t lane) {

@@ -24,6 +24,8 @@ inline constexpr int most_missed = 4;
 struct GroundSearch {
   double margin = 0;  ///< m, of contact
   double close = 0;   ///< m, what is nearer touches
+  /// What moves by more than the margin and this share of its half width is fast.
+  static constexpr double passes = 0.5;
 
   /// Returns whether something of a half width (m) that moves by `moves` may pass what it does not touch.
   bool is_fast(double moves, double half_width) const { return moves > margin + passes * half_width; }
@@ -31,9 +33,6 @@ struct GroundSearch {
   double reach(double moves, double half_width) const {
     return margin + passes * half_width + (is_fast(moves, half_width) ? 0 : 2 * moves);
   }
-
- private:
-  static constexpr double passes = 0.5;
 };
 
 inline double moves_of(const MovingSegment& moving) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace plumb::detail {
 namespace {
@@ -60,6 +61,11 @@ void Crowd<T>::lay_out(std::span<LinkageState* const> cluster, const CrowdRules&
       inverse_mass_.push_back(k < linkage.movable() && moves_[i] != 0 ? 1 / linkage.mass_of(k) : 0);
   }
   particles_ = static_cast<std::uint32_t>(inverse_mass_.size());
+  ++layout_;
+  mass_.assign(record * inverse_mass_.size(), 0);
+  for (std::size_t i = 0; i < mass_.size(); ++i)
+    if (const double inverse = inverse_mass_[i / record]; inverse > 0 && i % record < 3)
+      mass_[i] = 1 / inverse;
   // Padding lanes have both ends at a record after the last particle.
   for (auto* const each : {&x_, &p_, &v_, &a_}) make_room(*each, record * (particles_ + std::size_t{1}));
   for (auto* const each : {&x_, &p_}) put(each->data(), record * particles_, {});
@@ -205,12 +211,26 @@ void Crowd<T>::advance(double h, Gradient gradient) {
 
 template <class T>
 double Crowd<T>::kinetic(const T* data) const {
-  double twice = 0;
-  for (std::uint32_t k = 0; k < particles_; ++k) {
-    const Vec3 each = at(data, record * k);
-    if (inverse_mass_[k] > 0) twice += dot(each, each) / inverse_mass_[k];
+  // Sums side by side do not wait for each other.
+  constexpr std::size_t side_by_side = 2 * record;
+  double twice[side_by_side] = {};
+  std::size_t i = 0;
+  for (; i + side_by_side <= mass_.size(); i += side_by_side)
+    for (std::size_t k = 0; k < side_by_side; ++k)
+      twice[k] += mass_[i + k] * (double{data[i + k]} * data[i + k]);
+  for (std::size_t k = 0; i + k < mass_.size(); ++k)
+    twice[k] += mass_[i + k] * (double{data[i + k]} * data[i + k]);
+  return 0.5 * std::accumulate(twice, twice + side_by_side, 0.0);
+}
+
+template <class T>
+double Crowd<T>::most_moved() const {
+  T most = 0;
+  for (std::uint32_t k = 0; k < record * particles_; k += record) {
+    const T square = (p_[k] * p_[k] + p_[k + 1] * p_[k + 1]) + p_[k + 2] * p_[k + 2];
+    most = square > most ? square : most;
   }
-  return 0.5 * twice;
+  return std::sqrt(double{most});
 }
 
 template <class T>
@@ -237,14 +257,16 @@ auto Crowd<T>::common_motion() const -> CommonMotion {
 template <class T>
 bool Crowd<T>::stop_if_broken(LinkageState& state, std::uint32_t island) {
   const std::uint32_t begin = record * first_[island], end = begin + record * state.linkage->movable();
-  bool finite = true;
-  for (std::uint32_t k = begin; k < end; ++k) finite = finite && std::isfinite(x_[k]) && std::isfinite(v_[k]);
-  if (finite) return false;
+  T zeros[record] = {};  // they stay so unless a number is infinite or none
+  for (std::uint32_t k = begin; k < end; k += record)
+    for (std::uint32_t c = 0; c < record; ++c) zeros[c] += T(0) * x_[k + c] + T(0) * v_[k + c];
+  if (std::all_of(zeros, zeros + record, [](T zero) { return zero == 0; })) return false;
   for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
     put(x_.data(), begin + record * k, state.x[k] - origin_);
     put(v_.data(), begin + record * k, {});
     put(a_.data(), begin + record * k, {});
     inverse_mass_[first_[island] + k] = 0;
+    std::fill_n(mass_.begin() + record * (first_[island] + k), record, 0.0);
   }
   is_stale_ = true;
   return true;

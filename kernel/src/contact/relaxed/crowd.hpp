@@ -71,6 +71,18 @@ class Crowd {
   /// Adds the impulses with which rods pulled in a substep of h (s).
   void count_pulls(double h, Gradient gradient, std::span<LinkageState* const> cluster) const;
 
+  /// Returns how far (m) the particle is displaced that is displaced most.
+  double most_moved() const;
+  /// Counts how often particles were laid out. What refers to records is good as long as it is the same.
+  std::uint32_t layout() const { return layout_; }
+  /// @{
+  /// Records of all particles (m), and the one of padding.
+  const T* positions() const { return x_.data(); }
+  T* displacements() { return p_.data(); }
+  const T* displacements() const { return p_.data(); }
+  std::uint32_t padding() const { return record * particles_; }
+  /// @}
+
   std::uint32_t rods() const { return rods_; }
   std::size_t islands() const { return laid_out_.size(); }
   /// Returns whether the rods of some island that moves go round in loops.
@@ -108,6 +120,7 @@ class Crowd {
   void push(std::span<const Term> terms, Vec3 by) { push(terms, by, p_.data()); }
   void push(std::uint32_t number, Vec3 by) { put(p_.data(), number, at(p_.data(), number) + by); }
   void push_velocity(std::span<const Term> terms, Vec3 by) { push(terms, by, v_.data()); }
+  void push_velocity(std::uint32_t number, Vec3 by) { put(v_.data(), number, at(v_.data(), number) + by); }
 
  private:
   static constexpr std::uint32_t record = 4;
@@ -137,6 +150,8 @@ class Crowd {
   std::vector<std::uint8_t> moves_;            ///< by island: it is awake and not frozen
   std::vector<std::uint32_t> first_;           ///< by island: its first particle
   std::vector<double> inverse_mass_;           ///< 1/kg, by particle; 0 for what does not move
+  std::vector<double> mass_;                   ///< kg, by number of records; 0 for what does not move
+  std::uint32_t layout_ = 0;
   Vec3 origin_;
   std::uint32_t particles_ = 0, rods_ = 0;
   bool has_loops_ = false;

@@ -24,9 +24,11 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
                              Team* team) {
   is_fast_ = false;
   place_hulls(crowd);
-  place_lines(crowd, team);
+  see_fast(crowd, team);
   find_in_batches(cluster, crowd, surroundings, ground, h, team);
   if (wake(cluster)) return false;
+  ends_.find(crowd, surroundings, h, h * recovery_rate_);
+  ends_.start(crowd);
   for_contacts([&](const Batch& batch, const Contact& contact) {
     if (!(contact.push > 0)) return;
     if (contact.sliding == contact.terms) {
@@ -54,7 +56,7 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   const std::uint32_t shares = is_shared ? batches_per_thread * team->parts() : 1;
   batches_.resize(std::max<std::size_t>(kinds * shares, batches_.size()));
   for (Batch& batch : batches_) batch.clear();
-  kept_.gather(cluster);
+  if (!near_.are_all_plain() || !fast_lines_.empty()) kept_.gather(cluster);
   const auto find = [&](std::uint32_t number) {
     const std::uint32_t kind = number / shares;
     const Share share{number % shares, shares};
@@ -72,6 +74,8 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
       touch_ends_and_ground(in, share.of(near_.ends_on_ground()));
     } else if (kind == 5) {
       touch_hulls_and_ground(in);
+      // Few are fast. Ground near them is listed in one working memory.
+      if (share.number == 0) touch_in_passing(in);
     } else if (kind == 6) {
       touch_pairs(in, share.of(near_.pairs()));
     } else {
@@ -295,6 +299,7 @@ void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T
     count_impulses(cluster, crowd, batch, contact, h);
     count_touch(cluster, crowd, batch, contact, h);
   });
+  ends_.end(cluster, crowd, h);
 }
 
 template <class T>
@@ -306,7 +311,7 @@ std::size_t CrowdContacts<T>::count_contacts() const {
 
 template <class T>
 std::size_t CrowdContacts<T>::count_pushes() const {
-  std::size_t out = 0;
+  std::size_t out = ends_.count_pushes();
   for_contacts([&](const Batch&, const Contact& contact) { out += contact.push > 0; });
   return out;
 }

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "contact/ground/ground_search.hpp"
-#include "contact/relaxed/crowd_pairs.hpp"
+#include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/kept_table.hpp"
+#include "contact/relaxed/pairs/crowd_pairs.hpp"
 #include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
@@ -32,20 +33,24 @@ namespace plumb::detail {
 template <class T>
 class CrowdContacts {
  public:
-  explicit CrowdContacts(const ContactSettings& settings) : settings_(settings) {}
+  CrowdContacts(const ContactSettings& settings, const simd::EndKernels<T>& kernels)
+      : settings_(settings), near_(settings), ends_(settings, kernels) {}
 
   /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
   /// (1/s) is the share of an overlap that is taken back.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double recovery_rate) {
     recovery_rate_ = recovery_rate;
-    near_.find(cluster, crowd, surroundings, ground, dt, settings_.margin);
+    near_.find(cluster, crowd, surroundings, ground, dt);
+    ends_.clear();
+    ends_.add(cluster, crowd, near_, surroundings, ground, near_.plain_ends());
   }
   /// Finds for the time `left` (s) of the step what those may touch that go where they were not looked for,
   /// once displacements are predicted.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
               const GroundNow& ground, double left, Team* team) {
     near_.follow(cluster, crowd, surroundings, ground, left, team);
+    ends_.add(cluster, crowd, near_, surroundings, ground, near_.more_plain_ends());
   }
   /// Returns whether any may touch at all.
   bool any_near() const { return !near_.are_empty(); }
@@ -73,6 +78,10 @@ class CrowdContacts {
   bool bounce(Crowd<T>& crowd);
   /// Ends a substep: keeps pushes for the next one, and adds up their impulses where pulls count.
   void end(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double h);
+  /// Ends a step, before another find(): keeps those pushes that end() has left here.
+  void keep(std::span<LinkageState* const> cluster, const Crowd<T>& crowd) const {
+    ends_.keep(cluster, crowd);
+  }
 
   /// Returns whether a capsule meets another one in the substep that it would pass.
   bool are_struck() const {
@@ -86,7 +95,8 @@ class CrowdContacts {
   }
   /// Returns whether ground pushes something.
   bool push_ground() const {
-    return any_of([](const Contact& each) { return each.push > 0 && each.island[1] == none; });
+    return ends_.any_push() ||
+           any_of([](const Contact& each) { return each.push > 0 && each.island[1] == none; });
   }
   /// Returns whether a capsule moves so far past a hull that it might be pushed out on the wrong side, after
   /// find_missed().
@@ -94,7 +104,7 @@ class CrowdContacts {
 
   bool has_hulls() const { return !near_.hulls().empty(); }
   bool is_empty() const {
-    return !any_of([](const Contact&) { return true; });
+    return !ends_.any_touch() && !any_of([](const Contact&) { return true; });
   }
   std::size_t count_pushes() const;
 
@@ -228,6 +238,8 @@ class CrowdContacts {
   void touch_ends_and_ground(const Substep& in, std::span<const Pair> pairs);
   void touch_hulls_and_ground(const Substep& in);
   void touch_hull_pairs(const Substep& in);
+  template <class F>
+  void for_ground_near(const Substep& in, const MovingSegment& moving, F&& f);
   void find_missed_bodies(const Substep& in);
   void find_missed_hulls(const Substep& in);
   void miss(const Substep& in, const Side& side, std::uint32_t ground, double width, const Touch& plane,
@@ -238,6 +250,8 @@ class CrowdContacts {
   /// Returns a body, or after all bodies a hull.
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
   void place_lines(const Crowd<T>& crowd, Team* team);
+  void see_fast(const Crowd<T>& crowd, Team* team);
+  void touch_in_passing(const Substep& in);
   void place_ways(const Crowd<T>& crowd);
   PairSearch pair_search() const { return {settings_.margin, settings_.tolerance}; }
   bool is_fast(const Pair& pair) const;
@@ -288,10 +302,13 @@ class CrowdContacts {
   ContactSettings settings_;  ///< multiplied by their length scale
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
+  CrowdEnds<T> ends_;
   PlacedHulls placed_hulls_;
   std::vector<PlacedLine> placed_lines_;    ///< by body
   std::vector<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is
   bool is_fast_ = false;                    ///< some line is, or was in this substep
+  bool may_be_fast_ = false;                ///< some may be where particles are now
+  std::vector<std::uint32_t> fast_lines_;   ///< those that are, then
   std::vector<Bounds> ways_;                ///< around what bodies, then hulls pass through, from there
   std::vector<std::uint32_t> near_ground_;
   KeptTable kept_;

@@ -8,6 +8,15 @@
 #include "contact/relaxed/crowd_contacts.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// Returns whether a line that moves cannot come to something round.
+bool passes_by(const MovingSegment& moving, const GroundShape& ground) {
+  const auto round = ground.capsule();
+  return round && are_apart(moving.at, *round, moves_of(moving));
+}
+
+}  // namespace
 
 template <class T>
 void CrowdContacts<T>::touch_boxes(const Substep& in, std::span<const Pair> pairs) {
@@ -59,6 +68,10 @@ void CrowdContacts<T>::place_hulls(const Crowd<T>& crowd) {
 
 template <class T>
 MovingSegment CrowdContacts<T>::motion_of(const Crowd<T>& crowd, const Body& body) const {
+  if (const auto [p, q] = body.at; body.is_plain())
+    return {{crowd.origin() + crowd.position(p), crowd.origin() + crowd.position(q), body.radius},
+            crowd.moved(p),
+            crowd.moved(q)};
   return {{crowd.origin() + crowd.position(near_.terms_of(body.a)),
            crowd.origin() + crowd.position(near_.terms_of(body.b)), body.shape->radius},
           crowd.moved(near_.terms_of(body.a)),
@@ -116,6 +129,30 @@ void CrowdContacts<T>::touch_lines_and_ground(const Substep& in, std::span<const
                        const Combination at = blend(each.shape->a, each.shape->b, touch.a);
                        add(in, {each.island, each.number, &at, &each.shape->surface}, other, touch, key);
                      });
+  }
+}
+
+/// Finds the planes in which lines touch first that move fast past ground that else their ends keep them out
+/// of.
+template <class T>
+void CrowdContacts<T>::touch_in_passing(const Substep& in) {
+  const GroundSearch search{settings_.margin, settings_.tolerance};
+  for (const std::uint32_t number : fast_lines_) {
+    const Body& each = near_.bodies()[number];
+    if (!in.crowd.is_moving(each.island)) continue;
+    const MovingSegment moving = motion_of(in.crowd, each);
+    for_ground_near(in, moving, [&](std::uint32_t ground, const GroundShape& shape) {
+      if (!near_.is_kept_out_by_ends(in.crowd, each, shape) ||
+          !plumb::may_touch(each.shape->filter, in.surroundings.filter_of(ground)))
+        return;
+      const Side other = ground_side(in, ground);
+      for_first_touches(in.surroundings, ground, moving, search.close,
+                        [&](std::uint64_t which, const Touch& plane, double) {
+                          const Combination at = blend(each.shape->a, each.shape->b, plane.a);
+                          add(in, {each.island, each.number, &at, &each.shape->surface}, other, plane,
+                              ground_key(GroundPart::first_of_line, each.number, ground, which));
+                        });
+    });
   }
 }
 
@@ -205,9 +242,9 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
     find_missed_bodies(in);
     find_missed_hulls(in);
   }
-  if (last.contacts.size() == before) return false;
-  heap_ends_.clear();
-  return true;
+  if (last.contacts.size() != before) heap_ends_.clear();
+  const bool are_ends_missed = ends_.find_missed(crowd, h);
+  return last.contacts.size() != before || are_ends_missed;
 }
 
 /// Returns a contact of one batch for another one, which gets all that it refers to.
@@ -246,23 +283,33 @@ void CrowdContacts<T>::miss(const Substep& in, const Side& side, std::uint32_t g
         ground_key(GroundPart::missed, side.shape, ground, count_contacts()));
 }
 
+/// Calls f(number, shape) for ground that stands still and that a moving line may come to.
+template <class T>
+template <class F>
+void CrowdContacts<T>::for_ground_near(const Substep& in, const MovingSegment& moving, F&& f) {
+  const Bounds way = bounds_of(moving);
+  if (!in.surroundings.tree.bounds().overlaps(way)) return;
+  in.surroundings.find(way, near_ground_);
+  for (const std::uint32_t ground : near_ground_)
+    if (const GroundShape& shape = in.surroundings.shapes[ground]; !passes_by(moving, shape))
+      f(ground, shape);
+}
+
 template <class T>
 void CrowdContacts<T>::find_missed_bodies(const Substep& in) {
   const GroundSearch search{settings_.margin, settings_.tolerance};
-  for (const Body& each : near_.bodies()) {
+  for (const std::uint32_t number : fast_lines_) {
+    const Body& each = near_.bodies()[number];
     if (!in.crowd.is_moving(each.island)) continue;
-    const double moves =
-        std::max(norm(in.crowd.moved(near_.terms_of(each.a))), norm(in.crowd.moved(near_.terms_of(each.b))));
-    if (!search.is_fast(moves, each.shape->radius)) continue;
     const MovingSegment moving = motion_of(in.crowd, each);
-    in.surroundings.find(bounds_of(moving), near_ground_);
-    for (const std::uint32_t ground : near_ground_)
+    for_ground_near(in, moving, [&](std::uint32_t ground, const GroundShape&) {
       for_first_touches(in.surroundings, ground, moving, search.close,
                         [&](std::uint64_t, const Touch& plane, double time) {
                           const Combination at = blend(each.shape->a, each.shape->b, plane.a);
                           miss(in, {each.island, each.number, &at, &each.shape->surface}, ground,
                                each.shape->radius, plane, time);
                         });
+    });
   }
 }
 
@@ -289,6 +336,8 @@ template void CrowdContacts<float>::touch_segments(const Substep&, std::span<con
 template std::uint32_t CrowdContacts<float>::cuts(const Crowd<float>&, double) const;
 template void CrowdContacts<float>::place_hulls(const Crowd<float>&);
 template void CrowdContacts<float>::touch_lines_and_ground(const Substep&, std::span<const Pair>);
+template void CrowdContacts<float>::touch_in_passing(const Substep&);
+template void CrowdContacts<double>::touch_in_passing(const Substep&);
 template void CrowdContacts<float>::touch_ends_and_ground(const Substep&, std::span<const Pair>);
 template void CrowdContacts<float>::touch_hulls_and_ground(const Substep&);
 template void CrowdContacts<float>::touch_hull_pairs(const Substep&);

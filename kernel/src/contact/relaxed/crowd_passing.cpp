@@ -1,11 +1,29 @@
 // This file finds where capsules of a crowd touch each other, and where they would pass through each other.
 
 #include <algorithm>
+#include <cmath>
 
 #include "contact/relaxed/crowd_contacts.hpp"
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
+
+/// Places lines if others may touch them, and finds those that are fast.
+template <class T>
+void CrowdContacts<T>::see_fast(const Crowd<T>& crowd, Team* team) {
+  may_be_fast_ = crowd.most_moved() > near_.least_fast(settings_.margin, PairSearch::passes);
+  fast_lines_.clear();
+  if (near_.may_meet() || has_hulls()) place_lines(crowd, team);
+  if (!may_be_fast_) return;
+  for (std::uint32_t i = 0; i < near_.bodies().size(); ++i) {
+    const Body& body = near_.bodies()[i];
+    const double least = settings_.margin + PairSearch::passes * body.radius;
+    const Vec3 a = body.is_plain() ? crowd.moved(body.at[0]) : crowd.moved(near_.terms_of(body.a)),
+               b = body.is_plain() ? crowd.moved(body.at[1]) : crowd.moved(near_.terms_of(body.b));
+    if (std::max(dot(a, a), dot(b, b)) > least * least) fast_lines_.push_back(i);
+  }
+  is_fast_ = is_fast_ || !fast_lines_.empty();
+}
 
 /// Places the lines of bodies where the substep begins, with their displacements of now.
 template <class T>
@@ -19,9 +37,16 @@ void CrowdContacts<T>::place_lines(const Crowd<T>& crowd, Team* team) {
     for (std::uint32_t i = Team::begin_of(count, part, parts); i < Team::begin_of(count, part + 1, parts);
          ++i) {
       const Body& body = near_.bodies()[i];
-      const auto a = near_.terms_of(body.a), b = near_.terms_of(body.b);
       PlacedLine& line = placed_lines_[i];
-      line.way = {{crowd.position(a), crowd.position(b), body.shape->radius}, crowd.moved(a), crowd.moved(b)};
+      if (body.is_plain()) {
+        const auto [p, q] = body.at;
+        line.way = {
+            {crowd.position(p), crowd.position(q), body.shape->radius}, crowd.moved(p), crowd.moved(q)};
+      } else {
+        const auto a = near_.terms_of(body.a), b = near_.terms_of(body.b);
+        line.way = {
+            {crowd.position(a), crowd.position(b), body.shape->radius}, crowd.moved(a), crowd.moved(b)};
+      }
       line.moves = moves_of(line.way);
       any_fast = any_fast || pair_search().is_fast(line.moves, body.shape->radius);
     }
@@ -111,7 +136,8 @@ void CrowdContacts<T>::touch_pairs(const Substep& in, std::span<const Pair> pair
 /// Adds contacts between shapes that pass through each other, since others pushed them.
 template <class T>
 void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
-  place_lines(in.crowd, team);
+  see_fast(in.crowd, team);
+  if (!near_.may_meet() && !has_hulls()) return;
   place_ways(in.crowd);
   near_.follow(in.cluster, in.crowd, in.surroundings, in.ground, ways_);
   for (const Pair& pair : near_.pairs()) {
@@ -128,6 +154,8 @@ void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
 
 template bool CrowdContacts<float>::outrun_hulls(const Crowd<float>&);
 template bool CrowdContacts<double>::outrun_hulls(const Crowd<double>&);
+template void CrowdContacts<float>::see_fast(const Crowd<float>&, Team*);
+template void CrowdContacts<double>::see_fast(const Crowd<double>&, Team*);
 template void CrowdContacts<float>::place_lines(const Crowd<float>&, Team*);
 template void CrowdContacts<double>::place_lines(const Crowd<double>&, Team*);
 template void CrowdContacts<float>::touch_pairs(const Substep&, std::span<const Pair>);

@@ -29,16 +29,18 @@ void CrowdContacts<T>::for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit) {
 
 template <class T>
 void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
+  ends_.sweep(crowd);
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double&) { visit(crowd, batch, contact); });
 }
 
 template <class T>
 double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
+  const double of_ends = ends_.measured_sweep(crowd);
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double& most) {
     const Change change = visit(crowd, batch, contact);
     if (!change.is_none()) most = std::max(most, size_of(change, contact));
   });
-  return changes_.empty() ? 0 : *std::max_element(changes_.begin(), changes_.end());
+  return std::max(of_ends, changes_.empty() ? 0 : *std::max_element(changes_.begin(), changes_.end()));
 }
 
 /// Returns how far (m) a change moves places.
@@ -140,7 +142,7 @@ void CrowdContacts<T>::resist(Crowd<T>& crowd, Batch& batch, const Contact& cont
 
 template <class T>
 double CrowdContacts<T>::depth(const Crowd<T>& crowd) const {
-  double most = 0;
+  double most = ends_.depth(crowd);
   for_contacts([&](const Batch& batch, const Contact& contact) {
     const Vec3 moved = crowd.moved(batch.terms_of(contact.terms)) - contact.carried;
     most = std::max(most, -contact.gap - dot(contact.normal, moved));
@@ -152,9 +154,10 @@ template <class T>
 bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
   constexpr int sweeps = 4;
   const auto bounces = [](const Contact& contact) { return contact.bounce > 0 && contact.push > 0; };
-  bool any = false;
+  bool any = ends_.any_bounces();
   for_contacts([&](const Batch&, const Contact& contact) { any = any || bounces(contact); });
-  for (int i = 0; any && i < sweeps; ++i)
+  for (int i = 0; any && i < sweeps; ++i) {
+    ends_.bounce(crowd);
     for_contacts([&](const Batch& batch, Contact& contact) {
       if (!bounces(contact)) return;
       const std::span<const Term> terms = batch.terms_of(contact.terms);
@@ -163,6 +166,7 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
       crowd.push_velocity(terms, (kick - contact.kick) * contact.normal);
       contact.kick = kick;
     });
+  }
   return any;
 }
 

@@ -43,6 +43,7 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
     if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
     advance(cluster, surroundings, {start + i * h, h, dt - i * h}, most_struck_cuts, report);
   }
+  contacts_.keep(cluster, crowd_);
   scatter(cluster);
 }
 
@@ -104,6 +105,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   const bool is_guarded = !surroundings.any_moves() && !is_driven(cluster);
   double most_energy = is_guarded ? crowd_.kinetic_of_moves(h) : 0;
   while (!contacts_.begin(cluster, crowd_, surroundings, ground_, h, team_)) {
+    contacts_.keep(cluster, crowd_);
     scatter(cluster);
     gather(cluster, surroundings, span.left);
     crowd_.predict(h, Gradient::new_);

@@ -25,7 +25,7 @@ class RelaxedStepper final : public ClusterMover {
       : kernels_(&simd::kernels<T>(isa).access[static_cast<int>(layouts::Access::records)]),
         settings_(settings),
         rules_(rules),
-        contacts_(settings) {}
+        contacts_(settings, simd::kernels<T>(isa).ends) {}
 
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
             const ClusterRules& rules, double dt, Tally& report) override;

@@ -26,6 +26,8 @@ inline Vec3 moved_between(const MovingSegment& a, const MovingSegment& b, double
 struct PairSearch {
   double margin = 0;  ///< m, of contact
   double close = 0;   ///< m, what is nearer touches
+  /// What moves by more than the margin and this share of its radii is fast.
+  static constexpr double passes = 0.5;
 
   /// Returns whether two shapes may pass each other, or some of their radii (m), that move by `moves` (m)
   /// against each other.
@@ -66,9 +68,6 @@ struct PairSearch {
     const double gap = a.at.radius - first->time * along - radii;
     return Touch{std::max(gap, 0.0), first->normal, first->a, first->b};
   }
-
- private:
-  static constexpr double passes = 0.5;
 };
 
 }  // namespace plumb::detail

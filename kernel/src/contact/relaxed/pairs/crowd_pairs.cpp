@@ -1,42 +1,14 @@
-#include "contact/relaxed/crowd_pairs.hpp"
+#include "contact/relaxed/pairs/crowd_pairs.hpp"
 
 #include <algorithm>
 #include <iterator>
 
 #include "contact/linkage/linkage_bounds.hpp"
+#include "contact/relaxed/pairs/ways.hpp"
 #include "scene/barycentric.hpp"
 
 namespace plumb::detail {
 namespace {
-
-/// A place may go this much farther in a step than it would at its velocity, because something pushes it.
-constexpr double further = 1.25;
-
-Bounds passed_through(Vec3 from, Vec3 by, double radius) {
-  Bounds out = nowhere;
-  include(out, from, radius);
-  include(out, from + further * by, radius);
-  return out;
-}
-
-void include(Bounds& bounds, const Bounds& other) {
-  include(bounds, other.low, 0);
-  include(bounds, other.high, 0);
-}
-
-/// Returns how far (m) something falls in dt (s).
-double fall_in(const Linkage& linkage, double dt) {
-  return 0.5 * dt * dt * norm(linkage.gravity());
-}
-
-Bounds moved_by(const Bounds& bounds, Vec3 by) {
-  return {bounds.low + by, bounds.high + by};
-}
-
-/// Orders pairs by their first, then by their second number.
-constexpr auto is_before = [](const auto& a, const auto& b) {
-  return a.one != b.one ? a.one < b.one : a.other < b.other;
-};
 
 /// Sorts pairs and leaves each of them once.
 template <class Pair>
@@ -50,53 +22,151 @@ void sort(std::vector<Pair>& pairs) {
 
 template <class T>
 void CrowdPairs<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                         const Surroundings& surroundings, const GroundNow& ground, double dt,
-                         double margin) {
-  margin_ = margin;
+                         const Surroundings& surroundings, const GroundNow& ground, double dt) {
   left_ = dt;
-  find_shapes(cluster, crowd, surroundings, dt, margin);
-  find_hulls(cluster, crowd, surroundings, dt, margin);
+  list_shapes(cluster, crowd);
+  follows_lines_ = has_pairs_ || !are_kept_out_by_ends(crowd, surroundings, ground);
+  find_shapes(cluster, crowd, surroundings, dt);
+  find_hulls(cluster, crowd, surroundings, dt);
   find_pairs(cluster);
   find_on_moving(crowd, ground, dt);
   find_on_ground(crowd, surroundings);
+  plain_ends_.clear();
+  more_plain_ends_.clear();
+  find_plain_ends(crowd, surroundings, ground, plain_ends_);
+}
+
+/// Lists the shapes of a crowd, unless they are those of the last time.
+template <class T>
+void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd) {
+  if (layout_ == crowd.layout() && std::equal(cluster.begin(), cluster.end(), listed_.begin(), listed_.end()))
+    return;
+  layout_ = crowd.layout();
+  listed_.assign(cluster.begin(), cluster.end());
+  ends_.clear();
+  bodies_.clear();
+  balls_.clear();
+  are_lines_plain_ = true;
+  has_pairs_ = cluster.size() > 1 || cluster.front()->linkage->neighbors().any_may_touch();
+  least_radius_ = INFINITY;
+  most_weight_ = 1;
+  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
+    const Linkage& linkage = *cluster[i]->linkage;
+    const auto first_body = static_cast<std::uint32_t>(bodies_.size());
+    const auto add_terms = [&](const Combination& sum) {
+      const auto first = static_cast<std::uint32_t>(ends_.size());
+      crowd.add_terms(linkage, i, sum, 1, ends_);
+      double weight = 0;
+      for (std::uint32_t k = 0; k < sum.count; ++k) weight += std::abs(sum.terms[k].weight);
+      most_weight_ = std::max(most_weight_, weight);
+      return TermRange{first, static_cast<std::uint32_t>(ends_.size())};
+    };
+    const auto record_of = [&](const Combination& sum) {
+      const bool is_particle = sum.count == 1 && sum.terms[0].weight == 1;
+      return is_particle ? crowd.number_of(i, sum.terms[0].particle) : none;
+    };
+    for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
+      const Linkage::Shape& shape = linkage.shapes()[k];
+      const TermRange a = add_terms(shape.a), b = add_terms(shape.b);
+      bodies_.push_back({i, k, &shape, a, b, {record_of(shape.a), record_of(shape.b)}, shape.radius});
+      are_lines_plain_ = are_lines_plain_ && bodies_.back().is_plain();
+      least_radius_ = std::min(least_radius_, shape.radius);
+    }
+    if (!crowd.is_moving(i)) continue;
+    for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
+      const Linkage::Ball& ball = linkage.balls()[k];
+      const std::uint32_t body = ball.shape < linkage.shapes().size() ? first_body + ball.shape : none;
+      const bool is_plain = body != none && record_of(ball.center) != none &&
+                            crowd.inverse_mass(i, ball.center.terms[0].particle) > 0 &&
+                            linkage.shape_of(ball.shape).turning != Linkage::Shape::Turning::body;
+      balls_.push_back({i, k, &ball, add_terms(ball.center), body, is_plain});
+    }
+  }
+}
+
+/// Finds where the particles of a crowd may go, and `more` (m) around that.
+template <class T>
+void CrowdPairs<T>::bound_particles(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double dt,
+                                    double more) {
+  low_.resize(crowd.padding());
+  high_.resize(crowd.padding());
+  std::uint32_t at = 0;
+  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
+    const Linkage& linkage = *cluster[i]->linkage;
+    const bool moves = crowd.is_moving(i);
+    const double fall = moves ? fall_in(linkage, dt) + margin_ + more : 0;
+    for (std::uint32_t k = 0; k < linkage.particles(); ++k) {
+      at = crowd.number_of(i, k);
+      const Bounds way = passed_through(crowd.position(at), dt * crowd.velocity(at), fall);
+      const double low[3] = {way.low.x, way.low.y, way.low.z}, high[3] = {way.high.x, way.high.y, way.high.z};
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        low_[at + c] = static_cast<T>(low[c]);
+        high_[at + c] = static_cast<T>(high[c]);
+      }
+    }
+  }
+}
+
+template <class T>
+Bounds CrowdPairs<T>::particle_bounds(std::uint32_t at) const {
+  return {{low_[at], low_[at + 1], low_[at + 2]}, {high_[at], high_[at + 1], high_[at + 2]}};
+}
+
+template <class T>
+void CrowdPairs<T>::include_particle(std::uint32_t at, const Bounds& bounds) {
+  const double low[3] = {bounds.low.x, bounds.low.y, bounds.low.z},
+               high[3] = {bounds.high.x, bounds.high.y, bounds.high.z};
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    low_[at + c] = std::min(low_[at + c], static_cast<T>(low[c]));
+    high_[at + c] = std::max(high_[at + c], static_cast<T>(high[c]));
+  }
+}
+
+/// Returns whether displacements take all particles to where they were looked for. Then no line leaves its
+/// bounds.
+template <class T>
+bool CrowdPairs<T>::are_in_bounds(const Crowd<T>& crowd) const {
+  const T *const x = crowd.positions(), *const p = crowd.displacements();
+  int out = 0;
+  for (std::size_t i = 0; i < low_.size(); ++i) {
+    const T at = x[i] + p[i];
+    out += static_cast<int>(at < low_[i]) + static_cast<int>(at > high_[i]);
+  }
+  return out == 0;
 }
 
 template <class T>
 void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                                const Surroundings& surroundings, double dt, double margin) {
-  ends_.clear();
-  bodies_.clear();
-  balls_.clear();
+                                const Surroundings& surroundings, double dt) {
   bounds_.clear();
   ball_bounds_.clear();
   // A blow may make any of them as fast as the fastest. To look at planes costs little.
   fastest_ = 0;
   for (std::uint32_t i = 0; i < cluster.size(); ++i)
     if (crowd.is_moving(i)) fastest_ = std::max(fastest_, top_speed(*cluster[i]));
-  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
-    const Linkage& linkage = *cluster[i]->linkage;
-    const auto first_body = static_cast<std::uint32_t>(bodies_.size());
-    const double fall = fall_in(linkage, dt) + margin;
-    const auto add_terms = [&](const Combination& sum) {
-      const auto first = static_cast<std::uint32_t>(ends_.size());
-      crowd.add_terms(linkage, i, sum, 1, ends_);
-      return TermRange{first, static_cast<std::uint32_t>(ends_.size())};
-    };
-    for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
-      const Linkage::Shape& shape = linkage.shapes()[k];
-      const TermRange a = add_terms(shape.a), b = add_terms(shape.b);
-      bodies_.push_back({i, k, &shape, a, b});
-      bounds_.push_back(reach_of(crowd, surroundings, bodies_.back(), dt, crowd.is_moving(i) ? fall : 0));
+  bound_particles(cluster, crowd, dt, follows_lines_ ? 0 : dt * fastest_);
+  if (!follows_lines_) {
+    for (const Ball& each : balls_)
+      ball_bounds_.push_back(grown(particle_bounds(record_of(each)), each.ball->radius));
+    return;
+  }
+  for (const Body& body : bodies_) {
+    const bool moves = crowd.is_moving(body.island);
+    if (!body.is_plain()) {
+      const double fall = moves ? fall_in(*cluster[body.island]->linkage, dt) + margin_ : 0;
+      bounds_.push_back(reach_of(crowd, surroundings, body, dt, fall));
+      continue;
     }
-    if (!crowd.is_moving(i)) continue;
-    for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
-      const Linkage::Ball& ball = linkage.balls()[k];
-      const std::uint32_t body = ball.shape < linkage.shapes().size() ? first_body + ball.shape : none;
-      balls_.push_back({i, k, &ball, add_terms(ball.center), body});
-      const double radius = ball.radius + dt * fastest_ + fall;
-      ball_bounds_.push_back(
-          carried(crowd, surroundings, i, reach_of(crowd, balls_.back().center, radius, dt), ball.filter));
-    }
+    Bounds around = particle_bounds(body.at[0]);
+    include(around, particle_bounds(body.at[1]));
+    bounds_.push_back(
+        carried(crowd, surroundings, body.island, grown(around, body.shape->radius), body.shape->filter));
+  }
+  for (const Ball& each : balls_) {
+    const Linkage::Ball& ball = *each.ball;
+    const double fall = fall_in(*cluster[each.island]->linkage, dt) + margin_;
+    const Bounds around = reach_of(crowd, each.center, ball.radius + dt * fastest_ + fall, dt);
+    ball_bounds_.push_back(carried(crowd, surroundings, each.island, around, ball.filter));
   }
 }
 
@@ -119,6 +189,11 @@ Bounds CrowdPairs<T>::reach_of(const Crowd<T>& crowd, const Surroundings& surrou
 template <class T>
 bool CrowdPairs<T>::is_outrun(const Crowd<T>& crowd, std::uint32_t body) const {
   const Body& each = bodies_[body];
+  if (each.is_plain())
+    return std::any_of(each.at.begin(), each.at.end(), [&](std::uint32_t at) {
+      const Vec3 there = crowd.position(at) + crowd.moved(at);
+      return !particle_bounds(at).contains({there, there});
+    });
   const Bounds& bounds = bounds_[body];
   const auto leaves = [&](TermRange end) {
     const auto terms = terms_of(end);
@@ -134,6 +209,7 @@ template <class T>
 void CrowdPairs<T>::find_outrun(const Crowd<T>& crowd, Team* team) {
   const auto count = static_cast<std::uint32_t>(bodies_.size());
   outrun_.clear();
+  if (are_lines_plain_ && are_in_bounds(crowd)) return;
   if (team == nullptr) {
     for (std::uint32_t i = 0; i < count; ++i)
       if (is_outrun(crowd, i)) outrun_.push_back(i);
@@ -154,10 +230,15 @@ void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T
                            const Surroundings& surroundings, const GroundNow& ground, double left,
                            Team* team) {
   left_ = left;
+  more_plain_ends_.clear();
+  if (!follows_lines_) return follow_ends(cluster, crowd, surroundings, ground);
   find_outrun(crowd, team);
   for (const std::uint32_t i : outrun_) {
     const double fall = fall_in(*cluster[bodies_[i].island]->linkage, left) + margin_;
     widen(i, reach_of(crowd, surroundings, bodies_[i], left, fall));
+    for (const std::uint32_t at : bodies_[i].at)
+      if (at != none)
+        include_particle(at, passed_through(crowd.position(at), left * crowd.velocity(at), fall));
   }
   find_more(cluster, crowd, surroundings, ground);
 }
@@ -166,6 +247,7 @@ template <class T>
 void CrowdPairs<T>::follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                            const Surroundings& surroundings, const GroundNow& ground,
                            std::span<const Bounds> ways) {
+  more_plain_ends_.clear();
   // What passes ground in the substep is found without pairs.
   if (!has_pairs_) return;
   outrun_.clear();
@@ -199,9 +281,9 @@ void CrowdPairs<T>::find_more(std::span<LinkageState* const> cluster, const Crow
   more_of_hulls_.clear();
   for (const std::uint32_t i : outrun_)
     if (i < lines)
-      find_on_ground(crowd, surroundings, i, bounds_[i], filter_of(i), more_);
+      find_line_on_ground(crowd, surroundings, i, more_);
     else
-      find_on_ground(crowd, surroundings, i - lines, bounds_[i], filter_of(i), more_of_hulls_);
+      find_hull_on_ground(crowd, surroundings, i, more_of_hulls_);
   merge(on_ground_, more_);
   merge(hulls_on_ground_, more_of_hulls_);
   more_.clear();
@@ -209,10 +291,11 @@ void CrowdPairs<T>::find_more(std::span<LinkageState* const> cluster, const Crow
     const Ball& each = balls_[i];
     if (each.body == none || !std::binary_search(outrun_.begin(), outrun_.end(), each.body)) continue;
     include(ball_bounds_[i], bounds_[each.body]);
-    find_on_ground(crowd, surroundings, i, bounds_[each.body], each.ball->filter, more_);
+    find_end_on_ground(crowd, surroundings, i, more_);
   }
   merge(ends_on_ground_, more_);
   find_on_moving(crowd, ground, left_);
+  find_more_plain_ends(crowd, surroundings, ground);
 }
 
 /// Returns the box `bounds` of an island's shape and what it reaches when ground carries it.
@@ -226,11 +309,11 @@ Bounds CrowdPairs<T>::carried(const Crowd<T>& crowd, const Surroundings& surroun
 
 template <class T>
 void CrowdPairs<T>::find_hulls(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                               const Surroundings& surroundings, double dt, double margin) {
+                               const Surroundings& surroundings, double dt) {
   hulls_.clear();
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
-    const double fall = crowd.is_moving(i) ? fall_in(linkage, dt) + margin : 0;
+    const double fall = crowd.is_moving(i) ? fall_in(linkage, dt) + margin_ : 0;
     for (const Linkage::HullShape& shape : linkage.hulls()) {
       Hull& hull = hulls_.emplace_back(Hull{i, &shape, {}});
       Linkage::HullShape::Vectors particles, velocities;
@@ -268,10 +351,7 @@ void CrowdPairs<T>::find_pairs(std::span<LinkageState* const> cluster) {
   pairs_.clear();
   hull_pairs_.clear();
   const auto lines = static_cast<std::uint32_t>(bodies_.size());
-  has_pairs_ = false;
-  for (std::uint32_t i = 0; i < bounds_.size() && !has_pairs_; ++i)
-    has_pairs_ = island_of(i) != island_of(0) || cluster[island_of(i)]->linkage->neighbors().any_may_touch();
-  if (!has_pairs_) return;
+  if (!has_pairs_ || bounds_.empty()) return;
   double sum = 0;
   for (const Bounds& each : bounds_)
     sum += std::max({each.high.x - each.low.x, each.high.y - each.low.y, each.high.z - each.low.z});
@@ -306,77 +386,6 @@ void CrowdPairs<T>::merge(std::vector<Pair>& into, std::vector<Pair>& more) {
   merged_.clear();
   std::set_union(into.begin(), into.end(), more.begin(), more.end(), std::back_inserter(merged_), is_before);
   into.swap(merged_);
-}
-
-/// Finds who may touch planes, and ground that may move.
-template <class T>
-void CrowdPairs<T>::find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt) {
-  on_planes_.clear();
-  on_boxes_.clear();
-  on_segments_.clear();
-  /// Returns a box that holds all that ground of this rate meets, though it stays where it is.
-  const auto met = [&](const Bounds& bounds, const GroundRate* rate) {
-    return rate == nullptr ? bounds : grown(bounds, dt * fastest(rate, bounds, dt));
-  };
-  for (std::uint32_t i = 0; i < balls_.size(); ++i) {
-    const Bounds at = moved_by(ball_bounds_[i], crowd.origin());
-    for (std::uint32_t p = 0; p < ground.planes().size(); ++p) {
-      const Plane& plane = ground.planes()[p];
-      if (height(met(at, ground.rate_of_plane(p)), plane) <= 0 &&
-          plumb::may_touch(balls_[i].ball->filter, plane.filter))
-        on_planes_.push_back({i, p});
-    }
-  }
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-    if (!crowd.is_moving(bodies_[i].island)) continue;
-    const Bounds at = moved_by(bounds_[i], crowd.origin());
-    const Filter& filter = bodies_[i].shape->filter;
-    for (std::uint32_t b = 0; b < ground.boxes().size(); ++b) {
-      const Surroundings::Solid& box = ground.boxes()[b];
-      if (box.motion.platform && box.bounds.overlaps(met(at, ground.rate_of_box(b))) &&
-          plumb::may_touch(filter, box.filter))
-        on_boxes_.push_back({i, b});
-    }
-    for (std::uint32_t s = 0; s < ground.segments().size(); ++s) {
-      const Segment& middle = ground.segments()[s];
-      if (grown(met(at, ground.rate_of_segment(s)), middle.radius).overlaps(box_around(middle.p, middle.q)) &&
-          plumb::may_touch(filter, ground.shapes()[s].filter))
-        on_segments_.push_back({i, s});
-    }
-  }
-}
-
-/// Finds who may touch all other ground.
-template <class T>
-void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings) {
-  on_ground_.clear();
-  ends_on_ground_.clear();
-  hulls_on_ground_.clear();
-  for (std::uint32_t i = 0; i < balls_.size(); ++i)
-    if (const Ball& each = balls_[i]; each.body != none)
-      find_on_ground(crowd, surroundings, i, bounds_[each.body], each.ball->filter, ends_on_ground_);
-  const auto lines = static_cast<std::uint32_t>(bodies_.size());
-  for (std::uint32_t i = 0; i < bounds_.size(); ++i) {
-    if (!crowd.is_moving(island_of(i))) continue;
-    if (i < lines)
-      find_on_ground(crowd, surroundings, i, bounds_[i], filter_of(i), on_ground_);
-    else
-      find_on_ground(crowd, surroundings, i - lines, bounds_[i], filter_of(i), hulls_on_ground_);
-  }
-}
-
-/// Adds what of such ground reaches into a box, from the crowd's origin, as what `number` may touch.
-template <class T>
-void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings,
-                                   std::uint32_t number, const Bounds& around, const Filter& filter,
-                                   std::vector<Pair>& to) {
-  if (surroundings.tree.is_empty()) return;
-  const Bounds at = moved_by(around, crowd.origin());
-  surroundings.find(at, near_);
-  for (const std::uint32_t shape : near_)
-    if (surroundings.shapes[shape].reaches_into(at) &&
-        plumb::may_touch(filter, surroundings.filter_of(shape)))
-      to.push_back({number, shape});
 }
 
 template class CrowdPairs<float>;

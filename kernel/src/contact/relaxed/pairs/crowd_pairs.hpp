@@ -19,6 +19,7 @@ namespace plumb::detail {
 template <class T>
 class CrowdPairs {
  public:
+  static constexpr std::uint32_t none = 0xffffffff;
   using Term = typename Crowd<T>::Term;
   struct TermRange {
     std::uint32_t first = 0, end = 0;
@@ -29,12 +30,16 @@ class CrowdPairs {
     std::uint32_t island, number;
     const Linkage::Shape* shape;
     TermRange a, b;
+    std::array<std::uint32_t, 2> at;  ///< records of its ends, if each is a particle; else none
+    double radius;                    ///< m
+    bool is_plain() const { return at[0] != none && at[1] != none; }
   };
   struct Ball {
     std::uint32_t island, number;
     const Linkage::Ball* ball;
     TermRange center;
     std::uint32_t body;  ///< whose end it is; none of hulls
+    bool is_plain;       ///< see CrowdEnds
   };
   /// This is a hull of an island, with the numbers at which records of its particles start.
   struct Hull {
@@ -42,15 +47,16 @@ class CrowdPairs {
     const Linkage::HullShape* shape;
     std::array<std::uint32_t, 4> at;
   };
-  static constexpr std::uint32_t none = 0xffffffff;
   struct Pair {
     std::uint32_t one, other;
   };
 
-  /// Finds what may touch within dt (s), with ground where it is as that time begins. What is nearer than
-  /// `margin` (m) may touch.
+  /// What is nearer than the margin may touch, and lines may lie deeper than their ends by the slop.
+  explicit CrowdPairs(const ContactSettings& settings) : margin_(settings.margin), slop_(settings.slop) {}
+
+  /// Finds what may touch within dt (s), with ground where it is as that time begins.
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
-            const GroundNow& ground, double dt, double margin);
+            const GroundNow& ground, double dt);
   /// Finds, for the time `left` (s) of the step, what lines may touch that go with their displacement of a
   /// substep where they were not looked for. Blows within the step have thrown them there.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
@@ -59,7 +65,9 @@ class CrowdPairs {
   /// then hulls pass through in it, from the crowd's origin. Empty ones do not count.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
               const GroundNow& ground, std::span<const Bounds> ways);
-  bool are_empty() const {
+  bool are_empty() const { return are_all_plain() && plain_ends_.empty(); }
+  /// Returns whether nothing may touch but plain ends.
+  bool are_all_plain() const {
     return pairs_.empty() && hull_pairs_.empty() && on_planes_.empty() && on_boxes_.empty() &&
            on_segments_.empty() && on_ground_.empty() && ends_on_ground_.empty() && hulls_on_ground_.empty();
   }
@@ -91,21 +99,41 @@ class CrowdPairs {
   std::span<const Pair> on_ground() const { return on_ground_; }
   std::span<const Pair> ends_on_ground() const { return ends_on_ground_; }
   std::span<const Pair> hulls_on_ground() const { return hulls_on_ground_; }
+  /// Returns whether a body's ends alone keep it out of ground, unless it is fast. Such a pair is not listed.
+  bool is_kept_out_by_ends(const Crowd<T>& crowd, const Body& body, const GroundShape& ground) const;
+  /// These name plain balls and plain ground: a plane by its number, others by theirs after all planes. They
+  /// are sorted by ground. Those that the last follow() has added are listed on their own, too.
+  std::span<const Pair> plain_ends() const { return plain_ends_; }
+  std::span<const Pair> more_plain_ends() const { return more_plain_ends_; }
+  /// Returns whether some shapes may touch each other.
+  bool may_meet() const { return has_pairs_; }
+  /// Returns a displacement (m) of particles up to which no line moves more than its radius times `share` and
+  /// `margin` (m).
+  double least_fast(double margin, double share) const {
+    return (margin + share * least_radius_) / most_weight_;
+  }
   std::span<const Term> terms_of(TermRange range) const {
     return std::span(ends_).subspan(range.first, range.end - range.first);
   }
 
  private:
   void find_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                   const Surroundings& surroundings, double dt, double margin);
+                   const Surroundings& surroundings, double dt);
   void find_hulls(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
-                  const Surroundings& surroundings, double dt, double margin);
+                  const Surroundings& surroundings, double dt);
   Bounds carried(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t island,
                  const Bounds& bounds, const Filter& filter) const;
   const Filter& filter_of(std::uint32_t number) const {
     return number < bodies_.size() ? bodies_[number].shape->filter
                                    : hulls_[number - bodies_.size()].shape->filter;
   }
+  void list_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd);
+  void bound_particles(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double dt, double more);
+  /// Returns the record of a ball that is plain.
+  std::uint32_t record_of(const Ball& ball) const { return ends_[ball.center.first].at; }
+  Bounds particle_bounds(std::uint32_t at) const;
+  void include_particle(std::uint32_t at, const Bounds& bounds);
+  bool are_in_bounds(const Crowd<T>& crowd) const;
   bool is_outrun(const Crowd<T>& crowd, std::uint32_t body) const;
   void find_outrun(const Crowd<T>& crowd, Team* team);
   Bounds reach_of(const Crowd<T>& crowd, TermRange place, double radius, double dt) const;
@@ -118,9 +146,23 @@ class CrowdPairs {
                  const Surroundings& surroundings, const GroundNow& ground);
   void find_more_pairs(std::span<LinkageState* const> cluster);
   void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
+  bool are_kept_out_by_ends(const Crowd<T>& crowd, const Surroundings& surroundings,
+                            const GroundNow& ground) const;
+  void find_more_plain_ends(const Crowd<T>& crowd, const Surroundings& surroundings, const GroundNow& ground);
+  void follow_ends(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
+                   const Surroundings& surroundings, const GroundNow& ground);
+  void find_plain_ends(const Crowd<T>& crowd, const Surroundings& surroundings, const GroundNow& ground,
+                       std::vector<Pair>& to) const;
   void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings);
-  void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t number,
-                      const Bounds& around, const Filter& filter, std::vector<Pair>& to);
+  void find_line_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t body,
+                           std::vector<Pair>& to);
+  void find_end_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t ball,
+                          std::vector<Pair>& to);
+  void find_hull_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, std::uint32_t number,
+                           std::vector<Pair>& to);
+  template <class Add>
+  void find_on_ground(const Crowd<T>& crowd, const Surroundings& surroundings, const Bounds& around,
+                      const Filter& filter, Add&& add);
   void merge(std::vector<Pair>& into, std::vector<Pair>& more);
 
   std::vector<Term> ends_;
@@ -131,10 +173,18 @@ class CrowdPairs {
   std::vector<Bounds> bounds_, ball_bounds_;
   std::vector<Pair> pairs_, hull_pairs_, on_planes_, on_boxes_, on_segments_;
   std::vector<Pair> on_ground_, ends_on_ground_, hulls_on_ground_;
+  std::vector<Pair> plain_ends_, more_plain_ends_;
+  std::vector<const LinkageState*> listed_;  ///< the islands that shapes were listed for
+  std::uint32_t layout_ = none;              ///< of the crowd, then
+  bool are_lines_plain_ = false;             ///< all bodies are
+  bool follows_lines_ = true;                ///< some may touch otherwise than by their ends
+  std::vector<T> low_, high_;                ///< m, by numbers of records: where particles may go
+  double least_radius_ = 0, most_weight_ = 1;
   std::vector<std::uint32_t> near_;
   SpatialHash hash_;                     ///< of bounds_
   bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
-  double margin_ = 0;                    ///< m, nearer than which shapes may touch
+  double margin_;                        ///< m, nearer than which shapes may touch
+  double slop_;                          ///< m
   double fastest_ = 0;                   ///< m/s, of all that moves
   double left_ = 0;                      ///< s, the time of the step that is looked ahead
   std::vector<std::uint32_t> outrun_;    ///< what has left its bounds, ascending

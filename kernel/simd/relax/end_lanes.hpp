@@ -1,0 +1,184 @@
+// Visits of ends that ground may hold, in vectors of lanes. end_scalar.hpp says what is computed and why; the
+// operations and their order are the same here. relax_lanes.hpp includes it, and it has internal linkage as
+// that has.
+
+#pragma once
+
+#include "simd/relax/least_distance.hpp"
+#include "simd/relax/visit_lanes.hpp"
+
+namespace plumb::simd {
+namespace {
+
+/// Ends of one machine vector.
+template <class T>
+struct EndLanes {
+  T* fields;
+  const std::uint32_t* at;
+
+  PLUMB_INLINE EndLanes(const EndView<T>& view, Position here)
+      : fields(view.fields + here.v * end_fields::count * logical_width<T> + here.first),
+        at(view.at + here.v * logical_width<T> + here.first) {}
+
+  PLUMB_INLINE Batch<T> load(std::uint32_t field) const {
+    return Batch<T>::load_aligned(fields + field * logical_width<T>);
+  }
+  PLUMB_INLINE Triple<T> load3(std::uint32_t field) const {
+    return {load(field), load(field + 1), load(field + 2)};
+  }
+  PLUMB_INLINE void store(const Batch<T>& value, std::uint32_t field) const {
+    value.store_aligned(fields + field * logical_width<T>);
+  }
+  PLUMB_INLINE void store3(const Triple<T>& value, std::uint32_t field) const {
+    store(value.x, field);
+    store(value.y, field + 1);
+    store(value.z, field + 2);
+  }
+};
+
+template <class T>
+PLUMB_INLINE Triple<T> triple(const T* three) {
+  return {Batch<T>(three[0]), Batch<T>(three[1]), Batch<T>(three[2])};
+}
+
+/// Visits the ends of a machine vector. Returns what pushes change, in kg m.
+template <class T>
+PLUMB_INLINE Triple<T> visit_ends(const EndView<T>& view, const EndLanes<T>& ends) {
+  namespace f = end_fields;
+  const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at), n = ends.load3(f::normal);
+  const Batch<T> over = ends.load(f::over), along = dot(n, p), before = ends.load(f::push);
+  const Batch<T> push = xsimd::max(before - over * (ends.load(f::gap) + along), Batch<T>(T(0)));
+  const Triple<T> across_before = ends.load3(f::across);
+  Triple<T> across = across_before - over * (p - along * n);
+  across = across - dot(across, n) * n;
+  const Batch<T> bound = ends.load(f::friction) * push, square = dot(across, across);
+  // What lies takes no root.
+  if (const auto slides = square > bound * bound; xsimd::any(slides))
+    across = xsimd::select(slides, bound / xsimd::sqrt(square), Batch<T>(T(1))) * across;
+  const Triple<T> by = (push - before) * n + (across - across_before);
+  ends.store(push, f::push);
+  ends.store3(across, f::across);
+  RecordAccess::store(p + ends.load(f::moves) * by, view.p, ends.at);
+  return by;
+}
+
+template <class T>
+void sweep_ends(const EndView<T>& shared, const std::uint32_t* vectors, std::uint32_t count) {
+  const EndView<T> view = shared;  // stores through its pointers cannot change a copy
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < parts<T>; ++k)
+      visit_ends(view, EndLanes<T>(view, position<T>(vectors[i], k)));
+}
+
+template <class T>
+T measure_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
+  Batch<T> largest(T(0));
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < parts<T>; ++k) {
+      const EndLanes<T> ends(view, position<T>(vectors[i], k));
+      const Triple<T> by = visit_ends(view, ends);
+      largest = xsimd::max(ends.load(end_fields::moves) * xsimd::sqrt(dot(by, by)), largest);
+    }
+  return largest_lane(largest);
+}
+
+template <class T>
+void start_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
+  namespace f = end_fields;
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < parts<T>; ++k) {
+      const EndLanes<T> ends(view, position<T>(vectors[i], k));
+      const Triple<T> by = ends.load(f::push) * ends.load3(f::normal) + ends.load3(f::across);
+      const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at);
+      RecordAccess::store(p + ends.load(f::moves) * by, view.p, ends.at);
+    }
+}
+
+/// Finds the gaps between ends and ground, and the normals there. Returns the gaps.
+template <class T>
+PLUMB_INLINE Batch<T> gap_of_ends(const EndGround<T>& ground, const Triple<T>& x, const Batch<T>& radius,
+                                  Triple<T>& normal) {
+  const Triple<T> place = triple(ground.place);
+  const Batch<T> far(ground.far);
+  if (ground.is_plane) {
+    normal = place;
+    return (dot(place, x) - far) - radius;
+  }
+  const Triple<T> along = triple(ground.along);
+  const Batch<T> t = xsimd::min(xsimd::max(Batch<T>(ground.inverse) * dot(x - place, along), Batch<T>(T(0))),
+                                Batch<T>(T(1)));
+  const Triple<T> apart = x - (place + t * along);
+  const Batch<T> distance = xsimd::sqrt(dot(apart, apart));
+  normal = (Batch<T>(T(1)) / xsimd::max(distance, Batch<T>(least_distance<T>))) * apart;
+  return (distance - far) - radius;
+}
+
+template <class T>
+PLUMB_INLINE bool find_vector_of_ends(const EndView<T>& view, const EndLanes<T>& ends,
+                                      const EndGround<T>& ground, const EndRules<T>& rules) {
+  namespace f = end_fields;
+  const Batch<T> zero(T(0)), margin(rules.margin), radius = ends.load(f::radius), mass = ends.load(f::mass);
+  Triple<T> n;
+  const Batch<T> gap = gap_of_ends(ground, RecordAccess::load(view.x, ends.at), radius, n);
+  const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at);
+  const Batch<T> moves = xsimd::sqrt(dot(p, p)), least = margin + Batch<T>(rules.passes) * radius;
+  auto comes = (gap + dot(n, p) <= margin + Batch<T>(rules.spread) * moves) && (mass > zero);
+  if (!ground.is_plane) comes = comes && ((moves <= least) || (gap <= least));
+  const Triple<T> force = ends.load3(f::force);
+  const Batch<T> along = dot(force, n), square(rules.square);
+  const Batch<T> held = xsimd::select(comes && (along > zero), square, zero);
+  const Batch<T> back = xsimd::min(Batch<T>(rules.share) * (gap + Batch<T>(rules.slop)), zero);
+  ends.store3(n, f::normal);
+  ends.store(xsimd::select(gap >= zero, gap, back), f::gap);
+  ends.store(held * along, f::push);
+  ends.store3(held * (force - along * n), f::across);
+  ends.store(xsimd::select(comes, mass, zero), f::over);
+  return xsimd::any(comes);
+}
+
+template <class T>
+void find_ends(const EndView<T>& view, Range range, const EndGround<T>& ground, const EndRules<T>& rules,
+               std::uint8_t* touched) {
+  for (std::uint32_t v = range.begin; v < range.end; ++v) {
+    bool any = false;
+    for (std::size_t k = 0; k < parts<T>; ++k)
+      any |= find_vector_of_ends(view, EndLanes<T>(view, position<T>(v, k)), ground, rules);
+    touched[v] = any ? 1 : 0;
+  }
+}
+
+template <class T>
+bool watch_ends(const EndView<T>& view, Range range, T most, std::uint8_t* touched) {
+  namespace f = end_fields;
+  bool any = false;
+  for (std::uint32_t v = range.begin; v < range.end; ++v)
+    for (std::size_t k = 0; k < parts<T>; ++k) {
+      const EndLanes<T> ends(view, position<T>(v, k));
+      const Batch<T> zero(T(0)), over = ends.load(f::over), mass = ends.load(f::mass);
+      const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at);
+      const auto goes = (ends.load(f::gap) + dot(ends.load3(f::normal), p) < Batch<T>(-most)) &&
+                        (over == zero) && (mass > zero);
+      if (!xsimd::any(goes)) continue;
+      ends.store(xsimd::select(goes, mass, over), f::over);
+      touched[v] = 1;
+      any = true;
+    }
+  return any;
+}
+
+template <class T>
+void keep_ends(const EndView<T>& view, Range range, T over) {
+  namespace f = end_fields;
+  for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
+    const EndLanes<T> ends(view, position<T>(range.begin, i));
+    ends.store3(Batch<T>(over) * (ends.load(f::push) * ends.load3(f::normal) + ends.load3(f::across)),
+                f::force);
+  }
+}
+
+template <class T>
+constexpr EndKernels<T> end_kernels = {find_ends<T>,  watch_ends<T>,   start_ends<T>,
+                                       sweep_ends<T>, measure_ends<T>, keep_ends<T>};
+
+}  // namespace
+}  // namespace plumb::simd

@@ -1,0 +1,191 @@
+// Visits of ends that ground may hold, one at a time, written for reading: the oracle of end_lanes.hpp.
+// Everything has internal linkage.
+
+#pragma once
+
+#include <cmath>
+
+#include "simd/relax/least_distance.hpp"
+#include "simd/relax/scalar_access.hpp"
+
+namespace plumb::simd {
+namespace {
+
+/// One end, and its fields.
+template <class T>
+struct OneEnd {
+  T* fields;
+  std::uint32_t at;
+
+  OneEnd(const EndView<T>& view, std::uint32_t v, std::uint32_t lane)
+      : fields(view.fields + std::size_t{v} * end_fields::count * logical_width<T> + lane),
+        at(view.at[std::size_t{v} * logical_width<T> + lane]) {}
+
+  T& operator()(std::uint32_t field) const { return fields[std::size_t{field} * logical_width<T>]; }
+  Triple<T> load3(std::uint32_t field) const {
+    return {(*this)(field), (*this)(field + 1), (*this)(field + 2)};
+  }
+  void store3(const Triple<T>& value, std::uint32_t field) const {
+    (*this)(field) = value.x;
+    (*this)(field + 1) = value.y;
+    (*this)(field + 2) = value.z;
+  }
+};
+
+template <class T>
+void add_to_record(T* p, const Triple<T>& old, T moves, const Triple<T>& by) {
+  p[0] = old.x + moves * by.x;
+  p[1] = old.y + moves * by.y;
+  p[2] = old.z + moves * by.z;
+}
+
+/// Visits an end. The push along the normal closes the gap that is left, but never pulls. The push across it
+/// takes back what slides, as long as it is no larger than friction times the other (Coulomb). An end is a
+/// point of mass, so that a push moves it alike in all directions. Returns what both change, in kg m.
+template <class T>
+Triple<T> visit_end(const EndView<T>& view, const OneEnd<T>& end) {
+  namespace f = end_fields;
+  const Triple<T> p = load<T>(view.p, end.at, 1), n = end.load3(f::normal), before = end.load3(f::across);
+  const T along = dot(n, p), over = end(f::over), push_before = end(f::push);
+  const T left = push_before - over * (end(f::gap) + along);
+  const T push = left > 0 ? left : T(0);
+  Triple<T> across{before.x - over * (p.x - along * n.x), before.y - over * (p.y - along * n.y),
+                   before.z - over * (p.z - along * n.z)};
+  // What the normal has turned by since the push was kept would pull along it.
+  const T along_normal = dot(across, n);
+  across = {across.x - along_normal * n.x, across.y - along_normal * n.y, across.z - along_normal * n.z};
+  const T bound = end(f::friction) * push, square = dot(across, across);
+  const T share = square > bound * bound ? bound / std::sqrt(square) : T(1);
+  across = {share * across.x, share * across.y, share * across.z};
+  const T pushed = push - push_before;
+  const Triple<T> by{pushed * n.x + (across.x - before.x), pushed * n.y + (across.y - before.y),
+                     pushed * n.z + (across.z - before.z)};
+  end(f::push) = push;
+  end.store3(across, f::across);
+  add_to_record(view.p + end.at, p, end(f::moves), by);
+  return by;
+}
+
+template <class T>
+void sweep_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane)
+      visit_end(view, OneEnd<T>(view, vectors[i], lane));
+}
+
+template <class T>
+T measure_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
+  T largest = 0;
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
+      const OneEnd<T> end(view, vectors[i], lane);
+      const Triple<T> by = visit_end(view, end);
+      const T moved = end(end_fields::moves) * std::sqrt(dot(by, by));
+      largest = moved > largest ? moved : largest;
+    }
+  return largest;
+}
+
+template <class T>
+void start_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
+  namespace f = end_fields;
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
+      const OneEnd<T> end(view, vectors[i], lane);
+      const Triple<T> n = end.load3(f::normal), across = end.load3(f::across);
+      const T push = end(f::push);
+      add_to_record(view.p + end.at, load<T>(view.p, end.at, 1), end(f::moves),
+                    Triple<T>{push * n.x + across.x, push * n.y + across.y, push * n.z + across.z});
+    }
+}
+
+/// Finds the gap between an end and ground, and the normal there.
+template <class T>
+T gap_of_end(const EndGround<T>& ground, const Triple<T>& x, T radius, Triple<T>& normal) {
+  const Triple<T> place{ground.place[0], ground.place[1], ground.place[2]};
+  if (ground.is_plane) {
+    normal = place;
+    return (dot(place, x) - ground.far) - radius;
+  }
+  const Triple<T> along{ground.along[0], ground.along[1], ground.along[2]};
+  const T at = ground.inverse * dot(Triple<T>{x.x - place.x, x.y - place.y, x.z - place.z}, along);
+  const T above = at > 0 ? at : T(0), t = above < 1 ? above : T(1);
+  const Triple<T> apart{x.x - (place.x + t * along.x), x.y - (place.y + t * along.y),
+                        x.z - (place.z + t * along.z)};
+  const T distance = std::sqrt(dot(apart, apart));
+  const T over = T(1) / (distance > least_distance<T> ? distance : least_distance<T>);
+  normal = {over * apart.x, over * apart.y, over * apart.z};
+  return (distance - ground.far) - radius;
+}
+
+/// Finds whether an end touches. It does if it is about to come near where others do not push it. Of what
+/// held it in the last substep, nothing is left that pulls along the new normal.
+template <class T>
+bool find_end(const EndView<T>& view, const OneEnd<T>& end, const EndGround<T>& ground,
+              const EndRules<T>& rules) {
+  namespace f = end_fields;
+  Triple<T> n;
+  const T radius = end(f::radius), gap = gap_of_end(ground, load<T>(view.x, end.at, 1), radius, n);
+  const Triple<T> p = load<T>(view.p, end.at, 1);
+  const T moves = std::sqrt(dot(p, p)), least = rules.margin + rules.passes * radius;
+  bool comes = gap + dot(n, p) <= rules.margin + rules.spread * moves && end(f::mass) > 0;
+  // What is round is left on the other side of a tangent plane soon.
+  if (!ground.is_plane) comes = comes && (moves <= least || gap <= least);
+  const Triple<T> force = end.load3(f::force);
+  const T along = dot(force, n), held = comes && along > 0 ? rules.square : T(0);
+  const T beyond = rules.share * (gap + rules.slop), back = beyond < 0 ? beyond : T(0);
+  end.store3(n, f::normal);
+  end(f::gap) = gap >= 0 ? gap : back;
+  end(f::push) = held * along;
+  end.store3({held * (force.x - along * n.x), held * (force.y - along * n.y), held * (force.z - along * n.z)},
+             f::across);
+  end(f::over) = comes ? end(f::mass) : T(0);
+  return comes;
+}
+
+template <class T>
+void find_ends(const EndView<T>& view, Range range, const EndGround<T>& ground, const EndRules<T>& rules,
+               std::uint8_t* touched) {
+  for (std::uint32_t v = range.begin; v < range.end; ++v) {
+    touched[v] = 0;
+    for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane)
+      if (find_end(view, OneEnd<T>(view, v, lane), ground, rules)) touched[v] = 1;
+  }
+}
+
+template <class T>
+bool watch_ends(const EndView<T>& view, Range range, T most, std::uint8_t* touched) {
+  namespace f = end_fields;
+  bool any = false;
+  for (std::uint32_t v = range.begin; v < range.end; ++v)
+    for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
+      const OneEnd<T> end(view, v, lane);
+      const T deep = end(f::gap) + dot(end.load3(f::normal), load<T>(view.p, end.at, 1));
+      if (!(deep < -most && end(f::over) == 0 && end(f::mass) > 0)) continue;
+      end(f::over) = end(f::mass);
+      touched[v] = 1;
+      any = true;
+    }
+  return any;
+}
+
+template <class T>
+void keep_ends(const EndView<T>& view, Range range, T over) {
+  namespace f = end_fields;
+  for (std::uint32_t v = range.begin; v < range.end; ++v)
+    for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
+      const OneEnd<T> end(view, v, lane);
+      const Triple<T> n = end.load3(f::normal), across = end.load3(f::across);
+      const T push = end(f::push);
+      end.store3(
+          {over * (push * n.x + across.x), over * (push * n.y + across.y), over * (push * n.z + across.z)},
+          f::force);
+    }
+}
+
+template <class T>
+constexpr EndKernels<T> end_kernels = {find_ends<T>,  watch_ends<T>,   start_ends<T>,
+                                       sweep_ends<T>, measure_ends<T>, keep_ends<T>};
+
+}  // namespace
+}  // namespace plumb::simd

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <limits>
+
+namespace plumb::simd {
+
+/// Distances (m) below this are none. It keeps quotients of zeros from being no numbers.
+template <class T>
+inline constexpr T least_distance = std::numeric_limits<T>::min();
+
+}  // namespace plumb::simd
