@@ -336,4 +336,11 @@ void Linkage::place_constraints() {
     }
 }
 
+double Linkage::thinness() const {
+  double least = size_;
+  for (const Shape& shape : shapes_) least = std::min(least, shape.radius);
+  for (const HullShape& hull : hulls_) least = std::min(least, hull.half_width);
+  return std::max(least, 0.01 * size_);
+}
+
 }  // namespace plumb::detail

@@ -196,12 +196,7 @@ class Linkage {
   bool has_air() const { return has_air_; }
   double size() const { return size_; }  ///< largest rod or shape in m, to which errors are relative
   /// Returns the least radius of a shape, m, or a hundredth of the size if that is more.
-  double thinness() const {
-    double least = size_;
-    for (const Shape& shape : shapes_) least = std::min(least, shape.radius);
-    for (const HullShape& hull : hulls_) least = std::min(least, hull.half_width);
-    return std::max(least, 0.01 * size_);
-  }
+  double thinness() const;
   double mass() const { return mass_; }  ///< mass of the movable particles, kg
   double drag() const { return drag_; }  ///< 1/s
   /// Returns the share of a velocity that drag leaves after a time t (s).
@@ -253,8 +248,7 @@ class Linkage {
   std::size_t flat_rods() const { return flat_rods_.size(); }
   /// Finds the gradients of such rods at `x`, along their second ends, in 1/m.
   void find_flat_gradients(std::span<const Vec3> x, std::span<Vec3> out) const;
-  /// Adds rho Jᵀ c to the right hand side, of such rods and their own right hand sides c. Then solutions and
-  /// multipliers are those of M alone.
+  /// Adds rho Jᵀ c to the right hand side, of such rods and their right hand sides c: M alone then counts.
   void push_flat(std::span<const Vec3> gradients, std::span<double> right) const;
   /// Evaluates M and J at `x`, for KktPlan::factor().
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;

@@ -12,6 +12,10 @@ constexpr double most_swing = 0.25;
 constexpr int velocity_corrections = 2;
 /// What hung from a rod has so many seconds (s) to become fast before it counts as slow.
 constexpr double awake_after_break = 0.5;
+/// A capsule lies in two places, and a hull on four corners or so; each may turn on its place. Room for these
+/// is there from the start, since what comes to lie in one more place late would else allocate then.
+constexpr std::size_t kept_of_capsule = 4;
+constexpr std::size_t kept_of_hull = 8;
 
 }  // namespace
 
@@ -28,6 +32,7 @@ LinkageState::LinkageState(const Linkage& kind, std::uint32_t island, const Scen
     x.push_back(particle.position);
     v.push_back(particle.fixed || asleep ? Vec3{} : particle.velocity);
   }
+  kept.reserve(kept_of_capsule * kind.shapes().size() + kept_of_hull * kind.hulls().size());
   anchors_went.assign(kind.particles() - kind.movable(), Vec3{});
   elastic_numbers.assign(laws.size(), 0);
   if (kind.breaks()) broken.assign(kind.giving_rods(), 0);
