@@ -1,8 +1,9 @@
 # Builds a shared plumb, without its programs, for the tests of what it installs. What it shows and where it is found
-# does not depend on optimisation, which is most of the time that a compiler takes.
+# does not depend on optimisation, nor on what debuggers read, which are most of the time that a compiler takes.
 #   cmake -DTREE=... -DBUILD=... -DCOMPILER=... -DLAUNCHER=... -DGENERATOR=... -DFLAGS=... -DTBB=ON -P shared_build.cmake
 execute_process(
-  COMMAND ${CMAKE_COMMAND} -S ${TREE} -B ${BUILD} -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Debug -DBUILD_SHARED_LIBS=ON
+  COMMAND ${CMAKE_COMMAND} -S ${TREE} -B ${BUILD} -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=
+          -DBUILD_SHARED_LIBS=ON
           -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_CXX_FLAGS=${FLAGS}
           -DPLUMB_TBB=${TBB} -DPLUMB_BUILD_TOOLS=OFF -DPLUMB_BUILD_TESTS=OFF -DPLUMB_BUILD_BENCH=OFF
           --log-level=WARNING
