@@ -304,6 +304,8 @@ bool ClusterStepper::solve_positions(Tally& report) {
   const int most = is_disturbed ? most_ground_corrections : most_corrections;
   for (int correction = 0; correction < most; ++correction) {
     const double left = sweep(correction, sweeps);
+    found_crowd_ = correction == 0 && looks_for_crowd_ && presses_as_crowd();
+    if (found_crowd_) return false;
     Progress now;
     for (std::uint32_t i = 0; i < count_; ++i)
       if (islands_[i].awake && !correct(islands_[i], correction, now, report)) return false;

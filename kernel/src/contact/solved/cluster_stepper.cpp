@@ -72,10 +72,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
   for (LinkageState* const state : cluster) state->is_relaxed = false;
-  const bool relaxes = relaxes_crowds_ && is_crowd(cluster);
-  if (relaxes_crowds_)
-    for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
-  if (relaxes && relax(cluster, surroundings, substeps, dt, report)) return;
+  if (relaxes_crowds_ && relax_crowd(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;
   shortest_ = dt / most_guards;
   shortest_if_missed_ = dt / most_missed_cuts;

@@ -145,6 +145,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   double solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings, double h,
                double least, Tally& report);
   static bool is_crowd(std::span<LinkageState* const> cluster);
+  bool relax_crowd(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                   std::uint32_t substeps, double dt, Tally& report);
+  bool presses_as_crowd() const;
   bool relax(std::span<LinkageState* const> cluster, const Surroundings& surroundings, std::uint32_t substeps,
              double dt, Tally& report);
   void hold_energy(Tally& report);
@@ -343,11 +346,13 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::vector<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false;  ///< something is in ground still
   bool woken_ = false, all_near_ = false;
-  bool may_touch_ = false;      ///< something pushes in this substep, or is near enough to
-  bool is_fitted_ = false;      ///< rods were brought to their lengths in this step
-  bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
-  bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
-  bool is_wide_ = false;        ///< pushes are found freely
+  bool may_touch_ = false;        ///< something pushes in this substep, or is near enough to
+  bool looks_for_crowd_ = false;  ///< what presses in many places is relaxed instead
+  bool found_crowd_ = false;      ///< and does
+  bool is_fitted_ = false;        ///< rods were brought to their lengths in this step
+  bool loose_ = false;            ///< ground grips loosely, since nothing was found with its whole grip
+  bool sweeps_ground_ = false;    ///< contacts with ground are swept, since the matrix found no pushes
+  bool is_wide_ = false;          ///< pushes are found freely
   std::vector<FreeTerm> free_terms_;
   std::vector<double> last_pushes_, swept_from_;  ///< then, of rows
   bool keeps_slack_ = false;                      ///< which elastics are slack is known from the last try

@@ -21,6 +21,11 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
   bool was_loose = false;
   double halved = h;
   while (!substep(surroundings, h, report)) {
+    if (found_crowd_) {
+      if (relax(cluster, surroundings, 1, h, report)) return h;
+      looks_for_crowd_ = false;
+      continue;
+    }
     if (std::exchange(try_tighter_, false)) continue;
     if (h == whole && !was_loose) find_overload();
     if (!was_loose && is_on_ground() && (h <= few_cuts * whole || is_landing())) {
@@ -97,6 +102,23 @@ bool ClusterStepper::is_crowd(std::span<LinkageState* const> cluster) {
       touching += has_loops ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
   }
   return touching > few_touching;
+}
+
+/// Relaxes a step of a crowd. Returns false, and nothing has moved, if it is none or cannot be relaxed.
+bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
+                                 std::uint32_t substeps, double dt, Tally& report) {
+  const bool relaxes = is_crowd(cluster);
+  looks_for_crowd_ = !relaxes;
+  for (LinkageState* const state : cluster) state->relax_for -= state->relax_for > 0;
+  return relaxes && relax(cluster, surroundings, substeps, dt, report);
+}
+
+/// Returns whether islands press each other in so many places that they are a crowd from now on. That is
+/// known from the first sweeps, so that a heap which falls together is not solved first.
+bool ClusterStepper::presses_as_crowd() const {
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
+           return row.kind == Kind::normal && row.p > 0 && kind_of(row.key) == KeyKind::island;
+         })) > few_touching;
 }
 
 /// Returns in how many substeps a step of dt (s) is relaxed: what is fast or thin takes more.
