@@ -249,5 +249,27 @@ TEST(MidGuard, CountsAndKeepsEnergyDown) {
   EXPECT_EQ(test::run(other, 1.0 / 60, 10).mid_guarded, 0u) << "only gradient mid is guarded";
 }
 
+// Two ropes fall beside each other, a millimetre apart. Each has 301 shapes near the other, which is more than
+// are pushed by their responses, and nothing pushes.
+TEST(Extremes, ManyPlacesThatAreNearButDoNotTouch) {
+  constexpr std::uint32_t rods = 300;
+  constexpr double radius = 0.02, gap = 1e-3;
+  Scene scene;
+  for (const double z : {0.0, 2 * radius + gap}) {
+    const auto first = static_cast<std::uint32_t>(scene.particles.size());
+    for (std::uint32_t i = 0; i <= rods; ++i) scene.particles.push_back(movable({0.1 * i, 0, z}));
+    for (std::uint32_t i = first; i < first + rods; ++i) {
+      scene.rods.push_back({.a = i, .b = i + 1});
+      scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = radius});
+    }
+  }
+  World world(scene, {.method = Method::direct, .threads = 1});
+  const StepReport total = test::run(world, 1.0 / 60, 10);
+  EXPECT_EQ(total.unsolved, 0u);
+  EXPECT_EQ(total.contact_points, 0u);
+  const double fallen = 0.5 * 9.81 * (10.0 / 60) * (10.0 / 60);
+  for (const Vec3 at : test::positions_of(world)) EXPECT_NEAR(at.y, -fallen, 1e-9);
+}
+
 }  // namespace
 }  // namespace plumb

@@ -76,7 +76,7 @@ void ClusterStepper::finish(double h, bool touched) {
     for (std::uint32_t k = 0; island.theta == 0 && k < linkage.movable(); ++k)
       island.impulse[k] += (0.5 * h) * island.force[k];
     end_elastics(island, h);
-    std::fill(island.push.begin(), island.push.end(), Lanes{});
+    island.push.assign(island.batches(), Lanes{});
     if (island.sides.empty() || !touched) find_velocities(island);
   }
 }
