@@ -7,6 +7,7 @@
 
 #include "scenes/generators/generators.hpp"
 #include "scenes/spec.hpp"
+#include "support/bodies.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -187,6 +188,31 @@ TEST(Automatic, SegmentsAreTheWholeLine) {
     }
     EXPECT_LE(test::stretch_of(line, segments).max, 1e-10);
   }
+}
+
+// Thirty-six sticks fall on as many that lie across them, all in one step. It is relaxed as soon as so many
+// press, as the steps after it are: a heap of figures would else take seconds for that step.
+TEST(Automatic, RelaxesWhatLandsOnEachOtherAtOnce) {
+  constexpr int side = 6;
+  constexpr double radius = 0.05, half = 0.2, speed = 3;
+  Scene scene;
+  scene.planes.push_back({});
+  for (int i = 0; i < side * side; ++i)
+    for (const bool is_upper : {false, true}) {
+      const Vec3 along = is_upper ? Vec3{half, 0, 0} : Vec3{0, 0, half};
+      const Vec3 middle{0.5 * (i % side), is_upper ? 3 * radius + 0.5 * speed / 60 : radius,
+                        0.5 * (i / side)};
+      const std::uint32_t rod = test::add_capsule_rod(scene, middle - along, middle + along, 1, radius);
+      for (const std::uint32_t end : {scene.rods[rod].a, scene.rods[rod].b})
+        scene.particles[end].velocity = is_upper ? Vec3{0, -speed, 0} : Vec3{};
+    }
+  World picks(scene, automatic()), solves(scene, {.method = Method::direct});
+  const StepReport relaxed = picks.step(1.0 / 60), solved = solves.step(1.0 / 60);
+  EXPECT_GE(relaxed.contact_points, 36u);
+  EXPECT_LT(relaxed.newton, solved.newton);
+  EXPECT_GE(relaxed.block_sweeps, 4u * 20u) << "four substeps of twenty sweeps";
+  EXPECT_LE(test::stretch_of(scene, picks).max, 1e-6);
+  EXPECT_LE(test::deepest(scene, picks), 1e-3);
 }
 
 }  // namespace
