@@ -83,6 +83,8 @@ bool GroundContacts::Row::is_stale() const {
 }
 
 void GroundContacts::add(const GroundContact& contact, double heaviest) {
+  // A row is a kilobyte, so that room for twice as many would be most of what a long rope takes.
+  if (rows_.size() == rows_.capacity()) rows_.reserve(rows_.size() + rows_.size() / 8 + 4);
   Row& row = rows_.emplace_back();
   row.contact = contact;
   row.mass = heaviest;

@@ -149,6 +149,8 @@ void Linkage::add_shapes(const Scene& part, std::span<const Vec3> x) {
   std::map<std::uint32_t, std::vector<std::size_t>> balls_at;
   const ShapeMaker maker(part);
   neighbors_ = Neighbors(part);
+  shapes_.reserve(part.capsules.size());
+  balls_.reserve(part.capsules.size() + 1);  // those of a line, and of most that has shapes
   for (const Capsule& capsule : part.capsules) {
     const Shape& shape = shapes_.emplace_back(maker.make(capsule));
     add_filter(shape.filter);
