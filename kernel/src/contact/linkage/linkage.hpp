@@ -144,8 +144,7 @@ class Linkage {
   std::span<const Angle> angles() const { return angles_; }
   /// Returns what acts on them as the scene says.
   std::span<const AngleRule> angle_rules() const { return angle_rules_; }
-  /// Elastics are of rods that give, angles with drives or dampers, springs, torsions and bends, in this
-  /// order.
+  /// Elastics are of rods that give, angles with drives or dampers, springs, torsions and bends, in order.
   std::span<const Elastic> elastics() const { return elastics_; }
   /// Returns how they pull as the scene says.
   std::span<const ElasticLaw> elastic_laws() const { return elastic_laws_; }
@@ -162,8 +161,7 @@ class Linkage {
   bool is_of_bend(std::size_t elastic) const { return !bends_.empty() && elastic >= bends_.front().first; }
   /// Returns whether some rod may break.
   bool breaks() const { return breaks_; }
-  /// Returns how many rods give, which are the first elastics, and which of them the part's rod `number` is,
-  /// or none.
+  /// Returns how many rods give, the first elastics, and which of them the part's rod `number` is, or none.
   std::size_t giving_rods() const { return giving_rods_.size(); }
   std::optional<std::size_t> elastic_of_rod(std::uint32_t number) const;
   /// Returns the number of an elastic, in m or rad. Of all turns it is the one nearest to `near`.
@@ -243,6 +241,9 @@ class Linkage {
   /// Adds that inertia to M, to momenta of motions `v`, and to twice their energy.
   void add_wave_inertia(std::span<const double> inertia, std::span<simd::Block> matrix) const;
   void add_wave_momenta(std::span<const double> inertia, std::span<const Vec3> v, std::span<Vec3> out) const;
+  /// Adds what that inertia of rods to anchors pushes these with as velocities change.
+  void count_wave_pulls(std::span<const double> inertia, std::span<const Vec3> before,
+                        std::span<const Vec3> after, LinkagePulls& pulls) const;
   double wave_product(std::span<const double> inertia, std::span<const Vec3> v) const;
   /// Counts rods of flat bodies. These have a singular M, which gets rho Jᵀ J of their rods: see push_flat().
   std::size_t flat_rods() const { return flat_rods_.size(); }
@@ -254,8 +255,7 @@ class Linkage {
   void assemble(std::span<const Vec3> x, std::vector<simd::Block>& matrix) const;
   /// Writes the constraints at `x`, times -1, into their places of `right`. Returns the largest absolute one.
   double violations(std::span<const Vec3> x, std::span<double> right) const;
-  /// Writes J(x) d - C(x + d). A solution for it moves from x by about d and keeps constraints to second
-  /// order.
+  /// Writes J(x) d - C(x + d). A solution for it moves by about d and keeps constraints to second order.
   void targets(std::span<const Vec3> x, std::span<const Vec3> d, std::span<const Vec3> there,
                std::span<double> right) const;
   /// Adds what multipliers of constraints at `x` pull with to momenta of movable particles, -J(x)ᵀ of them,

@@ -284,13 +284,13 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     const Island& island = islands_[i];
     if (!island.awake) continue;
     LinkageState& state = *island.state;
+    if (state.pulls.counts) count_pulls(islands_[i], h);
     const double kept = state.linkage->kept(0.5 * h);
     for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
       state.acceleration[k] = (1 / (h * h)) * (island.d[k] - h * kept * state.v[k]);
       state.v[k] = island.v[k];
     }
     std::copy(state.v.begin() + state.linkage->movable(), state.v.end(), state.anchors_went.begin());
-    if (state.pulls.counts) count_pulls(islands_[i], h);
     if (island.theta == 0) state.follow_tautness(island.pulls, h);
     state.follow_elastics();
   }

@@ -91,6 +91,15 @@ void Linkage::add_wave_momenta(std::span<const double> inertia, std::span<const 
   }
 }
 
+void Linkage::count_wave_pulls(std::span<const double> inertia, std::span<const Vec3> before,
+                               std::span<const Vec3> after, LinkagePulls& pulls) const {
+  for (std::size_t i = 0; i < taut_rods_.size(); ++i) {
+    const auto [moves, stays] = std::minmax(taut_rods_[i].a, taut_rods_[i].b);
+    if (inertia[i] != 0 && stays >= movable_)
+      pulls.fixed[stays - movable_] += inertia[i] * (after[moves] - before[moves]);
+  }
+}
+
 double Linkage::wave_product(std::span<const double> inertia, std::span<const Vec3> v) const {
   double sum = 0;
   for (std::size_t i = 0; i < taut_rods_.size(); ++i) {
