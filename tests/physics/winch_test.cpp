@@ -229,6 +229,27 @@ TEST(Winch, TremblingTakesNoEnergy) {
       }
 }
 
+// Rods that give but that a substep does not resolve follow the winch, with gradient old as well: the load is
+// as fast as it is hauled, and weighs what it weighs. A force that trembles makes each step a new one.
+TEST(Winch, HaulsOnStiffRodsAtItsRateWithGradientOld) {
+  constexpr double length = 3, rate = -0.3;
+  for (const double stiffness : {1e4, 1e6, 1e9})
+    for (const double tremble : {0.0, 1e-9}) {
+      Scene scene;
+      scene.particles = {test::anchor({}), test::loose({0, -length, 0}, 1)};
+      scene.rods = {{.a = 0, .b = 1, .length = length, .law = {.stiffness = stiffness, .damping = 50}}};
+      World world(scene, {.method = Method::direct, .gradient = Gradient::old, .tensions = true});
+      for (int i = 1; i <= 60; ++i) {
+        world.set_length(0, length + rate * frame * i);
+        world.set_force(1, {0, i % 2 * tremble, 0});
+        world.step(frame);
+      }
+      // Both are exact but for rounding, of which a stiffness of 1e9 N/m makes 1e-6 N, and the tremble.
+      EXPECT_NEAR(world.velocity(1).y, -rate, 1e-9) << stiffness << ", " << tremble;
+      EXPECT_NEAR(world.tension(0), 9.81, 1e-5) << stiffness << ", " << tremble;
+    }
+}
+
 // An elastic cable, which is slack for a part of the time, is hauled in at a constant rate. Its pull is the
 // change of its energy over that of its stretch, so that a winch does what energy gains: without that 11 % of
 // the energy came from nowhere in two seconds. As a rod of a tree, in an island with a loop, and as a cord.

@@ -270,7 +270,7 @@ PLUMB_INLINE KnownPull<V> known_pull(const LawNumbers<V>& law, const LawFactors<
   const V stiff = select_nonzero(law.rigid, one, one - seen);
   const V holds = select_nonzero(law.one_sided, select_positive(zero - motion.last_mu, stiff, zero), stiff);
   const V give = select_nonzero(law.rigid, one, motion.length2);
-  const V off = motion.c - select_nonzero(law.rigid, length * motion.rate, zero);
+  const V off = motion.c - length * motion.rate;
   return {select_nonzero(law.rigid, zero, zero - factors.kick_before * motion.half_kick / (length * seen)),
           {holds, (one - holds) * give, holds * off}};
 }
