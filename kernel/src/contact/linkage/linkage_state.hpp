@@ -195,4 +195,28 @@ double top_speed(const LinkageState& state);
 /// Returns the root mean square of the speeds (m/s) of an island's movable particles, by mass.
 double mean_speed(const LinkageState& state);
 
+template <class Archive>
+void visit_members(Archive& archive, KeptContact& of) {
+  auto& [key, force, end_force] = of;
+  archive(key, force, end_force);
+}
+template <class Archive>
+void visit_members(Archive& archive, LinkageMotion& of) {
+  auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
+         slow_time, energy, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness, broken] = of;
+  archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
+          slow_time, energy, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness, broken);
+}
+template <class Archive>
+void visit_members(Archive& archive, Linkage::AngleRule& of) {
+  auto& [lower, upper, friction] = of;
+  archive(lower, upper, friction);
+}
+/// What a program and steps change beside the motion. Factors are made anew.
+template <class Archive>
+void visit_members(Archive& archive, LinkageState& of) {
+  archive(of.motion(), of.force, of.laws, of.gives, of.angle_rules, of.wave_inertia, of.wave_inertia_at);
+  if (archive.restores()) of.factored = false;
+}
+
 }  // namespace plumb::detail
