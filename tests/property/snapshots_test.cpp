@@ -78,6 +78,13 @@ Scene tearing_net() {
   return scene;
 }
 
+/// A truss between anchors that is too weak for its load. It stays one island.
+Scene tearing_truss() {
+  Scene scene = scenes::load_scene("truss:bays=4,braces=2,fixed=2");
+  for (Rod& rod : scene.rods) rod.law.strength = 60;
+  return scene;
+}
+
 std::vector<Case> cases() {
   const Settings relax{.method = Method::relax}, direct{.method = Method::direct, .tensions = true};
   const auto with = [](Settings settings, auto&& change) {
@@ -153,6 +160,7 @@ std::vector<Case> cases() {
       {"boxes", spec("boxes:boxes=4"), {.contacts = true}},
       {"drape", spec("drape:size=6"), {.tensions = true}},
       {"tearing_heap", tearing, {.contacts = true}},
+      {"tearing_truss", tearing_truss, direct},
       {"tearing_net", tearing_net, direct},
       {"tearing_net_relaxed", tearing_net, with(relax, [](Settings& s) { s.substeps = 2; })},
       {"resting", spec("chain:links=4"), {.gradient = Gradient::new_, .sleep_time = 0.05}},

@@ -87,6 +87,15 @@ struct LinkageState : LinkageMotion {
   /// Returns the mass of a place's heaviest movable particle with the inertia of its waves, kg.
   double heaviest(const Combination& at) const;
 
+  /// Lets the island stand still for good. Nothing of it stays that may not be finite: NaN has a sign that
+  /// depends on the instruction set, and snapshots hold it.
+  void freeze() {
+    frozen = true;
+    kept.clear();
+    energy.reset();
+    std::fill(acceleration.begin(), acceleration.end(), Vec3{});
+    forget_tautness();
+  }
   /// Lets a rod pull nothing from now on.
   void break_rod(std::size_t elastic);
   /// Breaks the rods whose mean pull over a substep, pull_of(elastic) in N, is more than they hold. They pull
