@@ -41,6 +41,8 @@ class ReferenceSolver final : public Solver {
   void place_anchor(Slot slot, Vec3 target) override { drive_.anchors[slot] = target; }
   void set_motion(Slot, Vec3, Vec3) override {}
   void set_away(Slot, bool) override {}
+  void archive(Archive&) override {}
+  bool has_archive() const override { return false; }
   bool is_away(std::uint32_t) const override { return frozen_; }
   void describe(WorldInfo&) const override {}
 

@@ -285,6 +285,36 @@ TEST_F(Allocations, AreNoneInStepsThatReel) {
   }
 }
 
+// A first round makes room for the largest lists.
+TEST_F(Allocations, AreNoneInSnapshots) {
+  const std::pair<const char*, Settings> cases[] = {
+      {"ensemble:chains=20,links=6", {.method = Method::relax, .precision = Precision::single}},
+      {"ensemble:chains=20,links=6", {.method = Method::direct, .accuracy = 1e-3, .tensions = true}},
+      {"net:width=16,height=16", {.method = Method::direct, .gradient = Gradient::old}},
+      {"crowd:humanoids=3,hit=1", {.contacts = true}},
+      {"heap:ropes=5,links=8", {.substeps = 4}}};
+  for (const auto& [spec, settings] : cases) {
+    World world(scenes::load_scene(spec), settings);
+    test::run(world, 1.0 / 60, 60);
+    std::vector<std::byte> bytes(2 * world.snapshot_size());
+    const auto round = [&] {
+      world.save(bytes);
+      test::run(world, 1.0 / 60, 5);
+      world.restore(bytes);
+    };
+    round();
+    EXPECT_EQ(allocations_in([&] {
+                world.save(bytes);
+                world.restore(bytes);
+                world.snapshot_size();
+              }),
+              0u)
+        << spec;
+    round();
+    EXPECT_EQ(allocations_in(round), 0u) << spec;
+  }
+}
+
 TEST_F(Allocations, AreNoneOnceAnIslandIsFrozen) {
   for (const LayoutChoice layout :
        {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa})

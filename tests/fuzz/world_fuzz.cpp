@@ -1,5 +1,5 @@
 // Small worlds: an InputError, or a state that stays finite within bounded work, the same with every
-// instruction set. With
+// instruction set and from a snapshot. With
 // PLUMB_FUZZ_PRINT in the environment, each world is printed before it is made.
 #include <cstddef>
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fuzz/random_world.hpp"
 #include "plumb/plumb.hpp"
@@ -44,13 +45,20 @@ void print(const fuzz::RandomWorld& random) {
   std::abort();
 }
 
-/// Steps a world to its end; returns its hash.
-std::uint64_t run(const fuzz::RandomWorld& random, Isa isa) {
-  Settings settings = random.settings;
-  settings.isa = isa;
-  World world(random.scene, settings);
+bool keeps_snapshots(Method method) {
+  return method == Method::automatic || method == Method::direct || method == Method::relax;
+}
+
+/// Steps a world from a step to its end. Returns a snapshot from before its last step.
+std::vector<std::byte> run(World& world, const fuzz::RandomWorld& random, int from = 0) {
+  const Settings& settings = random.settings;
   const Particle& pushed = random.scene.particles.at(random.pushed);
-  for (int step = 0; step < random.steps; ++step) {
+  std::vector<std::byte> snapshot;
+  for (int step = from; step < random.steps; ++step) {
+    if (step == random.steps - 1 && keeps_snapshots(settings.method)) {
+      snapshot.resize(world.snapshot_size());
+      world.save(snapshot);
+    }
     if (step == 1) {
       if (pushed.fixed)
         world.move_anchor(random.pushed, pushed.position + 0.1 * random.push);
@@ -65,7 +73,13 @@ std::uint64_t run(const fuzz::RandomWorld& random, Isa isa) {
       if (!is_finite(world.position(i)) || !is_finite(world.velocity(i)))
         fail(random, "a position or velocity is not finite");
   }
-  return world.state_hash();
+  return snapshot;
+}
+
+World make_world(const fuzz::RandomWorld& random, Isa isa) {
+  Settings settings = random.settings;
+  settings.isa = isa;
+  return World(random.scene, settings);
 }
 
 }  // namespace
@@ -75,7 +89,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const fuzz::RandomWorld random = fuzz::make_random_world(data, size);
     if (random.pushed >= random.scene.particles.size()) return 0;
     if (std::getenv("PLUMB_FUZZ_PRINT") != nullptr) print(random);
-    if (run(random, Isa::scalar) != run(random, best_isa())) fail(random, "instruction sets do not agree");
+    World one = make_world(random, Isa::scalar), other = make_world(random, best_isa());
+    const std::vector<std::byte> snapshot = run(one, random);
+    run(other, random);
+    if (one.state_hash() != other.state_hash()) fail(random, "instruction sets do not agree");
+    if (snapshot.empty()) return 0;
+    World restored = make_world(random, best_isa());
+    restored.restore(snapshot);
+    run(restored, random, random.steps - 1);
+    if (restored.state_hash() != one.state_hash()) fail(random, "a restored world goes otherwise");
   } catch (const InputError&) {
   }
   return 0;

@@ -98,24 +98,50 @@ class Drive {
 
 }  // namespace
 
-Outcome run_row(const Row& row, const Machine& machine) {
-  const Scene scene = build_scene(row.scene);
-  Settings settings = parse_settings(row.settings, has_more_than_rods(scene));
-  settings.isa = machine.isa;
-  settings.threads = machine.threads;
-  settings.executor = machine.executor;
-  const double dt = *scenes::parse_fraction(row.dt);
-  const Drive drive(row, scene, settings);
-  World world(scene, settings);
-  Outcome out;
-  out.has_shapes = !scene.capsules.empty();
-  out.before = hashes_of(world);
-  for (std::uint32_t step = 0; step < row.steps; ++step) {
-    drive.before_step(world, step);
-    out.total += world.step(drive.length(dt, step));
+struct RowRun::Parts {
+  Parts(const Row& row, const Machine& machine)
+      : scene(build_scene(row.scene)),
+        settings(parse_settings(row.settings, has_more_than_rods(scene))),
+        dt(*scenes::parse_fraction(row.dt)),
+        drive(row, scene, settings),
+        world(scene, on(settings, machine)) {}
+
+  static Settings on(Settings settings, const Machine& machine) {
+    settings.isa = machine.isa;
+    settings.threads = machine.threads;
+    settings.executor = machine.executor;
+    return settings;
   }
-  out.finite = is_finite_world(world);
-  out.hashes = hashes_of(world);
+
+  Scene scene;
+  Settings settings;
+  double dt;
+  Drive drive;
+  World world;
+};
+
+RowRun::RowRun(const Row& row, const Machine& machine) : parts_(std::make_unique<Parts>(row, machine)) {}
+RowRun::~RowRun() = default;
+
+StepReport RowRun::step(std::uint32_t number) {
+  parts_->drive.before_step(parts_->world, number);
+  return parts_->world.step(parts_->drive.length(parts_->dt, number));
+}
+World& RowRun::world() {
+  return parts_->world;
+}
+const Scene& RowRun::scene() const {
+  return parts_->scene;
+}
+
+Outcome run_row(const Row& row, const Machine& machine) {
+  RowRun run(row, machine);
+  Outcome out;
+  out.has_shapes = !run.scene().capsules.empty();
+  out.before = hashes_of(run.world());
+  for (std::uint32_t step = 0; step < row.steps; ++step) out.total += run.step(step);
+  out.finite = is_finite_world(run.world());
+  out.hashes = hashes_of(run.world());
   return out;
 }
 

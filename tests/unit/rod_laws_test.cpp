@@ -182,6 +182,7 @@ struct SolverOfLengths : Solver {
   void add_to_hash(Slot, StateHash&) const override {}
   double read(std::span<const Slot>, std::span<Vec3>) const override { return 0; }
   void set_force(Slot, Vec3) override {}
+  void archive(Archive&) override {}
   void move_anchor(Slot, const AnchorMove&) override {}
   void place_anchor(Slot, Vec3) override {}
   void set_motion(Slot, Vec3, Vec3) override {}

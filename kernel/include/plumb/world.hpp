@@ -330,7 +330,24 @@ class PLUMB_API World {
   /// set and number of threads.
   std::uint64_t state_hash() const;
 
-  /// Says how the scene was compiled.
+  /// Returns how many bytes save() takes now. Contacts and what breaks change that from step to step. Throws
+  /// InputError under springs, multipliers and featherstone, which keep no snapshots.
+  std::size_t snapshot_size() const;
+  /// Writes a snapshot of the world into `out` and returns its size in bytes. What is left of `out` stays as
+  /// it is. Equal worlds give equal bytes, whatever their instruction sets and threads. Throws as
+  /// snapshot_size() does, and InputError if `out` is too small.
+  std::size_t save(std::span<std::byte> out) const;
+  /// Goes back, or on, to a snapshot at the beginning of `from`. The future is bit for bit that of the world
+  /// that was saved, and everything else that can be read is what it was there. A load (set_load()) is not
+  /// part of it: the world keeps its own.
+  ///
+  /// The snapshot may be of another world, of the same scene and settings; isa, threads and executor may
+  /// differ. Throws InputError with a reason if it is not, or if bytes are cut off or changed; then the world
+  /// stays as it is. The check is against accidents, not against forgery. Allocates only if this world needs
+  /// more room than ever before, or if other rods have broken islands apart.
+  void restore(std::span<const std::byte> from);
+
+  /// Says how the scene was compiled. Steps and restore() may move it if rods break islands apart.
   const WorldInfo& info() const;
 
  private:

@@ -25,7 +25,6 @@ void Clusters::start(std::span<LinkageState> islands, double margin) {
     sum += std::max({4 * state.linkage->size(), spread.x, spread.y, spread.z});
   }
   cell_ = islands_.empty() ? 1 : sum / static_cast<double>(islands_.size());
-  sleepers_.start(cell_, 8 * islands_.size());
   marks_.assign(islands_.size(), 0);
   root_.resize(islands_.size());
   bounds_.assign(islands_.size(), nowhere);
@@ -33,10 +32,16 @@ void Clusters::start(std::span<LinkageState> islands, double margin) {
     if (!state.asleep) awake_.push_back(state.number);
     if (!state.linkage->has_shapes()) continue;
     any_shapes_ = true;
-    if (!state.asleep) continue;
-    bounds_[state.number] = reach(state, 0, 0, margin_);
-    sleepers_.insert(state.number, bounds_[state.number]);
+    if (state.asleep) bounds_[state.number] = reach(state, 0, 0, margin_);
   }
+  list_sleepers();
+}
+
+/// Puts sleepers into cells, by their bounds.
+void Clusters::list_sleepers() {
+  sleepers_.start(cell_, 8 * islands_.size());
+  for (const LinkageState& state : islands_)
+    if (state.asleep && state.linkage->has_shapes()) sleepers_.insert(state.number, bounds_[state.number]);
 }
 
 void Clusters::wake(std::uint32_t i) {

@@ -46,6 +46,15 @@ class Clusters {
   /// Lets an island sleep here that its own solver has put to rest.
   void fall_asleep(std::uint32_t island);
 
+  /// Lists who is awake and where sleepers are, once the states are listed.
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [islands, awake, sleepers, walkers, any_shapes, cell, margin, bounds, marks, root, members, woken,
+           mark, order, members_of, starts] = *this;
+    archive(awake, bounds);
+    if (archive.restores()) list_sleepers();
+  }
+
   /// Wakes an island, and the sleepers that may lie on it or under it.
   void wake(std::uint32_t island);
   /// Ends a step. Takes in the islands that were woken within it, and puts the clusters to sleep that `rests`
@@ -53,6 +62,7 @@ class Clusters {
   std::uint32_t settle(std::span<const std::uint8_t> rests);
 
  private:
+  void list_sleepers();
   void wake_neighbors(std::uint32_t island);
   bool may_meet(std::uint32_t a, std::uint32_t b) const;
   std::uint32_t root(std::uint32_t island);

@@ -10,6 +10,7 @@
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/linkage/visitor.hpp"
 #include "contact/pulls/contact_list.hpp"
+#include "interface/archive.hpp"
 #include "interface/made_solver.hpp"
 #include "interface/solver.hpp"
 
@@ -162,6 +163,17 @@ class ContactSolver final : public Solver {
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
   void set_away(Slot, bool) override {}
   bool is_away(std::uint32_t) const override { return false; }
+  /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
+  void archive(Archive& archive) override {
+    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, linkages, states, visitors,
+           is_plain, histories, first_slot, island_of, springs, torsions, angles, rods, pins, shapes,
+           shape_ids, first_shape, ground_pushes, contacts, counts_touches, lists_contacts, is_listed,
+           clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
+    archive(surroundings);
+    for (LinkageState& state : states) archive(state);
+    for (History& history : histories) archive(history.best_substep);
+    archive(visitors, ground_pushes, contacts, is_listed, clusters);
+  }
   void describe(WorldInfo& info) const override;
 
  private:

@@ -70,6 +70,9 @@ struct Surroundings {
   void begin_step(double dt);
   void end_step() { platforms.end_step(); }
 
+  template <class Archive>
+  friend void visit_members(Archive& archive, Surroundings& of);
+
   std::vector<Plane> planes;
   std::vector<Solid> boxes;
   std::vector<GroundShape> shapes;  ///< boxes without platforms, and all else that stands still
@@ -106,5 +109,12 @@ Bounds box_around(Vec3 p, Vec3 q);
 Bounds grown(const Bounds& bounds, double by);
 /// Returns whether a shape with one of these filters may touch another.
 bool may_touch(std::span<const Filter> filters, const Filter& other);
+
+/// Lists how ground moves.
+template <class Archive>
+void visit_members(Archive& archive, Surroundings& of) {
+  auto& [planes, boxes, shapes, tree, platforms, anchored, numbers, standing_boxes, may_move, moves, dt] = of;
+  archive(platforms, anchored, moves, dt);
+}
 
 }  // namespace plumb::detail

@@ -15,6 +15,7 @@
 
 namespace plumb::detail {
 
+class Archive;
 class Team;
 
 /// Says where a solver keeps a particle. Every solver numbers its own.
@@ -192,6 +193,13 @@ class Solver {
   /// Lets the last cross section of a chain be turned to `angle` (rad) at the end of the next step.
   virtual void set_twist(Slot, double /*angle*/) {}
   virtual double twist(Slot) const { return 0; }  ///< rad
+
+  // --- Snapshots
+
+  /// Lists all that steps and programs change, between steps.
+  virtual void archive(Archive&) = 0;
+  /// Returns whether archive() does so.
+  virtual bool has_archive() const { return true; }
 
   // --- Settings and reports
 

@@ -77,6 +77,12 @@ class SparseLdu {
   std::uint32_t factorize(std::span<const double> values, std::span<const double> smallest);
   /// Puts the solution in place of the right-hand side, both as position() says.
   void solve(std::span<double> x);
+  /// Lists the numbers of a factorisation.
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [analysis, kernels, upper, lower, inverse, block, x, stack] = *this;
+    archive(upper, lower, inverse);
+  }
   /// Says whether the last factorisation left out the equation at a position.
   bool left_out(std::uint32_t position) const { return inverse_[position] == 0; }
 

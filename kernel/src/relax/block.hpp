@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "interface/archive.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/packing.hpp"
 #include "plumb/settings.hpp"
@@ -87,6 +88,22 @@ class Block {
 
   void write(T* field, std::uint32_t slot, Vec3 value) const;
   Vec3 read(const T* field, std::uint32_t slot) const;
+
+  /// Lists which rods do not take part. Returns whether that has changed, so that set_weights() is due.
+  bool archive_rods(Archive& archive) {
+    const bool breaks = archive.changes(broken_), freezes = archive.changes(frozen_slots_);
+    return breaks || freezes;
+  }
+  /// Lists what else substeps leave to the next one. Weights and laws follow from rules and from which rods
+  /// take part.
+  void archive(Archive& archive) {
+    auto& [packing, x, displacements, kick, accumulator, rod, weight, law, law_start, shift, half_kick, gives,
+           moved, pulls, mass_of_move, strengths, square_bounds, broken, omega, newest, uniform,
+           uniform_length2, uniform_share, uniform_rods, rods_before, moving_anchors, settling,
+           frozen_slots] = *this;
+    archive(x, displacements[newest & 1], displacements[(newest + 1) & 1], kick, half_kick, pulls,
+            moving_anchors, settling);
+  }
 
   std::uint32_t rods() const { return rods_before_.back(); }
   /// Counts the rods of positions [q0, q1), each once.

@@ -79,6 +79,22 @@ class RelaxSolver final : public Solver {
   double pull(Slot lane, double dt) const override { return block_.pulls()[lane] / dt; }
   bool is_broken(Slot lane) const override { return block_.is_broken(lane); }
 
+  /// Initial velocities are those of the scene until a program hands over others. What an accuracy saves
+  /// stands within a step alone, as do paths of anchors.
+  void archive(Archive& archive) override {
+    auto& [rules, kernels, block, pieces, islands, away, slots_of, rests, size, h, last_h, parts, has_moved,
+           kicks_stale, starts_off_length, forces, anchors, saved, mark, best_substep] = *this;
+    if (block.archive_rods(archive)) {
+      const Settings& settings = rules->settings;
+      block.set_weights(rules->constants, settings.weights, settings.order, settings.omega);
+    }
+    archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, forces,
+            best_substep);
+    if (has_moved) return;
+    for (const std::uint32_t particle : block.packing().slot_vertex)
+      archive(rules->initial_velocities[particle]);
+  }
+
   bool sweeps() const override { return true; }
   bool set_stop_rule(const StopRule& rule) override;
   bool set_weights(Weights weights) override;

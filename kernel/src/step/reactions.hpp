@@ -42,6 +42,14 @@ class Reactions {
     }
   }
 
+  template <class Archive>
+  void archive(Archive& archive) {
+    for (Held& each : held_) {
+      auto& [anchor, rod, other, own, shared, way, velocity, anchor_velocity, anchor_change] = each;
+      archive(way, velocity, anchor_velocity, anchor_change);
+    }
+  }
+
   /// Returns the force (N) on the anchor that balances a rod's mean pull (N) and its mass, after a step of
   /// `dt` (s) that led the other end to `way` and `velocity`.
   Vec3 holding(const Held& held, double pull, Vec3 way, Vec3 velocity, double dt) const;

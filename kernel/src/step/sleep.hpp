@@ -55,6 +55,16 @@ class Sleep {
     return tasks_[*task_of(solvers, place)].asleep;
   }
 
+  template <class Archive>
+  void archive(Archive& archive) {
+    awake_ = 0;
+    for (Task& task : tasks_) {
+      auto& [solver, piece, still_time, is_still, asleep, has_broken, troubles, dt] = task;
+      archive(still_time, is_still, asleep, has_broken, troubles, dt);
+      if (!asleep) ++awake_;
+    }
+  }
+
   void wake(std::span<const std::unique_ptr<Solver>> solvers, Place place);
   void wake_all(std::span<const std::unique_ptr<Solver>> solvers);
   /// Ends a step of dt (s): puts to rest what stood still for long enough. Returns how many islands that

@@ -53,6 +53,7 @@ Step::Step(const Scene& scene, const Settings& settings)
   // A scene of one particle has no length for an error to be relative to, so its accuracy is not used.
   const double diagonal = bounding_diagonal(scene);
   if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
+  if (breaks_.any_may_break()) origin_ = std::make_unique<const Origin>(Origin{scene, settings});
   sleep_.start(compiled_.solvers, settings);
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -82,6 +84,17 @@ class Step {
   Vec3 position(std::uint32_t particle) const;
   Vec3 velocity(std::uint32_t particle) const;
   std::uint64_t state_hash() const;
+
+  /// Returns whether all solvers have archives (Solver::has_archive()).
+  bool has_archive() const;
+  /// Returns whether rods may break islands apart.
+  bool may_fall_apart() const { return breaks_.any_may_break(); }
+  /// Lists what fell apart so far, as archive() needs it.
+  std::vector<Split>& splits() { return splits_; }
+  /// Returns this scene where other islands have fallen apart.
+  std::unique_ptr<Step> compiled_with(std::span<const Split> splits);
+  /// Lists all that steps and programs change, of a world whose splits() are the same.
+  void archive(Archive& archive);
   const WorldInfo& info() const { return compiled_.info; }
 
  private:
@@ -106,6 +119,9 @@ class Step {
 
   void reserve();
   void describe();
+  void archive_rules(Archive& archive);
+  void split(Fallen fallen, const Split& now);
+  void repeat(const Split& split_then);
   void exchange(const Fallen& fallen, Compiled made);
   void hand_over(const Fallen& fallen, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.
@@ -136,6 +152,13 @@ class Step {
   Loads loads_;
   Reactions reactions_;
   Breaks breaks_;
+  /// What islands that fell apart were made of, if some may.
+  struct Origin {
+    Scene scene;
+    Settings settings;
+  };
+  std::unique_ptr<const Origin> origin_;
+  std::vector<Split> splits_;
   bool has_broken_ = false;  ///< some rod did in the last step
   std::vector<Seat> seats_;  ///< by solver
   RodJudge rods_;

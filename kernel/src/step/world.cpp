@@ -9,7 +9,8 @@
 #include "scene/refuse.hpp"
 #include "scene/springs/springs.hpp"
 #include "scene/validate_bodies.hpp"
-#include "step/step.hpp"
+#include "step/snapshot/fingerprint.hpp"
+#include "step/world_impl.hpp"
 
 namespace plumb {
 
@@ -33,55 +34,6 @@ void require_length(const char* what, std::uint32_t number, double target) {
 
 }  // namespace
 
-struct World::Impl {
-  std::unique_ptr<detail::Step> step;
-  std::vector<std::uint8_t> fixed;
-  Precision precision = Precision::double_;
-  std::uint32_t substeps = 1;
-  std::uint32_t rods = 0, tackles = 0, twists = 0;
-  std::vector<std::size_t> tackle_segments;
-  std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, shapes = 0;
-  std::vector<std::uint32_t> of_kind;    ///< Numbers of shapes and pieces of ground, by ShapeKind.
-  std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
-  std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
-  bool tensions = false, contacts = false;
-  double time = 0;
-
-  void require_known(std::uint32_t particle) const {
-    if (particle >= fixed.size())
-      refuse("particle ", particle, ": unknown, the scene has ", fixed.size(), " particles");
-  }
-  void require(std::uint32_t particle, bool want_fixed, const char* reason) const {
-    require_known(particle);
-    if ((fixed[particle] != 0) != want_fixed)
-      refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
-  }
-  void require_rod(std::uint32_t rod) const { require_one_of(rods, "rod", rod); }
-  void require_tackle(std::uint32_t tackle) const { require_one_of(tackles, "tackle", tackle); }
-  void require_reel(std::uint32_t reel) const {
-    require_one_of(static_cast<std::uint32_t>(chains.size()), "reel", reel);
-  }
-  void require_twist(std::uint32_t twist) const { require_one_of(twists, "twist", twist); }
-  /// Refuses a number that the scene does not have. `what` is one of them, `all` how many it has.
-  static void require_one_of(std::uint32_t all, const char* what, std::uint32_t number) {
-    if (number >= all)
-      refuse(what, ' ', number, ": unknown, the scene has ", all, ' ', what, all == 1 ? "" : "s");
-  }
-  /// Returns what knows the forces of joints and contacts, for one that the scene has.
-  const detail::ContactSolver& contact(std::uint32_t all, const char* what, std::uint32_t number) const {
-    require_one_of(all, what, number);
-    require_tensions();
-    return step->contact();
-  }
-  void require_tensions() const {
-    if (!tensions) refuse("tensions are not known: Settings::tensions asks for them");
-  }
-  void require_fit(std::span<const Vec3> out, const char* what) const {
-    if (out.size() != fixed.size())
-      refuse(what, " of ", fixed.size(), " particles cannot be copied into ", out.size(), " elements");
-  }
-};
-
 World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>()) {
   validate(scene);
   validate(settings);
@@ -89,6 +41,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
     refuse("the executor has a concurrency of 0: it must run at least one task at a time");
   detail::require_addressable(scene.particles.size(), scene.rods.size());
   impl_->step = std::make_unique<detail::Step>(scene, settings);
+  impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->precision = settings.precision;
   impl_->substeps = settings.substeps;

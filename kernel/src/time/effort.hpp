@@ -29,4 +29,10 @@ struct Effort {
   double usual = least_usual;  ///< About so many Newton steps were taken in half of the last substeps.
 };
 
+template <class Archive>
+void visit_members(Archive& archive, Effort& of) {
+  auto& [usual] = of;
+  archive(usual);
+}
+
 }  // namespace plumb::detail

@@ -44,4 +44,10 @@ struct Pace {
   bool grew = false;                        ///< The last ones are longer than those before.
 };
 
+template <class Archive>
+void visit_members(Archive& archive, Pace& of) {
+  auto& [longest, patience, calm, grew] = of;
+  archive(longest, patience, calm, grew);
+}
+
 }  // namespace plumb::detail

@@ -77,4 +77,10 @@ struct ElasticStep {
   double soft_at_end() const;
 };
 
+template <class Archive>
+void visit_members(Archive& archive, ElasticLaw& of) {
+  auto& [rest, stiffness, damping, force, one_sided, strength] = of;
+  archive(rest, stiffness, damping, force, one_sided, strength);
+}
+
 }  // namespace plumb::detail

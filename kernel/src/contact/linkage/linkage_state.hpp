@@ -87,6 +87,15 @@ struct LinkageState : LinkageMotion {
   /// Returns the mass of a place's heaviest movable particle with the inertia of its waves, kg.
   double heaviest(const Combination& at) const;
 
+  /// Lets the island stand still for good. Nothing of it stays that may not be finite: NaN has a sign that
+  /// depends on the instruction set, and snapshots hold it.
+  void freeze() {
+    frozen = true;
+    kept.clear();
+    energy.reset();
+    std::fill(acceleration.begin(), acceleration.end(), Vec3{});
+    forget_tautness();
+  }
   /// Lets a rod pull nothing from now on.
   void break_rod(std::size_t elastic);
   /// Breaks the rods whose mean pull over a substep, pull_of(elastic) in N, is more than they hold. They pull
@@ -194,5 +203,29 @@ Bounds reach(const LinkageState& state, double speed, double dt, double margin);
 double top_speed(const LinkageState& state);
 /// Returns the root mean square of the speeds (m/s) of an island's movable particles, by mass.
 double mean_speed(const LinkageState& state);
+
+template <class Archive>
+void visit_members(Archive& archive, KeptContact& of) {
+  auto& [key, force, end_force] = of;
+  archive(key, force, end_force);
+}
+template <class Archive>
+void visit_members(Archive& archive, LinkageMotion& of) {
+  auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
+         slow_time, energy, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness, broken] = of;
+  archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
+          slow_time, energy, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness, broken);
+}
+template <class Archive>
+void visit_members(Archive& archive, Linkage::AngleRule& of) {
+  auto& [lower, upper, friction] = of;
+  archive(lower, upper, friction);
+}
+/// What a program and steps change beside the motion. Factors are made anew.
+template <class Archive>
+void visit_members(Archive& archive, LinkageState& of) {
+  archive(of.motion(), of.force, of.laws, of.gives, of.angle_rules, of.wave_inertia, of.wave_inertia_at);
+  if (archive.restores()) of.factored = false;
+}
 
 }  // namespace plumb::detail

@@ -38,6 +38,12 @@ class Visitor {
   std::uint32_t number() const { return number_; }
   Slot first_slot() const { return slots_.front(); }
 
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [home, number, slots, is_visiting] = *this;
+    archive(is_visiting);
+  }
+
  private:
   Solver* home_ = nullptr;
   std::uint32_t number_ = 0;

@@ -31,6 +31,11 @@ class Anchored {
   /// Returns a shape's middle with anchors at `x`, and how the shape moves there.
   Segment segment(std::size_t shape, std::span<const Vec3> x) const;
   GroundRate rate(std::size_t shape, std::span<const Vec3> x) const;
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [shapes, anchors, x, v] = *this;
+    archive(x, v);
+  }
   /// Returns whether some anchor moves in this step.
   bool any_moves() const;
 

@@ -41,6 +41,13 @@ class Platforms {
   void end_step();
   /// Returns whether some platform moves in this step.
   bool any_moves() const;
+  template <class Archive>
+  void archive(Archive& archive) {
+    for (Path& path : paths_) {
+      auto& [home, now, target, velocity, spin] = path;
+      archive(now, target, velocity, spin);
+    }
+  }
   /// Returns where a platform is `t` (s) after the step's start.
   PlatformPose at(std::uint32_t number, double t) const;
 
@@ -51,5 +58,11 @@ class Platforms {
   };
   std::vector<Path> paths_;
 };
+
+template <class Archive>
+void visit_members(Archive& archive, Pose& of) {
+  auto& [position, orientation] = of;
+  archive(position, orientation);
+}
 
 }  // namespace plumb::detail

@@ -23,6 +23,13 @@ class ContactList {
   /// Ends the step: sorts what was added and compares it with the step before.
   void end();
 
+  /// Lists the pairs of the last step.
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [added, keys, contacts, last, is_steady] = *this;
+    archive(contacts, is_steady);
+  }
+
   std::span<const Contact> all() const { return contacts_; }
   /// Returns whether all of them were there in the step before.
   bool is_steady() const { return is_steady_; }
@@ -39,5 +46,16 @@ class ContactList {
   std::vector<Contact> contacts_, last_;
   bool is_steady_ = true;
 };
+
+template <class Archive>
+void visit_members(Archive& archive, ShapeId& of) {
+  auto& [kind, number] = of;
+  archive(kind, number);
+}
+template <class Archive>
+void visit_members(Archive& archive, Contact& of) {
+  auto& [a, b, phase, point, normal, impulse, approach_speed] = of;
+  archive(a, b, phase, point, normal, impulse, approach_speed);
+}
 
 }  // namespace plumb::detail

@@ -26,4 +26,10 @@ struct LinkagePulls {
   void begin_step();
 };
 
+template <class Archive>
+void visit_members(Archive& archive, LinkagePulls& of) {
+  auto& [counts, dt, rods, pins, angles, elastics, along_first, shapes, fixed, touched] = of;
+  archive(dt, rods, pins, angles, elastics, along_first, shapes, fixed, touched);
+}
+
 }  // namespace plumb::detail

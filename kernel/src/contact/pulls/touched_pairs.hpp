@@ -47,6 +47,12 @@ class TouchedPairs {
   void add(std::uint32_t shape, std::uint32_t island, std::uint32_t other, const TouchPush& push);
   /// Adds up all of a pair, and sorts pairs by their numbers.
   void merge();
+  /// Lists the pairs of the last step.
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [is_counting, pairs, merged, keys, added, few] = *this;
+    archive(pairs);
+  }
   /// Returns the pairs of the last step, once they are merged.
   const std::vector<TouchedPair>& pairs() const { return pairs_; }
 
@@ -63,5 +69,11 @@ class TouchedPairs {
   std::uint32_t added_ = 0;
   std::size_t few_ = least;  ///< at so many they are merged
 };
+
+template <class Archive>
+void visit_members(Archive& archive, TouchedPair& of) {
+  auto& [shape, island, other, order, impulse, weight, place, normal, approach] = of;
+  archive(shape, island, other, order, impulse, weight, place, normal, approach);
+}
 
 }  // namespace plumb::detail

@@ -142,8 +142,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
   report.contact_points = std::max<std::uint64_t>(report.contact_points, contacts_.count_pushes());
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     if (!crowd_.is_moving(i) || !crowd_.stop_if_broken(*cluster[i], i)) continue;
-    cluster[i]->kept.clear();
-    cluster[i]->frozen = true;
+    cluster[i]->freeze();
     ++report.frozen_islands;
   }
   return true;

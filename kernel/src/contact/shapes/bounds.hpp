@@ -46,4 +46,10 @@ inline double distance2(const Bounds& box, Vec3 p) {
   return dot(out, out);
 }
 
+template <class Archive>
+void visit_members(Archive& archive, Bounds& of) {
+  auto& [low, high] = of;
+  archive(low, high);
+}
+
 }  // namespace plumb::detail

@@ -172,9 +172,7 @@ void ClusterStepper::freeze(Island& island, Tally& report) {
   LinkageState& state = *island.state;
   std::swap(state.x, island.there);
   std::fill_n(state.v.begin(), state.linkage->movable(), Vec3{});
-  state.kept.clear();
-  state.energy.reset();
-  state.frozen = true;
+  state.freeze();
   island.awake = false;
   ++report.frozen_islands;
 }

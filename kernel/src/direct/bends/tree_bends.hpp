@@ -41,4 +41,10 @@ void begin_bends(TreeState<T>& state, double h, TreeWorkspace<T>& work);
 template <class T>
 void hold_bends(TreeState<T>& state, double h, double theta, const TreeWorkspace<T>& work);
 
+template <class Archive, class T>
+void visit_members(Archive& archive, TreeBends<T>& of) {
+  auto& [law, damped] = of;  // what dampens is known from the start
+  archive(law);
+}
+
 }  // namespace plumb::detail

@@ -100,4 +100,10 @@ struct LawPull {
 };
 LawPull law_pull(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k, double growth);
 
+template <class Archive>
+void visit_members(Archive& archive, LoopLaws& of) {
+  auto& [rods, half_kick, length, rate, jump, impulse, moves, pulls] = of;
+  archive(rods, half_kick, length, rate, jump, impulse, moves, pulls);
+}
+
 }  // namespace plumb::detail

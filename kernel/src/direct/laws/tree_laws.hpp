@@ -52,12 +52,18 @@ struct TreeLaws {
     rate.make(nodes, ties);
     jump.make(nodes, ties);
     impulse.make(nodes, ties);
-    step.make(simd::tree_fields::law_step * nodes, simd::tree_fields::law_step * ties);
-    factors.assign(lanes, {});
-    factor_numbers = layouts::AlignedBuffer<T>(std::size_t{simd::law_factors::count} * lanes);
+    make_steps(lanes);
     for (auto* const buffer : {&law.rods, &law.ties})
       for (std::size_t i = 0; i * simd::tree_fields::law * lanes < buffer->size(); ++i)
         std::fill_n(buffer->data() + (simd::tree_fields::law * i + 2) * lanes, lanes, T(1));
+  }
+
+  /// Makes room for steps of laws that have theirs.
+  void make_steps(std::size_t lanes) {
+    step.make(simd::tree_fields::law_step * half_kick.rods.size(),
+              simd::tree_fields::law_step * half_kick.ties.size());
+    factors.assign(lanes, {});
+    factor_numbers = layouts::AlignedBuffer<T>(std::size_t{simd::law_factors::count} * lanes);
   }
 
   /// Writes tree_fields::law numbers of a rod from entry `first` on, and notes what they ask for.
@@ -103,6 +109,21 @@ void for_laws(Laws& laws, Other& other, F&& f) {
   visit(laws.rate, 1, other.rate);
   visit(laws.jump, 1, other.jump);
   visit(laws.impulse, 1, other.impulse);
+}
+
+/// Steps are made anew.
+template <class Archive, class T>
+void visit_members(Archive& archive, TreeLaws<T>& of) {
+  auto& [any, gives, cables, breaks, moves, pulls, law, half_kick, length, rate, jump, impulse, blow, step,
+         factors, factor_numbers, steps_are_old] = of;
+  archive(any, gives, cables, breaks, moves, pulls);
+  for_laws(of, of, [&](auto& rods, auto& ties, std::uint32_t, auto&, auto&) { archive(rods, ties); });
+  archive(blow.rods, blow.ties);
+  std::size_t lanes = factors.size();
+  archive(lanes);
+  if (!archive.restores()) return;
+  if (lanes != factors.size()) of.make_steps(lanes);
+  steps_are_old = true;
 }
 
 }  // namespace plumb::detail

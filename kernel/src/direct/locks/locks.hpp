@@ -46,4 +46,10 @@ Vec3 locked_velocity(const LoopState& state, std::uint32_t node);
 /// Sets the displacements of locked nodes in a time, as their anchors move.
 void move_locked(const LoopState& state, double time, std::span<double> displacements);
 
+template <class Archive>
+void visit_members(Archive& archive, Locks& of) {
+  auto& [anchors, ends] = of;
+  archive(anchors, ends);
+}
+
 }  // namespace plumb::detail

@@ -257,7 +257,7 @@ void project_delta(const LoopState& state, const Projected& acts, LoopWorkspace&
       const auto [a, b] = shape.rods[k];
       const auto [known, row] = projected_row(state, k, work);
       double& right = factor.right[analysis.position(shape.nodes + k)];
-      right = -(row.c + (force == 0 ? row.soft * right : 0));  // it was the pull that the first time found
+      right = -(row.c + (again ? row.soft * right : 0));  // it was the pull that the first time found
       if (known == 0 || force == 0) continue;
       const Vec3 pull = known * at(work.d, k);
       add(factor.right.data() + analysis.position(a), pull);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "direct/loops/loop_stepper.hpp"
+#include "interface/archive.hpp"
 #include "interface/solver.hpp"
 
 namespace plumb::detail {
@@ -97,6 +98,15 @@ class LoopSolver final : public Solver {
 
   void set_twist(Slot twist, double angle) override { state_.twists[twist].target = angle; }
   double twist(Slot twist) const override { return state_.twisted[twist]; }
+
+  /// Velocities are found when they are asked for. What an accuracy saves stands within a step alone.
+  void archive(Archive& archive) override {
+    auto& [rules, state, work, velocity, velocity_known, anchors_changed, lengths_changed, away, locks_known,
+           blows, saved, mark, best_substep] = *this;
+    archive(state, anchors_changed, lengths_changed, away, locks_known, blows, best_substep);
+    work.archive(archive, state);
+    if (archive.restores()) velocity_known = false;
+  }
 
   bool set_stop_rule(const StopRule& rule) override;
   void describe(WorldInfo& info) const override;

@@ -137,4 +137,18 @@ struct LoopState : LoopMotion {
   double scale2 = 1;     ///< It is the mean squared length of a rod, in m^2.
 };
 
+template <class Archive>
+void visit_members(Archive& archive, LoopMotion& of) {
+  auto& [x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
+         effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick] = of;
+  archive(x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
+          effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick);
+}
+/// What a program and steps change beside the motion. Reels change masses, and laws lengths.
+template <class Archive>
+void visit_members(Archive& archive, LoopState& of) {
+  archive(of.motion(), of.force, of.mass, of.length2, of.fixed_velocity, of.twists, of.locks,
+          of.anchors_move);
+}
+
 }  // namespace plumb::detail

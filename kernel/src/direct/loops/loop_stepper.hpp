@@ -14,6 +14,8 @@
 
 namespace plumb::detail {
 
+class Archive;
+
 /// A thread needs this while it steps one island. It belongs to the island, so that a factorisation can be
 /// used again.
 struct LoopWorkspace {
@@ -29,6 +31,8 @@ struct LoopWorkspace {
     bool worth_carrying() const;     ///< Says whether to keep it for the next substep.
     double theta = 0, h = 0;  ///< They are of the substep it was made for; h is 0 if it is not worth keeping.
   };
+  /// Lists what the next substep starts from. The state has been listed already.
+  void archive(Archive& archive, const LoopState& state);
   /// Prepares for the nodes that are locked from now on.
   void take_locks(const LoopState& state);
   /// Says whether there is a cheaper way than to factorise.
@@ -222,5 +226,12 @@ class LoopStepper {
 
 /// Adds what a projection of velocities did to how cords pulled and anchors held in this step.
 void count_blows(LoopState& state, const LoopWorkspace& work);
+
+/// Archives a factor that the next substep may use.
+template <class Archive>
+void visit_members(Archive& archive, LoopWorkspace::Factor& of) {
+  auto& [system, ldu, values, smallest, right, acts, theta, h] = of;
+  archive(ldu, acts, theta, h);
+}
 
 }  // namespace plumb::detail

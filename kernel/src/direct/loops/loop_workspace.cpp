@@ -1,4 +1,5 @@
 #include "direct/loops/loop_stepper.hpp"
+#include "interface/archive.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -57,6 +58,25 @@ void LoopWorkspace::take_locks(const LoopState& state) {
   if (!lines) return;
   lines->solver.set_masses(state.mass, [&](std::uint32_t i) { return state.locks.has(i); });
   lines->forget();
+}
+
+/// All but these is found anew in every substep. A factor is listed if the next substep may use it.
+void LoopWorkspace::archive(Archive& archive, const LoopState& state) {
+  archive(tackles.pulleys);
+  bool has_lines = lines != nullptr;
+  archive(has_lines);
+  if (!has_lines) lines.reset();
+  if (has_lines && !lines) lines = std::make_unique<LineWorkspace>(*topology->lines, state.mass);
+  if (archive.restores()) take_locks(state);
+  if (lines) archive(*lines);
+  for (std::unique_ptr<Factor>* const each : {&first, &second}) {
+    bool is_kept = *each && (*each)->h != 0 && (*each)->worth_carrying();
+    archive(is_kept);
+    if (is_kept)
+      archive(*each ? **each : factor(true));
+    else if (*each && archive.restores())
+      (*each)->h = 0;
+  }
 }
 
 LoopWorkspace::Factor& LoopWorkspace::factor(bool couples) {

@@ -65,4 +65,17 @@ LineOutcome iterate_by_lines(LoopState& state, double theta, double kick, double
 /// pulls on rods.
 bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work);
 
+template <class Archive>
+void visit_members(Archive& archive, LineWorkspace::History& of) {
+  auto& [before, earlier, kick, known] = of;
+  archive(before, earlier, kick, known);
+}
+/// Masses follow from locks (LoopWorkspace::take_locks()).
+template <class Archive>
+void visit_members(Archive& archive, LineWorkspace& of) {
+  auto& [lines, solver, d, excess, mu, wanted, pushed, start, last_change, last_mu, last_delta, past, kept,
+         stalls] = of;
+  archive(past, stalls);
+}
+
 }  // namespace plumb::detail

@@ -46,4 +46,10 @@ struct ReelSubstep {
   Vec3 before;  ///< Velocity of that neighbour before a blow, in m/s.
 };
 
+template <class Archive>
+void visit_members(Archive& archive, LoopReelMotion& of) {
+  auto& [out, rate, first, corner, corner_slope, span, turned, aside, momentum] = of;
+  archive(out, rate, first, corner, corner_slope, span, turned, aside, momentum);
+}
+
 }  // namespace plumb::detail

@@ -95,4 +95,16 @@ void end_tackles(LoopState& state, const SubstepEnd& end, const LoopWorkspace& w
 /// Adds up the pulls of a projection of velocities (LoopWorkspace::blows).
 void hold_blows(LoopState& state, const LoopWorkspace& work);
 
+template <class Archive>
+void visit_members(Archive& archive, LoopTackleMotion& of) {
+  auto& [length, rate, jump, impulse] = of;
+  archive(length, rate, jump, impulse);
+}
+/// The next substep starts from how cords slide in this one.
+template <class Archive>
+void visit_members(Archive& archive, Pulley& of) {
+  auto& [most, slide, blow] = of;
+  archive(most, slide, blow);
+}
+
 }  // namespace plumb::detail

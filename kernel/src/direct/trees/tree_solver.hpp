@@ -6,6 +6,7 @@
 
 #include "direct/trees/line_segments.hpp"
 #include "direct/trees/tree_kind.hpp"
+#include "interface/archive.hpp"
 #include "interface/solver.hpp"
 
 namespace plumb::detail {
@@ -99,6 +100,14 @@ class TreeSolver final : public Solver {
 
   void set_twist(Slot twist, double angle) override { state_.twists.numbers[twist].target = angle; }
   double twist(Slot twist) const override { return state_.twists.twisted[twist]; }
+
+  /// Velocities are found when they are asked for. What an accuracy saves stands within a step alone.
+  void archive(Archive& archive) override {
+    auto& [kind, state, line, ties_begin, velocity, velocities_known, anchors_changed, lengths_changed, away,
+           is_calm, calm_steps, saved, mark, best_substep] = *this;
+    archive(state, anchors_changed, lengths_changed, away, is_calm, calm_steps, best_substep);
+    if (archive.restores()) velocities_known = false;
+  }
 
   void describe(WorldInfo& info) const override;
 

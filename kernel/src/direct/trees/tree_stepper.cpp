@@ -291,7 +291,7 @@ double TreeStepper<T>::advance_piece(TreeState<T>& state, double h, const TreeCr
     if (!work.failed[lane] && !work.first[lane]) error = std::max(error, h * h / 12 * jolt);
   }
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
-    if (!work.failed[lane]) state.effort[lane].took(work.iterations[lane]);
+    if (!state.idle[lane] && !work.failed[lane]) state.effort[lane].took(work.iterations[lane]);
   counters.direct_substeps += state.trees;
   for (std::uint32_t lane = 0; !all && lane < state.lanes; ++lane) {
     if (state.idle[lane] || !work.failed[lane]) continue;

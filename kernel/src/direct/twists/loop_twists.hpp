@@ -74,4 +74,10 @@ double energy_of_twists(const LoopState& state, const LoopWorkspace& work);
 /// fixed vertices.
 void end_twists(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work);
 
+template <class Archive>
+void visit_members(Archive& archive, LoopTwistNumbers& of) {
+  auto& [stiffness, rods, imposed, target, rate] = of;
+  archive(imposed, target, rate);
+}
+
 }  // namespace plumb::detail

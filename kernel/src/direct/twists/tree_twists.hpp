@@ -31,4 +31,10 @@ void start_twists(const TreeState<T>& state, double h, TreeWorkspace<T>& work);
 template <class T>
 void end_twists(TreeState<T>& state, double h, double theta, const TreeWorkspace<T>& work);
 
+template <class Archive>
+void visit_members(Archive& archive, TreeTwists& of) {
+  auto& [numbers, twisted] = of;
+  archive(numbers, twisted);
+}
+
 }  // namespace plumb::detail

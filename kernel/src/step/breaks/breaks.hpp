@@ -17,6 +17,21 @@ struct Fallen {
   bool any() const { return !particles.empty(); }
 };
 
+/// Holds what one call of Breaks::take_out() took out, and how what fell apart was then. With all of them in
+/// turn, a world that is compiled anew falls apart alike.
+struct Split {
+  std::vector<std::uint32_t> rods;          ///< by number in the whole scene
+  std::vector<Vec3> positions, velocities;  ///< m and m/s, of Fallen::particles
+  std::vector<double> lengths;              ///< m, of Fallen::rods and then of Fallen::tackles
+
+  friend bool operator==(const Split&, const Split&) = default;
+};
+template <class Archive>
+void visit_members(Archive& archive, Split& of) {
+  auto& [rods, positions, velocities, lengths] = of;
+  archive(rods, positions, velocities, lengths);
+}
+
 /// Knows which rods broke, and cuts out the islands that fell apart by that.
 ///
 /// A broken rod with mass of its own still joins its ends if the mass is spread along it. Where the masses of

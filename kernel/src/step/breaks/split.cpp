@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <set>
 #include <utility>
@@ -25,20 +26,45 @@ std::vector<std::uint32_t> take_seats(std::size_t count, std::vector<Seat>& seat
 void Step::split(StepReport&) {
   if (!has_broken_) return;
   has_broken_ = false;
-  Fallen fallen = breaks_.take_out([&](std::uint32_t rod) {
+  Split now;
+  const Fallen fallen = breaks_.take_out([&](std::uint32_t rod) {
     const auto places = compiled_.cords.of(rod);  // The contact solver's islands stay whole.
-    return !places.empty() && solver(places.front()).is_broken(places.front().slot);
+    const bool leaves = !places.empty() && solver(places.front()).is_broken(places.front().slot);
+    if (leaves) now.rods.push_back(rod);
+    return leaves;
   });
+  if (now.rods.empty()) return;
+  for (const std::uint32_t particle : fallen.particles) {
+    now.positions.push_back(position(particle));
+    now.velocities.push_back(velocity(particle));
+  }
+  for (const std::uint32_t rod : fallen.rods) now.lengths.push_back(lengths_.length(rod));
+  for (const std::uint32_t tackle : fallen.tackles)
+    now.lengths.push_back(lengths_.length(compiled_.info.rods + tackle));
+  split(fallen, now);
+  splits_.push_back(std::move(now));
+}
+
+/// Takes out again what a world of this scene took out.
+void Step::repeat(const Split& split_then) {
+  split(breaks_.take_out([&](std::uint32_t rod) {
+    return std::find(split_then.rods.begin(), split_then.rods.end(), rod) != split_then.rods.end();
+  }),
+        split_then);
+  splits_.push_back(split_then);
+}
+
+/// Lets new solvers move what fell apart, if anything did.
+void Step::split(Fallen fallen, const Split& now) {
   if (!fallen.any()) return;
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
     Particle& particle = fallen.scene.particles[k];
-    particle.position = position(fallen.particles[k]);
-    if (!particle.fixed) particle.velocity = velocity(fallen.particles[k]);
+    particle.position = now.positions[k];
+    if (!particle.fixed) particle.velocity = now.velocities[k];
   }
-  for (std::size_t k = 0; k < fallen.rods.size(); ++k)
-    fallen.scene.rods[k].length = lengths_.length(fallen.rods[k]);
+  for (std::size_t k = 0; k < fallen.rods.size(); ++k) fallen.scene.rods[k].length = now.lengths[k];
   for (std::size_t k = 0; k < fallen.tackles.size(); ++k)
-    fallen.scene.tackles[k].length = lengths_.length(compiled_.info.rods + fallen.tackles[k]);
+    fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
   Settings settings = settings_;
   settings.threads = workers_.size();
   exchange(fallen, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));

@@ -46,6 +46,16 @@ class Anchors {
       if (targets_[particle] != positions_[particle])
         for (const Place place : places.of(particle)) f(place);
   }
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [fixed, positions, targets, has_target, moving, concerned, settling, moved, dt, is_concerned] =
+        *this;
+    for (const std::uint32_t particle : moving) has_target[particle] = 0;
+    archive(moving, concerned, settling, moved, dt, is_concerned);
+    for (const std::uint32_t particle : moving) has_target[particle] = 1;
+    for (std::size_t particle = 0; particle < fixed.size(); ++particle)
+      if (fixed[particle] != 0) archive(positions[particle], targets[particle]);
+  }
   /// Tells solvers the paths of a step of dt (s). Once it is done, puts the anchors at their targets exactly,
   /// without the rounding of the way.
   void begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
@@ -64,5 +74,11 @@ class Anchors {
   double dt_ = 0;                                            ///< s, of that step
   std::vector<std::uint8_t> is_concerned_;
 };
+
+template <class Archive>
+void visit_members(Archive& archive, AnchorMove& of) {
+  auto& [from, to, dt] = of;
+  archive(from, to, dt);
+}
 
 }  // namespace plumb::detail

@@ -12,13 +12,16 @@ Lengths::Lengths(const Scene& scene)
     const RodTable rods(scene);
     for (const Reel& reel : scene.reels) lengths_.push_back(start_of(scene, rods, reel).out);
   }
-  targets_ = lengths_;
+  made_ = targets_ = lengths_;
+  is_changed_ = is_moving_;
   rates_.resize(lengths_.size());
   rates_before_ = rates_;
 }
 
 void Lengths::set_target(std::uint32_t rod, double target) {
   targets_[rod] = target;
+  if (is_changed_[rod] == 0) changed_.push_back(rod);
+  is_changed_[rod] = 1;
   if (is_moving_[rod] == 0) moving_.push_back(rod);
   is_moving_[rod] = 2;
 }

@@ -18,13 +18,18 @@ void Loads::set(Load load) {
   load_ = std::move(load);
   last_dt_ = 0;
   if (!load_) return std::fill(asked_.begin(), asked_.end(), Vec3{});
-  // The space is made here, so that steps allocate nothing.
+  make_room(constant_.size());
+}
+
+/// Makes the space that a load needs, so that steps allocate nothing.
+void Loads::make_room(std::size_t particles) {
   for (std::vector<Vec3>* const of : {&loaded_, &asked_, &positions_, &velocities_, &last_velocities_})
-    of->resize(constant_.size());
+    of->resize(particles);
 }
 
 Vec3 Loads::set_force(std::uint32_t particle, Vec3 force) {
   constant_[particle] = force;
+  any_constant_ = true;
   return force + loaded(particle);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "plumb/loads.hpp"
@@ -35,6 +37,25 @@ class Loads {
     for (std::uint32_t i = 0; i < positions_.size(); ++i) predict(i, dt, at(i));
     ask_at(time + dt / 2, dt);
   }
+  /// Lists the forces of now. The load itself is the program's.
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [load, fixed, any_constant, constant, loaded, asked, positions, velocities, last_velocities,
+           last_dt] = *this;
+    const bool had_some = any_constant;
+    archive(any_constant);
+    if (any_constant)
+      archive(constant);
+    else if (had_some)
+      std::fill(constant.begin(), constant.end(), Vec3{});
+    archive(loaded, asked, last_velocities, last_dt);
+    if (archive.restores()) make_room(load ? constant.size() : loaded.size());
+  }
+  /// Takes the load of another.
+  void take_load(Loads& from) {
+    load_ = std::move(from.load_);
+    if (load_) make_room(constant_.size());
+  }
   /// Calls f(particle, force) for every movable particle whose force (N) is not what it was.
   template <class F>
   void for_changed(F&& f) {
@@ -47,9 +68,11 @@ class Loads {
  private:
   void predict(std::uint32_t particle, double dt, const Motion& motion);
   void ask_at(double middle, double dt);
+  void make_room(std::size_t particles);
 
   Load load_;
   std::vector<bool> fixed_;
+  bool any_constant_ = false;                    ///< A constant force was ever set.
   std::vector<Vec3> constant_, loaded_, asked_;  ///< N, by particle; the last two once there was a load
   std::vector<Vec3> positions_, velocities_;     ///< as the load sees them
   std::vector<Vec3> last_velocities_;            ///< m/s, at the start of the last step

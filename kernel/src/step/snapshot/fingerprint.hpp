@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "plumb/scene.hpp"
+#include "plumb/settings.hpp"
+
+namespace plumb::detail {
+
+/// Says what a snapshot fits to. Equal ones stand for equal scenes, but for one in 2^64.
+struct Fingerprint {
+  std::uint64_t scene = 0;
+  /// Of all settings that storage or motion depends on. Instruction set, threads and executor do not count,
+  /// nor rules that a world may change, which snapshots hold.
+  std::uint64_t settings = 0;
+
+  friend bool operator==(const Fingerprint&, const Fingerprint&) = default;
+};
+Fingerprint fingerprint_of(const Scene& scene, const Settings& settings);
+
+/// Returns a sum over bytes. It changes with any byte, since every step of it can be undone.
+std::uint64_t checksum(std::span<const std::byte> bytes);
+
+}  // namespace plumb::detail

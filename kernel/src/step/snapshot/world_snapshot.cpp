@@ -1,0 +1,122 @@
+// This file writes and reads snapshots of a world. kernel/README.md says what their bytes mean.
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "plumb/version.hpp"
+#include "step/world_impl.hpp"
+
+namespace plumb {
+
+using detail::Archive;
+using detail::refuse;
+
+namespace {
+
+constexpr std::array<char, 8> magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
+/// Goes up with any change of what archives list.
+constexpr std::uint32_t format = 1;
+constexpr std::uint32_t library = PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
+
+/// Every snapshot begins with this. The sum is over all bytes behind it.
+struct Header {
+  std::array<char, 8> begin = magic;
+  std::uint64_t sum = 0;
+  std::uint32_t format_of = format, library_of = library;
+  std::uint64_t size = 0;  ///< of the whole snapshot, in bytes
+  detail::Fingerprint fits_to{};
+};
+static_assert(sizeof(Header) == 48);
+constexpr std::size_t summed_from = sizeof(magic) + sizeof(std::uint64_t);
+
+void visit_members(Archive& archive, Header& of) {
+  auto& [begin, sum, format_of, library_of, size, fits_to] = of;
+  archive(begin, sum, format_of, library_of, size, fits_to.scene, fits_to.settings);
+}
+
+/// Returns the header of a snapshot that fits to a world. Refuses others with a reason.
+Header checked(std::span<const std::byte> from, const detail::Fingerprint& world) {
+  if (from.size() < sizeof(Header))
+    refuse("snapshot: has ", from.size(), " bytes, and its header alone takes ", sizeof(Header));
+  Header header;
+  Archive archive = Archive::restore(from);
+  archive(header);
+  if (header.begin != magic) refuse("snapshot: does not begin as one");
+  if (header.format_of != format)
+    refuse("snapshot: has format ", header.format_of, ", and this plumb reads ", format);
+  if (header.size < sizeof(Header) || header.size > from.size())
+    refuse("snapshot: is cut off, or damaged: it says that it has ", header.size, " bytes, and ", from.size(),
+           " are here");
+  if (header.sum != detail::checksum(from.first(header.size).subspan(summed_from)))
+    refuse("snapshot: is damaged: the sum over its bytes is not what it was");
+  if (header.library_of != library) refuse("snapshot: was written by another version of plumb");
+  if (header.fits_to.scene != world.scene) refuse("snapshot: is of another scene");
+  if (header.fits_to.settings != world.settings)
+    refuse(
+        "snapshot: is of a world with other settings; only isa, threads, executor, stop and weights may "
+        "differ");
+  return header;
+}
+
+}  // namespace
+
+void World::Impl::archive_own(Archive& archive, Impl& of) {
+  auto& [step, fixed, precision, substeps, rods, tackles, twists, tackle_segments, pins, angles, springs,
+         torsions, shapes, of_kind, platforms, targets, chains, tensions, contacts, time, fingerprint] = of;
+  archive(time, platforms, targets);
+}
+
+/// Splits are listed first, since all else fits only to a world that fell apart alike.
+void World::Impl::archive(Archive& archive) {
+  if (!step->has_archive())
+    refuse("snapshot: springs, multipliers and featherstone keep none; relax, direct and auto do");
+  if (!archive.restores()) {
+    archive(step->splits());
+    archive_own(archive, *this);
+    return step->archive(archive);
+  }
+  std::unique_ptr<detail::Step> other;
+  if (std::vector<detail::Split> splits = step->splits(); step->may_fall_apart()) {
+    archive(splits);
+    if (splits != step->splits()) other = step->compiled_with(splits);
+  } else {
+    archive(step->splits());
+  }
+  if (other) step = std::move(other);
+  archive_own(archive, *this);
+  step->archive(archive);
+}
+
+std::size_t World::snapshot_size() const {
+  Archive archive = Archive::measure();
+  impl_->archive(archive);
+  return sizeof(Header) + archive.size();
+}
+
+std::size_t World::save(std::span<std::byte> out) const {
+  if (out.size() < sizeof(Header))
+    refuse("snapshot: does not fit into ", out.size(), " bytes; snapshot_size() says how many it takes");
+  Archive body = Archive::save(out.subspan(sizeof(Header)));
+  impl_->archive(body);
+  Header header{.size = sizeof(Header) + body.size(), .fits_to = impl_->fingerprint};
+  const std::span<std::byte> written = out.first(header.size);
+  const auto write_header = [&] {
+    Archive archive = Archive::save(written);
+    archive(header);
+  };
+  write_header();
+  header.sum = detail::checksum(written.subspan(summed_from));
+  write_header();
+  return header.size;
+}
+
+void World::restore(std::span<const std::byte> from) {
+  const Header header = checked(from, impl_->fingerprint);
+  Archive body = Archive::restore(from.first(header.size).subspan(sizeof(Header)));
+  impl_->archive(body);
+  if (body.size() != header.size - sizeof(Header)) refuse("snapshot: holds more than this world reads");
+}
+
+}  // namespace plumb

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "plumb/plumb.hpp"
+#include "support/worlds.hpp"
+
+/// What tests of snapshots ask for.
+namespace plumb::test {
+
+using Snapshot = std::vector<std::byte>;
+
+inline Snapshot snapshot_of(const World& world) {
+  Snapshot out(world.snapshot_size());
+  out.resize(world.save(out));
+  return out;
+}
+
+/// What a player does before a frame: everything that a scene lets a program do, by numbers that the frame
+/// and a seed alone decide.
+class Player {
+ public:
+  Player(const Scene& scene, std::uint32_t seed) : scene_(scene), seed_(seed) {}
+
+  void act(World& world, std::uint32_t frame) const {
+    std::seed_seq seeds{seed_, frame};
+    std::mt19937 random(seeds);
+    const auto number = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
+    const auto vector = [&] { return Vec3{number(), number(), number()}; };
+    const auto pick = [&](std::size_t count) { return static_cast<std::uint32_t>(random() % count); };
+    const bool is_quiet = frame % 16 >= 12;
+    const auto particle = pick(scene_.particles.size());
+    const Vec3 way = vector();
+    if (is_quiet) return;
+    const Particle& of = scene_.particles[particle];
+    if (of.fixed)
+      world.move_anchor(particle, of.position + 0.05 * way);
+    else if (frame % 4 == 0)
+      world.set_force(particle, frame % 8 == 0 ? 4 * way : Vec3{});
+    if (!scene_.platforms.empty()) {
+      const auto platform = pick(scene_.platforms.size());
+      Pose pose = world.platform(platform);
+      pose.position += 0.02 * vector();
+      world.move_platform(platform, pose);
+    }
+    if (!scene_.reels.empty()) world.set_reel(0, world.reel_out(0) * (0.99 + 0.02 * number()));
+    if (!scene_.tackles.empty()) world.set_tackle_length(0, tackle_length(scene_, 0) * (1 + 0.02 * number()));
+    if (!scene_.twists.empty()) world.set_twist(0, 2 * number());
+    if (!scene_.springs.empty()) {
+      const auto i = pick(scene_.springs.size());
+      Spring spring = scene_.springs[i];
+      if (spring.length > 0) spring.length *= 1 + 0.2 * number();
+      world.set_spring(i, spring);
+    }
+    if (!scene_.torsions.empty()) {
+      Torsion torsion = scene_.torsions[0];
+      torsion.angle += number();
+      world.set_torsion(0, torsion);
+    }
+    if (!scene_.angles.empty()) {
+      const auto i = pick(scene_.angles.size());
+      AngleControl angle = scene_.angles[i];
+      angle.friction += 0.1 + 0.1 * number();
+      world.set_angle(i, angle);
+    }
+    if (winch_) world.set_length(*winch_, rod_length(scene_, *winch_) * (1 + 0.1 * number()));
+    if (changes_rules_ && frame % 8 == 1) {
+      world.set_stop_rule({.sweeps = 5 + pick(20)});
+      world.set_weights(pick(2) == 0 ? Weights::equal : Weights::mass);
+    }
+  }
+
+  Player& with_winch(std::uint32_t rod) {
+    winch_ = rod;
+    return *this;
+  }
+  Player& with_rules() {
+    changes_rules_ = true;
+    return *this;
+  }
+
+ private:
+  const Scene& scene_;
+  std::uint32_t seed_;
+  std::optional<std::uint32_t> winch_{};
+  bool changes_rules_ = false;
+};
+
+}  // namespace plumb::test
