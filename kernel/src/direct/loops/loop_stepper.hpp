@@ -137,7 +137,7 @@ class LoopStepper {
   bool advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
   /// Lets the next substeps be taken with gradient new, where there is little hope for others.
-  static void damp(LoopState& state, bool briefly = false);
+  static void damp(LoopState& state);
 
   /// Takes one substep as it is, if Newton's method solves it. Otherwise returns false, and only multipliers
   /// may have changed.
