@@ -207,6 +207,9 @@ class LoopStepper {
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     Tally& counters) const;
   void project(LoopState& state, const Projected& acts, LoopWorkspace& work) const;
+  /// Projects work.delta and says whether that is sound. Where rods are nearly straight between anchors, or
+  /// drawn tight, it is not, and nothing pulls then.
+  bool project_soundly(LoopState& state, const Projected& acts, LoopWorkspace& work) const;
   /// Elements take many Newton steps each, and hardly ever fail. Nets solved by lines have shorter ways.
   bool is_bounded(const LoopState& state) const {
     return bounds_frames_ && !state.topology->any() && !state.topology->lines;

@@ -148,16 +148,17 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
   bool any = false;
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
     const double step = state.u_step[lane];
-    const bool displacements = step > 0;
-    any = any || displacements;
-    const T scale = displacements ? static_cast<T>(detail::exp(-drag_ * step / 2) / step) : T(1);
+    // Rods that gave do not say which velocities fit.
+    const bool projects = step > 0 && !state.gave[lane];
+    any = any || projects;
+    const T scale = step > 0 ? static_cast<T>(detail::exp(-drag_ * step / 2) / step) : T(1);
     for (std::size_t i = lane; i < state.u.size(); i += state.lanes) work.velocity[i] = scale * state.u[i];
     // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
     // substep earlier.
-    work.kick[lane] = gradient_ == Gradient::old && displacements
+    work.kick[lane] = gradient_ == Gradient::old && projects
                           ? static_cast<T>(mean_decay(drag_ * step / 2) * step / 2)
                           : T(0);
-    work.active[lane] = displacements ? T(1) : T(0);
+    work.active[lane] = projects ? T(1) : T(0);
   }
   if (any) {
     const Drive drive{state.tie_last_velocity, state.tie_last_velocity, state.laws.rate};
