@@ -210,6 +210,9 @@ class LoopStepper {
   /// Projects work.delta and says whether that is sound. Where rods are nearly straight between anchors, or
   /// drawn tight, it is not, and nothing pulls then.
   bool project_soundly(LoopState& state, const Projected& acts, LoopWorkspace& work) const;
+  /// Lets go of cables that were thrown back (`thrown_back`): they pass no blow on. One that hauls them
+  /// faster than they come in is found by the next substep.
+  void release_thrown_back(LoopState& state, LoopWorkspace& work) const;
   /// Elements take many Newton steps each, and hardly ever fail. Nets solved by lines have shorter ways.
   bool is_bounded(const LoopState& state) const {
     return bounds_frames_ && !state.topology->any() && !state.topology->lines;
