@@ -157,6 +157,7 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
   tree.mu_kick[0] = tree.mu_kick_before[0] = 0;
   if (tree.laws.any) store_laws(island, tree);
   tree.known[0] = 0;
+  tree.gave[0] = island.gave;
   tree.smooth[0] = 0;
   tree.frequency2 = 0;
 }

@@ -15,11 +15,10 @@ constexpr int most_halvings = 10;
 constexpr int most_attempts = 256;  ///< They are of one substep, all halves together.
 /// A part that was halved so often is tried at its shortest. If that is not solved either, no half will be.
 constexpr int probed_depth = 1;
-/// After a fallback or a compromise, so many substeps are taken with gradient new, and with fewer attempts.
-/// There is little hope that what did not work then works now. Each time it does not, twice as many follow.
-constexpr std::uint32_t damped_substeps = 16, most_damped_substeps = 1024;
-/// Where frames are bounded it is at first so many, since what fails is soon given up.
-constexpr std::uint32_t briefly_damped = 2;
+/// After a substep that failed, so many are taken with gradient new, and with fewer attempts. There is little
+/// hope that what did not work then works now. Each time it does not, twice as many follow. Those in which
+/// rods gave are not counted: they do not tell whether it would work once rods fit again.
+constexpr std::uint32_t damped_substeps = 2, most_damped_substeps = 1024;
 /// Cables that change their length by a smaller share in a substep do not ring.
 constexpr double least_ringing = 1e-3;
 struct Limits {
@@ -71,8 +70,8 @@ void LoopStepper::end_ringing(LoopState& state, LoopWorkspace& work, Tally& coun
   ++counters.newton;
 }
 
-void LoopStepper::damp(LoopState& state, bool briefly) {
-  state.next_damped = std::max(state.next_damped, briefly ? briefly_damped : damped_substeps);
+void LoopStepper::damp(LoopState& state) {
+  state.next_damped = std::max(state.next_damped, damped_substeps);
   state.damped = state.next_damped;
   state.next_damped = std::min(2 * state.next_damped, most_damped_substeps);
 }
@@ -186,7 +185,7 @@ double LoopStepper::try_advance(LoopState& state, double h, LoopWorkspace& work,
   for (const bool again : {false, true}) {
     if (again) {
       if (was_damped || gradient_ == Gradient::new_) break;
-      damp(state, gives_up);
+      damp(state);
       if (gives_up) break;  // rods that give come to the same end by a shorter way
       work.saved = state.motion();
     }
@@ -214,8 +213,8 @@ double LoopStepper::try_advance(LoopState& state, double h, LoopWorkspace& work,
   const bool fits = advance_elastic(state, rest, work, counters);
   if (fits && was_damped)
     --state.damped;
-  else if (was_damped || gradient_ == Gradient::new_)
-    damp(state, gives_up);
+  else if (!was_damped && gradient_ == Gradient::new_)
+    damp(state);
   return std::numeric_limits<double>::infinity();
 }
 

@@ -107,6 +107,7 @@ struct LoopMotion {
   std::vector<Vec3> hold;
   double u_step = 0;   ///< It is in s.
   double mu_kick = 0;  ///< It is the kick (s^2) with which mu was found, or 0.
+  bool gave = false;   ///< Rods gave in the last substep, and may not fit.
 };
 
 /// These numbers of one island outlive a step. They are in double, whatever the precision of the world.

@@ -279,6 +279,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   if (state.laws.any()) counters.broken_rods += end_rods(state.laws, work.laws, end, state.mu, state.length2);
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
+  state.gave = false;
   move_locked(state, gradient == Gradient::mid ? 1 : h, state.u);
   // What follows in this step finds fixed vertices already on their way.
   if (state.anchors_move)
@@ -313,6 +314,7 @@ bool LoopStepper::advance_elastic(LoopState& state, double h, LoopWorkspace& wor
   }
   ++counters.elastic_substeps;
   std::fill(state.mu.begin(), state.mu.end(), 0.0);
+  state.gave = true;
   return false;
 }
 

@@ -141,7 +141,7 @@ class LoopStepper {
   bool advance_elastic(LoopState& state, double h, LoopWorkspace& work, Tally& counters) const;
 
   /// Lets the next substeps be taken with gradient new, where there is little hope for others.
-  static void damp(LoopState& state, bool briefly = false);
+  static void damp(LoopState& state);
 
   /// Takes one substep as it is, if Newton's method solves it. Otherwise returns false, and only multipliers
   /// may have changed.
@@ -211,6 +211,12 @@ class LoopStepper {
   bool advance_part(LoopState& state, double h, int depth, Attempts& attempts, LoopWorkspace& work,
                     Tally& counters) const;
   void project(LoopState& state, const Projected& acts, LoopWorkspace& work) const;
+  /// Projects work.delta and says whether that is sound. Where rods are nearly straight between anchors, or
+  /// drawn tight, it is not, and nothing pulls then.
+  bool project_soundly(LoopState& state, const Projected& acts, LoopWorkspace& work) const;
+  /// Lets go of cables that were thrown back (`thrown_back`): they pass no blow on. One that hauls them
+  /// faster than they come in is found by the next substep.
+  void release_thrown_back(LoopState& state, LoopWorkspace& work) const;
   /// Elements take many Newton steps each, and hardly ever fail. Nets solved by lines have shorter ways.
   bool is_bounded(const LoopState& state) const {
     return bounds_frames_ && !state.topology->any() && !state.topology->lines;

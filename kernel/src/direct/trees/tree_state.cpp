@@ -95,6 +95,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   for (auto* times : {&u_step, &u_step_before, &mu_kick, &mu_kick_before}) times->assign(lanes, 0);
   smooth.assign(lanes, 0);
   known.assign(lanes, 0);
+  gave.assign(lanes, 0);
   elastic.assign(lanes, 0);
   next_elastic.assign(lanes, 0);
   effort.assign(lanes, {});

@@ -92,6 +92,7 @@ struct TreeState {
   std::vector<Vec3> tie_velocity, tie_last_velocity;
   std::vector<std::uint8_t>
       known;  ///< Each lane has taken so many substeps, up to the two that accelerations are from.
+  std::vector<std::uint8_t> gave;  ///< They say per lane whether rods gave in the last substep.
   TreeLaws<T> laws;
   TreeBends<T> bends;
   TreeTwists twists;
@@ -139,6 +140,7 @@ void for_lane_motion(State& state, Other& other, F&& f) {
   f(state.mu_kick_before, other.mu_kick_before);
   f(state.smooth, other.smooth);
   f(state.known, other.known);
+  f(state.gave, other.gave);
   f(state.elastic, other.elastic);
   f(state.next_elastic, other.next_elastic);
   f(state.effort, other.effort);

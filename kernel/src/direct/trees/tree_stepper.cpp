@@ -166,6 +166,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
     const bool skipped = state.idle[lane] || work.failed[lane];
     work.active[lane] = skipped ? T(0) : T(1);
     if (skipped) continue;
+    state.gave[lane] = 0;
     state.u_step_before[lane] = state.u_step[lane];
     state.u_step[lane] = gradient == Gradient::mid ? 0 : h;
     state.mu_kick_before[lane] = state.mu_kick[lane];

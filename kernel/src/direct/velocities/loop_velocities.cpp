@@ -5,10 +5,59 @@
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_stepper.hpp"
 #include "direct/loops/loop_vectors.hpp"
+#include "direct/trees/newton_limits.hpp"
 #include "math/elementary.hpp"
 #include "time/verlet.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// A projection takes kinetic energy away, but for what anchors, lengths and forces add. One that makes it so
+/// many times as large as all of that has divided by rounding. With the energy as the square of a norm, of
+/// velocities v, and of a motion w that goes along with anchors and lengths, it leaves
+///
+///   |w + P(v - w)|^2 <= (|v| + 2|w|)^2 <= 5 (|v|^2 + |w|^2).
+///
+/// Mass along rods, which is left out here, makes that three times as large.
+constexpr double most_growth = 16;
+/// What jumps give where rods are levers may be so many times what they give in a common motion.
+constexpr double most_levered = tree_limits::most_projected_growth;
+
+/// Returns twice the kinetic energy of velocities (3 per node, in m/s) that forces change for `kick` (s), in
+/// units of mass times m^2/s^2.
+double motion_of(const LoopState& state, std::span<const double> velocity, double kick) {
+  double sum = 0;
+  for (std::size_t i = 0; i < state.u.size(); ++i) {
+    const double mass = state.mass[i / 3], v = velocity[i] + kick * state.force[i] / mass;
+    sum += mass * (v * v);
+  }
+  return sum;
+}
+
+/// Returns the same of all nodes together where they go as fast as any fixed vertex, and as all lengths that
+/// change.
+double motion_driven(const LoopState& state) {
+  double mass = 0, fastest = 0, hauled = 0;
+  for (const double m : state.mass) mass += m;
+  for (const auto* const fixed : {&state.fixed_velocity, &state.fixed_last_velocity})
+    for (const Vec3 v : *fixed) fastest = std::max(fastest, dot(v, v));
+  for (const double rate : state.laws.rate) hauled += std::abs(rate);
+  for (const LoopTackleMotion& tackle : state.tackles) hauled += std::abs(tackle.rate);
+  for (const LoopReelMotion& reel : state.reels) hauled += std::abs(reel.rate);
+  return mass * (fastest + hauled * hauled);
+}
+
+}  // namespace
+
+bool LoopStepper::project_soundly(LoopState& state, const Projected& acts, LoopWorkspace& work) const {
+  const double most = most_growth * motion_of(state, work.delta, acts.kick) +
+                      (acts.jumps ? most_levered : most_growth) * motion_driven(state);
+  project(state, acts, work);
+  // Numbers that are not finite fail this comparison, too.
+  if (motion_of(state, work.delta, 0) <= most) return true;
+  std::fill(work.blows.begin(), work.blows.end(), 0.0);
+  return false;
+}
 
 void LoopStepper::project(LoopState& state, const Projected& acts, LoopWorkspace& work) const {
   double kick = acts.kick;
@@ -36,13 +85,13 @@ void LoopStepper::project(LoopState& state, const Projected& acts, LoopWorkspace
 
 namespace {
 
-/// Lets go of cables that a projection would push with more than they pulled in the last substep, which they
-/// do not do. Returns whether there were any.
-bool let_go(LoopState& state, const LoopWorkspace& work) {
+/// Lets go of cables that a projection would push with more than `share` of what they pulled in the last
+/// substep, which they do not do. Returns whether there were any.
+bool let_go(LoopState& state, const LoopWorkspace& work, double share = 1) {
   if (work.lines || work.net || state.mu_kick == 0) return false;
   const double substep = std::sqrt(2 * state.mu_kick);
   const auto pushes = [&](std::size_t i) {
-    return state.mu[i] < 0 && state.mu_kick * work.blows[i] > -substep * state.mu[i];
+    return state.mu[i] < 0 && state.mu_kick * work.blows[i] > -share * substep * state.mu[i];
   };
   bool any = false;
   const auto release = [&](std::size_t i) {
@@ -61,11 +110,12 @@ bool let_go(LoopState& state, const LoopWorkspace& work) {
 
 void LoopStepper::project_velocities(LoopState& state, LoopWorkspace& work) const {
   note_reel_blows(state, work);
+  bool sound = true;
   do {
     std::copy(state.u.begin(), state.u.end(), work.delta.begin());
-    project(state, {.jumps = true}, work);
+    sound = project_soundly(state, {.jumps = true}, work);
   } while (let_go(state, work));
-  std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
+  if (sound) std::copy_n(work.delta.begin(), state.u.size(), state.u.begin());
 }
 
 namespace {
@@ -78,31 +128,60 @@ void swap_jumps(LoopState& state, LoopWorkspace& work) {
   std::swap(state.fixed_last_velocity, work.fixed_rest);
 }
 
+/// Says whether a rigid cable pulled in the last substep.
+bool pulls_by_cables(const LoopState& state) {
+  const std::size_t rods = state.topology->rods.size();
+  for (std::uint32_t k = 0; state.laws.any() && k < rods; ++k)
+    if (state.mu[k] < 0 && state.laws.is_rigid(k) && state.laws.is_one_sided(k)) return true;
+  for (std::size_t t = 0; t < state.tackle_laws.size(); ++t)
+    if (state.mu[rods + t] < 0 && state.tackle_laws[t].is_rigid && state.tackle_laws[t].is_one_sided)
+      return true;
+  return false;
+}
+
 }  // namespace
+
+void LoopStepper::release_thrown_back(LoopState& state, LoopWorkspace& work) const {
+  if (!pulls_by_cables(state)) return;
+  swap_jumps(state, work);
+  std::fill(work.delta.begin(), work.delta.end(), 0.0);
+  const bool sound = project_soundly(state, {.jumps = true}, work);
+  swap_jumps(state, work);
+  if (!sound) return;
+  for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] += state.u[i];
+  if (project_soundly(state, {}, work)) let_go(state, work, thrown_back);
+}
 
 void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
   if (!state.reels.empty()) return project_velocities(state, work);  // particles change their rod there
   for (std::size_t i = 0; i < work.fixed_jump.size(); ++i)
     work.fixed_jump[i] = state.fixed_velocity[i] - state.fixed_last_velocity[i];
+  release_thrown_back(state, work);
   swap_jumps(state, work);
+  bool sound = true;
   do {
     std::fill(work.delta.begin(), work.delta.end(), 0.0);
-    project(state, {.jumps = true}, work);
+    sound = project_soundly(state, {.jumps = true}, work);
   } while (let_go(state, work));
   swap_jumps(state, work);
-  for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] += work.delta[i];
+  for (std::size_t i = 0; sound && i < state.u.size(); ++i) state.u[i] += work.delta[i];
 }
 
 void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   const double step = state.u_step;
   const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
-  for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
+  const auto take_displacements = [&] {
+    for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
+  };
+  take_displacements();
   // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
-  // substep earlier.
-  if (step == 0) return;
+  // substep earlier. Rods that gave do not say which velocities fit.
+  if (step == 0 || state.gave) return;
+  const double kick = gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0;
   std::swap(state.fixed_velocity, state.fixed_last_velocity);  // fixed vertices went like that
-  project(state, {.kick = gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0}, work);
+  const bool sound = project_soundly(state, {.kick = kick}, work);
   std::swap(state.fixed_velocity, state.fixed_last_velocity);
+  if (!sound) take_displacements();
 }
 
 void count_blows(LoopState& state, const LoopWorkspace& work) {
