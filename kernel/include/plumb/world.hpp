@@ -74,7 +74,7 @@ struct StepReport {
   /// several of them.
   std::uint64_t contact_points = 0;
   /// Substeps in which contact would have gained more than a hundredth of the energy of motion, and was held
-  /// back.
+  /// back. So are springs, bends and rods that give which would have gained a quarter.
   std::uint64_t guarded_energy = 0;
   /// Other substeps whose energy was held back: by less, as the order of a substep explains, or out of
   /// contact.
