@@ -89,6 +89,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
     /// Multipliers of constraints and elastics, kg m and kg m/s or without the metre, if pulls count.
     std::vector<double> pulls, end_pulls;
     std::vector<ElasticStep> elastics;
+    std::vector<double> by_bends;  ///< N s, what bends add to the pulls of rods that give, if any may break
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
     PlacedHulls hulls;
