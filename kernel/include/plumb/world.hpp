@@ -74,7 +74,7 @@ struct StepReport {
   /// several of them.
   std::uint64_t contact_points = 0;
   /// Substeps in which contact would have gained more than a hundredth of the energy of motion, and was held
-  /// back.
+  /// back. So are springs, bends and rods that give which would have gained a quarter.
   std::uint64_t guarded_energy = 0;
   /// Other substeps whose energy was held back: by less, as the order of a substep explains, or out of
   /// contact.
@@ -230,16 +230,17 @@ class PLUMB_API World {
   double twist(std::uint32_t twist) const;
 
   /// Returns the pull of a rod in N, averaged over the last step: negative if it pushes, and 0 after it
-  /// broke. That of a relaxed rod is what sweeps found. It is NaN before the first step. Throws InputError on
-  /// an unknown rod, or without Settings::tensions.
+  /// broke. Beside bends it is the force along the rod, with what bends have of it: that in a wire. That of a
+  /// relaxed rod is what sweeps found. It is NaN before the first step. Throws InputError on an unknown rod,
+  /// or without Settings::tensions.
   double tension(std::uint32_t rod) const;
   /// Copies the pulls of all rods (N) into `out`. Throws InputError unless it has rod_count() elements, or
   /// without Settings::tensions.
   void copy_tensions(std::span<double> out) const;
   /// Returns the power in W with which a rod that changes its length moved its island, averaged over the last
   /// step: what a winch does. It is positive where a pulling rod shortens, and 0 where lengths stay. With
-  /// gradient mid it is what energy gains, to the second order in the step where a rate changes and to
-  /// rounding elsewhere. Throws InputError as tension() does.
+  /// gradient mid it is what energy gains, to the second order in the step where a rate changes, to the first
+  /// beside bends, and to rounding elsewhere. Throws InputError as tension() does.
   double power(std::uint32_t rod) const;
   /// Returns whether a rod has pulled more than its strength. Throws InputError on an unknown rod.
   bool is_broken(std::uint32_t rod) const;

@@ -81,7 +81,9 @@ void Linkage::add_elastics(const Scene& part) {
 void Linkage::add_bends(const Scene& part) {
   using Kind = Elastic::Kind;
   const std::vector<std::array<double, 2>> lengths = bend_lengths(part);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> giving;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> giving, rods;
+  for (std::uint32_t i = 0; i < part.rods.size() && !part.bends.empty(); ++i)
+    rods[std::minmax(part.rods[i].a, part.rods[i].b)] = i;
   for (std::uint32_t i = 0; i < giving_rods_.size() && !part.bends.empty(); ++i)
     giving[std::minmax(giving_rods_[i].a, giving_rods_[i].b)] = i;
   for (std::size_t i = 0; i < part.bends.size(); ++i) {
@@ -92,6 +94,9 @@ void Linkage::add_bends(const Scene& part) {
     for (const std::uint32_t end : {bend.a, bend.c})
       if (const auto rod = giving.find(std::minmax(bend.b, end)); rod != giving.end())
         made.rods.push_back(rod->second);
+    for (std::size_t side = 0; side < 2; ++side)
+      if (const auto rod = rods.find(std::minmax(bend.b, side == 0 ? bend.a : bend.c)); rod != rods.end())
+        made.sides[side] = rod->second;
     const Combination w = bend_vector(bend, lengths[i]);
     if (made.is_straight())
       for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/bends/curvature.hpp"
+
 namespace plumb::detail {
 namespace {
 
@@ -136,12 +138,16 @@ void LinkageState::correct_velocities(std::span<Vec3> velocities, std::vector<si
   }
 }
 
+bool LinkageState::has_ended(const BendElastics& bend) const {
+  return !broken.empty() &&
+         std::any_of(bend.rods.begin(), bend.rods.end(), [&](std::uint32_t rod) { return broken[rod] != 0; });
+}
+
 void LinkageState::follow_bends(double h) {
   for (const BendElastics& bend : linkage->bends()) {
     const std::span<ElasticLaw> of_bend = std::span(laws).subspan(bend.first, bend.count);
     const Combination& w = linkage->elastics()[bend.first].sums[0];
-    if (!broken.empty() &&
-        std::any_of(bend.rods.begin(), bend.rods.end(), [&](std::uint32_t rod) { return broken[rod] != 0; }))
+    if (has_ended(bend))
       std::fill(of_bend.begin(), of_bend.end(), ElasticLaw{});
     else
       set_laws(bend, w.of(x) + h / 2 * w.of(v), of_bend);
@@ -170,6 +176,23 @@ void LinkageState::add_elastic_pulls(std::span<Vec3> forces) const {
     if (const double pull = elastic_pull(i); pull != 0)
       linkage->push_along(elastic, linkage->slope(elastic, x), -pull, forces);
   }
+}
+
+double LinkageState::elastic_energy() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const ElasticLaw& law = laws[i];
+    if (linkage->is_of_bend(i) || (law.stiffness == 0 && law.force == 0)) continue;
+    const double off = linkage->number(linkage->elastics()[i], x, elastic_numbers[i]) - law.rest;
+    if (law.one_sided && off <= 0) continue;
+    sum += law.force * off;
+    if (!std::isinf(law.stiffness)) sum += 0.5 * law.stiffness * off * off;
+  }
+  for (const BendElastics& bend : linkage->bends()) {
+    const Vec3 w = linkage->elastics()[bend.first].sums[0].of(x);
+    if (!has_ended(bend)) sum += bending_energy(bend.stiffness, bend.curvature, dot(w, w));
+  }
+  return sum;
 }
 
 double LinkageState::elastic_pull(std::size_t i) const {

@@ -33,7 +33,8 @@ struct LinkageMotion {
   std::uint8_t relax_for = 0;           ///< so many steps, because it could not be solved
   bool is_relaxed = false;              ///< method auto relaxed its last step
   double slow_time = 0;                 ///< time for which it has been slow, s
-  std::optional<double> energy{};       ///< energy that free flight keeps, J
+  std::optional<double> energy{};       ///< J, that free flight keeps, or that elastics may have
+  double most_motion = 0;               ///< J, most of kinetic and elastic energy since that was noted
   std::vector<double> elastic_numbers;  ///< m or rad, of elastics; turns are counted by them
   LinkagePulls pulls;                   ///< of the last step
   /// How stiff taut rods were across themselves in the last two substeps, kg/s². None if there are no such
@@ -152,12 +153,16 @@ struct LinkageState : LinkageMotion {
   /// Finds the gives of elastics at x, and factorises the matrix there without them. They change as things
   /// turn: a spring over its dead centre has none.
   void find_gives();
+  /// Returns whether one of a bend's rods is broken.
+  bool has_ended(const BendElastics& bend) const;
   /// Lets the laws of bends follow them to where they are in the middle of a substep of h (s).
   void follow_bends(double h);
   /// Finds the elastics' numbers at x.
   void follow_elastics();
   /// Adds the constant pulls of elastics at x, such as those of motors, to forces (N).
   void add_motors(std::span<Vec3> forces) const;
+  /// Returns what elastics hold at x, J, with the constant pulls that are added.
+  double elastic_energy() const;
   /// Returns what an elastic pulls with at x and v by its stiffness and damping, in N or N m.
   double elastic_pull(std::size_t i) const;
   /// Adds all that elastics pull with, at x and v.

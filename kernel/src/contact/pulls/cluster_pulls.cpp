@@ -16,9 +16,27 @@ std::array<double, 2> ClusterStepper::impulses_of(const Island& island, std::siz
 }
 
 std::uint32_t ClusterStepper::break_rods(Island& island, double h) {
-  return island.state->break_rods([&](std::size_t i) {
+  LinkageState& state = *island.state;
+  if (state.broken.empty()) return 0;
+  const Linkage& linkage = *state.linkage;
+  island.by_bends.assign(state.broken.size(), 0);
+  for (const BendElastics& bend : linkage.bends())
+    for (std::size_t i = bend.first; i < bend.first + bend.count; ++i) {
+      if (!island.elastics[i].acts) continue;
+      const Elastic& elastic = linkage.elastics()[i];
+      const auto [start, end] = impulses_of(island, i, h);
+      const auto add = [&](std::span<const Vec3> x, double impulse) {
+        const Vec3 pull = impulse * linkage.slope(elastic, x)[0];
+        for (const AlongRod& each : along_rods(bend, elastic.sums[0], x, pull))
+          if (const auto at = each.rod ? linkage.elastic_of_rod(*each.rod) : std::nullopt)
+            island.by_bends[*at] += each.pull;
+      };
+      add(island.theta > 0 ? island.at : island.there, start);
+      add(state.x, end);
+    }
+  return state.break_rods([&](std::size_t i) {
     const auto [start, end] = impulses_of(island, i, h);
-    return island.elastics[i].acts ? (start + end) / h : 0;
+    return island.elastics[i].acts ? (start + end + island.by_bends[i]) / h : 0;
   });
 }
 

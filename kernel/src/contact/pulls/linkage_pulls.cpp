@@ -74,6 +74,9 @@ void Linkage::count_pull(std::size_t elastic, std::span<const Vec3> x, double pu
   const Elastic& each = elastics_[elastic];
   const ElasticSlope along = slope(each, x);
   if (elastic < giving_rods_.size()) pulls.rods[giving_rods_[elastic].number] += pull;
+  if (is_of_bend(elastic))
+    for (const AlongRod& part : along_rods(bend_of(bends_, elastic), each.sums[0], x, pull * along[0]))
+      if (part.rod) pulls.rods[*part.rod] += part.pull;
   pulls.elastics[elastic] += pull;
   pulls.along_first[elastic] += pull * along[0];
   for (std::size_t s = 0; s < along.size(); ++s) push_fixed(each.sums[s], -pull * along[s], pulls);

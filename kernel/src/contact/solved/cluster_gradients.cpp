@@ -12,6 +12,7 @@ namespace plumb::detail {
 /// Returns where an island takes its directions. In the middle it can do so in flight alone, since what
 /// touches needs velocities that end along constraints. Elastics have a rule of their own.
 double ClusterStepper::theta_of_substep(const LinkageState& state) const {
+  if (takes_end_ && !state.laws.empty()) return 1;
   const bool is_flying = !may_touch_ && state.laws.empty();
   return state.gradient == Gradient::mid && !is_flying ? 0 : theta_of(state.gradient);
 }

@@ -197,7 +197,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
       driven = driven || state.v[k] != Vec3{};
   }
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (!free || driven) islands_[i].state->energy.reset();
+    if ((!free || driven) && islands_[i].state->laws.empty()) islands_[i].state->energy.reset();
   if (driven || moving == 0) return true;
   LinkageState& first = *islands_[0].state;
   if (free && !first.energy) first.energy = before;

@@ -259,6 +259,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   if (!is_found) return false;
   double before = energy();
+  const double elastic_before = elastic_energy(), moving_before = elastic_before + kinetic_energy();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
   finish(h, touched);
@@ -267,15 +268,16 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
   if (!guard_energy(before, touched, h > shortest_, report)) {
-    for (std::uint32_t i = 0; i < count_; ++i) {
-      Island& island = islands_[i];
-      if (!island.awake) continue;
-      std::swap(island.state->x, island.there);
-      island.state->factored = false;
-    }
+    take_back();
     // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
-    try_tighter_ = touched && !tight_;
+    tries_again_ = touched && !tight_;
     tight_ = true;
+    return false;
+  }
+  if (!guard_elastics({before + elastic_before, moving_before}, touched, h > shortest_, report)) {
+    take_back();
+    tries_again_ = !takes_end_;
+    takes_end_ = true;
     return false;
   }
   for (std::uint32_t i = 0; i < count_; ++i) {

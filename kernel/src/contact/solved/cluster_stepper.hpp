@@ -51,7 +51,7 @@ ContactSettings scaled(ContactSettings settings);
 ///
 /// Without elastics energy does not rise. What a substep would gain is taken from the motion that is not that
 /// of a rigid whole, which keeps momentum and angular momentum. In free flight gradient old gets back what it
-/// would lose.
+/// would lose. With elastics it may rise by a share, see guard_elastics().
 class ClusterStepper final : public ClusterMover, ClusterRows {
  public:
   /// The settings are scaled already (scaled()). `relaxed` moves what cannot be solved, if given, and what
@@ -89,6 +89,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
     /// Multipliers of constraints and elastics, kg m and kg m/s or without the metre, if pulls count.
     std::vector<double> pulls, end_pulls;
     std::vector<ElasticStep> elastics;
+    std::vector<double> by_bends;  ///< N s, what bends add to the pulls of rods that give, if any may break
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
     PlacedHulls hulls;
@@ -299,6 +300,17 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// `before` (J) is the energy before the substep, and what moving ground has added since.
   bool guard_energy(double before, bool touched, bool can_shorten, Tally& report);
   double energy() const;
+  double elastic_energy() const;
+  double kinetic_energy() const;
+  double weight() const;
+  bool is_passive() const;
+  void take_back();
+  /// Energies of what is awake, J.
+  struct Energies {
+    double all, moving;  ///< with and without that of weight and constant forces
+  };
+  void slow_down(double excess, double kinetic);
+  bool guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report);
   double find_rigid_motion();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
@@ -356,9 +368,10 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::vector<FreeTerm> free_terms_;
   std::vector<double> last_pushes_, swept_from_;  ///< then, of rows
   bool keeps_slack_ = false;                      ///< which elastics are slack is known from the last try
+  bool takes_end_ = false;                        ///< elastics gained energy, so that they are to damp
   int switches_ = 0;                              ///< how often that was changed in this substep
   Flight flight_;
-  bool tight_ = false, try_tighter_ = false;  ///< sweeps go on for longer; a substep is to be tried so
+  bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
   double shortest_ = 0;                       ///< s
   double shortest_if_missed_ = 0;             ///< s, where something is in ground still
   Team* team_ = nullptr;                      ///< that may help what is relaxed

@@ -17,7 +17,7 @@ using namespace contact_limits;
 double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
                              double h, double least, Tally& report) {
   const double whole = h;
-  loose_ = sweeps_ground_ = false;
+  loose_ = sweeps_ground_ = takes_end_ = false;
   bool was_loose = false;
   double halved = h;
   while (!substep(surroundings, h, report)) {
@@ -26,7 +26,7 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       looks_for_crowd_ = false;
       continue;
     }
-    if (std::exchange(try_tighter_, false)) continue;
+    if (std::exchange(tries_again_, false)) continue;
     if (h == whole && !was_loose) find_overload();
     if (!was_loose && is_on_ground() && (h <= few_cuts * whole || is_landing())) {
       loose_ = was_loose = true;

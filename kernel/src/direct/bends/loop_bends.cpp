@@ -112,14 +112,23 @@ LoopWork work_of_bends(const LoopState& state, const LoopWorkspace& work, double
 }
 
 void hold_bends(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work) {
-  if (!state.laws.pulls) return;
+  if (!state.laws.any()) return;
+  std::fill(state.laws.bent.begin(), state.laws.bent.end(), 0.0);
   const std::uint32_t nodes = state.topology->nodes;
-  const double share = end.h / end.kick * end.mass_unit;
   for (std::uint32_t k = 0; k < state.bends.size(); ++k) {
-    const Vec3 pull = share * pull_of(state, k, end.theta, false, work).pull;
-    for (std::size_t i = 0; i < 3; ++i)
-      if (const std::uint32_t vertex = state.topology->bends[k].vertices[i]; vertex >= nodes)
-        state.hold[vertex - nodes] += work.bends[k].weights[i] * pull;
+    const auto& [weights, stiffness, curvature, damping] = work.bends[k];
+    const auto& vertices = state.topology->bends[k].vertices;
+    const Vec3 pull = 1 / end.kick * pull_of(state, k, end.theta, false, work).pull;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::uint32_t rod = state.bends[k].rods[side], a = vertices[side], b = vertices[side + 1];
+      if (rod == IslandRods::none) continue;
+      const Vec3 growth = at(work.delta, b) - at(work.delta, a);
+      const Vec3 d = at(state.x, b) - at(state.x, a) - (1 - end.theta) * growth;
+      state.laws.bent[rod] += (side == 0 ? -weights[0] : weights[2]) * dot(pull, d) / norm(d);
+    }
+    for (std::size_t i = 0; state.laws.pulls && i < 3; ++i)
+      if (vertices[i] >= nodes)
+        state.hold[vertices[i] - nodes] += (end.h * end.mass_unit * weights[i]) * pull;
   }
 }
 

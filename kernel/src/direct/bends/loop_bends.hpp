@@ -56,7 +56,8 @@ void pull_by_bends(const LoopState& state, double theta, bool gives, const LoopW
 /// Returns the work of bends in a substep of gradient mid. Directions turn by `least` at least for its scale.
 LoopWork work_of_bends(const LoopState& state, const LoopWorkspace& work, double least);
 
-/// Adds up what bends ask of fixed vertices in a substep.
+/// Adds up what bends ask of fixed vertices in a substep, and finds what they pull with along rods
+/// (LoopLaws::bent).
 void hold_bends(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work);
 
 /// Returns the energy of all bends at the end of a substep, in the same units.

@@ -79,27 +79,43 @@ void begin_bends(TreeState<T>& state, double h, TreeWorkspace<T>& work) {
     for (std::uint32_t lane = 0; lane < state.lanes; ++lane) put_present_weights(state, slot, lane);
 }
 
+namespace {
+
+/// Adds to the pull of the rod before a place, if there is one, what a force (N s) has along it.
+template <class T>
+void add_along(const LineMotion<T>& motion, std::int64_t place, double theta, Vec3 force,
+               TreeState<T>& state) {
+  const auto nodes = static_cast<std::int64_t>(state.topology->nodes);
+  if (place < 0 || place > nodes) return;
+  const Vec3 d = motion.rod(place) + theta * motion.growth(place);
+  const double along = dot(force, d) / norm(d);
+  if (place == 0 || place == nodes)
+    state.laws.impulse.ties[state.at(motion.end(place == 0 ? -1 : nodes), motion.lane)] += along;
+  else
+    state.laws.impulse.rods[state.at(static_cast<std::uint32_t>(place), motion.lane)] += along;
+}
+
+}  // namespace
+
 template <class T>
 void hold_bends(TreeState<T>& state, double h, double theta, const TreeWorkspace<T>& work) {
-  const LineBends& line = state.topology->bends;
-  const auto nodes = static_cast<std::int64_t>(state.topology->nodes);
-  for (const std::uint32_t slot : line.slots)
-    for (std::uint32_t lane = 0; (slot < 2 || slot >= nodes) && lane < state.lanes; ++lane) {
+  for (const std::uint32_t slot : state.topology->bends.slots)
+    for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
       if (work.active[lane] == 0) continue;
       const LineMotion<T> motion{state, work, lane};
       const BendNumbers numbers = bend_numbers(state, slot, lane);
-      const Vec3 middle = motion.delta(std::int64_t{slot} - 1);
-      const Vec3 change = numbers.weights[2] * (motion.delta(slot) - middle) -
-                          numbers.weights[0] * (middle - motion.delta(std::int64_t{slot} - 2));
+      const std::int64_t place = slot;
+      const Vec3 change =
+          numbers.weights[2] * motion.growth(place) - numbers.weights[0] * motion.growth(place - 1);
       const double kick = static_cast<double>(work.kick[lane]);
       const Vec3 start = motion.read(work.bend_start, 3 * std::size_t{slot});
       const Vec3 pull =
           h / kick * state.mass_unit[lane] * bend_pull(numbers, {kick, kick / h, theta}, start, change).pull;
-      for (std::uint32_t i = 0; i < 3; ++i) {
-        const std::int64_t place = std::int64_t{slot} - 2 + i;
-        if (!motion.is_node(place))
-          state.hold[state.at(motion.end(place), lane)] += numbers.weights[i] * pull;
-      }
+      add_along(motion, place - 1, theta, -numbers.weights[0] * pull, state);
+      add_along(motion, place, theta, numbers.weights[2] * pull, state);
+      for (std::uint32_t i = 0; i < 3; ++i)
+        if (const std::int64_t at = place - 2 + i; !motion.is_node(at))
+          state.hold[state.at(motion.end(at), lane)] += numbers.weights[i] * pull;
     }
 }
 

@@ -37,7 +37,7 @@ BendNumbers bend_numbers(const TreeState<T>& state, std::uint32_t slot, std::uin
 template <class T>
 void begin_bends(TreeState<T>& state, double h, TreeWorkspace<T>& work);
 
-/// Adds up what bends asked of ties in a substep of `h` (s).
+/// Adds up what bends asked of ties in a substep of `h` (s), and what they pulled with along rods.
 template <class T>
 void hold_bends(TreeState<T>& state, double h, double theta, const TreeWorkspace<T>& work);
 

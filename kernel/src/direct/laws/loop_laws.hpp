@@ -20,6 +20,7 @@ struct LoopLaws {
   std::vector<double> rate;       ///< Lengths change by so much, in m/s.
   std::vector<double> jump;       ///< Rates changed by so much as the step began, in m/s.
   std::vector<double> impulse;    ///< Pulls times substeps, of this step, in N s.
+  std::vector<double> bent;       ///< Bends pull along rods so in a substep, over the unit of mass.
   bool moves = false;             ///< Some rod changes its length.
   bool pulls = false;             ///< Pulls are added up.
 

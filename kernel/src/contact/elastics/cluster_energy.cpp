@@ -1,0 +1,114 @@
+// This file sees to it that elastics give no more energy than they took.
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/solved/cluster_limits.hpp"
+#include "contact/solved/cluster_stepper.hpp"
+
+namespace plumb::detail {
+using namespace contact_limits;
+
+/// Returns what elastics hold where the islands are now, J.
+double ClusterStepper::elastic_energy() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) sum += islands_[i].state->elastic_energy();
+  return sum;
+}
+
+/// Returns the kinetic energy of the velocities with which a substep starts, J.
+double ClusterStepper::kinetic_energy() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (islands_[i].awake) sum += islands_[i].state->linkage->kinetic(islands_[i].state->v);
+  return sum;
+}
+
+/// Returns the energy that lifts all by its size, J.
+double ClusterStepper::weight() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const LinkageState& state = *islands_[i].state;
+    double pull = state.linkage->mass() * norm(state.linkage->gravity());
+    for (const Vec3 force : state.force) pull += norm(force);
+    if (islands_[i].awake) sum += pull * state.linkage->size();
+  }
+  return sum;
+}
+
+/// Returns whether elastics are there, and nothing gives energy but they, weight and constant forces.
+bool ClusterStepper::is_passive() const {
+  bool any = false;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const LinkageState& state = *islands_[i].state;
+    if (!islands_[i].awake) continue;
+    const auto anchors = std::span(state.v).subspan(state.linkage->movable());
+    if (state.linkage->has_air() ||
+        std::any_of(anchors.begin(), anchors.end(), [](Vec3 v) { return v != Vec3{}; }))
+      return false;
+    any = any || !state.laws.empty();
+  }
+  return any;
+}
+
+/// Puts positions back to where the substep started.
+void ClusterStepper::take_back() {
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    Island& island = islands_[i];
+    if (!island.awake) continue;
+    std::swap(island.state->x, island.there);
+    island.state->factored = false;
+  }
+}
+
+/// Takes energy from the motion that is not a rigid whole's or, if that has less, from all that is kinetic,
+/// J.
+void ClusterStepper::slow_down(double excess, double kinetic) {
+  const double loose = find_rigid_motion();
+  if (excess <= loose) return scale_loose_motion(std::sqrt(1 - excess / loose));
+  for (std::uint32_t i = 0; i < count_; ++i)
+    std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), Vec3{});
+  scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / kinetic)));
+}
+
+/// Returns whether a substep may stand, as it is or with less motion. Its velocities are still apart, in
+/// Island::v. What may not stand is taken again with gradient new, then shorter, and slowed down in the end.
+///
+/// A frozen secant, and springs that turn fast, keep energy only as far as substeps resolve them. Alone in
+/// the air an island is compared with the least that it had, since gains may be small and many. Else it is
+/// compared with what it had before the substep.
+bool ClusterStepper::guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report) {
+  const bool is_kept = is_passive(), is_alone = is_kept && count_ == 1 && !touched;
+  for (std::uint32_t i = 0; i < count_ && !is_alone; ++i)
+    if (!islands_[i].state->laws.empty()) islands_[i].state->energy.reset();
+  if (!is_kept) return true;
+  double kinetic = 0, potential = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!islands_[i].awake) continue;
+    const LinkageState& state = *islands_[i].state;
+    kinetic += state.linkage->kinetic(islands_[i].v);
+    potential += state.linkage->potential(state.x, state.force);
+  }
+  const double elastic = elastic_energy(), moving = kinetic + elastic, now = moving + potential;
+  LinkageState& first = *islands_[0].state;
+  if (is_alone && !first.energy) {
+    first.energy = before.all;
+    first.most_motion = before.moving;
+  }
+  const double wanted = is_alone ? *first.energy : before.all;
+  const double scale = std::max(is_alone ? first.most_motion : before.moving, moving);
+  const double most = wanted + most_gained * scale + (touched ? gained : unnoticed) * weight();
+  if (now > most && now > before.all) {
+    if (!takes_end_ || can_shorten) return false;
+    slow_down(now - wanted, kinetic);
+  }
+  if (takes_end_) ++report.guarded_energy;
+  if (is_alone) {
+    first.energy = std::min(wanted, now);
+    first.most_motion = scale;
+  }
+  return true;
+}
+
+}  // namespace plumb::detail
