@@ -217,9 +217,11 @@ void visit_members(Archive& archive, KeptContact& of) {
 template <class Archive>
 void visit_members(Archive& archive, LinkageMotion& of) {
   auto& [x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-         slow_time, energy, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness, broken] = of;
+         slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness,
+         broken] = of;
   archive(x, v, acceleration, anchors_went, kept, asleep, frozen, elapsed, on_ground, relax_for, is_relaxed,
-          slow_time, energy, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness, broken);
+          slow_time, energy, most_motion, elastic_numbers, pulls, stiffness, stiffness_before, knows_tautness,
+          broken);
 }
 template <class Archive>
 void visit_members(Archive& archive, Linkage::AngleRule& of) {

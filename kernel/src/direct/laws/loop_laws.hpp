@@ -103,7 +103,7 @@ LawPull law_pull(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k
 
 template <class Archive>
 void visit_members(Archive& archive, LoopLaws& of) {
-  auto& [rods, half_kick, length, rate, jump, impulse, moves, pulls] = of;
+  auto& [rods, half_kick, length, rate, jump, impulse, bent, moves, pulls] = of;  // bent: of a substep
   archive(rods, half_kick, length, rate, jump, impulse, moves, pulls);
 }
 

@@ -141,9 +141,9 @@ struct LoopState : LoopMotion {
 template <class Archive>
 void visit_members(Archive& archive, LoopMotion& of) {
   auto& [x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
-         effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick] = of;
+         effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick, gave] = of;
   archive(x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
-          effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick);
+          effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick, gave);
 }
 /// What a program and steps change beside the motion. Reels change masses, and laws lengths.
 template <class Archive>
