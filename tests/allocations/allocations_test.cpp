@@ -19,6 +19,7 @@
 #include "support/mechanisms.hpp"
 #include "support/reeled_chain.hpp"
 #include "support/sanitizers.hpp"
+#include "support/sprung_rods.hpp"
 #include "support/worlds.hpp"
 
 namespace {
@@ -560,6 +561,20 @@ TEST_F(Allocations, AreNoneInStepsOfSprings) {
               }
             }),
             0u);
+}
+
+TEST_F(Allocations, AreNoneWhereEnergyOfElasticsIsHeldBack) {
+  std::uint64_t held_back = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    World world(test::bent_and_sprung(seed), {.method = Method::direct, .threads = 1});
+    world.step(1.0 / 120);
+    EXPECT_EQ(allocations_in([&] {
+                for (int i = 0; i < 300; ++i) held_back += world.step(1.0 / 120).guarded_energy;
+              }),
+              0u)
+        << seed;
+  }
+  EXPECT_GT(held_back, 0u);
 }
 
 TEST_F(Allocations, AreNoneInReading) {

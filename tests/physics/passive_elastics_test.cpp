@@ -10,6 +10,7 @@
 
 #include "plumb/plumb.hpp"
 #include "support/random_trees.hpp"
+#include "support/sprung_rods.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
@@ -31,38 +32,12 @@ double highest_energy(const Scene& scene, const Settings& settings, double dt, d
   return highest / first;
 }
 
-double between(double low, double high, test::Random& random) {
-  return low + (high - low) * (0.5 + 0.5 * test::signed_unit(random));
-}
-double evenly_in_log(double low, double high, test::Random& random) {
-  return low * std::pow(high / low, between(0, 1, random));
-}
-
-/// Two elastic rods in a row with a bend between them, thrown, and a spring from end to end.
-Scene bent_and_sprung(std::uint64_t seed) {
-  test::Random random(seed);
-  Scene scene;
-  scene.gravity = {};
-  const double length = 0.4, stiffness = evenly_in_log(100, 1e5, random);
-  for (std::uint32_t i = 0; i < 3; ++i)
-    scene.particles.push_back({.position = {length * i, i == 2 ? 0.01 : 0, 0},
-                               .velocity = 2 * test::random_vector(random),
-                               .mass = evenly_in_log(0.2, 2, random)});
-  for (std::uint32_t i = 0; i < 2; ++i)
-    scene.rods.push_back({.a = i, .b = i + 1, .length = length, .law = {.stiffness = stiffness}});
-  scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = evenly_in_log(0.1, 20, random)}};
-  scene.springs = {{.a = point_at(0),
-                    .b = point_at(2),
-                    .length = between(0.05, 0.8, random),
-                    .stiffness = evenly_in_log(10, 1e4, random)}};
-  return scene;
-}
-
 // Stretched rods carry the vector of a bend farther in a substep than its secant is true.
 TEST(PassiveElastics, BendsBesideElasticRodsGainNoMoreThanTheBound) {
   for (std::uint64_t seed = 1; seed <= 120; ++seed)
-    EXPECT_LE(highest_energy(bent_and_sprung(seed), {.method = Method::direct, .threads = 1}, 1.0 / 120, 5),
-              most)
+    EXPECT_LE(
+        highest_energy(test::bent_and_sprung(seed), {.method = Method::direct, .threads = 1}, 1.0 / 120, 5),
+        most)
         << seed;
 }
 
@@ -78,7 +53,7 @@ Scene closed_chain(std::uint64_t seed) {
     away = (0.4 / norm(away)) * away;
     scene.particles.push_back({.position = scene.particles[parents[i - 1]].position + away,
                                .velocity = 2 * test::random_vector(random),
-                               .mass = evenly_in_log(0.1, 2, random)});
+                               .mass = test::evenly_in_log(0.1, 2, random)});
     scene.rods.push_back({.a = parents[i - 1], .b = i, .length = 0.4});
   }
   scene.rods[1].law.stiffness = 131;

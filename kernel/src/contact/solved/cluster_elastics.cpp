@@ -13,6 +13,7 @@ using namespace contact_limits;
 void ClusterStepper::begin_elastics(Island& island, double h) const {
   LinkageState& state = *island.state;
   const std::span<const Elastic> elastics = state.linkage->elastics();
+  make_room_to_damp(island);
   state.follow_bends(h);
   state.find_gives();
   for (std::size_t i = 0; i < elastics.size(); ++i) {

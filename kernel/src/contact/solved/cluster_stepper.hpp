@@ -309,6 +309,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   struct Energies {
     double all, moving;  ///< with and without that of weight and constant forces
   };
+  static void make_room_to_damp(Island& island);
   void slow_down(double excess, double kinetic);
   bool guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report);
   double find_rigid_motion();
