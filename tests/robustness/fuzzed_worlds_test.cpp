@@ -83,5 +83,65 @@ TEST(FuzzedWorlds, StartInTheGroundAndInABox) {
                   5);
 }
 
+// A capsule passes another one, and nothing was near when the substep began: the first contact that asks what
+// held it in the last substep is one that was missed.
+TEST(FuzzedWorlds, PassWhereNothingWasNear) {
+  constexpr std::string_view json = R"({
+  "plumb": 1,
+  "particles": [
+    {"position":[-0.5,-0.5,-0.5],"mass":7.615113298237583,"fixed":true},
+    {"position":[1.0,1.0,0.25],"mass":1.0},
+    {"position":[-0.5,0.25,0.25],"mass":0.6356040283817808,"velocity":[0.75,-0.25,1.0]},
+    {"position":[-1.0,0.25,-0.5],"mass":4.548982833600366},
+    {"position":[0.03237964446478969,0.0,-0.75],"mass":1.9281226825360493},
+    {"position":[-1.0,-0.25,-0.8064393072404059],"mass":1.0,"fixed":true},
+    {"position":[-0.75,1.0,-0.5],"mass":3.497163195239185,"fixed":true},
+    {"position":[-0.75,0.5,0.0],"mass":3.5308519111924923,"fixed":true},
+    {"position":[0.5,-0.75,-0.25],"mass":4.947454795147632,"fixed":true,"asleep":true},
+    {"position":[0.75,-0.25,-1.0],"mass":3.0840572213321122,"fixed":true},
+    {"position":[1.305897611963073,-1.0,0.75],"mass":3.5288702220187687},
+    {"position":[-0.16339745962155616,0.3077350269189626,-0.4711324865405187],"mass":1.0},
+    {"position":[-0.33660254037844384,0.19226497308103743,-0.4711324865405187],"mass":1.0},
+    {"position":[-0.33660254037844384,0.3077350269189626,-0.5288675134594812],"mass":1.0},
+    {"position":[-0.16339745962155616,0.19226497308103743,-0.5288675134594812],"mass":1.0}
+  ],
+  "rods": [
+    {"a":10,"b":5,"length":0.7733623254749371,"strength":82.0},
+    {"a":10,"b":0}
+  ],
+  "angles": [
+    {"u":{"from":{"particles":[10,0],"weights":[0.3166018158236057,0.6833981841763943]},
+          "to":5},
+     "v":{"from":{"particles":[0,2],"weights":[0.347302967879759,0.652697032120241]},"to":7},
+     "lower":1.2463721675440604,
+     "upper":2.6283863584344243,
+     "friction":0.13443198290989547,
+     "stiffness":26.330968184939344,
+     "damping":8.706797894254978}
+  ],
+  "capsules": [
+    {"a":10,
+     "b":14,
+     "radius":0.11295643549248494,
+     "friction":0.4514305333028153,
+     "restitution":0.22754253452353704,
+     "own_island":true},
+    {"a":{"particles":[2,3],"weights":[0.2715877012283512,0.7284122987716488]},
+     "b":6,
+     "radius":0.1651575494010834,
+     "friction":0.07663080796520944,
+     "restitution":0.3265735866330968,
+     "own_island":true}
+  ]
+})";
+  const Scene scene = scenes::parse_scene(json, "fuzzed");
+  World world(scene, {.method = Method::relax, .substeps = 2, .threads = 1});
+  for (int step = 0; step < 15; ++step) {
+    world.step(1.0 / 60);
+    for (std::uint32_t i = 0; i < world.particle_count(); ++i)
+      EXPECT_TRUE(is_finite(world.position(i))) << "particle " << i << " after step " << step;
+  }
+}
+
 }  // namespace
 }  // namespace plumb

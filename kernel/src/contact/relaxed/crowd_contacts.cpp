@@ -56,6 +56,7 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   const std::uint32_t shares = is_shared ? batches_per_thread * team->parts() : 1;
   batches_.resize(std::max<std::size_t>(kinds * shares, batches_.size()));
   for (Batch& batch : batches_) batch.clear();
+  kept_.clear();
   if (!near_.are_all_plain() || !fast_lines_.empty()) kept_.gather(cluster);
   const auto find = [&](std::uint32_t number) {
     const std::uint32_t kind = number / shares;
@@ -256,6 +257,8 @@ void CrowdContacts<T>::start_from_kept(const Substep& in, Contact& contact) {
   const std::uint32_t island = contact.island[0];
   const LinkageState& state = *in.cluster[island];
   const double h2 = in.h * in.h;
+  // What turns out to be missed, which one thread finds, may be the first that asks.
+  if (!kept_.is_gathered()) kept_.gather(in.cluster);
   const KeptContact held = kept_.at(state, island, contact.key);
   if (held.key != contact.key) return;
   const double along = dot(held.force, contact.normal);

@@ -25,6 +25,10 @@ class KeptTable {
       }
   }
 
+  /// Forgets them, where they are not likely to be asked for.
+  void clear() { slots_.clear(); }
+  bool is_gathered() const { return !slots_.empty(); }
+
   /// Returns the forces that held a contact of an island of the cluster. Nothing held it if the result has
   /// another key.
   KeptContact at(const LinkageState& state, std::uint32_t island, std::uint64_t key) const {
