@@ -68,4 +68,10 @@ inline std::array<double, simd::tree_fields::law> law_numbers(const RodLaw& law,
 /// rod otherwise. Of 1,000 random hangings equally many frames were dear with 1e-3, 1e-4 and 1e-8.
 inline constexpr double drawn_cable = 1e-4;
 
+/// Gradient mid turns what a load has along a taut cable about, from a to -a, and back while the cable stays
+/// taut. That takes an impulse of 2 m a from what bears the load. A substep that turned a to -a pulled with
+/// that on top, so that a next one pulls with 4 m a less. Where m a, which a projection finds, is more than
+/// this share of the last impulse, the cable was thrown back, and the next substep finds it slack.
+inline constexpr double thrown_back = 0.25;
+
 }  // namespace plumb::detail

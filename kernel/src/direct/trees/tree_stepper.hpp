@@ -138,6 +138,8 @@ class TreeStepper {
   };
   void project(TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work) const;
   void project_without_pushes(TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work) const;
+  /// Lets go of cables that were thrown back before a blow that `jumps` give, as LoopStepper does.
+  void release_thrown_back(TreeState<T>& state, const Drive& jumps, TreeWorkspace<T>& work) const;
   /// Takes what was projected, in lanes where it is not many times what was given. Rods that are nearly
   /// straight between anchors have no sound projection.
   void take_sound(const TreeState<T>& state, const Drive& drive, TreeWorkspace<T>& work,

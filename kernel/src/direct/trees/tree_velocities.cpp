@@ -69,10 +69,10 @@ void TreeStepper<T>::take_sound(const TreeState<T>& state, const Drive& drive, T
 
 namespace {
 
-/// Lets go of cables that a projection would push with more than they pulled in the last substep, which they
-/// do not do. Returns whether there were any.
+/// Lets go of cables that a projection would push with more than `share` of what they pulled in the last
+/// substep, which they do not do. Returns whether there were any.
 template <class T>
-bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work) {
+bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work, double share = 1) {
   if (!state.laws.cables) return false;
   const std::size_t lanes = state.lanes;
   bool any = false;
@@ -83,7 +83,7 @@ bool let_go(TreeState<T>& state, const TreeWorkspace<T>& work) {
       const T one_sided = law[simd::tree_fields::law * (i - lane) + 3 * lanes + lane];
       const double kick = state.mu_kick[lane];
       if (one_sided == 0 || kick == 0 || !(mu[i] < 0)) continue;
-      if (!(kick * double{blow[i]} > -std::sqrt(2 * kick) * double{mu[i]})) continue;
+      if (!(kick * double{blow[i]} > -share * std::sqrt(2 * kick) * double{mu[i]})) continue;
       mu[i] = 0;
       any = true;
     }
@@ -107,17 +107,35 @@ void count_blows(TreeState<T>& state, const TreeWorkspace<T>& work) {
   hold_rod_blows(state, work);
 }
 
+/// Lets projections act on lanes whose u are velocities, and no forces.
+template <class T>
+void set_velocities_active(const TreeState<T>& state, TreeWorkspace<T>& work) {
+  std::fill_n(work.kick.data(), work.kick.size(), T(0));
+  for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
+    work.active[lane] = state.u_step[lane] == 0 ? T(1) : T(0);
+}
+
 }  // namespace
 
 /// Projects what is in work.velocity, of lanes whose u are velocities.
 template <class T>
 void TreeStepper<T>::project_without_pushes(TreeState<T>& state, const Drive& drive,
                                             TreeWorkspace<T>& work) const {
-  std::fill_n(work.kick.data(), work.kick.size(), T(0));
-  for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
-    work.active[lane] = state.u_step[lane] == 0 ? T(1) : T(0);
+  set_velocities_active(state, work);
   do project(state, drive, work);
   while (let_go(state, work));
+}
+
+template <class T>
+void TreeStepper<T>::release_thrown_back(TreeState<T>& state, const Drive& jumps,
+                                         TreeWorkspace<T>& work) const {
+  if (!state.laws.cables) return;
+  set_velocities_active(state, work);
+  std::fill_n(work.velocity.data(), work.velocity.size(), T(0));
+  project(state, jumps, work);
+  for (std::size_t i = 0; i < state.u.size(); ++i) work.velocity[i] = state.u[i] + work.delta[i];
+  project(state, {state.tie_velocity, state.tie_velocity, state.laws.rate}, work);
+  let_go(state, work, thrown_back);
 }
 
 template <class T>
@@ -134,8 +152,9 @@ void TreeStepper<T>::take_blow(TreeState<T>& state, TreeWorkspace<T>& work) cons
   if (std::none_of(state.u_step.begin(), state.u_step.end(), [](double step) { return step == 0; })) return;
   for (std::size_t i = 0; i < work.tie_jump.size(); ++i)
     work.tie_jump[i] = state.tie_velocity[i] - state.tie_last_velocity[i];
-  std::fill_n(work.velocity.data(), work.velocity.size(), T(0));
   const Drive drive{work.tie_jump, work.tie_rest, state.laws.jump};
+  release_thrown_back(state, drive, work);
+  std::fill_n(work.velocity.data(), work.velocity.size(), T(0));
   project_without_pushes(state, drive, work);
   take_sound(state, drive, work, work.velocity);
   for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] += work.velocity[i];
@@ -167,14 +186,15 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
   }
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                           \
-  template void TreeStepper<T>::project(TreeState<T>&, const Drive&, TreeWorkspace<T>&) const;         \
-  template void TreeStepper<T>::project_without_pushes(TreeState<T>&, const Drive&, TreeWorkspace<T>&) \
-      const;                                                                                           \
-  template void TreeStepper<T>::take_sound(const TreeState<T>&, const Drive&, TreeWorkspace<T>&,       \
-                                           layouts::AlignedBuffer<T>&) const;                          \
-  template void TreeStepper<T>::project_velocities(TreeState<T>&, TreeWorkspace<T>&) const;            \
-  template void TreeStepper<T>::take_blow(TreeState<T>&, TreeWorkspace<T>&) const;                     \
+#define PLUMB_INSTANTIATE(T)                                                                               \
+  template void TreeStepper<T>::project(TreeState<T>&, const Drive&, TreeWorkspace<T>&) const;             \
+  template void TreeStepper<T>::project_without_pushes(TreeState<T>&, const Drive&, TreeWorkspace<T>&)     \
+      const;                                                                                               \
+  template void TreeStepper<T>::release_thrown_back(TreeState<T>&, const Drive&, TreeWorkspace<T>&) const; \
+  template void TreeStepper<T>::take_sound(const TreeState<T>&, const Drive&, TreeWorkspace<T>&,           \
+                                           layouts::AlignedBuffer<T>&) const;                              \
+  template void TreeStepper<T>::project_velocities(TreeState<T>&, TreeWorkspace<T>&) const;                \
+  template void TreeStepper<T>::take_blow(TreeState<T>&, TreeWorkspace<T>&) const;                         \
   template void TreeStepper<T>::find_velocities(TreeState<T>&, TreeWorkspace<T>&) const;
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

@@ -79,19 +79,19 @@ void LoopStepper::project(LoopState& state, const Projected& acts, LoopWorkspace
   if (!shape.system && !work.projection)
     work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
-  project_delta(state, {kick, acts.jumps}, work, factor);
+  project_delta(state, {kick, acts.jumps, acts.as_before}, work, factor);
   factor.h = 0;
 }
 
 namespace {
 
-/// Lets go of cables that a projection would push with more than they pulled in the last substep, which they
-/// do not do. Returns whether there were any.
-bool let_go(LoopState& state, const LoopWorkspace& work) {
+/// Lets go of cables that a projection would push with more than `share` of what they pulled in the last
+/// substep, which they do not do. Returns whether there were any.
+bool let_go(LoopState& state, const LoopWorkspace& work, double share = 1) {
   if (work.lines || work.net || state.mu_kick == 0) return false;
   const double substep = std::sqrt(2 * state.mu_kick);
   const auto pushes = [&](std::size_t i) {
-    return state.mu[i] < 0 && state.mu_kick * work.blows[i] > -substep * state.mu[i];
+    return state.mu[i] < 0 && state.mu_kick * work.blows[i] > -share * substep * state.mu[i];
   };
   bool any = false;
   const auto release = [&](std::size_t i) {
@@ -128,19 +128,42 @@ void swap_jumps(LoopState& state, LoopWorkspace& work) {
   std::swap(state.fixed_last_velocity, work.fixed_rest);
 }
 
+/// Says whether a rigid cable pulled in the last substep.
+bool pulls_by_cables(const LoopState& state) {
+  const std::size_t rods = state.topology->rods.size();
+  for (std::uint32_t k = 0; state.laws.any() && k < rods; ++k)
+    if (state.mu[k] < 0 && state.laws.is_rigid(k) && state.laws.is_one_sided(k)) return true;
+  for (std::size_t t = 0; t < state.tackle_laws.size(); ++t)
+    if (state.mu[rods + t] < 0 && state.tackle_laws[t].is_rigid && state.tackle_laws[t].is_one_sided)
+      return true;
+  return false;
+}
+
 }  // namespace
+
+bool LoopStepper::release_thrown_back(LoopState& state, LoopWorkspace& work) const {
+  if (!pulls_by_cables(state)) return false;
+  work.trial = work.delta;
+  work.mu_start = work.blows;
+  for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] += state.u[i];
+  if (project_soundly(state, {.as_before = true}, work) && let_go(state, work, thrown_back)) return true;
+  work.delta = work.trial;
+  work.blows = work.mu_start;
+  return false;
+}
 
 void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
   if (!state.reels.empty()) return project_velocities(state, work);  // particles change their rod there
   for (std::size_t i = 0; i < work.fixed_jump.size(); ++i)
     work.fixed_jump[i] = state.fixed_velocity[i] - state.fixed_last_velocity[i];
-  swap_jumps(state, work);
-  bool sound = true;
-  do {
+  bool sound = true, again = true;
+  for (bool first = true; again; first = false) {
     std::fill(work.delta.begin(), work.delta.end(), 0.0);
+    swap_jumps(state, work);
     sound = project_soundly(state, {.jumps = true}, work);
-  } while (let_go(state, work));
-  swap_jumps(state, work);
+    swap_jumps(state, work);
+    again = (first && sound && release_thrown_back(state, work)) || let_go(state, work);
+  }
   for (std::size_t i = 0; sound && i < state.u.size(); ++i) state.u[i] += work.delta[i];
 }
 
