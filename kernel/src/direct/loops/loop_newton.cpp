@@ -225,10 +225,8 @@ void pass_on_jumps(const LoopState& state, const SparseAnalysis& analysis, std::
   }
 }
 
-}  // namespace
-
-void project_delta(const LoopState& state, const Projected& acts, LoopWorkspace& work,
-                   LoopWorkspace::Factor& factor) {
+/// Factorises the matrix of a projection of velocities.
+void factorize_projection(const LoopState& state, const LoopWorkspace& work, LoopWorkspace::Factor& factor) {
   const LoopTopology& shape = *state.topology;
   const LoopSystem& system = *factor.system;
   const SparseAnalysis& analysis = system.analysis;
@@ -248,6 +246,15 @@ void project_delta(const LoopState& state, const Projected& acts, LoopWorkspace&
   write_projected_tackles(state, work, std::span(factor.values).subspan(system.at_tackles()));
   set_tackle_pivots(state, give_of, factor);
   factor.ldu.factorize(factor.values, factor.smallest);
+}
+
+}  // namespace
+
+void project_delta(const LoopState& state, const Projected& acts, LoopWorkspace& work,
+                   LoopWorkspace::Factor& factor) {
+  const LoopTopology& shape = *state.topology;
+  const SparseAnalysis& analysis = factor.system->analysis;
+  if (!acts.as_before) factorize_projection(state, work, factor);
   // The second time takes out what rounding left in the first.
   for (const bool again : {false, true}) {
     const double force = again ? 0 : acts.kick;

@@ -76,6 +76,7 @@ struct LoopWorkspace {
 struct Projected {
   double kick = 0;
   bool jumps = false;
+  bool as_before = false;  ///< Rods lie and pull as in the projection before, so that its factor serves.
 };
 
 /// Advances islands with loops (rings, ladders, trusses, nets) by substeps in which all rods are solved at
@@ -214,9 +215,10 @@ class LoopStepper {
   /// Projects work.delta and says whether that is sound. Where rods are nearly straight between anchors, or
   /// drawn tight, it is not, and nothing pulls then.
   bool project_soundly(LoopState& state, const Projected& acts, LoopWorkspace& work) const;
-  /// Lets go of cables that were thrown back (`thrown_back`): they pass no blow on. One that hauls them
-  /// faster than they come in is found by the next substep.
-  void release_thrown_back(LoopState& state, LoopWorkspace& work) const;
+  /// Lets go of cables that were thrown back (`thrown_back`), once the changes of velocities in work.delta
+  /// are projected: they pass no blow on. One that hauls them faster than they come in is found by the next
+  /// substep. Returns whether there were any; otherwise work.delta and work.blows are as they were.
+  bool release_thrown_back(LoopState& state, LoopWorkspace& work) const;
   /// Elements take many Newton steps each, and hardly ever fail. Nets solved by lines have shorter ways.
   bool is_bounded(const LoopState& state) const {
     return bounds_frames_ && !state.topology->any() && !state.topology->lines;

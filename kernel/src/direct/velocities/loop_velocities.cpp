@@ -79,7 +79,7 @@ void LoopStepper::project(LoopState& state, const Projected& acts, LoopWorkspace
   if (!shape.system && !work.projection)
     work.projection = std::make_unique<LoopWorkspace::Factor>(*work.factor(true).system, work.isa);
   LoopWorkspace::Factor& factor = work.projection ? *work.projection : work.factor(false);
-  project_delta(state, {kick, acts.jumps}, work, factor);
+  project_delta(state, {kick, acts.jumps, acts.as_before}, work, factor);
   factor.h = 0;
 }
 
@@ -141,29 +141,29 @@ bool pulls_by_cables(const LoopState& state) {
 
 }  // namespace
 
-void LoopStepper::release_thrown_back(LoopState& state, LoopWorkspace& work) const {
-  if (!pulls_by_cables(state)) return;
-  swap_jumps(state, work);
-  std::fill(work.delta.begin(), work.delta.end(), 0.0);
-  const bool sound = project_soundly(state, {.jumps = true}, work);
-  swap_jumps(state, work);
-  if (!sound) return;
+bool LoopStepper::release_thrown_back(LoopState& state, LoopWorkspace& work) const {
+  if (!pulls_by_cables(state)) return false;
+  work.trial = work.delta;
+  work.mu_start = work.blows;
   for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] += state.u[i];
-  if (project_soundly(state, {}, work)) let_go(state, work, thrown_back);
+  if (project_soundly(state, {.as_before = true}, work) && let_go(state, work, thrown_back)) return true;
+  work.delta = work.trial;
+  work.blows = work.mu_start;
+  return false;
 }
 
 void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
   if (!state.reels.empty()) return project_velocities(state, work);  // particles change their rod there
   for (std::size_t i = 0; i < work.fixed_jump.size(); ++i)
     work.fixed_jump[i] = state.fixed_velocity[i] - state.fixed_last_velocity[i];
-  release_thrown_back(state, work);
-  swap_jumps(state, work);
-  bool sound = true;
-  do {
+  bool sound = true, again = true;
+  for (bool first = true; again; first = false) {
     std::fill(work.delta.begin(), work.delta.end(), 0.0);
+    swap_jumps(state, work);
     sound = project_soundly(state, {.jumps = true}, work);
-  } while (let_go(state, work));
-  swap_jumps(state, work);
+    swap_jumps(state, work);
+    again = (first && sound && release_thrown_back(state, work)) || let_go(state, work);
+  }
   for (std::size_t i = 0; sound && i < state.u.size(); ++i) state.u[i] += work.delta[i];
 }
 
