@@ -249,8 +249,8 @@ TEST(MidGuard, CountsAndKeepsEnergyDown) {
   EXPECT_EQ(test::run(other, 1.0 / 60, 10).mid_guarded, 0u) << "only gradient mid is guarded";
 }
 
-// Two ropes fall beside each other, a millimetre apart. Each has 301 shapes near the other, which is more than
-// are pushed by their responses, and nothing pushes.
+// Two ropes fall beside each other, a millimetre apart. Each has 301 shapes near the other, which is more
+// than are pushed by their responses, and nothing pushes.
 TEST(Extremes, ManyPlacesThatAreNearButDoNotTouch) {
   constexpr std::uint32_t rods = 300;
   constexpr double radius = 0.02, gap = 1e-3;
