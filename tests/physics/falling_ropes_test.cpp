@@ -62,9 +62,9 @@ TEST(FallingRope, CoilsWithoutStretching) {
 }
 
 // Turns of a coil lie on each other, so that pushes of thousands of places follow from each other. What is
-// not solved would be relaxed, which counts as a fallback. Without sweeps of free particles a coil of 100 rods
-// had 128 of them. Those that are let be are of the blow, where ground has more places than its matrix and the
-// rope touches itself in few.
+// not solved would be relaxed, which counts as a fallback. Without sweeps of free particles a coil of 100
+// rods had 128 of them. Those that are let be are of the blow, where ground has more places than its matrix
+// and the rope touches itself in few.
 TEST(FallingRope, CoilsByMethodDirectWithoutStretching) {
   for (const std::uint32_t links : {60u, 240u}) {
     const Scene scene = scenes::make_rope({.links = links, .coil = 0.3});
