@@ -14,7 +14,7 @@
 namespace plumb {
 
 /// Holds what a world is made of, and refuses what its scene does not have.
-struct World::Impl {
+struct PLUMB_HIDDEN World::Impl {
   std::unique_ptr<detail::Step> step;
   std::vector<std::uint8_t> fixed;
   Precision precision = Precision::double_;
