@@ -17,12 +17,17 @@ double ClusterStepper::elastic_energy() const {
   return sum;
 }
 
-/// Returns the kinetic energy of the velocities with which a substep starts, J.
-double ClusterStepper::kinetic_energy() const {
-  double sum = 0;
+/// Returns the energy of elastics where a substep starts, alone and with that of its velocities. Clusters
+/// without elastics are not measured.
+ClusterStepper::Energies ClusterStepper::energies_of_elastics() const {
+  if (std::all_of(islands_.begin(), islands_.begin() + count_,
+                  [](const Island& each) { return each.state->laws.empty(); }))
+    return {};
+  Energies out{.all = elastic_energy()};
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (islands_[i].awake) sum += islands_[i].state->linkage->kinetic(islands_[i].state->v);
-  return sum;
+    if (islands_[i].awake) out.moving += islands_[i].state->linkage->kinetic(islands_[i].state->v);
+  out.moving = out.all + out.moving;
+  return out;
 }
 
 /// Returns the energy that lifts all by its size, J.

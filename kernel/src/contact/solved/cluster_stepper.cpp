@@ -259,7 +259,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   if (!is_found) return false;
   double before = energy();
-  const double elastic_before = elastic_energy(), moving_before = elastic_before + kinetic_energy();
+  const Energies held = energies_of_elastics();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
                        count_pushes() > 0;
   finish(h, touched);
@@ -274,7 +274,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     tight_ = true;
     return false;
   }
-  if (!guard_elastics({before + elastic_before, moving_before}, touched, h > shortest_, report)) {
+  if (!guard_elastics({before + held.all, held.moving}, touched, h > shortest_, report)) {
     take_back();
     tries_again_ = !takes_end_;
     takes_end_ = true;

@@ -301,14 +301,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool guard_energy(double before, bool touched, bool can_shorten, Tally& report);
   double energy() const;
   double elastic_energy() const;
-  double kinetic_energy() const;
   double weight() const;
   bool is_passive() const;
   void take_back();
   /// Energies of what is awake, J.
   struct Energies {
-    double all, moving;  ///< with and without that of weight and constant forces
+    double all = 0, moving = 0;  ///< with and without that of weight and constant forces
   };
+  Energies energies_of_elastics() const;
   static void make_room_to_damp(Island& island);
   void slow_down(double excess, double kinetic);
   bool guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report);
