@@ -279,7 +279,7 @@ void LoopSolver::set_length(Slot cord, double length, double rate) {
   if (is_reel(cord)) {
     const auto number = static_cast<std::uint32_t>(cord - first_reel());
     lengths_changed_ = lengths_changed_ || rate_changes(state_.reels[number].rate, rate);
-    set_reel(state_, number, length, rate);
+    turn_reel(state_, number, length, rate);
     return;
   }
   if (is_tackle(cord)) {

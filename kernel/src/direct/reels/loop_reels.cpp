@@ -83,10 +83,13 @@ void begin_reels(LoopState& state) {
   for_reels(state, [&](const ReelView& reel, std::size_t i) { state.reels[i].momentum = reel.momentum(); });
 }
 
-void set_reel(LoopState& state, std::uint32_t reel, double out, double rate) {
+void turn_reel(LoopState& state, std::uint32_t reel, double out, double rate) {
+  const ReelView view(state, reel);
+  const double before = view.length_rate(0);
   state.reels[reel].out = out;
   state.reels[reel].rate = rate;
-  set_leaving_rod(state, ReelView(state, reel));
+  set_leaving_rod(state, view);
+  state.laws.jump[view.rod()] = view.length_rate(0) - before;
 }
 
 void place_wound(LoopState& state) {
@@ -104,7 +107,7 @@ void restore_reels(LoopState& state) {
       state.laws.rods[rod] = j + 1 < reel.motion.first ? LoopLaws::Numbers{} : reel.numbers.laws[j];
       state.laws.length[rod] = reel.numbers.length[j];
       state.length2[rod] = reel.numbers.length[j] * reel.numbers.length[j];
-      state.laws.rate[rod] = 0;
+      state.laws.rate[rod] = state.laws.jump[rod] = 0;
     }
     for (std::uint32_t j = 1; j <= reel.last(); ++j) {
       const std::uint32_t vertex = reel.shape.vertices[j];

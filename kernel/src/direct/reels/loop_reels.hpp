@@ -36,8 +36,8 @@ struct SubstepEnd;
 void load_reels(LoopState& state, const Scene& scene, std::span<const std::uint32_t> reels);
 /// Begins to count what drums hold, once all velocities are set.
 void begin_reels(LoopState& state);
-/// Sets what is out (m), and its rate (m/s).
-void set_reel(LoopState& state, std::uint32_t reel, double out, double rate);
+/// Sets what is out (m), and its rate (m/s). The rod that leaves the drum notes how its own rate jumps.
+void turn_reel(LoopState& state, std::uint32_t reel, double out, double rate);
 /// Puts wound particles where their drum is.
 void place_wound(LoopState& state);
 /// Makes what is not in LoopMotion fit it.

@@ -153,7 +153,7 @@ bool LoopStepper::release_thrown_back(LoopState& state, LoopWorkspace& work) con
 }
 
 void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
-  if (!state.reels.empty()) return project_velocities(state, work);  // particles change their rod there
+  note_reel_blows(state, work);
   for (std::size_t i = 0; i < work.fixed_jump.size(); ++i)
     work.fixed_jump[i] = state.fixed_velocity[i] - state.fixed_last_velocity[i];
   bool sound = true, again = true;
