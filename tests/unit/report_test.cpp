@@ -62,6 +62,7 @@ TEST(Report, HasEveryField) {
                                                  "rods",
                                                  "particles",
                                                  "islands",
+                                                 "start",
                                                  "frames",
                                                  "steps",
                                                  "sweeps",

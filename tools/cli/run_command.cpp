@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "cli/checkpoint.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
@@ -12,6 +13,7 @@
 #include "export/vtk.hpp"
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
+#include "scenes/basics/numbers.hpp"
 #include "scenes/files/contacts.hpp"
 #include "scenes/files/trajectory.hpp"
 #include "scenes/runs/report.hpp"
@@ -30,6 +32,7 @@ struct RunOptions {
   std::string report;
   std::string vtk;   ///< Folder for VTK files.
   std::string gltf;  ///< File for the glTF animation.
+  std::string save;  ///< File for snapshots.
   bool quiet = false;
 };
 
@@ -96,6 +99,17 @@ class SavedFrames {
   std::optional<GltfAnimation> gltf_;
 };
 
+/// Throws CheckFailed if something went wrong on the way.
+void require_sound(const scenes::RunResult& result) {
+  if (!result.finite) throw CheckFailed("the state is not finite");
+  if (result.total.frozen_islands > 0)
+    throw CheckFailed(plural(result.total.frozen_islands, "island") +
+                      " went non-finite; put back to the last finite state and left standing");
+  if (result.total.unsolved > 0)
+    throw CheckFailed(plural(result.total.unsolved, "substep") +
+                      " could not be solved, not even with elastic rods");
+}
+
 int run(const RunOptions& options) {
   const Scene scene = scenes::load_scene(options.scene);
   std::vector<Frame> truth;
@@ -106,7 +120,8 @@ int run(const RunOptions& options) {
                            {"--forces", options.forces},
                            {"--contacts", options.contacts},
                            {"--report", options.report},
-                           {"--gltf", options.gltf}});
+                           {"--gltf", options.gltf},
+                           {"--save", options.save}});
   SavedFrames saved(options, scene);
   std::optional<scenes::OutputFile> report;
   if (!options.report.empty()) report.emplace(options.report);
@@ -114,6 +129,12 @@ int run(const RunOptions& options) {
   scenes::RunObserver observer;
   observer.save_at = options.save_at;
   if (saved.wanted()) observer.save = [&](const scenes::RunFrame& frame) { saved.add(frame); };
+  std::optional<Checkpoint> checkpoint;
+  if (!options.save.empty()) {
+    checkpoint.emplace(options.save);
+    observer.goes_on = [&](const World& world) { return checkpoint->see(world); };
+    observer.ended = [&](const World& world) { checkpoint->write(world); };
+  }
   scenes::RunResult result;
   {
     Progress progress("running", options.quiet);
@@ -126,13 +147,10 @@ int run(const RunOptions& options) {
   saved.commit();
   if (report) report->commit();
   if (!options.quiet) print_run_summary(options.scene, options.plan, result, machine);
-  if (!result.finite) throw CheckFailed("the state is not finite");
-  if (result.total.frozen_islands > 0)
-    throw CheckFailed(plural(result.total.frozen_islands, "island") +
-                      " went non-finite; put back to the last finite state and left standing");
-  if (result.total.unsolved > 0)
-    throw CheckFailed(plural(result.total.unsolved, "substep") +
-                      " could not be solved, not even with elastic rods");
+  require_sound(result);
+  if (!result.is_whole)
+    throw CheckFailed("stopped at " + scenes::short_number(result.end, 12) + " s; --resume " + options.save +
+                      " goes on from there");
   return fine;
 }
 
@@ -187,6 +205,10 @@ void add_run_command(Command& plumb) {
         o.gltf = file;
       },
       "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text");
+  command.add_option("--save", "OUT.snapshot", o.save,
+                     "Keep a snapshot in this file: every 10 s of computing, on Ctrl-C and at the end");
+  command.add_option("--resume", "IN.snapshot", o.plan.resume,
+                     "Go on from a snapshot of the same scene and settings, up to --duration");
   command.add_option("--truth", "TRUTH.csv", o.truth, "Compare positions with this trajectory");
   add_counted(command, "--truth-tensions", "TENSIONS.csv", {o, o.truth_tensions, &Settings::tensions},
               "Compare tensions with these, at times of --truth");
@@ -202,7 +224,9 @@ void add_run_command(Command& plumb) {
       "  plumb run chain:end_mass=10 --method relax --substeps 8 --gradient mid --tolerance 1e-6 --report "
       "r.json\n"
       "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
-      "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n\n" +
+      "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n"
+      "  plumb run heap --duration 60 --save heap.snapshot\n"
+      "  plumb run heap --duration 90 --resume heap.snapshot\n\n" +
       methods_help() + "\n" + generators_help());
   command.set_action([options] { return run(*options); });
 }

@@ -113,6 +113,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"rods", result.info.rods},
       {"particles", result.info.particles},
       {"islands", result.info.islands},
+      {"start", result.start},
       {"frames", result.frames},
   };
   add_counters(json, "", result.total);

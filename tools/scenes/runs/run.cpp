@@ -6,8 +6,10 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "plumb/error.hpp"
+#include "scenes/basics/files.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/basics/require.hpp"
@@ -147,65 +149,142 @@ std::uint64_t count_frames(const RunPlan& plan) {
   return *frames;
 }
 
+namespace {
+
+/// A world on its way through a plan, with what is measured of it.
+class Run {
+ public:
+  Run(const Scene& scene, const RunPlan& plan, std::span<const Frame> truth, const RunObserver& observer)
+      : scene_(scene),
+        plan_(plan),
+        observer_(observer),
+        frames_(count_frames(plan)),
+        save_(frames_to_save(observer, plan, frames_)),
+        compare_(frames_to_compare(truth, plan, frames_, scene.particles.size())),
+        world_(scene, plan.settings),
+        measured_(scene),
+        now_(make_frame(scene, plan.settings)),
+        result_{.info = world_.info()} {}
+
+  RunResult whole() {
+    const std::uint64_t first = resume();
+    begin();
+    if (first == 0) visit(0);
+    for (std::uint64_t number = first + 1; goes_on() && number <= frames_; ++number) {
+      step(number);
+      visit(number);
+      measure();
+      if (observer_.progress) observer_.progress(number, frames_);
+    }
+    if (observer_.ended) observer_.ended(world_);
+    result_.end = world_.time();
+    result_.is_whole = first + result_.frames == frames_;
+    result_.stretch.rms =
+        std::sqrt(squares_ / static_cast<double>(std::max<std::uint64_t>(result_.frames, 1)));
+    result_.wall_s = std::chrono::duration<double>(wall_).count();
+    result_.problems = world_.problems();
+    result_.state_hash = world_.state_hash();
+    return std::move(result_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool goes_on() const { return !observer_.goes_on || observer_.goes_on(world_); }
+
+  /// Returns the number of the frame to go on from, which is 0 without a snapshot.
+  std::uint64_t resume() {
+    if (plan_.resume.empty()) return 0;
+    const std::string bytes = read_file(plan_.resume);
+    try {
+      world_.restore(std::as_bytes(std::span(bytes)));
+    } catch (const InputError& error) {
+      throw InputError(plan_.resume + ": " + error.what());
+    }
+    result_.start = world_.time();
+    const auto frame = frame_at(result_.start, plan_.dt);
+    const std::string at = plan_.resume + ": the snapshot is of " + seconds(result_.start);
+    if (!frame) throw InputError(at + ", where no frame of " + seconds(plan_.dt) + " ends");
+    if (*frame >= frames_)
+      throw InputError(at + ", and the run ends at " + seconds(plan_.duration) +
+                       ": ask for a longer --duration");
+    set_measured_lengths(result_.start);
+    leave_out_broken(world_, measured_);
+    return *frame;
+  }
+
+  void begin() {
+    copy_state(world_, now_);
+    result_.energy.initial = result_.energy.final = energy();
+    result_.energy.range = energy_range(scene_);
+  }
+
+  double energy() const { return energy_of(world_, measured_, now_, mass_model_of(plan_.settings)); }
+
+  void set_measured_lengths(double t) {
+    for (const auto& [rod, rate] : plan_.rates)
+      measured_.rods[rod].length = rod_length(scene_, rod) + rate * t;
+  }
+
+  void step(std::uint64_t number) {
+    const double end = static_cast<double>(number) * plan_.dt;
+    const auto start = Clock::now();
+    set_lengths(world_, scene_, plan_.rates, end);
+    const StepReport step = world_.step(plan_.dt);
+    wall_ += Clock::now() - start;
+    ++result_.frames;
+    set_measured_lengths(end);
+    if (step.broken_rods > 0) leave_out_broken(world_, measured_);
+    result_.total += step;
+  }
+
+  /// Looks at the end of a frame, and hands it on if it is to be saved.
+  void visit(std::uint64_t number) {
+    copy_state(world_, now_);
+    find_largest(now_, result_);
+    result_.finite = result_.finite && all_finite(now_);
+    if (const auto it = compare_.find(number); it != compare_.end()) {
+      result_.position_error.push_back(position_error(now_, *it->second, diagonal_));
+      add_tension_error(now_, *it->second, result_);
+    }
+    const auto it = save_.find(number);
+    if (!observer_.save || (it == save_.end() && !observer_.save_at.empty())) return;
+    now_.t = it != save_.end() ? it->second : static_cast<double>(number) * plan_.dt;
+    if (!now_.forces.is_empty()) copy_forces(world_, now_.forces);
+    if (plan_.settings.contacts) now_.contacts = world_.contacts();
+    observer_.save(now_);
+  }
+
+  void measure() {
+    const Stretch stretch = measure_stretch(measured_, now_.positions);
+    squares_ += stretch.rms * stretch.rms;
+    keep_worst(stretch, result_.stretch);
+    result_.energy.final = energy();
+    const double drift = std::abs(result_.energy.final - result_.energy.initial);
+    if (!(drift <= result_.energy.drift_max) && !std::isnan(result_.energy.drift_max))
+      result_.energy.drift_max = drift;
+  }
+
+  const Scene& scene_;
+  const RunPlan& plan_;
+  const RunObserver& observer_;
+  std::uint64_t frames_;
+  std::map<std::uint64_t, double> save_;
+  std::map<std::uint64_t, const Frame*> compare_;
+  double diagonal_ = bounding_diagonal(scene_);
+  World world_;
+  Scene measured_;  ///< It is the scene without what has broken, with lengths of now.
+  RunFrame now_;
+  RunResult result_;
+  double squares_ = 0;
+  Clock::duration wall_{};
+};
+
+}  // namespace
+
 RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Frame> truth,
                     const RunObserver& observer) {
-  using Clock = std::chrono::steady_clock;
-  const std::uint64_t frames = count_frames(plan);
-  const auto save = frames_to_save(observer, plan, frames);
-  const auto compare = frames_to_compare(truth, plan, frames, scene.particles.size());
-  const double diagonal = bounding_diagonal(scene);
-
-  const MassModel mass = mass_model_of(plan.settings);
-  World world(scene, plan.settings);
-  Scene measured = scene;  // without what has broken
-  RunResult result{.info = world.info(), .frames = frames};
-  RunFrame now = make_frame(scene, plan.settings);
-  const auto visit = [&](std::uint64_t number) {
-    copy_state(world, now);
-    find_largest(now, result);
-    result.finite = result.finite && all_finite(now);
-    if (const auto it = compare.find(number); it != compare.end()) {
-      result.position_error.push_back(position_error(now, *it->second, diagonal));
-      add_tension_error(now, *it->second, result);
-    }
-    const auto it = save.find(number);
-    if (!observer.save || (it == save.end() && !observer.save_at.empty())) return;
-    now.t = it != save.end() ? it->second : static_cast<double>(number) * plan.dt;
-    if (!now.forces.is_empty()) copy_forces(world, now.forces);
-    if (plan.settings.contacts) now.contacts = world.contacts();
-    observer.save(now);
-  };
-
-  visit(0);
-  result.energy.initial = result.energy.final = energy_of(world, measured, now, mass);
-  result.energy.range = energy_range(scene);
-  double squares = 0;
-  Clock::duration wall{};
-  for (std::uint64_t number = 1; number <= frames; ++number) {
-    const double end = static_cast<double>(number) * plan.dt;
-    const auto start = Clock::now();
-    set_lengths(world, scene, plan.rates, end);
-    const StepReport step = world.step(plan.dt);
-    wall += Clock::now() - start;
-    for (const auto& [rod, rate] : plan.rates)
-      measured.rods[rod].length = rod_length(scene, rod) + rate * end;
-    if (step.broken_rods > 0) leave_out_broken(world, measured);
-    result.total += step;
-    visit(number);
-    const Stretch stretch = measure_stretch(measured, now.positions);
-    squares += stretch.rms * stretch.rms;
-    keep_worst(stretch, result.stretch);
-    result.energy.final = energy_of(world, measured, now, mass);
-    const double drift = std::abs(result.energy.final - result.energy.initial);
-    if (!(drift <= result.energy.drift_max) && !std::isnan(result.energy.drift_max))
-      result.energy.drift_max = drift;
-    if (observer.progress) observer.progress(number, frames);
-  }
-  result.stretch.rms = std::sqrt(squares / static_cast<double>(frames));
-  result.wall_s = std::chrono::duration<double>(wall).count();
-  result.problems = world.problems();
-  result.state_hash = world.state_hash();
-  return result;
+  return Run(scene, plan, truth, observer).whole();
 }
 
 }  // namespace plumb::scenes

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "plumb/measures.hpp"
@@ -23,6 +24,9 @@ struct RunPlan {
   double duration = 1;              ///< Simulated time in s, a whole number of frames.
   double dt = 1.0 / 60;             ///< Length of a frame in s, which Settings::substeps divides further.
   std::vector<LengthRate> rates{};  ///< Rods that are reeled in or paid out all the time.
+  /// File with a snapshot (World::save()) to go on from, up to `duration`; empty stands for the scene's
+  /// start.
+  std::string resume{};
 };
 
 /// A saved frame has forces and contacts if the settings ask for tensions and contacts. The latter are the
@@ -32,17 +36,23 @@ struct RunFrame : Frame {
   std::span<const Contact> contacts{};
 };
 
-/// An observer sees a run on its way. Both functions may be empty. The time they take is not measured.
+/// An observer sees a run on its way. All functions may be empty. The time they take is not measured.
 struct RunObserver {
-  std::function<void(const RunFrame&)> save;  ///< Takes a frame. Frame 0 is the scene as it starts.
+  /// Takes a frame. Frame 0 is the scene as it starts. A run that goes on from a snapshot begins with the
+  /// frame after it.
+  std::function<void(const RunFrame&)> save;
   std::vector<double> save_at;  ///< Frame ends to hand to `save`, in s; empty stands for every frame.
   /// Takes the frames done and the frames in all.
   std::function<void(std::uint64_t, std::uint64_t)> progress;
+  /// Takes the world before the first frame and after each, and says whether the run goes on.
+  std::function<bool(const World&)> goes_on;
+  /// Takes the world after the last frame.
+  std::function<void(const World&)> ended;
 };
 
 /// Energies are in J, as measure_energy() has them. Rods whose length changes do work, which is in them.
 struct EnergyDrift {
-  double initial = 0;
+  double initial = 0;  ///< Where the run starts, or goes on.
   double final = 0;
   double drift_max = 0;  ///< Largest distance from `initial` at any frame's end.
   double range = 0;      ///< The scene's energy_range().
@@ -52,7 +62,9 @@ struct EnergyDrift {
 /// over frames and rods.
 struct RunResult {
   WorldInfo info{};
-  std::uint64_t frames = 0;
+  double start = 0, end = 0;  ///< Times in s: of the snapshot that the run went on from, and of its end.
+  std::uint64_t frames = 0;   ///< Frames that were stepped.
+  bool is_whole = true;       ///< Whether the run was not stopped by its observer.
   StepReport total{};
   double wall_s = 0;  ///< Time in World::step alone, in s.
   Stretch stretch{};
@@ -83,7 +95,8 @@ std::uint64_t count_frames(const RunPlan& plan);
 /// Steps a new world through the plan and measures it at every frame's end. Positions are compared with those
 /// times of `truth` that are frame ends. Throws what World throws. Before the first step it throws InputError
 /// if a time to be saved is no frame end or comes after the end. It also does so if the truth has another
-/// number of particles, or none of its times can be compared.
+/// number of particles, or none of its times can be compared. So it does if the snapshot to go on from cannot
+/// be read, is of another scene or other settings, or leaves no frame to be stepped.
 RunResult run_scene(const Scene& scene, const RunPlan& plan, std::span<const Frame> truth = {},
                     const RunObserver& observer = {});
 

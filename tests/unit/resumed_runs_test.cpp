@@ -1,0 +1,104 @@
+// Runs that are stopped and go on from the snapshot that they left.
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <string>
+
+#include "cli/checkpoint.hpp"
+#include "scenes/basics/files.hpp"
+#include "scenes/files/trajectory.hpp"
+#include "scenes/generators/generators.hpp"
+#include "scenes/runs/run.hpp"
+#include "support/refusals.hpp"
+
+namespace plumb {
+namespace {
+
+using scenes::RunFrame;
+using scenes::RunObserver;
+using scenes::RunPlan;
+using scenes::RunResult;
+
+class ResumedRuns : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(file); }
+
+  /// Runs to `duration`, and adds frames to `trajectory`. Frame `stop` raises a signal, as Ctrl-C does.
+  RunResult run(const RunPlan& plan, std::string& trajectory, std::uint64_t stop = 0) const {
+    RunObserver observer;
+    observer.save = [&](const RunFrame& frame) { scenes::append_frame(trajectory, frame); };
+    observer.progress = [&](std::uint64_t done, std::uint64_t) {
+      if (done == stop) std::raise(SIGINT);
+    };
+    tools::Checkpoint checkpoint(file);
+    observer.goes_on = [&](const World& world) { return checkpoint.see(world); };
+    observer.ended = [&](const World& world) { checkpoint.write(world); };
+    return scenes::run_scene(scene, plan, {}, observer);
+  }
+
+  const std::string file = testing::TempDir() + "resumed_runs.snapshot";
+  const Scene scene = scenes::make_chain(8, 0.1, 10);
+};
+
+TEST_F(ResumedRuns, GoOnAsIfNothingHadStoppedThem) {
+  std::string whole, parts;
+  RunPlan plan{.duration = 0.5};
+  plan.rates = {{.rod = 3, .rate = -0.05}};
+  const RunResult straight = run(plan, whole);
+  EXPECT_TRUE(straight.is_whole);
+
+  const RunResult stopped = run(plan, parts, 11);
+  EXPECT_FALSE(stopped.is_whole);
+  EXPECT_EQ(stopped.frames, 11u);
+  EXPECT_NEAR(stopped.end, 11 * plan.dt, 1e-15);
+
+  plan.resume = file;
+  const RunResult rest = run(plan, parts);
+  EXPECT_TRUE(rest.is_whole);
+  EXPECT_EQ(rest.start, stopped.end);
+  EXPECT_EQ(rest.frames, 19u);
+  EXPECT_EQ(rest.state_hash, straight.state_hash);
+  EXPECT_EQ(parts, whole);
+  EXPECT_EQ(rest.energy.initial, stopped.energy.final) << "lengths must be those of then";
+}
+
+TEST_F(ResumedRuns, LeaveOutWhatHadBroken) {
+  Scene weak = scene;
+  weak.rods[4].law.strength = 1;
+  RunPlan plan{.duration = 0.1};
+  plan.settings.method = Method::direct;
+  RunObserver observer;
+  tools::Checkpoint checkpoint(file);
+  observer.ended = [&](const World& world) { checkpoint.write(world); };
+  const RunResult broken = scenes::run_scene(weak, plan, {}, observer);
+  ASSERT_EQ(broken.total.broken_rods, 1u);
+  plan.duration = 0.5;
+  plan.resume = file;
+  const RunResult rest = scenes::run_scene(weak, plan);
+  EXPECT_EQ(rest.energy.initial, broken.energy.final);
+  EXPECT_LT(rest.stretch.max, 1e-9) << "a broken rod has no strain";
+}
+
+TEST_F(ResumedRuns, RefuseWhatCannotGoOn) {
+  std::string frames;
+  RunPlan plan{.duration = 0.5};
+  run(plan, frames);
+  plan.resume = file;
+  const auto refused = [&](const RunPlan& of) {
+    return test::refusal([&] { scenes::run_scene(scene, of); });
+  };
+  EXPECT_EQ(refused(plan),
+            file + ": the snapshot is of 0.5 s, and the run ends at 0.5 s: ask for a longer --duration");
+  plan.duration = 1.5;
+  plan.dt = 0.3;
+  EXPECT_EQ(refused(plan), file + ": the snapshot is of 0.5 s, where no frame of 0.3 s ends");
+  plan.settings.substeps = 3;
+  EXPECT_TRUE(refused(plan).starts_with(file + ": snapshot: is of a world with other settings"));
+  scenes::write_file(file, "t,particle,x,y,z,vx,vy,vz\n0,0,0,0,0,0,0,0\n0,1,0.1,0,0,0,0,0\n");
+  EXPECT_EQ(refused(plan), file + ": snapshot: does not begin as one");
+}
+
+}  // namespace
+}  // namespace plumb
