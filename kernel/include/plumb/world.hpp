@@ -126,6 +126,15 @@ struct WorldInfo {
   std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
 };
 
+/// Says how a body moves (World::motion()).
+struct BodyMotion {
+  Vec3 velocity{};  ///< Velocity of its centre of mass, in m/s.
+  Vec3 spin{};      ///< Angular velocity in the axes of space, in rad/s.
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const BodyMotion&, const BodyMotion&) = default;
+};
+
 class World;
 
 /// Shows positions (m) or velocities (m/s) of a World in the scene's particle order, read in place.
@@ -325,6 +334,18 @@ class PLUMB_API World {
   Vec3 position(std::uint32_t particle) const;
   /// Returns the velocity of a particle, in m/s. Throws InputError on an unknown one.
   Vec3 velocity(std::uint32_t particle) const;
+
+  std::uint32_t body_count() const;  ///< Bodies of the scene.
+  /// Returns where a body is: its centre of mass, and how it has turned since the scene, where its
+  /// orientation is that of the axes of space. Of w, x, y, z the largest is positive. Where sweeps leave a
+  /// strain, this is the rotation nearest to how its particles lie. Throws InputError on an unknown body.
+  Pose pose(std::uint32_t body) const;
+  /// Returns how a body moves, as velocities() have it. Throws InputError on an unknown body.
+  BodyMotion motion(std::uint32_t body) const;
+  /// Copies the poses of all bodies into `out`. Throws InputError unless it has body_count() elements.
+  void copy_poses(std::span<Pose> out) const;
+  /// Copies the motions of all bodies into `out`. Throws InputError unless it has body_count() elements.
+  void copy_motions(std::span<BodyMotion> out) const;
 
   /// Returns a 64-bit FNV-1a hash of all positions and displacements, in the scene's order. Springs,
   /// multipliers and featherstone hash velocities instead of displacements. It is equal for every instruction

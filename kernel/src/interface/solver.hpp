@@ -133,6 +133,13 @@ class Solver {
   virtual Vec3 position(Slot) const = 0;
   virtual Vec3 velocity(Slot) const = 0;
   virtual void add_to_hash(Slot, StateHash&) const = 0;
+  /// Reads the positions (m) of many particles of this solver into `out`, or their velocities (m/s).
+  virtual void read_positions(const Run& run, Vec3* out) const {
+    run.for_slots([&](Slot slot) { *out++ = position(slot); });
+  }
+  virtual void read_velocities(const Run& run, Vec3* out) const {
+    run.for_slots([&](Slot slot) { *out++ = velocity(slot); });
+  }
   /// Reads the positions (m) of many particles into `out`. Returns about the speed (m/s) of the fastest, that
   /// of the last substep, which costs no projection.
   virtual double read(std::span<const Slot> slots, std::span<Vec3> out) const = 0;

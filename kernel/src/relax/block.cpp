@@ -231,13 +231,6 @@ void Block<T>::write(T* field, std::uint32_t slot, Vec3 value) const {
 }
 
 template <class T>
-Vec3 Block<T>::read(const T* field, std::uint32_t slot) const {
-  const layouts::StoreView<const T> store{field, packing_.component_stride};
-  const std::uint32_t at = packing_.slot_offset[slot];
-  return {store.x(at), store.y(at), store.z(at)};
-}
-
-template <class T>
 std::size_t Block<T>::bytes() const {
   return sizeof(T) *
              (x_.size() + 2 * displacements_[0].size() + kick_.size() + accumulator_.size() + rod_.size() +

@@ -8,6 +8,7 @@
 #include "interface/archive.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/packing.hpp"
+#include "plumb/layouts/stores.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/vec3.hpp"
 #include "relax/constants.hpp"
@@ -87,7 +88,11 @@ class Block {
   void count_substeps(std::uint32_t n) { newest_ ^= n & 1; }
 
   void write(T* field, std::uint32_t slot, Vec3 value) const;
-  Vec3 read(const T* field, std::uint32_t slot) const;
+  Vec3 read(const T* field, std::uint32_t slot) const {
+    const layouts::StoreView<const T> store{field, packing_.component_stride};
+    const std::uint32_t at = packing_.slot_offset[slot];
+    return {store.x(at), store.y(at), store.z(at)};
+  }
 
   /// Lists which rods do not take part. Returns whether that has changed, so that set_weights() is due.
   bool archive_rods(Archive& archive) {

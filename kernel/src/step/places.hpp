@@ -44,6 +44,9 @@ class Places {
     return std::span(places_).subspan(begin_[particle], begin_[particle + std::size_t{1}] - begin_[particle]);
   }
 
+  /// Returns the first places of all that have one, in runs.
+  std::span<const Run> runs() const { return runs_; }
+
   /// Calls f(first, count, places) for all numbers below `end`, in runs from `first` on. In a run of several
   /// each has one place, all of one solver; else `places` are those of `first` alone.
   template <class F>
@@ -59,8 +62,11 @@ class Places {
   }
 
  private:
+  void find_runs();
+
   std::vector<std::size_t> begin_ = std::vector<std::size_t>(1);  ///< particles + 1 entries, into places_
   std::vector<Place> places_;
+  std::vector<Run> runs_;
 };
 
 }  // namespace plumb::detail

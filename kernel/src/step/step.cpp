@@ -297,14 +297,6 @@ bool Step::is_broken(std::uint32_t rod) const {
 }
 
 /// Returns where a particle is moved now, or null for a fixed one from which nothing hangs.
-const Place* Step::place_of(std::uint32_t particle) const {
-  const auto places = compiled_.places.of(particle);
-  if (places.empty()) return nullptr;
-  const bool visits = compiled_.contact && &solver(places.back()) == compiled_.contact &&
-                      compiled_.contact->has(places.back().slot);
-  return visits ? &places.back() : &places.front();
-}
-
 std::vector<Problem> Step::problems(double most_strain) const {
   std::vector<Problem> out;
   std::vector<Troubles> troubles;
@@ -325,28 +317,6 @@ std::vector<Problem> Step::problems(double most_strain) const {
       },
       [&](std::uint32_t rod) { return is_broken(rod); }, out);
   return out;
-}
-
-Vec3 Step::position(std::uint32_t particle) const {
-  const Place* const place = place_of(particle);
-  return place ? solver(*place).position(place->slot) : anchors_.position(particle);
-}
-
-Vec3 Step::velocity(std::uint32_t particle) const {
-  if (anchors_.is_fixed(particle)) return {};
-  const Place* const place = place_of(particle);
-  return solver(*place).velocity(place->slot);
-}
-
-std::uint64_t Step::state_hash() const {
-  StateHash hash;
-  for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
-    if (const Place* const place = place_of(particle))
-      solver(*place).add_to_hash(place->slot, hash);
-    else
-      hash.add<double>(anchors_.position(particle));
-  }
-  return hash.value();
 }
 
 }  // namespace plumb::detail

@@ -83,6 +83,8 @@ class Step {
 
   Vec3 position(std::uint32_t particle) const;
   Vec3 velocity(std::uint32_t particle) const;
+  void copy_positions(std::span<Vec3> out) const;
+  void copy_velocities(std::span<Vec3> out) const;
   std::uint64_t state_hash() const;
 
   /// Returns whether all solvers have archives (Solver::has_archive()).
@@ -139,6 +141,8 @@ class Step {
   bool is_held_by_contact(std::uint32_t cord) const;
   bool is_held_by_solver(std::uint32_t cord) const;
   const Place* place_of(std::uint32_t particle) const;
+  template <class Read, class One>
+  void read_all(std::span<Vec3> out, Read&& read, One&& one) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 
   Settings settings_;

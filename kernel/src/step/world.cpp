@@ -61,6 +61,11 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
                                   scene.meshes.size(), scene.height_fields.size()})
     impl_->of_kind.push_back(static_cast<std::uint32_t>(count));
   impl_->platforms = impl_->targets = scene.platforms;
+  impl_->bodies = detail::BodyPoses(scene);
+  if (!scene.bodies.empty()) {
+    impl_->positions.resize(scene.particles.size());
+    impl_->velocities.resize(scene.particles.size());
+  }
   if (!scene.reels.empty()) {
     const detail::RodTable rods(scene);
     for (const Reel& reel : scene.reels) impl_->chains.push_back(detail::chain_length(scene, rods, reel));
@@ -277,11 +282,11 @@ double World::time() const {
 
 void World::copy_positions(std::span<Vec3> out) const {
   impl_->require_fit(out, "positions");
-  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->step->position(i);
+  impl_->step->copy_positions(out);
 }
 void World::copy_velocities(std::span<Vec3> out) const {
   impl_->require_fit(out, "velocities");
-  for (std::uint32_t i = 0; i < particle_count(); ++i) out[i] = impl_->step->velocity(i);
+  impl_->step->copy_velocities(out);
 }
 Vec3 World::position(std::uint32_t particle) const {
   impl_->require_known(particle);

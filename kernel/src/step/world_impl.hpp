@@ -7,6 +7,7 @@
 
 #include "interface/archive.hpp"
 #include "plumb/world.hpp"
+#include "scene/poses/body_poses.hpp"
 #include "scene/refuse.hpp"
 #include "step/snapshot/fingerprint.hpp"
 #include "step/step.hpp"
@@ -25,6 +26,8 @@ struct PLUMB_HIDDEN World::Impl {
   std::vector<std::uint32_t> of_kind;    ///< Numbers of shapes and pieces of ground, by ShapeKind.
   std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
   std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
+  detail::BodyPoses bodies;
+  std::vector<Vec3> positions, velocities;  ///< Room to read them for bodies; empty without.
   bool tensions = false, contacts = false;
   double time = 0;
   detail::Fingerprint fingerprint{};  ///< What snapshots must fit to.
@@ -47,6 +50,11 @@ struct PLUMB_HIDDEN World::Impl {
   void require_tackle(std::uint32_t tackle) const { require_one_of(tackles, "tackle", tackle); }
   void require_reel(std::uint32_t reel) const {
     require_one_of(static_cast<std::uint32_t>(chains.size()), "reel", reel);
+  }
+  void require_body(std::uint32_t body) const {
+    if (body >= bodies.count())
+      detail::refuse("body ", body, ": unknown, the scene has ", bodies.count(),
+                     bodies.count() == 1 ? " body" : " bodies");
   }
   void require_twist(std::uint32_t twist) const { require_one_of(twists, "twist", twist); }
   /// Refuses a number that the scene does not have. `what` is one of them, `all` how many it has.

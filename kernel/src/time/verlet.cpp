@@ -56,11 +56,4 @@ Verlet::Displacements Verlet::change_acceleration(Displacements displacements, V
   return {displacements.last - 0.5 * change, displacements.before - 1.5 * change};
 }
 
-Vec3 Verlet::velocity(const Displacements& displacements, double h) const {
-  if (gradient == Gradient::mid) return (1 / h) * displacements.last;
-  // The two displacements are mean velocities, half a substep and one and a half ago. A line through them
-  // leads to the velocity of now.
-  return (0.5 / h) * (3 * displacements.last - displacements.before);
-}
-
 }  // namespace plumb::detail

@@ -47,7 +47,12 @@ struct Verlet {
   /// Keeps the present velocity when the acceleration changes. `change` is the difference times h^2, in m.
   Displacements change_acceleration(Displacements displacements, Vec3 change) const;
   /// Returns the velocity (m/s) at the end of the last substep, to second order.
-  Vec3 velocity(const Displacements& displacements, double h) const;
+  Vec3 velocity(const Displacements& displacements, double h) const {
+    if (gradient == Gradient::mid) return (1 / h) * displacements.last;
+    // The two displacements are mean velocities, half a substep and one and a half ago. A line through them
+    // leads to the velocity of now.
+    return (0.5 / h) * (3 * displacements.last - displacements.before);
+  }
 };
 
 }  // namespace plumb::detail

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -9,6 +12,7 @@
 #include "direct/bends/tree_bends.hpp"
 #include "direct/laws/tree_laws.hpp"
 #include "direct/twists/tree_twists.hpp"
+#include "interface/place.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
@@ -63,6 +67,26 @@ struct TreeState {
   Vec3 read(const Buffer& from, std::size_t first, std::size_t lane) const {
     const auto number = [&](std::size_t c) { return static_cast<double>(from[(first + c) * lanes + lane]); };
     return {number(0), number(1), number(2)};
+  }
+  /// Reads three numbers of each node of a run, whose slots are `lanes` times the node plus the lane. Slots
+  /// from `nodes_end` on are no nodes, and `others` reads them.
+  template <class Buffer, class Others>
+  void read_run(const Buffer& from, const Run& run, std::uint32_t nodes_end, Vec3* out,
+                Others&& others) const {
+    const int shift = std::countr_zero(lanes);  // a division would take longer than all else
+    const auto entry = [&](std::uint32_t slot) { return at(3 * (slot >> shift), slot & (lanes - 1)); };
+    const std::uint32_t last = run.place.slot + (run.count - 1) * run.stride;
+    if (run.stride % lanes == 0 && std::max(run.place.slot, last) < nodes_end) {  // they are in one lane
+      const auto* number = &from[entry(run.place.slot)];
+      const auto pitch = 3 * std::ptrdiff_t{static_cast<std::int32_t>(run.stride)};
+      for (Vec3* const end = out + run.count; out < end; ++out, number += pitch)
+        *out = {number[0], number[lanes], number[2 * std::size_t{lanes}]};
+      return;
+    }
+    run.for_slots([&](std::uint32_t slot) {
+      *out++ =
+          slot < nodes_end ? read(from, 3 * std::size_t{slot >> shift}, slot & (lanes - 1)) : others(slot);
+    });
   }
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
@@ -16,6 +17,17 @@ class Anchors {
   Anchors(const Scene& scene, std::size_t solvers);
 
   bool is_fixed(std::uint32_t particle) const { return fixed_[particle] != 0; }
+  /// Calls f(particle) for each fixed one. Most are not, and are passed over as fast as bytes can be read.
+  template <class F>
+  void for_fixed(F&& f) const {
+    const std::uint8_t *const begin = fixed_.data(), *const end = begin + fixed_.size();
+    const auto next = [&](const std::uint8_t* from) {
+      return static_cast<const std::uint8_t*>(
+          from < end ? std::memchr(from, 1, static_cast<std::size_t>(end - from)) : nullptr);
+    };
+    for (const std::uint8_t* at = next(begin); at; at = next(at + 1))
+      f(static_cast<std::uint32_t>(at - begin));
+  }
   Vec3 position(std::uint32_t particle) const { return positions_[particle]; }
   /// Returns the velocity (m/s) of a fixed particle in the next step, of dt (s).
   Vec3 velocity(std::uint32_t particle, double dt) const {

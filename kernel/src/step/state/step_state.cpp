@@ -1,0 +1,63 @@
+// This file reads where particles of a world are, and how fast they go.
+
+#include "step/step.hpp"
+
+namespace plumb::detail {
+
+const Place* Step::place_of(std::uint32_t particle) const {
+  const auto places = compiled_.places.of(particle);
+  if (places.empty()) return nullptr;
+  const bool visits = compiled_.contact && &solver(places.back()) == compiled_.contact &&
+                      compiled_.contact->has(places.back().slot);
+  return visits ? &places.back() : &places.front();
+}
+
+Vec3 Step::position(std::uint32_t particle) const {
+  const Place* const place = place_of(particle);
+  return place ? solver(*place).position(place->slot) : anchors_.position(particle);
+}
+
+Vec3 Step::velocity(std::uint32_t particle) const {
+  if (anchors_.is_fixed(particle)) return {};
+  const Place* const place = place_of(particle);
+  return solver(*place).velocity(place->slot);
+}
+
+/// Calls read(solver, run, out) for runs of particles, since a call for each would take several times as
+/// long. Then `one` reads those that the contact solver has.
+template <class Read, class One>
+void Step::read_all(std::span<Vec3> out, Read&& read, One&& one) const {
+  for (const Run& run : compiled_.places.runs()) read(solver(run.place), run, &out[run.first]);
+  if (!compiled_.contact) return;
+  for (std::uint32_t particle = 0; particle < out.size(); ++particle)
+    if (compiled_.places.of(particle).size() > 1)
+      if (const Place& place = *place_of(particle); &solver(place) == compiled_.contact)
+        out[particle] = one(place.slot);
+}
+
+void Step::copy_positions(std::span<Vec3> out) const {
+  read_all(
+      out, [](const Solver& of, const Run& run, Vec3* to) { of.read_positions(run, to); },
+      [&](Slot slot) { return compiled_.contact->position(slot); });
+  anchors_.for_fixed([&](std::uint32_t particle) { out[particle] = position(particle); });
+}
+
+void Step::copy_velocities(std::span<Vec3> out) const {
+  read_all(
+      out, [](const Solver& of, const Run& run, Vec3* to) { of.read_velocities(run, to); },
+      [&](Slot slot) { return compiled_.contact->velocity(slot); });
+  anchors_.for_fixed([&](std::uint32_t particle) { out[particle] = {}; });
+}
+
+std::uint64_t Step::state_hash() const {
+  StateHash hash;
+  for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
+    if (const Place* const place = place_of(particle))
+      solver(*place).add_to_hash(place->slot, hash);
+    else
+      hash.add<double>(anchors_.position(particle));
+  }
+  return hash.value();
+}
+
+}  // namespace plumb::detail

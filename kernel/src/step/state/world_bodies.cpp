@@ -1,0 +1,65 @@
+// This file reads where bodies of a world are, and how they move.
+
+#include "step/world_impl.hpp"
+
+namespace plumb {
+
+using detail::BodyPoses;
+using detail::refuse;
+
+namespace {
+
+template <class Read>
+std::array<Vec3, 4> read_four(const BodyPoses& bodies, std::uint32_t body, Read&& read) {
+  const auto& [a, b, c, d] = bodies.particles(body);
+  return {read(a), read(b), read(c), read(d)};
+}
+
+void require_bodies(std::size_t size, std::uint32_t bodies, const char* what) {
+  if (size != bodies) refuse(what, " of ", bodies, " bodies cannot be copied into ", size, " elements");
+}
+
+}  // namespace
+
+std::uint32_t World::body_count() const {
+  return impl_->bodies.count();
+}
+
+Pose World::pose(std::uint32_t body) const {
+  impl_->require_body(body);
+  const auto position = [&](std::uint32_t particle) { return impl_->step->position(particle); };
+  return impl_->bodies.pose(body, read_four(impl_->bodies, body, position));
+}
+
+BodyMotion World::motion(std::uint32_t body) const {
+  impl_->require_body(body);
+  const auto position = [&](std::uint32_t particle) { return impl_->step->position(particle); };
+  const auto velocity = [&](std::uint32_t particle) { return impl_->step->velocity(particle); };
+  return impl_->bodies.motion(body, read_four(impl_->bodies, body, position),
+                              read_four(impl_->bodies, body, velocity));
+}
+
+void World::copy_poses(std::span<Pose> out) const {
+  require_bodies(out.size(), body_count(), "poses");
+  if (out.empty()) return;
+  std::vector<Vec3>& positions = impl_->positions;
+  impl_->step->copy_positions(positions);
+  const auto position = [&](std::uint32_t particle) { return positions[particle]; };
+  for (std::uint32_t i = 0; i < out.size(); ++i)
+    out[i] = impl_->bodies.pose(i, read_four(impl_->bodies, i, position));
+}
+
+void World::copy_motions(std::span<BodyMotion> out) const {
+  require_bodies(out.size(), body_count(), "motions");
+  if (out.empty()) return;
+  std::vector<Vec3>&positions = impl_->positions, &velocities = impl_->velocities;
+  impl_->step->copy_positions(positions);
+  impl_->step->copy_velocities(velocities);
+  const auto position = [&](std::uint32_t particle) { return positions[particle]; };
+  const auto velocity = [&](std::uint32_t particle) { return velocities[particle]; };
+  for (std::uint32_t i = 0; i < out.size(); ++i)
+    out[i] =
+        impl_->bodies.motion(i, read_four(impl_->bodies, i, position), read_four(impl_->bodies, i, velocity));
+}
+
+}  // namespace plumb
