@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumb/plumb.hpp"
+#include "scene/poses/body_poses.hpp"
 #include "support/bodies.hpp"
 #include "support/refusals.hpp"
 
@@ -81,6 +82,22 @@ TEST(Poses, OfABallThatSpinsTurnEvenly) {
   EXPECT_NEAR(pose.orientation[3], std::sin(0.5), 5e-7);
   EXPECT_NEAR(pose.position.x, 0.25, 1e-12);
   EXPECT_NEAR(pose.position.y, scene.gravity.y / 8, 1e-10);
+}
+
+// A body that sweeps have sheared by e has the turn between its sheared edges, to e^2: half of e.
+TEST(Poses, OfStrainedBodiesAreTheNearestRotation) {
+  Scene scene;
+  add_body(scene, solid_sphere(1, 0.1));
+  const detail::BodyPoses poses(scene);
+  std::array<Vec3, 4> at{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    at[i] = scene.particles[scene.bodies[0].particles[i]].position;
+    at[i].x += 1e-3 * at[i].y;
+  }
+  const Pose pose = poses.pose(0, at);
+  EXPECT_NEAR(2 * pose.orientation[3], -5e-4, 1e-9);
+  EXPECT_NEAR(pose.orientation[1], 0, 1e-15);
+  EXPECT_NEAR(pose.orientation[2], 0, 1e-15);
 }
 
 TEST(Poses, OfAllAreThoseOfEach) {

@@ -64,7 +64,8 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
 
 void World::Impl::archive_own(Archive& archive, Impl& of) {
   auto& [step, fixed, precision, substeps, rods, tackles, twists, tackle_segments, pins, angles, springs,
-         torsions, shapes, of_kind, platforms, targets, chains, bodies, positions, velocities, tensions, contacts, time, fingerprint] = of;
+         torsions, shapes, of_kind, platforms, targets, chains, bodies, positions, velocities, tensions,
+         contacts, time, fingerprint] = of;
   archive(time, platforms, targets);
 }
 
