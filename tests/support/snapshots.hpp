@@ -68,6 +68,7 @@ class Player {
       world.set_angle(i, angle);
     }
     if (winch_) world.set_length(*winch_, rod_length(scene_, *winch_) * (1 + 0.1 * number()));
+    if (edits_ && frame % 3 == 0) world.cut(pick(scene_.rods.size()));
     if (changes_rules_ && frame % 8 == 1) {
       world.set_stop_rule({.sweeps = 5 + pick(20)});
       world.set_weights(pick(2) == 0 ? Weights::equal : Weights::mass);
@@ -76,6 +77,10 @@ class Player {
 
   Player& with_winch(std::uint32_t rod) {
     winch_ = rod;
+    return *this;
+  }
+  Player& with_edits() {
+    edits_ = true;
     return *this;
   }
   Player& with_rules() {
@@ -87,7 +92,7 @@ class Player {
   const Scene& scene_;
   std::uint32_t seed_;
   std::optional<std::uint32_t> winch_{};
-  bool changes_rules_ = false;
+  bool changes_rules_ = false, edits_ = false;
 };
 
 }  // namespace plumb::test

@@ -242,8 +242,16 @@ class PLUMB_API World {
   /// gradient mid it is what energy gains, to the second order in the step where a rate changes, to the first
   /// beside bends, and to rounding elsewhere. Throws InputError as tension() does.
   double power(std::uint32_t rod) const;
-  /// Returns whether a rod has pulled more than its strength. Throws InputError on an unknown rod.
+  /// Returns whether a rod has pulled more than its strength, or was cut. Throws InputError on an unknown
+  /// rod.
   bool is_broken(std::uint32_t rod) const;
+
+  /// Takes a rod out from the next step on, as one that broke: nothing jumps, and momentum stays. Bends and
+  /// twists end with it. Its island goes on as the islands that it is then, and others keep their bits. It
+  /// does nothing to a rod that is out already. Throws InputError on an unknown rod, and where an island
+  /// cannot be made anew: with joints, springs, shapes or air on rods, with reels, or with a twist that does
+  /// not end.
+  void cut(std::uint32_t rod);
 
   /// Lets a tackle become `target` (m) long during the next step, at a constant rate. Throws InputError on an
   /// unknown tackle and a length that is not positive and finite.
@@ -348,7 +356,7 @@ class PLUMB_API World {
   /// more room than ever before, or if other rods have broken islands apart.
   void restore(std::span<const std::byte> from);
 
-  /// Says how the scene was compiled. Steps and restore() may move it if rods break islands apart.
+  /// Says how the scene was compiled. Steps and restore() may move it if rods break or are cut.
   const WorldInfo& info() const;
 
  private:

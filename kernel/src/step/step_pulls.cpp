@@ -23,7 +23,7 @@ bool Step::is_held_by_solver(std::uint32_t cord) const {
 double Step::pull(std::uint32_t cord, std::uint32_t segment) const {
   if (is_held_by_contact(cord)) return compiled_.contact->pull_of_rod(cord);
   const auto places = compiled_.cords.of(cord);
-  if (places.empty() && breaks_.is_broken(cord)) return 0;
+  if (places.empty() && breaks_.is_out(cord)) return 0;
   const auto task = sleep_.task_of(compiled_.solvers, places.front());
   const double dt = task ? sleep_.tasks()[*task].dt : 0;
   if (dt == 0) return std::numeric_limits<double>::quiet_NaN();

@@ -194,6 +194,11 @@ bool World::is_broken(std::uint32_t rod) const {
   return impl_->step->is_broken(rod);
 }
 
+void World::cut(std::uint32_t rod) {
+  impl_->require_rod(rod);
+  impl_->step->cut(rod);
+}
+
 double World::tackle_tension(std::uint32_t tackle) const {
   impl_->require_tackle(tackle);
   impl_->require_tensions();

@@ -20,6 +20,11 @@ class Loads {
 
   /// Sets the constant force (N) on a particle, and returns the force that acts on it from now on.
   Vec3 set_force(std::uint32_t particle, Vec3 force);
+  /// Says that a particle is fixed or free from now on. The constant force on it ends where it is fixed.
+  void fix(std::uint32_t particle, bool is_fixed) {
+    fixed_[particle] = is_fixed;
+    if (is_fixed) constant_[particle] = {};
+  }
   /// Returns all of the force (N) that acts on a particle.
   Vec3 force(std::uint32_t particle) const { return constant_[particle] + loaded(particle); }
   /// Returns the force (N) that a load puts on a particle, a fixed one too.
