@@ -126,9 +126,9 @@ class Step {
   void archive_rules(Archive& archive);
   void split(Fallen fallen, const Split& now);
   void repeat(const Split& split_then);
-  void exchange(const Fallen& fallen, const Split& now, Compiled made);
+  void exchange(const Fallen& fallen, Compiled made);
   template <class Leaves>
-  void replace_places(const Fallen& fallen, const Split& now, Compiled& made, Leaves&& leaves);
+  void replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves);
   void order(const Edits& edits, bool is_ordered);
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   void hand_over(const Fallen& fallen, std::span<const double> substeps);

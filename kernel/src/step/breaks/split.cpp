@@ -57,6 +57,8 @@ void Step::repeat(const Split& split_then) {
 
 /// Lets new solvers move what fell apart or was edited, if anything did.
 void Step::split(Fallen fallen, const Split& now) {
+  for (const std::vector<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
+    for (const std::uint32_t rod : *rods) compiled_.cords.replace(rod, {});
   if (!fallen.any()) return;
   fallen.scene.gravity = gravity_;
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
@@ -69,11 +71,11 @@ void Step::split(Fallen fallen, const Split& now) {
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
   Settings settings = settings_;
   settings.threads = workers_.size();
-  exchange(fallen, now, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));
+  exchange(fallen, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));
 }
 
 /// Lets new solvers move islands that fell apart, from where they are.
-void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
+void Step::exchange(const Fallen& fallen, Compiled made) {
   using IslandOfSolver = std::pair<std::uint32_t, std::uint32_t>;
   std::set<IslandOfSolver> gone;
   const auto island_at = [&](const Place& place) {
@@ -88,7 +90,7 @@ void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
   for (const std::uint32_t particle : fallen.leaving)
     for (const Place& place : compiled_.places.of(particle))
       if (gone.insert(island_at(place)).second) solver(place).remove(place.slot);
-  replace_places(fallen, now, made, [&](const Place& place) { return gone.count(island_at(place)) > 0; });
+  replace_places(fallen, made, [&](const Place& place) { return gone.count(island_at(place)) > 0; });
   compiled_.info.islands += made.info.islands - static_cast<std::uint32_t>(gone.size());
   describe();
   compiled_.info.parallel = uses_threads();
@@ -99,7 +101,7 @@ void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
 /// Leads from particles, rods and twists to where they are from now on. leaves(place) says which places end.
 /// Numbers of solvers stay what they are, since others know them. New ones take those that nobody needs.
 template <class Leaves>
-void Step::replace_places(const Fallen& fallen, const Split& now, Compiled& made, Leaves&& leaves) {
+void Step::replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves) {
   std::vector<Place> left;
   const auto keep = [&](std::span<const Place> places) {
     left.clear();
@@ -114,8 +116,6 @@ void Step::replace_places(const Fallen& fallen, const Split& now, Compiled& made
     keep(compiled_.twists.of(twist));
     compiled_.twists.replace(twist, left);
   }
-  for (const std::vector<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
-    for (const std::uint32_t rod : *rods) compiled_.cords.replace(rod, {});
   seats_.assign(compiled_.solvers.size(), Seat::free);
   for (std::uint32_t s = 0; s < seats_.size(); ++s)
     if (compiled_.solvers[s]->has_changing_pieces() || compiled_.places.uses(s) > 0) seats_[s] = Seat::kept;
