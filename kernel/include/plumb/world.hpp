@@ -252,6 +252,23 @@ class PLUMB_API World {
   /// cannot be made anew: with joints, springs, shapes or air on rods, with reels, or with a twist that does
   /// not end.
   void cut(std::uint32_t rod);
+  /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end. Throws
+  /// InputError as cut() does, and on particles of bends, tackles, twists and reels.
+  void fix(std::uint32_t particle);
+  /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. Throws InputError
+  /// as fix() does, and if it has no mass.
+  void free(std::uint32_t particle);
+  /// Changes a particle's own mass (kg) from the next step on; velocities stay. Throws InputError as cut()
+  /// does, and on a mass that is not positive and finite.
+  void set_mass(std::uint32_t particle, double mass);
+  /// Changes gravity (m/s^2) from the next step on, and wakes everything. Throws InputError on one that is
+  /// not finite, and under springs, multipliers and featherstone.
+  void set_gravity(Vec3 gravity);
+  /// Puts particles elsewhere at once, without a blow: an anchor goes with its rope if all are listed.
+  /// Velocities (m/s) of fixed ones say nothing. Throws InputError on lists of other sizes, and on a rigid
+  /// rod that would be off its length by more than it is, and 10^-6 of it. Joints are not looked at.
+  void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
+                std::span<const Vec3> velocities);
 
   /// Lets a tackle become `target` (m) long during the next step, at a constant rate. Throws InputError on an
   /// unknown tackle and a length that is not positive and finite.

@@ -48,6 +48,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       origin_(std::make_unique<const Origin>(Origin{scene, settings})),
       breaks_(origin_->scene, settings),
       gravity_(scene.gravity),
+      next_gravity_(gravity_),
       rods_(scene),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;

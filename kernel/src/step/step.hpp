@@ -71,6 +71,13 @@ class Step {
 
   /// Takes a rod out. Throws InputError if its island cannot be made anew.
   void cut(std::uint32_t rod);
+  /// Fixes a particle, or frees it. Throws InputError likewise, and if it has no mass to be freed with.
+  void fix(std::uint32_t particle, bool is_fixed);
+  void set_mass(std::uint32_t particle, double mass);
+  void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
+  /// Puts particles elsewhere at once. Throws InputError if rods or pins do not fit then.
+  void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
+                std::span<const Vec3> velocities);
   /// Returns whether a particle is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return anchors_.will_be_fixed(particle); }
 
@@ -126,10 +133,16 @@ class Step {
   void archive_rules(Archive& archive);
   void split(Fallen fallen, const Split& now);
   void repeat(const Split& split_then);
-  void exchange(const Fallen& fallen, Compiled made);
+  void exchange(const Fallen& fallen, const Split& now, Compiled made);
   template <class Leaves>
   void replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves);
   void order(const Edits& edits, bool is_ordered);
+  void refix(const Edits& edits);
+  void change_gravity();
+  void apply_gravity(Vec3 gravity);
+  template <class At>
+  void require_fit(std::span<const std::uint32_t> particles, At&& at) const;
+  void require_refixable(std::uint32_t particle) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   void hand_over(const Fallen& fallen, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.
@@ -167,7 +180,7 @@ class Step {
   std::unique_ptr<const Origin> origin_;
   Breaks breaks_;  ///< of its scene
   Edits edits_;    ///< those that wait for the next step
-  Vec3 gravity_;
+  Vec3 gravity_, next_gravity_;
   std::vector<Split> splits_;
   bool has_broken_ = false;  ///< some rod did in the last step
   std::vector<Seat> seats_;  ///< by solver

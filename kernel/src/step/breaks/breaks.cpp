@@ -108,6 +108,12 @@ std::optional<std::uint32_t> Breaks::twist_beside(std::uint32_t rod) const {
   return {};
 }
 
+std::optional<std::uint32_t> Breaks::twist_at(std::uint32_t particle) const {
+  const std::uint32_t whole = whole_[particle];
+  if (whole == none || wholes_[whole].twists.empty()) return {};
+  return wholes_[whole].twists.front();
+}
+
 std::optional<std::uint32_t> Breaks::reel_at(std::uint32_t particle) const {
   const std::uint32_t whole = whole_[particle];
   if (whole == none || wholes_[whole].reels.empty()) return {};

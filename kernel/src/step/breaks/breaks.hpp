@@ -71,9 +71,22 @@ class Breaks {
   /// as fast as it was in the scene that this knows: who calls says how things are now.
   Fallen take_out(std::span<const std::uint32_t> broken, const Edits& edits);
 
+  /// Returns the particles of the island of a movable one, or none of a fixed one.
+  std::span<const std::uint32_t> island_at(std::uint32_t particle) const {
+    if (whole_[particle] == none) return {};
+    return wholes_[whole_[particle]].particles;
+  }
+  bool joins_ends(std::uint32_t rod) const;  ///< It is not out, or has mass that does so.
+
   /// Returns the number of a twist that has a rod's island but not the rod. It keeps the island from being
   /// made anew.
   std::optional<std::uint32_t> twist_beside(std::uint32_t rod) const;
+  std::optional<std::uint32_t> twist_at(std::uint32_t particle) const;  ///< any of its island
+  /// Returns the mass (kg) of a particle without its rods.
+  double own_mass(std::uint32_t particle) const {
+    const auto mass = masses_.find(particle);
+    return mass == masses_.end() ? scene_.particles[particle].mass : mass->second.first;
+  }
   /// Returns the number of a reel of the island of a particle, which does so, too.
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
 
@@ -98,7 +111,6 @@ class Breaks {
   };
 
   std::uint32_t whole_at(std::uint32_t rod) const;
-  bool joins_ends(std::uint32_t rod) const;
   void touch(std::uint32_t whole, bool is_forced);
   void touch_rod(std::uint32_t rod, bool is_forced);
   void take_rod(std::uint32_t rod);

@@ -23,6 +23,7 @@ std::vector<std::uint32_t> take_seats(std::size_t count, std::vector<Seat>& seat
 }  // namespace
 
 void Step::split(StepReport&) {
+  if (!(next_gravity_ == gravity_)) change_gravity();
   if (!has_broken_ && !edits_.any()) return;
   Split now;
   if (std::exchange(has_broken_, false))
@@ -71,11 +72,11 @@ void Step::split(Fallen fallen, const Split& now) {
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
   Settings settings = settings_;
   settings.threads = workers_.size();
-  exchange(fallen, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));
+  exchange(fallen, now, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));
 }
 
 /// Lets new solvers move islands that fell apart, from where they are.
-void Step::exchange(const Fallen& fallen, Compiled made) {
+void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
   using IslandOfSolver = std::pair<std::uint32_t, std::uint32_t>;
   std::set<IslandOfSolver> gone;
   const auto island_at = [&](const Place& place) {
@@ -90,6 +91,7 @@ void Step::exchange(const Fallen& fallen, Compiled made) {
   for (const std::uint32_t particle : fallen.leaving)
     for (const Place& place : compiled_.places.of(particle))
       if (gone.insert(island_at(place)).second) solver(place).remove(place.slot);
+  refix(now.edits);
   replace_places(fallen, made, [&](const Place& place) { return gone.count(island_at(place)) > 0; });
   compiled_.info.islands += made.info.islands - static_cast<std::uint32_t>(gone.size());
   describe();

@@ -39,6 +39,14 @@ void Anchors::fix(std::uint32_t particle, Vec3 position) {
   if (has_target_[particle] == 0) targets_[particle] = position;
 }
 
+void Anchors::put(std::uint32_t particle, Vec3 position) {
+  const Vec3 way = position - positions_[particle];
+  for (auto& [moved, path] : moved_)
+    if (moved == particle) path = {path.from + way, path.to + way, path.dt};
+  positions_[particle] = targets_[particle] = position;
+  if (std::exchange(has_target_[particle], std::uint8_t{0}) != 0) std::erase(moving_, particle);
+}
+
 void Anchors::free(std::uint32_t particle) {
   fixed_[particle] = will_be_fixed_[particle] = 0;
   has_target_[particle] = 0;

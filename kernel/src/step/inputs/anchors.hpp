@@ -21,6 +21,8 @@ class Anchors {
   void order(std::uint32_t particle, bool is_fixed) { will_be_fixed_[particle] = is_fixed ? 1 : 0; }
   /// Fixes a particle at `position` (m), from where it goes to a target that it may have by now.
   void fix(std::uint32_t particle, Vec3 position);
+  /// Puts a fixed particle elsewhere, where it stays in the next step, as fast as it was.
+  void put(std::uint32_t particle, Vec3 position);
   /// Frees a particle, which forgets where it was to go.
   void free(std::uint32_t particle);
   /// Returns the velocity (m/s) of a fixed particle in the last step.

@@ -27,6 +27,13 @@ class Loads {
   }
   /// Returns all of the force (N) that acts on a particle.
   Vec3 force(std::uint32_t particle) const { return constant_[particle] + loaded(particle); }
+  /// Calls f(particle, force) for every movable particle on which a force (N) acts.
+  template <class F>
+  void for_forces(F&& f) const {
+    if (!any_constant_ && loaded_.empty()) return;
+    for (std::uint32_t i = 0; i < constant_.size(); ++i)
+      if (const Vec3 newton = force(i); newton != Vec3{} && !fixed_[i]) f(i, newton);
+  }
   /// Returns the force (N) that a load puts on a particle, a fixed one too.
   Vec3 loaded(std::uint32_t particle) const { return loaded_.empty() ? Vec3{} : loaded_[particle]; }
 
