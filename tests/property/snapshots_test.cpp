@@ -193,10 +193,12 @@ std::vector<std::uint64_t> readings(const World& world, const Scene& scene, cons
     for (const double c : {v.x, v.y, v.z}) add(c);
   };
   add(world.time());
+  std::vector<Vec3> reactions(world.particle_count());
+  if (settings.tensions) world.copy_reactions(reactions);
   for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
     add_vector(world.position(i));
     add_vector(world.velocity(i));
-    if (settings.tensions && scene.particles[i].fixed) add_vector(world.reaction(i));
+    add_vector(reactions[i]);
   }
   for (std::uint32_t i = 0; i < world.rod_count(); ++i) {
     out.push_back(world.is_broken(i) ? 1 : 0);

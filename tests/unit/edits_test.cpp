@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -217,6 +219,220 @@ TEST(Cuts, AreRefusedWithAReason) {
   reel.reels = {{.particles = {0, 1, 2, 3}}};
   World reeled(reel, {.threads = 1});
   expect_refusal("rod 3: reel 0 is of its island", [&] { reeled.cut(3); });
+}
+
+// --- Gravity
+
+// A world whose gravity changes falls as one that had it from the start, but for what a substep knew.
+TEST(Gravity, MayChange) {
+  Scene scene = chains(3, 6);
+  Scene other = scene;
+  other.gravity = {3, 1, -2};
+  for_methods([&](const Settings& settings) {
+    World world(scene, settings), twin(other, settings);
+    world.set_gravity(other.gravity);
+    EXPECT_EQ(world.velocity(3), Vec3{});
+    test::run(world, frame, 20);
+    test::run(twin, frame, 20);
+    const double rounding = settings.precision == Precision::single ? 1e-3 : 1e-8;
+    EXPECT_LE(rms_distance(test::positions_of(world), test::positions_of(twin)), rounding);
+  });
+}
+
+// Forces stay beside it, and the momentum of what flies changes by it at once.
+TEST(Gravity, ActsFromTheNextStepOn) {
+  Scene scene = chains(1, 6);
+  scene.particles[0] = movable({0, 0, 0});
+  for_methods([&](const Settings& settings) {
+    World world(scene, settings);
+    world.set_force(3, {0, 0, 5});
+    test::run(world, frame, 10);
+    const Vec3 before = momentum(scene, world, 0, 7);
+    world.set_gravity({1, 2, 3});
+    EXPECT_EQ(momentum(scene, world, 0, 7), before);
+    test::run(world, frame, 10);
+    const Vec3 gained = momentum(scene, world, 0, 7) - before;
+    const Vec3 due = 10 * frame * (7 * Vec3{1, 2, 3} + Vec3{0, 0, 5});
+    // Velocities of gradient new are means of their substep, which the change is in.
+    const bool is_late = settings.gradient == Gradient::new_;
+    const double least = settings.precision == Precision::single ? 1e-4 : 1e-10;
+    EXPECT_LE(norm(gained - due), (is_late ? 0.05 : least) * norm(due));
+  });
+}
+
+TEST(Gravity, WakesWhatSleeps) {
+  Scene scene = chains(1, 4);
+  for (std::uint32_t i = 0; i < 5; ++i) scene.particles[i].position = {0, -0.1 * i, 0};
+  World world(scene, {.gradient = Gradient::new_, .tensions = true, .threads = 1});
+  test::run(world, frame, 300);
+  ASSERT_EQ(world.step(frame).awake_islands, 0u);
+  EXPECT_NEAR(world.reaction(0).y, 4 * 9.81, 1e-6);
+  world.set_gravity({0, -20, 0});
+  EXPECT_EQ(world.step(frame).awake_islands, 1u);
+  EXPECT_NEAR(world.reaction(0).y, 4 * 20, 1e-6);
+  EXPECT_EQ(test::refusal([&] { world.set_gravity({0, std::nan(""), 0}); }).find("gravity is not finite"), 0u);
+  World old(chains(1, 4), {.method = Method::springs});
+  expect_refusal("gravity stays under springs", [&] { old.set_gravity({}); });
+}
+
+// --- Teleports
+
+/// Puts a chain of `count` particles from `first` on elsewhere, as it is.
+void carry(World& world, std::uint32_t first, std::uint32_t count, Vec3 way) {
+  std::vector<std::uint32_t> particles;
+  std::vector<Vec3> positions, velocities;
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    particles.push_back(i);
+    positions.push_back(world.position(i) + way);
+    velocities.push_back(world.velocity(i));
+  }
+  world.teleport(particles, positions, velocities);
+}
+
+// A rope that is carried 100 m away with its anchor goes on as if it had been there.
+TEST(Teleports, AreNoBlow) {
+  const Scene scene = chains(2, 8);
+  const Vec3 way{60, 80, 0};
+  for_methods([&](const Settings& settings) {
+    World world(scene, settings), other(scene, settings);
+    test::run(world, frame, 20);
+    test::run(other, frame, 20);
+    carry(world, 0, 9, way);
+    EXPECT_EQ(world.position(0), way);
+    EXPECT_EQ(world.step(frame).unsolved, 0u);
+    other.step(frame);
+    test::run(world, frame, 10);
+    test::run(other, frame, 10);
+    // What is read of displacements, and what sweeps and Newton steps leave, differs by where they begin.
+    const bool is_exact = settings.method != Method::relax && settings.gradient != Gradient::new_;
+    const double rounding = settings.precision == Precision::single ? 2e-2 : is_exact ? 1e-6 : 1e-3;
+    for (std::uint32_t i = 0; i < 9; ++i) {
+      EXPECT_LE(norm(world.position(i) - way - other.position(i)), rounding) << i;
+      EXPECT_LE(norm(world.velocity(i) - other.velocity(i)), 100 * rounding) << i;
+    }
+    for (std::uint32_t i = 9; i < 18; ++i) EXPECT_EQ(world.position(i), other.position(i));
+  });
+}
+
+// Velocities are those that are given, and particles that are not listed keep theirs.
+TEST(Teleports, SetVelocities) {
+  Scene scene = chains(1, 5);
+  scene.gravity = {};
+  World world(scene, {.threads = 1});
+  test::run(world, frame, 2);
+  const std::uint32_t last = 5;
+  const Vec3 x = world.position(5), along = (1 / 0.1) * (x - world.position(4));
+  const Vec3 across{along.y, -along.x, 0};
+  world.teleport(std::span(&last, 1), std::span(&x, 1), std::span(&across, 1));
+  EXPECT_LE(norm(world.velocity(5) - across), 1e-12);
+  EXPECT_LE(norm(world.velocity(4)), 1e-12);
+  EXPECT_LE(norm(momentum(scene, world, 1, 6) - across), 1e-12);
+  world.step(1e-6);
+  EXPECT_LE(norm(momentum(scene, world, 1, 6) - across), 1e-3);
+}
+
+TEST(Teleports, AreRefusedWhereRodsDoNotFit) {
+  const Scene scene = chains(1, 4);
+  World world(scene, {.threads = 1});
+  const std::uint32_t particle = 4, twice[] = {4, 4};
+  const Vec3 x = world.position(4) + Vec3{0, 0.01, 0}, none{}, both[] = {x, x};
+  const std::uint64_t before = world.state_hash();
+  expect_refusal("rod 3: is 0.1 m long",
+                 [&] { world.teleport(std::span(&particle, 1), std::span(&x, 1), std::span(&none, 1)); });
+  expect_refusal("particle 4: is listed twice", [&] { world.teleport(twice, both, both); });
+  expect_refusal("teleport: 2 particles cannot", [&] { world.teleport(twice, std::span(&x, 1), both); });
+  EXPECT_EQ(world.state_hash(), before);
+}
+
+// --- Particles
+
+// A chain that is fixed in the middle has two parts, and is one again when it is freed.
+TEST(Particles, MayBeFixedAndFreed) {
+  const Scene scene = chains(1, 8);
+  for_methods([&](const Settings& settings) {
+    World world(scene, settings);
+    test::run(world, frame, 10);
+    const Vec3 at = world.position(4), v = world.velocity(6);
+    world.fix(4);
+    EXPECT_EQ(world.step(1e-6).awake_islands, 2u);
+    const double rounding = settings.precision == Precision::single ? 1e-5 : 1e-12;
+    EXPECT_LE(norm(world.position(4) - at), rounding);
+    EXPECT_EQ(world.velocity(4), Vec3{});
+    if (settings.method != Method::relax) {
+      EXPECT_LE(norm(world.velocity(6)), 2 * norm(v) + 0.1);
+    }
+    test::run(world, frame, 20);
+    EXPECT_LE(norm(world.position(4) - at), rounding);
+    world.move_anchor(4, at + Vec3{0, 0, 0.01});
+    world.step(frame);
+    EXPECT_NEAR(norm(world.position(4) - at), 0.01, 1e-6);
+    world.free(4);
+    expect_refusal("particle 4: is movable", [&] { world.move_anchor(4, at); });
+    const StepReport report = world.step(frame);
+    EXPECT_EQ(report.awake_islands, 1u);
+    EXPECT_EQ(report.unsolved, 0u);
+    test::run(world, frame, 60);
+    EXPECT_GT(norm(world.position(4) - at), 0.01);
+    EXPECT_TRUE(world.problems(0.02).empty());
+  });
+}
+
+// A particle that is let go flies on as its anchor was led, and ropes from one anchor are one island then.
+TEST(Particles, GoOnAsTheyWereLed) {
+  Scene scene = chains(1, 3);
+  scene.gravity = {};
+  for (std::uint32_t i = 1; i < 4; ++i) {
+    scene.particles.push_back(movable({-0.1 * i, 0, 0}));
+    scene.rods.push_back({.a = i == 1 ? 0 : i + 2, .b = i + 3});
+  }
+  scene.particles[0].mass = 2;
+  World world(scene, {.substeps = 4, .threads = 1});
+  world.move_anchor(0, {0, 0, 0.02});
+  EXPECT_EQ(world.step(frame).awake_islands, 2u);
+  Vec3 before = 2 * Vec3{0, 0, 0.02 / frame};
+  for (std::uint32_t i = 1; i < 7; ++i) before += world.velocity(i);
+  world.free(0);
+  world.set_force(0, {0, 3, 0});
+  EXPECT_EQ(world.step(frame).awake_islands, 1u);
+  Vec3 after = 2 * world.velocity(0) - frame * Vec3{0, 3, 0};
+  for (std::uint32_t i = 1; i < 7; ++i) after += world.velocity(i);
+  EXPECT_LE(norm(after - before), 1e-12 * norm(before));
+}
+
+// Twice the mass hangs twice as heavily, and motion stays as it is.
+TEST(Particles, MayChangeTheirMass) {
+  Scene scene = chains(2, 4);
+  for (std::uint32_t i = 0; i < 10; ++i)
+    scene.particles[i].position = {double{1} * (i / 5), -0.1 * (i % 5), 0};
+  World world(scene, {.tensions = true, .threads = 1});
+  test::run(world, frame, 5);
+  const Vec3 v = world.velocity(3);
+  world.set_mass(3, 7);
+  world.set_mass(3, 3);
+  EXPECT_EQ(world.velocity(3), v);
+  test::run(world, frame, 10);
+  EXPECT_NEAR(world.tension(1), 5 * 9.81, 1e-6);
+  EXPECT_NEAR(world.tension(3), 9.81, 1e-6);
+  EXPECT_NEAR(world.tension(5), 3 * 9.81, 1e-6);
+  EXPECT_NEAR(world.reaction(0).y, 6 * 9.81, 1e-6);
+}
+
+TEST(Particles, RefuseEditsWithAReason) {
+  Scene scene = chains(2, 4);
+  scene.particles[0].mass = std::numeric_limits<double>::infinity();
+  scene.tackles.push_back({.particles = {1, 3}, .length = 1, .law = {.one_sided = true}});
+  scene.bends.push_back({.a = 5, .b = 6, .c = 7, .stiffness = 1});
+  World world(scene, {.threads = 1});
+  expect_refusal("particle 0: has no mass to be free", [&] { world.free(0); });
+  expect_refusal("particle 1: is of tackle 0", [&] { world.fix(1); });
+  expect_refusal("particle 7: is of bend 0", [&] { world.fix(7); });
+  expect_refusal("particle 99: unknown", [&] { world.fix(99); });
+  expect_refusal("particle 2: a mass must be positive", [&] { world.set_mass(2, 0); });
+  world.set_mass(0, 1);
+  world.free(0);
+  world.fix(5);  // it is
+  EXPECT_EQ(world.step(frame).awake_islands, 2u);
+  EXPECT_LT(world.velocity(0).y, 0);
 }
 
 }  // namespace

@@ -317,6 +317,7 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const N
 Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Numbers& parts) const {
   Fallen out;
   out.touched = from.particles;
+  out.touched_rods = from.rods;
   for (const std::uint32_t particle : from.particles)
     if (whole_[particle] != none && wholes_[whole_[particle]].leaves()) out.leaving.push_back(particle);
   out.scene.drag = scene_.drag;

@@ -19,7 +19,8 @@ struct Fallen {
   Scene scene;
   std::vector<std::uint32_t> particles, rods, tackles;  ///< by number in `scene`: that in the whole one
   std::vector<std::uint32_t> leaving;                   ///< particles that leave the solvers that move them
-  std::vector<std::uint32_t> touched, twists;           ///< particles and twists whose places may change
+  /// Places of these particles, rods and twists may change.
+  std::vector<std::uint32_t> touched, touched_rods, twists;
 
   bool any() const { return !leaving.empty() || !particles.empty(); }
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <set>
 #include <utility>
@@ -88,6 +89,13 @@ void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
     const Place& place = compiled_.places.of(fallen.particles[k]).front();
     substeps[k] = solver(place).last_substep(place.slot);
   }
+  // Those that were freed join islands whose velocities are of one substep, or else of now.
+  if (!now.edits.fixed.empty() && !substeps.empty()) {
+    const double longest = *std::max_element(substeps.begin(), substeps.end());
+    const bool is_one = std::all_of(substeps.begin(), substeps.end(),
+                                    [&](double each) { return each == longest || each == 0; });
+    substeps.assign(substeps.size(), is_one ? longest : 0);
+  }
   for (const std::uint32_t particle : fallen.leaving)
     for (const Place& place : compiled_.places.of(particle))
       if (gone.insert(island_at(place)).second) solver(place).remove(place.slot);
@@ -113,6 +121,10 @@ void Step::replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves)
   for (const std::uint32_t particle : fallen.touched) {
     keep(compiled_.places.of(particle));
     compiled_.places.replace(particle, left);
+  }
+  for (const std::uint32_t rod : fallen.touched_rods) {
+    keep(compiled_.cords.of(rod));
+    compiled_.cords.replace(rod, left);
   }
   for (const std::uint32_t twist : fallen.twists) {
     keep(compiled_.twists.of(twist));
