@@ -1,5 +1,7 @@
 // What programs may change of a world while it runs.
 
+#include "step/breaks/edits.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,6 +63,14 @@ void for_methods(F&& f) {
 
 void expect_refusal(const std::string& reason, const std::function<void()>& edit) {
   EXPECT_NE(test::refusal(edit).find(reason), std::string::npos) << test::refusal(edit);
+}
+
+TEST(Edits, AreNoneUntilOrdered) {
+  detail::Edits edits;
+  EXPECT_FALSE(edits.any());
+  edits.masses.emplace_back(3, 2.0);
+  EXPECT_TRUE(edits.any());
+  EXPECT_FALSE(edits == detail::Edits{});
 }
 
 // --- Cuts
@@ -270,7 +280,10 @@ TEST(Gravity, WakesWhatSleeps) {
   world.set_gravity({0, -20, 0});
   EXPECT_EQ(world.step(frame).awake_islands, 1u);
   EXPECT_NEAR(world.reaction(0).y, 4 * 20, 1e-6);
-  EXPECT_EQ(test::refusal([&] { world.set_gravity({0, std::nan(""), 0}); }).find("gravity is not finite"), 0u);
+  EXPECT_EQ(test::refusal([&] {
+              world.set_gravity({0, std::nan(""), 0});
+            }).find("gravity is not finite"),
+            0u);
   World old(chains(1, 4), {.method = Method::springs});
   expect_refusal("gravity stays under springs", [&] { old.set_gravity({}); });
 }

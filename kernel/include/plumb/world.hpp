@@ -249,8 +249,8 @@ class PLUMB_API World {
   /// Takes a rod out from the next step on, as one that broke: nothing jumps, and momentum stays. Bends and
   /// twists end with it. Its island goes on as the islands that it is then, and others keep their bits. It
   /// does nothing to a rod that is out already. Throws InputError on an unknown rod, and where an island
-  /// cannot be made anew: with joints, springs, shapes or air on rods, with reels, or with a twist that does
-  /// not end.
+  /// cannot be made anew. That is one with joints, springs, shapes, air on rods or reels, or with a twist
+  /// that does not end.
   void cut(std::uint32_t rod);
   /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end. Throws
   /// InputError as cut() does, and on particles of bends, tackles, twists and reels.

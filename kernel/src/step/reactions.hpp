@@ -56,9 +56,8 @@ class Reactions {
   /// Looks again at rods of which an end was fixed or freed.
   template <class IsFixed>
   void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods, IsFixed&& is_fixed) {
-    std::erase_if(held_, [&](const Held& held) {
-      return std::find(rods.begin(), rods.end(), held.rod) != rods.end();
-    });
+    std::erase_if(
+        held_, [&](const Held& held) { return std::find(rods.begin(), rods.end(), held.rod) != rods.end(); });
     for (const std::uint32_t rod : rods) add_rod(scene, model, rod, is_fixed);
     sort();
   }

@@ -22,7 +22,7 @@ namespace plumb::detail {
 // - measure: What was done and what was skipped is added up. Anchors stand where they were sent.
 const Step::Stage Step::all_stages[] = {
     {&Step::split, &Step::always}, {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact},
-    {&Step::solve, &Step::always},    {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
+    {&Step::solve, &Step::always}, {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
 };
 
 namespace {

@@ -130,14 +130,14 @@ class Breaks {
   std::vector<std::uint8_t> fixed_;  ///< by particle
   /// Lists particles whose masses (kg) are others: their own, and what they took of rods that are out.
   std::map<std::uint32_t, std::pair<double, double>> masses_;
-  std::vector<State> out_;           ///< by rod; empty before begin()
+  std::vector<State> out_;                           ///< by rod; empty before begin()
   std::vector<std::uint32_t> rods_begin_, rods_at_;  ///< the rods of each particle, as compressed rows
   std::vector<Whole> wholes_;
-  std::vector<std::uint32_t> whole_;          ///< by particle, and none for fixed ones
-  std::vector<std::uint32_t> touched_;        ///< wholes
-  std::vector<std::uint32_t> freed_;          ///< particles
-  std::vector<std::uint32_t> spare_;          ///< numbers of wholes that nobody has
-  std::vector<std::uint32_t> place_;  ///< by particle: that in a cutout which is made, else none
+  std::vector<std::uint32_t> whole_;    ///< by particle, and none for fixed ones
+  std::vector<std::uint32_t> touched_;  ///< wholes
+  std::vector<std::uint32_t> freed_;    ///< particles
+  std::vector<std::uint32_t> spare_;    ///< numbers of wholes that nobody has
+  std::vector<std::uint32_t> place_;    ///< by particle: that in a cutout which is made, else none
 };
 
 }  // namespace plumb::detail

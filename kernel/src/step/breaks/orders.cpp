@@ -17,7 +17,8 @@ void Step::require_editable(const char* what, std::uint32_t number, std::uint32_
            " edits no world; relax, direct and auto do");
   const auto places = compiled_.places.of(particle);
   if (!places.empty() && &solver(places.back()) == compiled_.contact)
-    refuse(what, " ", number, ": its island has joints, springs, shapes, air on rods or sleepers, and stays one");
+    refuse(what, " ", number,
+           ": its island has joints, springs, shapes, air on rods or sleepers, and stays one");
   if (const auto reel = breaks_.reel_at(particle))
     refuse(what, " ", number, ": reel ", *reel, " is of its island, which stays one");
 }
@@ -64,7 +65,8 @@ void Step::fix(std::uint32_t particle, bool is_fixed) {
   for (const auto& [of, ordered] : edits_.masses)
     if (of == particle) mass = ordered;
   if (!is_fixed && !(mass > 0 && std::isfinite(mass)))
-    refuse("particle ", particle, ": has no mass to be free with, but ", mass, " kg; set_mass() gives it one");
+    refuse("particle ", particle, ": has no mass to be free with, but ", mass,
+           " kg; set_mass() gives it one");
   edits_.fixed.emplace_back(particle, is_fixed);
   anchors_.order(particle, is_fixed);
 }

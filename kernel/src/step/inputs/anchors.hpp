@@ -59,13 +59,14 @@ class Anchors {
   }
   template <class Archive>
   void archive(Archive& archive) {
-    auto& [fixed, will_be_fixed, positions, targets, has_target, moving, concerned, settling, moved, dt, is_concerned] =
-        *this;
+    auto& [fixed, will_be_fixed, positions, targets, has_target, moving, concerned, settling, moved, dt,
+           is_concerned] = *this;
     for (const std::uint32_t particle : moving) has_target[particle] = 0;
     archive(moving, concerned, settling, moved, dt, is_concerned);
     for (const std::uint32_t particle : moving) has_target[particle] = 1;
     for (std::size_t particle = 0; particle < fixed.size(); ++particle)
-      if (fixed[particle] != 0 || will_be_fixed[particle] != 0) archive(positions[particle], targets[particle]);
+      if (fixed[particle] != 0 || will_be_fixed[particle] != 0)
+        archive(positions[particle], targets[particle]);
   }
   /// Tells solvers the paths of a step of dt (s). Once it is done, puts the anchors at their targets exactly,
   /// without the rounding of the way.
@@ -76,7 +77,7 @@ class Anchors {
   void concern(std::uint32_t solver);
 
   std::vector<std::uint8_t> fixed_, will_be_fixed_;  ///< by particle
-  std::vector<Vec3> positions_, targets_;  ///< m, by particle; entries of movable ones are unused
+  std::vector<Vec3> positions_, targets_;            ///< m, by particle; entries of movable ones are unused
   std::vector<std::uint8_t> has_target_;
   std::vector<std::uint32_t> moving_;     ///< particles with a target of their own
   std::vector<std::uint32_t> concerned_;  ///< solvers that learn of paths in this step

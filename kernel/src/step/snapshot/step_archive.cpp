@@ -42,8 +42,8 @@ void Step::archive_rules(Archive& archive) {
 /// What broke or was edited is known by splits. What a step begins anew is left out.
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
-         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, stages, dt, reports, visited, active,
-         last_dt] = *this;
+         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, stages, dt,
+         reports, visited, active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);
