@@ -29,9 +29,9 @@ struct Case {
   std::string name;
   std::function<Scene()> scene;
   Settings settings;
-  /// Lets the player change the length of this rod, or rules.
+  /// Lets the player change the length of this rod, or rules, or islands.
   std::optional<std::uint32_t> winch{};
-  bool changes_rules = false;
+  bool changes_rules = false, edits = false;
 
   friend void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
 };
@@ -165,6 +165,18 @@ std::vector<Case> cases() {
       {"tearing_net_relaxed", tearing_net, with(relax, [](Settings& s) { s.substeps = 2; })},
       {"resting", spec("chain:links=4"), {.gradient = Gradient::new_, .sleep_time = 0.05}},
   };
+  const auto add_edited = [&](const char* name, std::function<Scene()> scene, Settings settings) {
+    out.push_back({.name = name, .scene = std::move(scene), .settings = settings, .edits = true});
+  };
+  add_edited("edited_ropes", spec("ensemble:chains=20,links=6,vary=0.5"), {.tensions = true});
+  add_edited("edited_ropes_float", spec("ensemble:chains=20,links=6,vary=0.5"),
+             with(relax, [](Settings& s) { s.precision = Precision::single, s.tensions = true; }));
+  add_edited("edited_ropes_new", spec("ensemble:chains=9,links=8"),
+             with(direct, [](Settings& s) { s.gradient = Gradient::new_, s.substeps = 2; }));
+  add_edited("edited_graph", spec("graph:particles=60"), relax);
+  add_edited("edited_net", spec("net:width=8,height=6"), direct);
+  add_edited("edited_tearing_net", tearing_net, direct);
+  add_edited("edited_wire", spec("wire"), direct);
   for (std::size_t i = 0; i < std::size(test::breaking_laws); ++i) {
     const auto chain = [i] { return test::hanging_chain(test::breaking_laws[i]); };
     out.push_back({"breaking_" + std::to_string(i), chain, direct});
@@ -181,10 +193,12 @@ std::vector<std::uint64_t> readings(const World& world, const Scene& scene, cons
     for (const double c : {v.x, v.y, v.z}) add(c);
   };
   add(world.time());
+  std::vector<Vec3> reactions(world.particle_count());
+  if (settings.tensions) world.copy_reactions(reactions);
   for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
     add_vector(world.position(i));
     add_vector(world.velocity(i));
-    if (settings.tensions && scene.particles[i].fixed) add_vector(world.reaction(i));
+    add_vector(reactions[i]);
   }
   for (std::uint32_t i = 0; i < world.rod_count(); ++i) {
     out.push_back(world.is_broken(i) ? 1 : 0);
@@ -230,6 +244,7 @@ class Rollback : public testing::TestWithParam<Case> {
     test::Player out(scene_, seed);
     if (GetParam().winch) out.with_winch(*GetParam().winch);
     if (GetParam().changes_rules) out.with_rules();
+    if (GetParam().edits) out.with_edits();
     return out;
   }
   std::vector<std::uint64_t> read(const World& world) const { return readings(world, scene_, settings_); }
@@ -280,6 +295,27 @@ TEST_P(Rollback, ReadsWhatTheSavedWorldReads) {
   EXPECT_EQ(read(world), then);
   EXPECT_EQ(read(fresh), then);
   EXPECT_TRUE(test::snapshot_of(fresh) == saved);
+}
+
+// What was ordered since the last step is part of a snapshot.
+TEST_P(Rollback, KnowsWhatWaitsForTheNextStep) {
+  const test::Player truth = player(1), guess = player(2);
+  World world(scene_, on(best_isa(), 1, nullptr)), fresh(scene_, on(best_isa(), 1, nullptr));
+  const auto act = [&](World& to, const test::Player& by) {
+    for (const std::uint32_t frame : {24u, 27u, 25u}) by.act(to, frame);
+  };
+  test::run(world, dt, 3);
+  test::run(fresh, dt, 2);
+  act(world, truth);
+  act(fresh, guess);
+  fresh.restore(test::snapshot_of(world));
+  EXPECT_EQ(read(fresh), read(world));
+  for (World* const each : {&world, &fresh}) {
+    test::run(*each, dt, 2);
+    act(*each, guess);
+    test::run(*each, dt, 2);
+  }
+  EXPECT_EQ(read(fresh), read(world));
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Rollback, testing::ValuesIn(cases()),

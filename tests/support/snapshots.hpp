@@ -27,6 +27,45 @@ class Player {
   Player(const Scene& scene, std::uint32_t seed) : scene_(scene), seed_(seed) {}
 
   void act(World& world, std::uint32_t frame) const {
+    try {
+      if (edits_) edit(world, frame);
+      play(world, frame);
+    } catch (const InputError&) {
+      if (!edits_) throw;  // else it is of a particle that was fixed or freed, for every world alike
+    }
+  }
+
+  Player& with_winch(std::uint32_t rod) {
+    winch_ = rod;
+    return *this;
+  }
+  Player& with_rules() {
+    changes_rules_ = true;
+    return *this;
+  }
+  Player& with_edits() {
+    edits_ = true;
+    return *this;
+  }
+
+ private:
+  void edit(World& world, std::uint32_t frame) const {
+    std::seed_seq seeds{seed_, frame, 1u};
+    std::mt19937 random(seeds);
+    const auto pick = [&](std::size_t count) { return static_cast<std::uint32_t>(random() % count); };
+    if (frame % 3 == 0) world.cut(pick(scene_.rods.size()));
+    if (frame % 5 == 1) world.set_mass(pick(scene_.particles.size()), 0.5 + 0.1 * pick(10));
+    if (frame % 9 == 2) world.set_gravity({0.1 * pick(10), -9.0 - 0.1 * pick(10), 0});
+    if (!scene_.bends.empty()) return;
+    if (frame % 4 == 1) world.fix(pick(scene_.particles.size()));
+    if (frame % 4 == 3) world.free(pick(scene_.particles.size()));
+    if (frame % 6 != 4) return;
+    const std::uint32_t particle = pick(scene_.particles.size());
+    const Vec3 x = world.position(particle), v = 0.5 * world.velocity(particle);
+    world.teleport({&particle, 1}, {&x, 1}, {&v, 1});
+  }
+
+  void play(World& world, std::uint32_t frame) const {
     std::seed_seq seeds{seed_, frame};
     std::mt19937 random(seeds);
     const auto number = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
@@ -74,20 +113,10 @@ class Player {
     }
   }
 
-  Player& with_winch(std::uint32_t rod) {
-    winch_ = rod;
-    return *this;
-  }
-  Player& with_rules() {
-    changes_rules_ = true;
-    return *this;
-  }
-
- private:
   const Scene& scene_;
   std::uint32_t seed_;
   std::optional<std::uint32_t> winch_{};
-  bool changes_rules_ = false;
+  bool changes_rules_ = false, edits_ = false;
 };
 
 }  // namespace plumb::test

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
 #include "interface/place.hpp"
 
 namespace plumb::detail {
@@ -34,19 +39,45 @@ TEST(Places, ComeInRunsOfOneSolver) {
   EXPECT_EQ(sizes, (std::vector<std::uint32_t>{2, 1, 0, 2, 1}));
 }
 
-// Those of numbers that stay keep their order, and others take the place of what is gone.
+// Others keep theirs, also where many changes leave gaps that are closed again.
 TEST(Places, MayBeReplaced) {
   const Places::Entry entries[] = {{0, {0, 0}}, {1, {0, 1}}, {1, {1, 0}}, {2, {1, 1}}};
-  const Places::Entry made[] = {{0, {0, 7}}, {1, {1, 8}}};
-  const std::uint32_t numbers[] = {2, 1}, solvers[] = {1, 5};
-  const Places places = Places(3, entries)
-                            .replaced([](std::uint32_t, const Place& place) { return place.solver == 1; },
-                                      Places(2, made), numbers, solvers);
-  EXPECT_EQ(places.count(), 3u);
-  EXPECT_EQ(places.of(0).front(), (Place{0, 0}));
-  EXPECT_EQ(std::vector<Place>(places.of(1).begin(), places.of(1).end()),
-            (std::vector<Place>{{0, 1}, {5, 8}}));
-  EXPECT_EQ(std::vector<Place>(places.of(2).begin(), places.of(2).end()), (std::vector<Place>{{1, 7}}));
+  Places places(3, entries);
+  const auto of = [&](std::uint32_t particle) {
+    const auto list = places.of(particle);
+    return std::vector<Place>(list.begin(), list.end());
+  };
+  EXPECT_EQ(places.uses(1), 2u);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const std::vector<Place> more{{5, i}, {5, i + 1}, {1, i}}, one{{0, i}};
+    places.replace(1, more);
+    EXPECT_EQ(of(1), more);
+    EXPECT_EQ(places.uses(5), 2u);
+    EXPECT_EQ(places.uses(1), 2u);
+    places.replace(1, one);
+    EXPECT_EQ(of(1), one);
+    EXPECT_EQ(places.uses(0), 2u);
+    EXPECT_EQ(of(0), (std::vector<Place>{{0, 0}}));
+    EXPECT_EQ(of(2), (std::vector<Place>{{1, 1}}));
+  }
+  places.replace(2, {});
+  EXPECT_TRUE(places.of(2).empty());
+  EXPECT_EQ(places.uses(1), 0u);
+}
+
+// A run ends where places do not follow each other any more.
+TEST(Places, ComeInRunsAfterChanges) {
+  const Places::Entry entries[] = {{0, {0, 0}}, {1, {0, 1}}, {2, {0, 2}}};
+  Places places(3, entries);
+  places.replace(1, std::vector<Place>{{0, 7}, {0, 8}});
+  places.replace(1, std::vector<Place>{{0, 9}});
+  std::vector<std::uint32_t> counts, slots;
+  places.for_runs(3, [&](std::uint32_t, std::uint32_t count, std::span<const Place> of) {
+    counts.push_back(count);
+    for (const Place& place : of) slots.push_back(place.slot);
+  });
+  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0u), 3u);
+  EXPECT_EQ(slots, (std::vector<std::uint32_t>{0, 9, 2}));
 }
 
 TEST(Places, MayBeOfNothing) {

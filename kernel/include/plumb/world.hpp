@@ -251,8 +251,33 @@ class PLUMB_API World {
   /// gradient mid it is what energy gains, to the second order in the step where a rate changes, to the first
   /// beside bends, and to rounding elsewhere. Throws InputError as tension() does.
   double power(std::uint32_t rod) const;
-  /// Returns whether a rod has pulled more than its strength. Throws InputError on an unknown rod.
+  /// Returns whether a rod has pulled more than its strength, or was cut. Throws InputError on an unknown
+  /// rod.
   bool is_broken(std::uint32_t rod) const;
+
+  /// Takes a rod out from the next step on, as one that broke: nothing jumps, and momentum stays. Bends and
+  /// twists end with it. Its island goes on as the islands that it is then, and others keep their bits. It
+  /// does nothing to a rod that is out already. Throws InputError on an unknown rod, and where an island
+  /// cannot be made anew. That is one with joints, springs, shapes, air on rods or reels, or with a twist
+  /// that does not end.
+  void cut(std::uint32_t rod);
+  /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end. Throws
+  /// InputError as cut() does, and on particles of bends, tackles, twists and reels.
+  void fix(std::uint32_t particle);
+  /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. Throws InputError
+  /// as fix() does, and if it has no mass.
+  void free(std::uint32_t particle);
+  /// Changes a particle's own mass (kg) from the next step on; velocities stay. Throws InputError as cut()
+  /// does, and on a mass that is not positive and finite.
+  void set_mass(std::uint32_t particle, double mass);
+  /// Changes gravity (m/s^2) from the next step on, and wakes everything. Throws InputError on one that is
+  /// not finite, and under springs, multipliers and featherstone.
+  void set_gravity(Vec3 gravity);
+  /// Puts particles elsewhere at once, without a blow: an anchor goes with its rope if all are listed.
+  /// Velocities (m/s) of fixed ones say nothing. Throws InputError on lists of other sizes, and on a rigid
+  /// rod that would be off its length by more than it is, and 10^-6 of it. Joints are not looked at.
+  void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
+                std::span<const Vec3> velocities);
 
   /// Lets a tackle become `target` (m) long during the next step, at a constant rate. Throws InputError on an
   /// unknown tackle and a length that is not positive and finite.
@@ -369,7 +394,7 @@ class PLUMB_API World {
   /// more room than ever before, or if other rods have broken islands apart.
   void restore(std::span<const std::byte> from);
 
-  /// Says how the scene was compiled. Steps and restore() may move it if rods break islands apart.
+  /// Says how the scene was compiled. Steps and restore() may move it if rods break or are cut.
   const WorldInfo& info() const;
 
  private:

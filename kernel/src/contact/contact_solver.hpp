@@ -158,6 +158,7 @@ class ContactSolver final : public Solver {
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
+  void set_gravity(Vec3 gravity, Vec3 change) override;
   void move_anchor(Slot slot, const AnchorMove& move) override;
   void place_anchor(Slot slot, Vec3 target) override;
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;

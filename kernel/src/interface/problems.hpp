@@ -22,6 +22,8 @@ class RodJudge {
   /// Returns a movable end of a rod.
   std::uint32_t end(std::uint32_t rod) const { return rods_[rod].first_movable; }
 
+  void set_end(std::uint32_t rod, std::uint32_t movable) { rods_[rod].first_movable = movable; }
+
   /// Appends a problem for every rod that is not elastic nor broken and whose strain is above `most_strain`.
   /// position(particle), strain(rod, distance of its ends) and is_broken(rod) say how they are.
   template <class Position, class Strain, class IsBroken>

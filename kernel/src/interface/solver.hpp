@@ -144,6 +144,8 @@ class Solver {
   /// of the last substep, which costs no projection.
   virtual double read(std::span<const Slot> slots, std::span<Vec3> out) const = 0;
   virtual void set_force(Slot, Vec3 newton) = 0;
+  /// Changes gravity (m/s^2) by `change`. Solvers with an archive do. Forces must be set anew then.
+  virtual void set_gravity(Vec3 /*gravity*/, Vec3 /*change*/) {}
   /// Gives a fixed particle its path through the next step.
   virtual void move_anchor(Slot, const AnchorMove&) = 0;
   /// Is called once all paths of a step are set, and once after the step, when fixed particles are at their

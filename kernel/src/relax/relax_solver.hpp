@@ -72,6 +72,7 @@ class RelaxSolver final : public Solver {
   }
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
+  void set_gravity(Vec3 gravity, Vec3 change) override;
   void move_anchor(Slot slot, const AnchorMove& move) override { anchors_.push_back({slot, move}); }
   void end_anchors() override { anchors_.clear(); }
   void place_anchor(Slot slot, Vec3 target) override { block_.write(block_.x(), slot, target); }

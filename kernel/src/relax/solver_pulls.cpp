@@ -27,6 +27,26 @@ double RelaxSolver<T>::pull_of_moves(double last) const {
   return 1 / (mean_decay(rules_->verlet.drag * between) * between);
 }
 
+/// Displacements of gradients old and new know the gravity of their substep, as they know forces.
+template <class T>
+void RelaxSolver<T>::set_gravity(Vec3 gravity, Vec3 change) {
+  rules_->gravity = gravity;
+  kicks_stale_ = true;
+  if (!has_moved_ || rules_->verlet.gradient == Gradient::mid) return;
+  T* const last = block_.displacement(0);
+  T* const before = block_.displacement(1);
+  const auto& vertices = block_.packing().slot_vertex;
+  for (Slot slot = 0; slot < vertices.size(); ++slot) {
+    if (!is_movable(vertices[slot]) || block_.is_frozen(slot)) continue;
+    const auto changed = rules_->verlet.change_acceleration(
+        {block_.read(last, slot), block_.read(before, slot)}, h_ * h_ * change);
+    block_.write(last, slot, changed.last);
+    block_.write(before, slot, changed.before);
+  }
+}
+
+template void RelaxSolver<float>::set_gravity(Vec3, Vec3);
+template void RelaxSolver<double>::set_gravity(Vec3, Vec3);
 template void RelaxSolver<float>::count_pulls();
 template void RelaxSolver<double>::count_pulls();
 template void RelaxSolver<float>::begin_pulls(std::uint32_t);

@@ -22,51 +22,55 @@ class Places {
   /// Sorts the entries by particle in linear time. The places of a particle keep the order of `entries`.
   Places(std::uint32_t particles, std::span<const Entry> entries);
 
-  /// Returns places of which those of `others` replace all that are gone. Theirs are at `numbers` here, and
-  /// their solvers at `solvers`. is_gone(number, place) says which of these go.
-  template <class IsGone>
-  Places replaced(IsGone&& is_gone, const Places& others, std::span<const std::uint32_t> numbers,
-                  std::span<const std::uint32_t> solvers) const {
-    std::vector<Entry> entries;
-    for (std::uint32_t i = 0; i < count(); ++i)
-      for (const Place& place : of(i))
-        if (!is_gone(i, place)) entries.push_back({i, place});
-    for (std::uint32_t i = 0; i < numbers.size(); ++i)
-      for (const Place& place : others.of(i))
-        entries.push_back({numbers[i], {solvers[place.solver], place.slot}});
-    return Places(count(), entries);
-  }
-  std::uint32_t count() const { return static_cast<std::uint32_t>(begin_.size() - 1); }  ///< of particles
-  std::span<const Place> all() const { return places_; }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(ranges_.size()); }  ///< of particles
+  /// Returns how many places a solver has here.
+  std::uint32_t uses(std::uint32_t solver) const { return solver < uses_.size() ? uses_[solver] : 0; }
 
   /// Returns all places of a particle.
   std::span<const Place> of(std::uint32_t particle) const {
-    return std::span(places_).subspan(begin_[particle], begin_[particle + std::size_t{1}] - begin_[particle]);
+    return std::span(places_).subspan(ranges_[particle].begin, ranges_[particle].count);
   }
+  /// Gives a particle other places, in time that does not depend on how many particles there are.
+  void replace(std::uint32_t particle, std::span<const Place> by);
 
-  /// Returns the first places of all that have one, in runs.
-  std::span<const Run> runs() const { return runs_; }
+  /// Returns the first places of all that have one, in runs. Those are found once, and anew after
+  /// replace().
+  std::span<const Run> runs() const {
+    if (!are_runs_known_) find_runs();
+    return runs_;
+  }
 
   /// Calls f(first, count, places) for all numbers below `end`, in runs from `first` on. In a run of several
   /// each has one place, all of one solver; else `places` are those of `first` alone.
   template <class F>
   void for_runs(std::uint32_t end, F&& f) const {
-    const auto is_single = [&](std::uint32_t i) { return begin_[i + std::size_t{1}] == begin_[i] + 1; };
     for (std::uint32_t first = 0, next = 0; first < end; first = next) {
       next = first + 1;
-      if (is_single(first))
-        while (next < end && is_single(next) && places_[begin_[next]].solver == places_[begin_[first]].solver)
-          ++next;
-      f(first, next - first, std::span(places_).subspan(begin_[first], begin_[next] - begin_[first]));
+      const auto [begin, count] = ranges_[first];
+      const auto goes_on = [&] {
+        const auto [at, of_next] = ranges_[next];
+        return of_next == 1 && at == begin + (next - first) && places_[at].solver == places_[begin].solver;
+      };
+      if (count == 1)
+        while (next < end && goes_on()) ++next;
+      f(first, next - first, std::span(places_).subspan(begin, count == 1 ? next - first : count));
     }
   }
 
  private:
-  void find_runs();
+  struct Range {
+    std::uint32_t begin, count;  ///< in places_
+  };
+  void count_uses(std::span<const Place> places, std::int32_t change);
+  void close_gaps();
+  void find_runs() const;
 
-  std::vector<std::size_t> begin_ = std::vector<std::size_t>(1);  ///< particles + 1 entries, into places_
+  std::vector<Range> ranges_;  ///< by particle
   std::vector<Place> places_;
-  std::vector<Run> runs_;
+  std::vector<std::uint32_t> uses_;  ///< by solver
+  std::size_t gaps_ = 0;             ///< entries of places_ that no range has
+  mutable std::vector<Run> runs_;
+  mutable bool are_runs_known_ = false;
 };
 
 }  // namespace plumb::detail

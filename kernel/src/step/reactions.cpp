@@ -11,6 +11,10 @@ Reactions::Reactions(const Scene& scene, const Settings& settings) : gravity_(sc
   if (!settings.tensions) return;
   add_rods(scene, mass_model_of(settings));
   add_bodies(scene);
+  sort();
+}
+
+void Reactions::sort() {
   std::stable_sort(held_.begin(), held_.end(),
                    [](const Held& first, const Held& second) { return first.anchor < second.anchor; });
 }
@@ -19,11 +23,7 @@ void Reactions::add_rods(const Scene& scene, MassModel model) {
   const std::vector<std::uint8_t> reeled = reeled_rods(scene);
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
     if (!reeled.empty() && reeled[i] != 0) continue;  // what is out pulls as its solver says
-    const auto [a, b] = std::pair{scene.rods[i].a, scene.rods[i].b};
-    const bool from_a = scene.particles[a].fixed;
-    if (!from_a && !scene.particles[b].fixed) continue;
-    const RodMass mass = rod_mass(scene, i, model);
-    held_.push_back({from_a ? a : b, i, from_a ? b : a, from_a ? mass.aa : mass.bb, mass.ab});
+    add_rod(scene, model, i, [&](std::uint32_t particle) { return scene.particles[particle].fixed; });
   }
 }
 

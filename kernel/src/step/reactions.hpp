@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "plumb/scene.hpp"
@@ -50,11 +52,30 @@ class Reactions {
     }
   }
 
+  void set_gravity(Vec3 gravity) { gravity_ = gravity; }
+  /// Looks again at rods of which an end was fixed or freed.
+  template <class IsFixed>
+  void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods, IsFixed&& is_fixed) {
+    std::erase_if(
+        held_, [&](const Held& held) { return std::find(rods.begin(), rods.end(), held.rod) != rods.end(); });
+    for (const std::uint32_t rod : rods) add_rod(scene, model, rod, is_fixed);
+    sort();
+  }
+
   /// Returns the force (N) on the anchor that balances a rod's mean pull (N) and its mass, after a step of
   /// `dt` (s) that led the other end to `way` and `velocity`.
   Vec3 holding(const Held& held, double pull, Vec3 way, Vec3 velocity, double dt) const;
 
  private:
+  template <class IsFixed>
+  void add_rod(const Scene& scene, MassModel model, std::uint32_t number, IsFixed&& is_fixed) {
+    const auto [a, b] = std::pair{scene.rods[number].a, scene.rods[number].b};
+    const bool from_a = is_fixed(a);
+    if (from_a == is_fixed(b)) return;
+    const RodMass mass = rod_mass(scene, number, model);
+    held_.push_back({from_a ? a : b, number, from_a ? b : a, from_a ? mass.aa : mass.bb, mass.ab});
+  }
+  void sort();
   void add_rods(const Scene& scene, MassModel model);
   void add_bodies(const Scene& scene);
 

@@ -13,7 +13,7 @@ namespace plumb::detail {
 // The list says what one step of the world does. Predicting, projecting or solving, and correcting velocities
 // belong to the solvers, since each does them on its own numbers. They are part of `solve` here.
 //
-// - split: Islands that rods broke apart in the last step go on as the islands that they are now.
+// - split: Islands that rods broke apart in the last step, or that were edited since, go on as they are now.
 // - wake: Anchors that will move wake what hangs from them, and get their velocities.
 // - collide: Islands that may touch within the step become clusters. The rest stay with their solvers.
 // - solve: Every piece that is awake goes through the step by equal substeps, or by as many as its estimated
@@ -21,8 +21,8 @@ namespace plumb::detail {
 // - sleep: Pieces that have only moved by rounding for long enough stand still from now on.
 // - measure: What was done and what was skipped is added up. Anchors stand where they were sent.
 const Step::Stage Step::all_stages[] = {
-    {&Step::split, &Step::may_split}, {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact},
-    {&Step::solve, &Step::always},    {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
+    {&Step::split, &Step::always}, {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact},
+    {&Step::solve, &Step::always}, {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
 };
 
 namespace {
@@ -45,7 +45,10 @@ Step::Step(const Scene& scene, const Settings& settings)
       twisted_(twisted_rods(scene)),
       loads_(scene),
       reactions_(scene, settings),
-      breaks_(scene, settings),
+      origin_(std::make_unique<const Origin>(Origin{scene, settings})),
+      breaks_(origin_->scene, settings),
+      gravity_(scene.gravity),
+      next_gravity_(gravity_),
       rods_(scene),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
@@ -53,7 +56,6 @@ Step::Step(const Scene& scene, const Settings& settings)
   // A scene of one particle has no length for an error to be relative to, so its accuracy is not used.
   const double diagonal = bounding_diagonal(scene);
   if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
-  if (breaks_.any_may_break()) origin_ = std::make_unique<const Origin>(Origin{scene, settings});
   sleep_.start(compiled_.solvers, settings);
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
@@ -245,6 +247,7 @@ void Step::set_force(std::uint32_t particle, Vec3 force) {
 }
 
 void Step::put_force(std::uint32_t particle, Vec3 force) {
+  if (anchors_.is_fixed(particle)) return;  // It is freed in the next step, and has its force then.
   for (const Place place : compiled_.places.of(particle)) {
     solver(place).set_force(place.slot, force);
     sleep_.wake(compiled_.solvers, place);
@@ -290,7 +293,7 @@ bool Step::is_visiting(std::uint32_t cord) const {
 }
 
 bool Step::is_broken(std::uint32_t rod) const {
-  if (breaks_.is_broken(rod)) return true;
+  if (breaks_.is_out(rod)) return true;
   if (compiled_.contact && compiled_.contact->has_broken(rod)) return true;
   const auto places = compiled_.cords.of(rod);
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);

@@ -66,6 +66,21 @@ class Step {
   /// Returns the force (N) that held a fixed particle in the last step, or NaN where a pull is.
   Vec3 reaction(std::uint32_t particle) const;
   bool is_broken(std::uint32_t rod) const;
+
+  // --- Edits, of which those that make islands anew wait for the next step (breaks/orders.cpp)
+
+  /// Takes a rod out. Throws InputError if its island cannot be made anew.
+  void cut(std::uint32_t rod);
+  /// Fixes a particle, or frees it. Throws InputError likewise, and if it has no mass to be freed with.
+  void fix(std::uint32_t particle, bool is_fixed);
+  void set_mass(std::uint32_t particle, double mass);
+  void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
+  /// Puts particles elsewhere at once. Throws InputError if rods or pins do not fit then.
+  void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
+                std::span<const Vec3> velocities);
+  /// Returns whether a particle is fixed, or will be from the next step on.
+  bool will_be_fixed(std::uint32_t particle) const { return anchors_.will_be_fixed(particle); }
+
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   const ContactSolver& contact() const { return *compiled_.contact; }
   /// Returns the force (N) of the last step on ground that the scene has. Without shapes nothing touches it.
@@ -89,11 +104,9 @@ class Step {
 
   /// Returns whether all solvers have archives (Solver::has_archive()).
   bool has_archive() const;
-  /// Returns whether rods may break islands apart.
-  bool may_fall_apart() const { return breaks_.any_may_break(); }
-  /// Lists what fell apart so far, as archive() needs it.
+  /// Lists what fell apart or was edited so far, as archive() needs it.
   std::vector<Split>& splits() { return splits_; }
-  /// Returns this scene where other islands have fallen apart.
+  /// Returns this scene where other islands have fallen apart or were edited.
   std::unique_ptr<Step> compiled_with(std::span<const Split> splits);
   /// Lists all that steps and programs change, of a world whose splits() are the same.
   void archive(Archive& archive);
@@ -110,8 +123,6 @@ class Step {
   bool always() const { return true; }
   bool has_contact() const { return compiled_.contact != nullptr; }
 
-  bool may_split() const { return breaks_.any_may_break(); }
-
   void split(StepReport& report);
   void wake(StepReport& report);
   void collide(StepReport& report);
@@ -124,7 +135,17 @@ class Step {
   void archive_rules(Archive& archive);
   void split(Fallen fallen, const Split& now);
   void repeat(const Split& split_then);
-  void exchange(const Fallen& fallen, Compiled made);
+  void exchange(const Fallen& fallen, const Split& now, Compiled made);
+  template <class Leaves>
+  void replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves);
+  void order(const Edits& edits, bool is_ordered);
+  void refix(const Edits& edits);
+  void change_gravity();
+  void apply_gravity(Vec3 gravity);
+  template <class At>
+  void require_fit(std::span<const std::uint32_t> particles, At&& at) const;
+  void require_refixable(std::uint32_t particle) const;
+  void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   void hand_over(const Fallen& fallen, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.
   template <class F>
@@ -155,13 +176,15 @@ class Step {
   std::vector<std::uint8_t> twisted_;  ///< by rod: it is of a twisted chain; empty if there are none
   Loads loads_;
   Reactions reactions_;
-  Breaks breaks_;
-  /// What islands that fell apart were made of, if some may.
+  /// What islands that fell apart or are edited were made of.
   struct Origin {
     Scene scene;
     Settings settings;
   };
   std::unique_ptr<const Origin> origin_;
+  Breaks breaks_;  ///< of its scene
+  Edits edits_;    ///< those that wait for the next step
+  Vec3 gravity_, next_gravity_;
   std::vector<Split> splits_;
   bool has_broken_ = false;  ///< some rod did in the last step
   std::vector<Seat> seats_;  ///< by solver

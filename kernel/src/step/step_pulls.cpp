@@ -23,7 +23,7 @@ bool Step::is_held_by_solver(std::uint32_t cord) const {
 double Step::pull(std::uint32_t cord, std::uint32_t segment) const {
   if (is_held_by_contact(cord)) return compiled_.contact->pull_of_rod(cord);
   const auto places = compiled_.cords.of(cord);
-  if (places.empty() && breaks_.is_broken(cord)) return 0;
+  if (places.empty()) return 0;  // it is out, or between fixed particles
   const auto task = sleep_.task_of(compiled_.solvers, places.front());
   const double dt = task ? sleep_.tasks()[*task].dt : 0;
   if (dt == 0) return std::numeric_limits<double>::quiet_NaN();
@@ -59,6 +59,7 @@ void Step::copy_pulls(std::span<double> out) {
 }
 
 Vec3 Step::reaction(std::uint32_t particle) const {
+  if (!anchors_.is_fixed(particle)) return {};  // it will be from the next step on
   Vec3 sum = -1.0 * loads_.loaded(particle);
   for (const Reactions::Held& held : reactions_.at(particle))
     sum += reactions_.holding(held, is_held_by_solver(held.rod) ? 0 : pull(held.rod),

@@ -117,6 +117,45 @@ void World::move_anchor(std::uint32_t particle, Vec3 target) {
   impl_->step->move_anchor(particle, target);
 }
 
+void World::fix(std::uint32_t particle) {
+  impl_->require_known(particle);
+  impl_->step->fix(particle, true);
+  impl_->fixed[particle] = 1;
+}
+void World::free(std::uint32_t particle) {
+  impl_->require_known(particle);
+  impl_->step->fix(particle, false);
+  impl_->fixed[particle] = 0;
+}
+void World::set_mass(std::uint32_t particle, double mass) {
+  impl_->require_known(particle);
+  if (!(mass > 0 && std::isfinite(mass)))
+    refuse("particle ", particle, ": a mass must be positive and finite, got ", mass, " kg");
+  impl_->step->set_mass(particle, mass);
+}
+void World::set_gravity(Vec3 gravity) {
+  if (!is_finite(gravity)) refuse("gravity is not finite: ", gravity);
+  if (!impl_->step->has_archive())
+    refuse("gravity stays under springs, multipliers and featherstone; relax, direct and auto change it");
+  impl_->step->set_gravity(gravity);
+}
+void World::teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
+                     std::span<const Vec3> velocities) {
+  if (positions.size() != particles.size() || velocities.size() != particles.size())
+    refuse("teleport: ", particles.size(), " particles cannot have ", positions.size(), " positions and ",
+           velocities.size(), " velocities");
+  const double most = farthest_coordinate(impl_->precision);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    impl_->require_known(particles[i]);
+    const Vec3 to = positions[i];
+    if (!(std::max({std::abs(to.x), std::abs(to.y), std::abs(to.z)}) <= most) || !is_finite(velocities[i]))
+      refuse("particle ", particles[i], ": cannot be at ", to, " m with ", velocities[i], " m/s");
+  }
+  if (!impl_->step->has_archive())
+    refuse("teleport: springs, multipliers and featherstone keep their place; relax, direct and auto do not");
+  impl_->step->teleport(particles, positions, velocities);
+}
+
 void World::move_platform(std::uint32_t platform, const Pose& target) {
   Impl::require_one_of(static_cast<std::uint32_t>(impl_->platforms.size()), "platform", platform);
   detail::validate_pose(target, platform);
@@ -197,6 +236,11 @@ double World::power(std::uint32_t rod) const {
 bool World::is_broken(std::uint32_t rod) const {
   impl_->require_rod(rod);
   return impl_->step->is_broken(rod);
+}
+
+void World::cut(std::uint32_t rod) {
+  impl_->require_rod(rod);
+  impl_->step->cut(rod);
 }
 
 double World::tackle_tension(std::uint32_t tackle) const {

@@ -201,7 +201,7 @@ class Linkage {
   double kept(double t) const { return drag_ == 0 ? 1 : detail::exp(-t * drag_); }
   double joint_drag() const { return joint_drag_; }  ///< 1/s
   Vec3 gravity() const { return gravity_; }
-
+  void set_gravity(Vec3 gravity) { gravity_ = gravity; }
   /// Returns where a movable particle's x stands in vectors that are solved; y and z follow.
   std::uint32_t slot(std::uint32_t particle) const { return slots_[particle]; }
   /// Writes the vectors of all movable particles into their slots. taken() reads one from its slot.

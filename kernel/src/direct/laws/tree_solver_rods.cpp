@@ -115,7 +115,16 @@ void TreeSolver<T>::set_length(Slot rod, double length, double rate) {
   (rod >= ties_begin_ ? state_.tie_length2[rod - ties_begin_] : state_.length2[rod]) = length * length;
 }
 
+template <class T>
+void TreeSolver<T>::set_gravity(Vec3 gravity, Vec3) {
+  for (std::uint32_t lane = 0; lane < state_.lanes; ++lane) {
+    if (kind_->rules.gradient == Gradient::old) keep_velocities(lane);
+    state_.set_gravity(lane, gravity);
+  }
+}
+
 #define PLUMB_INSTANTIATE(T)                                                              \
+  template void TreeSolver<T>::set_gravity(Vec3, Vec3);                                   \
   template Slot TreeSolver<T>::rod_slot(std::uint32_t, std::uint32_t) const;              \
   template void TreeSolver<T>::make_laws();                                               \
   template void TreeSolver<T>::clear_pulls();                                             \

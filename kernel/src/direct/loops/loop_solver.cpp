@@ -179,13 +179,21 @@ double LoopSolver::read(std::span<const Slot> slots, std::span<Vec3> out) const 
 
 /// A displacement stands for the velocity of now under the force that made it. It gives way to the velocity
 /// before that force changes.
+void LoopSolver::keep_velocities() {
+  if (rules_->gradient != Gradient::old || state_.u_step == 0) return;
+  find_velocities();
+  state_.u = velocity_;
+  state_.u_step = 0;
+}
+
 void LoopSolver::set_force(Slot slot, Vec3 newton) {
-  if (rules_->gradient == Gradient::old && state_.u_step != 0) {
-    find_velocities();
-    state_.u = velocity_;
-    state_.u_step = 0;
-  }
+  keep_velocities();
   state_.set_force(slot, newton);
+}
+
+void LoopSolver::set_gravity(Vec3 gravity, Vec3) {
+  keep_velocities();
+  state_.set_gravity(gravity);
 }
 
 void LoopSolver::set_motion(Slot slot, Vec3 position, Vec3 velocity) {

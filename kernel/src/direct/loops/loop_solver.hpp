@@ -75,6 +75,7 @@ class LoopSolver final : public Solver {
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
+  void set_gravity(Vec3 gravity, Vec3 change) override;
   void move_anchor(Slot slot, const AnchorMove& move) override;
   void begin_anchors() override;
   void end_anchors() override;
@@ -118,6 +119,7 @@ class LoopSolver final : public Solver {
   bool is_reel(Slot cord) const { return cord >= first_reel(); }
   bool is_tackle(Slot cord) const { return cord >= state_.topology->rods.size(); }
   LoopTackleMotion& tackle(Slot cord) const { return state_.tackles[cord - state_.topology->rods.size()]; }
+  void keep_velocities();
   void find_velocities() const;
   void take_blow();
   void keep_blows();

@@ -98,14 +98,11 @@ LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& sce
   for (const double m : first_moment) total += m;
   mass_unit = total / n;
   for (std::uint32_t i = 0; i < n; ++i) {
-    const Vec3 pull = first_moment[i] / mass_unit * scene.gravity;
-    weight[3 * i] = pull.x;
-    weight[3 * i + 1] = pull.y;
-    weight[3 * i + 2] = pull.z;
+    weighs.push_back(first_moment[i] / mass_unit);
     mass[i] /= mass_unit;
   }
   for (double& m : coupling) m /= mass_unit;
-  force = weight;
+  set_gravity(scene.gravity);
   if (std::all_of(edges.begin(), edges.end(), [&](std::uint32_t i) { return scene.rods[i].law.is_rigid(); }))
     return;
   const auto give = [&](std::uint32_t i) { return i < n ? 1 / (mass[i] * mass_unit) : 0; };
@@ -114,6 +111,16 @@ LoopState::LoopState(std::shared_ptr<const LoopTopology> shape, const Scene& sce
     const auto [a, b] = topology->rods[k];
     laws.rods[k] = law_numbers(scene.rods[edges[k]].law, {mass_unit, give(a) + give(b)});
   }
+}
+
+void LoopState::set_gravity(Vec3 gravity) {
+  for (std::size_t i = 0; i < weighs.size(); ++i) {
+    const Vec3 pull = weighs[i] * gravity;
+    weight[3 * i] = pull.x;
+    weight[3 * i + 1] = pull.y;
+    weight[3 * i + 2] = pull.z;
+  }
+  force = weight;
 }
 
 void LoopState::set_force(std::uint32_t node, Vec3 newton) {

@@ -121,10 +121,13 @@ struct LoopState : LoopMotion {
   const LoopMotion& motion() const { return *this; }
   Vec3 position(std::uint32_t vertex) const { return {x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2]}; }
   void set_force(std::uint32_t node, Vec3 newton);
+  /// Sets gravity (m/s^2), and takes the forces away.
+  void set_gravity(Vec3 gravity);
 
   std::shared_ptr<const LoopTopology> topology;
   std::vector<double> force,
       weight;  ///< They have 3 numbers per node, divided by the unit of mass; weight is gravity.
+  std::vector<double> weighs;  ///< It is per node what gravity acts on, divided likewise.
   std::vector<double> mass, coupling,
       length2;                       ///< Masses are per node; couplings and squared lengths (m^2) per rod.
   std::vector<Vec3> fixed_velocity;  ///< There is one per fixed vertex, in m/s.

@@ -48,6 +48,7 @@ TreeState<T> LineSegments::cut(const TreeState<T>& whole) const {
   for_numbers(tree_fields::node,
               [&](std::size_t from, std::size_t to) { segments.node[to] = whole.node[from]; });
   for_numbers(3, [&](std::size_t from, std::size_t to) { segments.weight[to] = whole.weight[from]; });
+  for_numbers(1, [&](std::size_t from, std::size_t to) { segments.weighs[to] = whole.weighs[from]; });
   for_numbers(1, [&](std::size_t from, std::size_t to) { segments.length2[to] = whole.length2[from]; });
   segments.tie_length2[0] = whole.tie_length2[0];
   for (std::uint32_t lane = 1; lane < lanes_; ++lane)

@@ -80,6 +80,7 @@ class TreeSolver final : public Solver {
   }
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
+  void set_gravity(Vec3 gravity, Vec3 change) override;
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
   double last_substep(Slot slot) const override { return state_.u_step[place_of(slot).lane]; }
   void go_on(Slot slot, double h) override {

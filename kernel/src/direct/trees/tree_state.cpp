@@ -81,6 +81,7 @@ TreeState<T>::TreeState(std::shared_ptr<const TreeTopology> shape, std::uint32_t
   x = AlignedBuffer<double>(3 * n);
   tie_x = AlignedBuffer<double>(3 * p);
   weight = AlignedBuffer<double>(3 * n);
+  weighs = AlignedBuffer<double>(n);
   if (topology->bends.any()) {
     bends.law = AlignedBuffer<T>(tree_fields::bend * (n + 2 * std::size_t{lanes}));
   }
@@ -216,13 +217,21 @@ void TreeState<T>::write_masses(std::uint32_t lane, const Masses& masses, Vec3 g
     node[at(tree_fields::node * i + 2, lane)] = floor;
     node[at(tree_fields::node * i + 3, lane)] =
         static_cast<T>(unit / std::max(least[i], least_share * mass[i]));
-    put(weight, 3 * i, lane, first_moment[i] * gravity);
-    set_force(i, lane, {});
+    weighs[at(i, lane)] = first_moment[i];
     for (std::uint32_t k = topology->tie_begin[i]; k < topology->tie_begin[i + 1]; ++k) {
       tie[at(tree_fields::tie * k, lane)] = static_cast<T>(tie_coupling[k] / unit);
       is_coupled = is_coupled || tie_coupling[k] != 0;
       tie[at(tree_fields::tie * k + 1, lane)] = floor;
     }
+  }
+  set_gravity(lane, gravity);
+}
+
+template <class T>
+void TreeState<T>::set_gravity(std::uint32_t lane, Vec3 gravity) {
+  for (std::uint32_t i = 0; i < topology->nodes; ++i) {
+    put(weight, 3 * i, lane, weighs[at(i, lane)] * gravity);
+    set_force(i, lane, {});
   }
 }
 
@@ -241,6 +250,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   copy(tie_length2, from.tie_length2);
   copy(tie_x, from.tie_x);
   copy(weight, from.weight);
+  copy(weighs, from.weighs);
   copy(tie_velocity, from.tie_velocity);
   copy(tie_last_velocity, from.tie_last_velocity);
   copy(mass_unit, from.mass_unit);

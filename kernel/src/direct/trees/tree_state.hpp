@@ -91,6 +91,8 @@ struct TreeState {
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);
 
+  /// Sets gravity (m/s^2), and takes the forces from a lane.
+  void set_gravity(std::uint32_t lane, Vec3 gravity);
   /// Sets whether a lane is left out of steps. It then has no tree of its own, or its tree is moved
   /// elsewhere.
   void set_idle(std::uint32_t lane, bool is_idle);
@@ -103,8 +105,8 @@ struct TreeState {
   std::vector<std::uint8_t> idle;  ///< It is 1 per lane that is.
   layouts::AlignedBuffer<T> node, tie, u, acceleration, acceleration_before, force, tie_delta, tie_u, mu,
       tie_mu, mu_before, tie_mu_before;
-  layouts::AlignedBuffer<double> length2, tie_length2, x, tie_x,
-      weight;                     ///< The weight is gravity per node, in N.
+  layouts::AlignedBuffer<double> length2, tie_length2, x, tie_x, weight,
+      weighs;                     ///< The weight is gravity per node, in N, and what it acts on in kg.
   std::vector<double> mass_unit;  ///< It is per lane, in kg.
   std::vector<double> scale2;     ///< It is the mean squared length of a rod per lane, in m^2.
   std::vector<double> u_step,
@@ -209,10 +211,10 @@ struct TreeWorkspace {
 template <class Archive, class T>
 void visit_members(Archive& archive, TreeState<T>& of) {
   auto& [topology, lanes, trees, idle, node, tie, u, acceleration, acceleration_before, force, tie_delta,
-         tie_u, mu, tie_mu, mu_before, tie_mu_before, length2, tie_length2, x, tie_x, weight, mass_unit,
-         scale2, u_step, u_step_before, mu_kick, mu_kick_before, tie_velocity, tie_last_velocity, known, gave,
-         laws, bends, twists, hold, ties_move, is_coupled, frequency2, elastic, next_elastic, effort,
-         smooth] = of;
+         tie_u, mu, tie_mu, mu_before, tie_mu_before, length2, tie_length2, x, tie_x, weight, weighs,
+         mass_unit, scale2, u_step, u_step_before, mu_kick, mu_kick_before, tie_velocity, tie_last_velocity,
+         known, gave, laws, bends, twists, hold, ties_move, is_coupled, frequency2, elastic, next_elastic,
+         effort, smooth] = of;
   archive(trees, idle);
   for_motion(of, of, [&](auto& field, auto&) { archive(field); });
   archive(force, tie_delta, tie_u, length2, tie_length2, tie_x, tie_velocity, tie_last_velocity, laws, bends,

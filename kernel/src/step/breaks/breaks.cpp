@@ -1,7 +1,7 @@
 #include "step/breaks/breaks.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
 
 #include "scene/bends/bends.hpp"
 #include "scene/bends/bent_islands.hpp"
@@ -11,7 +11,9 @@
 namespace plumb::detail {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffff;
+using Numbers = std::vector<std::uint32_t>;
+
+constexpr double never = RodLaw{}.strength;
 
 /// Returns whether particles that follow each other in a chain, and are not both fixed, lack a rod.
 template <class Particles>
@@ -23,108 +25,325 @@ bool lacks_rod(const Scene& scene, const RodTable& rods, const Particles& chain)
   return false;
 }
 
+void append(Numbers& to, std::span<const std::uint32_t> from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+/// Puts numbers in ascending order, each once.
+void sort_once(Numbers& of) {
+  std::sort(of.begin(), of.end());
+  of.erase(std::unique(of.begin(), of.end()), of.end());
+}
+
+/// Erases what `ends` says of the entries of a list, and their numbers.
+template <class Item, class Ends>
+void erase_ended(std::vector<Item>& list, Numbers& numbers, Ends&& ends) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (ends(list[i])) continue;
+    if (kept != i) list[kept] = std::move(list[i]);
+    numbers[kept++] = numbers[i];
+  }
+  list.resize(kept);
+  numbers.resize(kept);
+}
+
 }  // namespace
 
-Breaks::Breaks(const Scene& scene, const Settings& settings) : model_(mass_model_of(settings)) {
-  if (std::none_of(scene.rods.begin(), scene.rods.end(),
-                   [](const Rod& rod) { return rod.law.strength < never; }))
-    return;
-  scene_ = scene;
-  numbers_.resize(scene.rods.size());
-  std::iota(numbers_.begin(), numbers_.end(), 0u);
-  is_leaving_.resize(scene.rods.size());
-  broken_.assign(scene.rods.size(), 0);
-  whole_.assign(scene.particles.size(), none);
-  const layouts::Islands all = islands();
-  for (; wholes_ < all.count(); ++wholes_)
-    for (const std::uint32_t particle : all.vertices(wholes_)) whole_[particle] = wholes_;
+Breaks::Breaks(const Scene& scene, const Settings& settings)
+    : model_(mass_model_of(settings)), scene_(scene) {
+  for (std::uint32_t i = 0; i < scene.rods.size(); ++i)
+    if (scene.rods[i].law.strength < never) weak_.push_back(i);
+  if (!weak_.empty()) begin();
 }
 
-layouts::Islands Breaks::islands() const {
-  return find_bent_islands(scene_, SceneGraph(scene_).view());
-}
+void Breaks::begin() {
+  if (!place_.empty()) return;
+  const std::size_t particles = scene_.particles.size();
+  for (const Particle& particle : scene_.particles) fixed_.push_back(particle.fixed);
+  out_.assign(scene_.rods.size(), State::in);
+  place_.assign(particles, none);
+  whole_.assign(particles, none);
+  rods_begin_.assign(particles + 1, 0);
+  for (const Rod& rod : scene_.rods)
+    for (const std::uint32_t end : {rod.a, rod.b}) ++rods_begin_[end + std::size_t{1}];
+  for (std::size_t i = 0; i < particles; ++i) rods_begin_[i + 1] += rods_begin_[i];
+  rods_at_.resize(2 * scene_.rods.size());
+  Numbers next(rods_begin_.begin(), rods_begin_.end() - 1);
+  for (std::uint32_t i = 0; i < scene_.rods.size(); ++i)
+    for (const std::uint32_t end : {scene_.rods[i].a, scene_.rods[i].b}) rods_at_[next[end]++] = i;
 
-Fallen Breaks::take_out_leaving() {
-  remove_leaving();
-  const layouts::Islands now = islands();
-  const std::vector<std::uint32_t> parts = apart(now);
-  for (const std::uint32_t part : parts) {
-    for (const std::uint32_t particle : now.vertices(part)) whole_[particle] = wholes_;
-    ++wholes_;
-  }
-  return cut_out(now, parts);
-}
-
-void Breaks::remove_leaving() {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < scene_.rods.size(); ++i) {
-    Rod rod = scene_.rods[i];
-    if (is_leaving_[i] != 0) {
-      broken_[numbers_[i]] = 1;
-      const RodMass mass = rod_mass(scene_, i, model_);
-      rod.law = {.stiffness = 0};
-      if (mass.ab == 0) {
-        scene_.particles[rod.a].mass += mass.aa;
-        scene_.particles[rod.b].mass += mass.bb;
-        continue;
-      }
-    }
-    numbers_[kept] = numbers_[i];
-    scene_.rods[kept++] = rod;
-  }
-  scene_.rods.resize(kept);
-  numbers_.resize(kept);
-  is_leaving_.resize(kept);
-  if (scene_.bends.empty() && scene_.twists.empty()) return;
-  const RodTable rods(scene_);
-  std::erase_if(scene_.bends, [&](const Bend& bend) { return lacks_rod(scene_, rods, particles_of(bend)); });
-  std::erase_if(scene_.twists, [&](const Twist& twist) { return lacks_rod(scene_, rods, twist.particles); });
-}
-
-/// Returns the islands that are parts of a larger one, which nothing holds together.
-std::vector<std::uint32_t> Breaks::apart(const layouts::Islands& islands) const {
+  const layouts::Islands islands = find_bent_islands(scene_, SceneGraph(scene_).view());
   const IslandElements elements(scene_, islands);
-  std::vector<std::uint32_t> parts(wholes_, 0);
-  std::vector<std::uint8_t> stays(wholes_, 0);
-  const auto whole = [&](std::uint32_t part) { return whole_[islands.vertices(part).front()]; };
-  for (std::uint32_t part = 0; part < islands.count(); ++part) {
-    ++parts[whole(part)];
-    if (!elements.twists_of(part).empty() || !elements.reels_of(part).empty()) stays[whole(part)] = 1;
+  wholes_.reserve(islands.count());
+  const auto list = [](std::span<const std::uint32_t> of) { return Numbers(of.begin(), of.end()); };
+  for (std::uint32_t i = 0; i < islands.count(); ++i) {
+    wholes_.push_back({.particles = list(islands.vertices(i)),
+                       .rods = list(islands.edges(i)),
+                       .bends = list(elements.bends_of(i)),
+                       .tackles = list(elements.tackles_of(i)),
+                       .twists = list(elements.twists_of(i)),
+                       .reels = list(elements.reels_of(i))});
+    for (const std::uint32_t particle : islands.vertices(i))
+      if (!scene_.particles[particle].fixed) whole_[particle] = i;
   }
-  std::vector<std::uint32_t> out;
-  for (std::uint32_t part = 0; part < islands.count(); ++part)
-    if (parts[whole(part)] > 1 && stays[whole(part)] == 0) out.push_back(part);
+}
+
+std::uint32_t Breaks::whole_at(std::uint32_t rod) const {
+  const auto [a, b] = std::pair{scene_.rods[rod].a, scene_.rods[rod].b};
+  return whole_[a] != none ? whole_[a] : whole_[b];
+}
+
+std::optional<std::uint32_t> Breaks::twist_beside(std::uint32_t rod) const {
+  const std::uint32_t whole = whole_at(rod);
+  if (whole == none) return {};
+  const auto [a, b] = std::pair{scene_.rods[rod].a, scene_.rods[rod].b};
+  for (const std::uint32_t twist : wholes_[whole].twists) {
+    const auto& chain = scene_.twists[twist].particles;
+    bool has_rod = false;
+    for (std::size_t k = 1; k < chain.size(); ++k)
+      has_rod = has_rod || std::minmax(chain[k - 1], chain[k]) == std::minmax(a, b);
+    if (!has_rod) return twist;
+  }
+  return {};
+}
+
+std::optional<std::uint32_t> Breaks::twist_at(std::uint32_t particle) const {
+  const std::uint32_t whole = whole_[particle];
+  if (whole == none || wholes_[whole].twists.empty()) return {};
+  return wholes_[whole].twists.front();
+}
+
+std::optional<std::uint32_t> Breaks::reel_at(std::uint32_t particle) const {
+  const std::uint32_t whole = whole_[particle];
+  if (whole == none || wholes_[whole].reels.empty()) return {};
+  return wholes_[whole].reels.front();
+}
+
+// --- Changes
+
+bool Breaks::joins_ends(std::uint32_t rod) const {
+  return out_[rod] != State::taken || rod_mass(scene_, rod, model_).ab != 0;
+}
+
+Fallen Breaks::take_out(std::span<const std::uint32_t> broken, const Edits& edits) {
+  touched_.clear();
+  freed_.clear();
+  for (const std::uint32_t rod : broken) touch_rod(rod, false);
+  for (const std::uint32_t rod : edits.cut) touch_rod(rod, true);
+  for (const std::uint32_t rod : broken) take_rod(rod);
+  for (const std::uint32_t rod : edits.cut) take_rod(rod);
+  edit(edits);
+  const Cutout changed = cutout();
+  const layouts::Islands islands = find_bent_islands(changed.scene, SceneGraph(changed.scene).view());
+  const Numbers parts = leaving_parts(changed, islands);
+  Fallen out = cut_out(changed, islands, parts);
+  for (const std::uint32_t whole : touched_) append(out.twists, wholes_[whole].twists);
+  renumber(changed, islands, parts);
+  for (const std::uint32_t particle : changed.particles) place_[particle] = none;
   return out;
 }
 
-Fallen Breaks::cut_out(const layouts::Islands& islands, const std::vector<std::uint32_t>& numbers) const {
+void Breaks::touch(std::uint32_t whole, bool is_forced) {
+  if (whole == none) return;
+  wholes_[whole].is_forced = wholes_[whole].is_forced || is_forced;
+  if (wholes_[whole].is_touched) return;
+  wholes_[whole].is_touched = true;
+  touched_.push_back(whole);
+}
+
+void Breaks::touch_rod(std::uint32_t rod, bool is_forced) {
+  if (out_[rod] != State::taken) touch(whole_at(rod), is_forced);
+}
+
+/// Takes a rod out. It goes on as one that pulls nothing if its mass joins its ends.
+void Breaks::take_rod(std::uint32_t number) {
+  if (out_[number] == State::taken) return;
+  out_[number] = State::taken;
+  const Rod& rod = scene_.rods[number];
+  const RodMass mass = rod_mass(scene_, number, model_);
+  if (mass.ab != 0) return;
+  const std::uint32_t whole = whole_at(number);
+  if (whole != none) std::erase(wholes_[whole].rods, number);
+  if (mass.aa == 0 && mass.bb == 0) return;
+  mass_at(rod.a).second += mass.aa;
+  mass_at(rod.b).second += mass.bb;
+}
+
+/// Returns a particle's own mass and what it took of rods, which may be changed from now on.
+std::pair<double, double>& Breaks::mass_at(std::uint32_t particle) {
+  return masses_.try_emplace(particle, scene_.particles[particle].mass, 0.0).first->second;
+}
+
+/// Does what is ordered of particles.
+void Breaks::edit(const Edits& edits) {
+  for (const auto& [particle, mass] : edits.masses) {
+    mass_at(particle).first = mass;
+    touch(whole_[particle], true);
+  }
+  for (const auto& [particle, is_fixed] : edits.fixed) {
+    if ((fixed_[particle] != 0) == is_fixed) continue;
+    fixed_[particle] = is_fixed ? 1 : 0;
+    touch(whole_[particle], true);
+    if (is_fixed) continue;
+    freed_.push_back(particle);
+    for (const std::uint32_t rod : rods_at(particle))
+      if (joins_ends(rod)) touch(whole_at(rod), true);
+  }
+}
+
+// --- Islands
+
+Breaks::Cutout Breaks::cutout() {
+  Cutout out;
+  for (const std::uint32_t number : touched_) {
+    const Whole& whole = wholes_[number];
+    append(out.particles, whole.particles);
+    append(out.rods, whole.rods);
+    append(out.bends, whole.bends);
+    append(out.tackles, whole.tackles);
+    append(out.twists, whole.twists);
+    append(out.reels, whole.reels);
+  }
+  for (const std::uint32_t particle : freed_) {
+    out.particles.push_back(particle);
+    for (const std::uint32_t rod : rods_at(particle)) {
+      if (!joins_ends(rod)) continue;
+      out.rods.push_back(rod);
+      append(out.particles, std::array{scene_.rods[rod].a, scene_.rods[rod].b});
+    }
+  }
+  for (Numbers* const list : {&out.particles, &out.rods, &out.bends, &out.tackles, &out.twists, &out.reels})
+    sort_once(*list);
+  Scene& scene = out.scene;
+  scene.drag = scene_.drag;
+  for (const std::uint32_t particle : out.particles) {
+    place_[particle] = static_cast<std::uint32_t>(scene.particles.size());
+    Particle& made = scene.particles.emplace_back(scene_.particles[particle]);
+    made.asleep = false;
+    made.fixed = fixed_[particle] != 0;
+    if (const auto mass = masses_.find(particle); mass != masses_.end())
+      made.mass = mass->second.first + mass->second.second;
+  }
+  const auto place = [&](std::uint32_t& particle) { particle = place_[particle]; };
+  for (const std::uint32_t rod : out.rods) {
+    Rod& made = scene.rods.emplace_back(scene_.rods[rod]);
+    if (out_[rod] == State::taken) made.law = {.stiffness = 0};  // its mass alone is left
+    place(made.a);
+    place(made.b);
+  }
+  for (const std::uint32_t bend : out.bends) {
+    Bend& made = scene.bends.emplace_back(scene_.bends[bend]);
+    for (std::uint32_t* const end : {&made.a, &made.b, &made.c}) place(*end);
+  }
+  const auto copy_chains = [&](const Numbers& numbers, const auto& from, auto& to) {
+    for (const std::uint32_t number : numbers)
+      for (std::uint32_t& particle : to.emplace_back(from[number]).particles) place(particle);
+  };
+  copy_chains(out.tackles, scene_.tackles, scene.tackles);
+  copy_chains(out.twists, scene_.twists, scene.twists);
+  copy_chains(out.reels, scene_.reels, scene.reels);
+  end_elements(out);
+  return out;
+}
+
+/// Ends the bends and twists that lack a rod.
+void Breaks::end_elements(Cutout& of) const {
+  Scene& scene = of.scene;
+  if (scene.bends.empty() && scene.twists.empty()) return;
+  const RodTable rods(scene);
+  erase_ended(scene.bends, of.bends,
+              [&](const Bend& bend) { return lacks_rod(scene, rods, particles_of(bend)); });
+  erase_ended(scene.twists, of.twists,
+              [&](const Twist& twist) { return lacks_rod(scene, rods, twist.particles); });
+}
+
+/// Returns the islands of a cutout that are parts of a larger one, which nothing holds together, or that are
+/// made anew by order.
+Numbers Breaks::leaving_parts(const Cutout& of, const layouts::Islands& islands) {
+  const IslandElements elements(of.scene, islands);
+  const auto whole = [&](std::uint32_t part) { return whole_[of.particles[islands.vertices(part).front()]]; };
+  for (std::uint32_t part = 0; part < islands.count(); ++part) {
+    if (whole(part) == none) continue;  // it was freed
+    Whole& of_part = wholes_[whole(part)];
+    ++of_part.parts;
+    of_part.stays = of_part.stays || !elements.twists_of(part).empty() || !elements.reels_of(part).empty();
+  }
+  Numbers out;
+  for (std::uint32_t part = 0; part < islands.count(); ++part)
+    if (whole(part) == none || wholes_[whole(part)].leaves()) out.push_back(part);
+  return out;
+}
+
+/// Gives islands that leave numbers of their own. What stays loses the elements that ended.
+void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const Numbers& parts) {
+  for (const std::uint32_t number : touched_) {
+    Whole& whole = wholes_[number];
+    if (whole.leaves()) {
+      whole = {};
+      spare_.push_back(number);
+      continue;
+    }
+    const auto has_ended = [](const Numbers& left) {
+      return [&](std::uint32_t each) { return !std::binary_search(left.begin(), left.end(), each); };
+    };
+    std::erase_if(whole.bends, has_ended(of.bends));
+    std::erase_if(whole.twists, has_ended(of.twists));
+    whole.is_touched = whole.is_forced = whole.stays = false;
+    whole.parts = 0;
+  }
+  for (const std::uint32_t particle : of.particles)
+    if (fixed_[particle] != 0) whole_[particle] = none;
+  const IslandElements elements(of.scene, islands);
+  for (const std::uint32_t part : parts) {
+    if (spare_.empty()) {
+      spare_.push_back(static_cast<std::uint32_t>(wholes_.size()));
+      wholes_.emplace_back();
+    }
+    Whole& whole = wholes_[spare_.back()];
+    const auto list = [](Numbers& to, std::span<const std::uint32_t> of_part, const Numbers& numbers) {
+      for (const std::uint32_t each : of_part) to.push_back(numbers[each]);
+    };
+    list(whole.particles, islands.vertices(part), of.particles);
+    list(whole.rods, islands.edges(part), of.rods);
+    list(whole.bends, elements.bends_of(part), of.bends);
+    list(whole.tackles, elements.tackles_of(part), of.tackles);
+    for (const std::uint32_t particle : whole.particles)
+      if (fixed_[particle] == 0) whole_[particle] = spare_.back();
+    spare_.pop_back();
+  }
+}
+
+Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Numbers& parts) const {
   Fallen out;
-  out.scene.gravity = scene_.gravity;
+  out.touched = from.particles;
+  out.touched_rods = from.rods;
+  for (const std::uint32_t particle : from.particles)
+    if (whole_[particle] != none && wholes_[whole_[particle]].leaves()) out.leaving.push_back(particle);
   out.scene.drag = scene_.drag;
-  std::vector<std::uint32_t> place(scene_.particles.size(), none);
-  const IslandElements elements(scene_, islands);
-  for (const std::uint32_t island : numbers) {
+  Numbers place(from.particles.size(), none);
+  const IslandElements elements(from.scene, islands);
+  for (const std::uint32_t island : parts) {
     for (const std::uint32_t particle : islands.vertices(island)) {
       if (place[particle] != none) continue;
       place[particle] = static_cast<std::uint32_t>(out.particles.size());
-      out.particles.push_back(particle);
-      out.scene.particles.push_back(scene_.particles[particle]);
-      out.scene.particles.back().asleep = false;
+      out.particles.push_back(from.particles[particle]);
+      out.scene.particles.push_back(from.scene.particles[particle]);
     }
     for (const std::uint32_t rod : islands.edges(island)) {
-      Rod& made = out.scene.rods.emplace_back(scene_.rods[rod]);
+      Rod& made = out.scene.rods.emplace_back(from.scene.rods[rod]);
       made.a = place[made.a];
       made.b = place[made.b];
-      out.rods.push_back(numbers_[rod]);
+      out.rods.push_back(from.rods[rod]);
     }
     for (const std::uint32_t bend : elements.bends_of(island)) {
-      Bend& made = out.scene.bends.emplace_back(scene_.bends[bend]);
+      Bend& made = out.scene.bends.emplace_back(from.scene.bends[bend]);
       for (std::uint32_t* const end : {&made.a, &made.b, &made.c}) *end = place[*end];
     }
     for (const std::uint32_t tackle : elements.tackles_of(island)) {
-      Tackle& made = out.scene.tackles.emplace_back(scene_.tackles[tackle]);
+      Tackle& made = out.scene.tackles.emplace_back(from.scene.tackles[tackle]);
       for (std::uint32_t& particle : made.particles) particle = place[particle];
-      out.tackles.push_back(tackle);
+      out.tackles.push_back(from.tackles[tackle]);
     }
   }
   return out;

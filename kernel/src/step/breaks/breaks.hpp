@@ -1,26 +1,35 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "plumb/layouts/islands.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "step/breaks/edits.hpp"
 
 namespace plumb::detail {
 
-/// Holds islands that fell apart as a scene of their own.
+/// Holds islands that are to be made anew as a scene of their own.
 struct Fallen {
   Scene scene;
   std::vector<std::uint32_t> particles, rods, tackles;  ///< by number in `scene`: that in the whole one
+  std::vector<std::uint32_t> leaving;                   ///< particles that leave the solvers that move them
+  /// Places of these particles, rods and twists may change.
+  std::vector<std::uint32_t> touched, touched_rods, twists;
 
-  bool any() const { return !particles.empty(); }
+  bool any() const { return !leaving.empty() || !particles.empty(); }
 };
 
-/// Holds what one call of Breaks::take_out() took out, and how what fell apart was then. With all of them in
+/// Holds what one call of Breaks::take_out() took, and how what it made anew was then. With all of them in
 /// turn, a world that is compiled anew falls apart alike.
 struct Split {
-  std::vector<std::uint32_t> rods;          ///< by number in the whole scene
+  std::vector<std::uint32_t> rods;  ///< They broke; by number in the whole scene.
+  Edits edits;
   std::vector<Vec3> positions, velocities;  ///< m and m/s, of Fallen::particles
   std::vector<double> lengths;              ///< m, of Fallen::rods and then of Fallen::tackles
 
@@ -28,51 +37,107 @@ struct Split {
 };
 template <class Archive>
 void visit_members(Archive& archive, Split& of) {
-  auto& [rods, positions, velocities, lengths] = of;
-  archive(rods, positions, velocities, lengths);
+  auto& [rods, edits, positions, velocities, lengths] = of;
+  archive(rods, edits, positions, velocities, lengths);
 }
 
-/// Knows which rods broke, and cuts out the islands that fell apart by that.
+/// Knows which rods are out, and cuts out the islands that fell apart by that or are made anew by order. Work
+/// grows with these islands alone, once begin() has looked at the whole scene.
 ///
-/// A broken rod with mass of its own still joins its ends if the mass is spread along it. Where the masses of
-/// rods are lumped, its ends take them. Bends and twists end with their rods. An island that a twist or a
-/// reel still holds stays one, since what they remember has no place in a scene.
+/// A rod with mass of its own that is out still joins its ends if the mass is spread along it. Where the
+/// masses of rods are lumped, its ends take them. Bends and twists end with their rods. An island that a
+/// twist or a reel still holds stays one, since what they remember has no place in a scene.
 class Breaks {
  public:
-  /// Keeps nothing unless some rod may break.
+  /// Lists which rods may break, and waits with the rest for begin() where there is none.
+  /// The scene must outlive this.
   Breaks(const Scene& scene, const Settings& settings);
 
-  bool any_may_break() const { return !broken_.empty(); }
-  bool is_broken(std::uint32_t rod) const { return rod < broken_.size() && broken_[rod] != 0; }
+  /// Looks at the islands of the scene, unless this was done. take_out() needs it.
+  void begin();
 
-  /// Takes out the rods for which `has_broken` is true now. Returns what fell apart by that, where and as
-  /// fast as it was in the scene that this knows: who calls says how things are now.
-  template <class HasBroken>
-  Fallen take_out(HasBroken&& has_broken) {
-    bool any = false;
-    for (std::uint32_t i = 0; i < scene_.rods.size(); ++i) {
-      is_leaving_[i] = scene_.rods[i].law.strength < never && has_broken(numbers_[i]);
-      any = any || is_leaving_[i] != 0;
-    }
-    return any ? take_out_leaving() : Fallen{};
+  /// Returns the rods that have a strength.
+  std::span<const std::uint32_t> weak() const { return weak_; }
+  bool is_out(std::uint32_t rod) const { return rod < out_.size() && out_[rod] != State::in; }
+  /// Lets is_out() say that a rod is out although it is still to be taken, or takes that back.
+  void order(std::uint32_t rod, bool is_ordered) {
+    if (out_[rod] != State::taken) out_[rod] = is_ordered ? State::ordered : State::in;
+  }
+  std::span<const std::uint32_t> rods_at(std::uint32_t particle) const {
+    return std::span(rods_at_).subspan(rods_begin_[particle],
+                                       rods_begin_[particle + std::size_t{1}] - rods_begin_[particle]);
   }
 
- private:
-  static constexpr double never = RodLaw{}.strength;
+  /// Takes out what broke and what was cut, and does other edits. Returns what is to be made anew, where and
+  /// as fast as it was in the scene that this knows: who calls says how things are now.
+  Fallen take_out(std::span<const std::uint32_t> broken, const Edits& edits);
 
-  layouts::Islands islands() const;
-  Fallen take_out_leaving();
-  void remove_leaving();
-  std::vector<std::uint32_t> apart(const layouts::Islands& islands) const;
-  Fallen cut_out(const layouts::Islands& islands, const std::vector<std::uint32_t>& numbers) const;
+  /// Returns the particles of the island of a movable one, or none of a fixed one.
+  std::span<const std::uint32_t> island_at(std::uint32_t particle) const {
+    if (whole_[particle] == none) return {};
+    return wholes_[whole_[particle]].particles;
+  }
+  bool joins_ends(std::uint32_t rod) const;  ///< It is not out, or has mass that does so.
+
+  /// Returns the number of a twist that has a rod's island but not the rod. It keeps the island from being
+  /// made anew.
+  std::optional<std::uint32_t> twist_beside(std::uint32_t rod) const;
+  std::optional<std::uint32_t> twist_at(std::uint32_t particle) const;  ///< any of its island
+  /// Returns the mass (kg) of a particle without its rods.
+  double own_mass(std::uint32_t particle) const {
+    const auto mass = masses_.find(particle);
+    return mass == masses_.end() ? scene_.particles[particle].mass : mass->second.first;
+  }
+  /// Returns the number of a reel of the island of a particle, which does so, too.
+  std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffff;
+  enum class State : std::uint8_t { in, ordered, taken };
+
+  /// Lists what an island has that one solver moves.
+  struct Whole {
+    std::vector<std::uint32_t> particles{}, rods{}, bends{}, tackles{}, twists{}, reels{};
+    // These stand while changes are made:
+    bool is_touched = false, is_forced = false;  ///< The latter is made anew by order.
+    bool stays = false;                          ///< A twist or a reel keeps it as it is.
+    std::uint32_t parts = 0;
+
+    bool leaves() const { return !stays && (is_forced || parts > 1); }
+  };
+  /// Holds islands as a scene, with their numbers in the whole one.
+  struct Cutout {
+    Scene scene;
+    std::vector<std::uint32_t> particles, rods, bends, tackles, twists, reels;
+  };
+
+  std::uint32_t whole_at(std::uint32_t rod) const;
+  void touch(std::uint32_t whole, bool is_forced);
+  void touch_rod(std::uint32_t rod, bool is_forced);
+  void take_rod(std::uint32_t rod);
+  std::pair<double, double>& mass_at(std::uint32_t particle);
+  void edit(const Edits& edits);
+  Cutout cutout();
+  void end_elements(Cutout& of) const;
+  std::vector<std::uint32_t> leaving_parts(const Cutout& of, const layouts::Islands& islands);
+  void renumber(const Cutout& of, const layouts::Islands& islands, const std::vector<std::uint32_t>& parts);
+  Fallen cut_out(const Cutout& from, const layouts::Islands& islands,
+                 const std::vector<std::uint32_t>& parts) const;
 
   MassModel model_;
-  Scene scene_;                           ///< without broken rods
-  std::vector<std::uint32_t> numbers_;    ///< of its rods in the whole scene
-  std::vector<std::uint8_t> is_leaving_;  ///< by rod of scene_
-  std::vector<std::uint32_t> whole_;      ///< by movable particle: the island that one solver moves
-  std::uint32_t wholes_ = 0;              ///< so many such islands have been numbered
-  std::vector<std::uint8_t> broken_;      ///< by rod of the whole scene; empty if none may break
+  std::vector<std::uint32_t> weak_;  ///< rods
+  const Scene& scene_;               ///< as it began
+  std::vector<std::uint8_t> fixed_;  ///< by particle
+  /// Lists particles whose masses (kg) are others: their own, and what they took of rods that are out.
+  std::map<std::uint32_t, std::pair<double, double>> masses_;
+  std::vector<State> out_;                           ///< by rod; empty before begin()
+  std::vector<std::uint32_t> rods_begin_, rods_at_;  ///< the rods of each particle, as compressed rows
+  std::vector<Whole> wholes_;
+  std::vector<std::uint32_t> whole_;    ///< by particle, and none for fixed ones
+  std::vector<std::uint32_t> touched_;  ///< wholes
+  std::vector<std::uint32_t> freed_;    ///< particles
+  std::vector<std::uint32_t> spare_;    ///< numbers of wholes that nobody has
+  std::vector<std::uint32_t> place_;    ///< by particle: that in a cutout which is made, else none
 };
 
 }  // namespace plumb::detail

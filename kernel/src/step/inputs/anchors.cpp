@@ -11,6 +11,7 @@ Anchors::Anchors(const Scene& scene, std::size_t solvers)
     fixed_.push_back(particle.fixed);
     positions_.push_back(particle.position);
   }
+  will_be_fixed_ = fixed_;
   targets_ = positions_;
   // The space is reserved here, so that steps that move anchors allocate nothing.
   moving_.reserve(static_cast<std::size_t>(std::count(fixed_.begin(), fixed_.end(), std::uint8_t{1})));
@@ -30,6 +31,33 @@ void Anchors::set_target(std::uint32_t particle, Vec3 target) {
   if (has_target_[particle] != 0) return;
   has_target_[particle] = 1;
   moving_.push_back(particle);
+}
+
+void Anchors::fix(std::uint32_t particle, Vec3 position) {
+  fixed_[particle] = will_be_fixed_[particle] = 1;
+  positions_[particle] = position;
+  if (has_target_[particle] == 0) targets_[particle] = position;
+}
+
+void Anchors::put(std::uint32_t particle, Vec3 position) {
+  const Vec3 way = position - positions_[particle];
+  for (auto& [moved, path] : moved_)
+    if (moved == particle) path = {path.from + way, path.to + way, path.dt};
+  positions_[particle] = targets_[particle] = position;
+  if (std::exchange(has_target_[particle], std::uint8_t{0}) != 0) std::erase(moving_, particle);
+}
+
+void Anchors::free(std::uint32_t particle) {
+  fixed_[particle] = will_be_fixed_[particle] = 0;
+  has_target_[particle] = 0;
+  std::erase(moving_, particle);
+  std::erase_if(moved_, [&](const auto& of) { return of.first == particle; });
+}
+
+Vec3 Anchors::last_velocity(std::uint32_t particle) const {
+  for (const auto& [moved, path] : moved_)
+    if (moved == particle) return path.velocity();
+  return {};
 }
 
 void Anchors::begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {

@@ -28,6 +28,17 @@ class Anchors {
     for (const std::uint8_t* at = next(begin); at; at = next(at + 1))
       f(static_cast<std::uint32_t>(at - begin));
   }
+  /// Returns whether it is fixed, or will be from the next step on.
+  bool will_be_fixed(std::uint32_t particle) const { return will_be_fixed_[particle] != 0; }
+  void order(std::uint32_t particle, bool is_fixed) { will_be_fixed_[particle] = is_fixed ? 1 : 0; }
+  /// Fixes a particle at `position` (m), from where it goes to a target that it may have by now.
+  void fix(std::uint32_t particle, Vec3 position);
+  /// Puts a fixed particle elsewhere, where it stays in the next step, as fast as it was.
+  void put(std::uint32_t particle, Vec3 position);
+  /// Frees a particle, which forgets where it was to go.
+  void free(std::uint32_t particle);
+  /// Returns the velocity (m/s) of a fixed particle in the last step.
+  Vec3 last_velocity(std::uint32_t particle) const;
   Vec3 position(std::uint32_t particle) const { return positions_[particle]; }
   /// Returns the velocity (m/s) of a fixed particle in the next step, of dt (s).
   Vec3 velocity(std::uint32_t particle, double dt) const {
@@ -60,13 +71,14 @@ class Anchors {
   }
   template <class Archive>
   void archive(Archive& archive) {
-    auto& [fixed, positions, targets, has_target, moving, concerned, settling, moved, dt, is_concerned] =
-        *this;
+    auto& [fixed, will_be_fixed, positions, targets, has_target, moving, concerned, settling, moved, dt,
+           is_concerned] = *this;
     for (const std::uint32_t particle : moving) has_target[particle] = 0;
     archive(moving, concerned, settling, moved, dt, is_concerned);
     for (const std::uint32_t particle : moving) has_target[particle] = 1;
     for (std::size_t particle = 0; particle < fixed.size(); ++particle)
-      if (fixed[particle] != 0) archive(positions[particle], targets[particle]);
+      if (fixed[particle] != 0 || will_be_fixed[particle] != 0)
+        archive(positions[particle], targets[particle]);
   }
   /// Tells solvers the paths of a step of dt (s). Once it is done, puts the anchors at their targets exactly,
   /// without the rounding of the way.
@@ -76,8 +88,8 @@ class Anchors {
  private:
   void concern(std::uint32_t solver);
 
-  std::vector<std::uint8_t> fixed_;
-  std::vector<Vec3> positions_, targets_;  ///< m, by particle; entries of movable ones are unused
+  std::vector<std::uint8_t> fixed_, will_be_fixed_;  ///< by particle
+  std::vector<Vec3> positions_, targets_;            ///< m, by particle; entries of movable ones are unused
   std::vector<std::uint8_t> has_target_;
   std::vector<std::uint32_t> moving_;     ///< particles with a target of their own
   std::vector<std::uint32_t> concerned_;  ///< solvers that learn of paths in this step

@@ -20,8 +20,20 @@ class Loads {
 
   /// Sets the constant force (N) on a particle, and returns the force that acts on it from now on.
   Vec3 set_force(std::uint32_t particle, Vec3 force);
+  /// Says that a particle is fixed or free from now on. The constant force on it ends where it is fixed.
+  void fix(std::uint32_t particle, bool is_fixed) {
+    fixed_[particle] = is_fixed;
+    if (is_fixed) constant_[particle] = {};
+  }
   /// Returns all of the force (N) that acts on a particle.
   Vec3 force(std::uint32_t particle) const { return constant_[particle] + loaded(particle); }
+  /// Calls f(particle, force) for every movable particle on which a force (N) acts.
+  template <class F>
+  void for_forces(F&& f) const {
+    if (!any_constant_ && loaded_.empty()) return;
+    for (std::uint32_t i = 0; i < constant_.size(); ++i)
+      if (const Vec3 newton = force(i); newton != Vec3{} && !fixed_[i]) f(i, newton);
+  }
   /// Returns the force (N) that a load puts on a particle, a fixed one too.
   Vec3 loaded(std::uint32_t particle) const { return loaded_.empty() ? Vec3{} : loaded_[particle]; }
 

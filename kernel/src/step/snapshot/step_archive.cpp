@@ -39,12 +39,18 @@ void Step::archive_rules(Archive& archive) {
   compiled_.info.parallel = uses_threads();
 }
 
-/// What broke is known by splits. What a step begins anew is left out.
+/// What broke or was edited is known by splits. What a step begins anew is left out.
 void Step::archive(Archive& archive) {
-  auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, breaks,
-         origin, splits, has_broken, seats, rods, sleep, rules, stages, dt, reports, visited, active,
-         last_dt] = *this;
+  auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
+         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, stages, dt,
+         reports, visited, active, last_dt] = *this;
   archive_rules(archive);
+  Vec3 pulls = gravity;
+  archive(pulls, next_gravity);
+  if (!(pulls == gravity)) apply_gravity(pulls);
+  if (archive.restores()) order(edits, false);
+  archive(edits);
+  if (archive.restores()) order(edits, true);
   archive(anchors, lengths, loads, reactions, has_broken, sleep, dt);
   for_solvers([&](Solver& solver) { solver.archive(archive); });
 }

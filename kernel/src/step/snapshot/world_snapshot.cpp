@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<char, 8> magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
 /// Goes up with any change of what archives list.
-constexpr std::uint32_t format = 1;
+constexpr std::uint32_t format = 2;
 constexpr std::uint32_t library = PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
 
 /// Every snapshot begins with this. The sum is over all bytes behind it.
@@ -78,16 +78,12 @@ void World::Impl::archive(Archive& archive) {
     archive_own(archive, *this);
     return step->archive(archive);
   }
-  std::unique_ptr<detail::Step> other;
-  if (std::vector<detail::Split> splits = step->splits(); step->may_fall_apart()) {
-    archive(splits);
-    if (splits != step->splits()) other = step->compiled_with(splits);
-  } else {
-    archive(step->splits());
-  }
-  if (other) step = std::move(other);
+  std::vector<detail::Split> splits = step->splits();
+  archive(splits);
+  if (splits != step->splits()) step = step->compiled_with(splits);
   archive_own(archive, *this);
   step->archive(archive);
+  for (std::uint32_t i = 0; i < fixed.size(); ++i) fixed[i] = step->will_be_fixed(i) ? 1 : 0;
 }
 
 std::size_t World::snapshot_size() const {

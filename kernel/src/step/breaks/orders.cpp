@@ -1,0 +1,127 @@
+// This file takes orders for edits that make islands anew. The next step carries them out (split.cpp).
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/refuse.hpp"
+#include "step/methods.hpp"
+#include "step/step.hpp"
+
+namespace plumb::detail {
+
+/// Refuses an edit of a rod or a particle whose island cannot be made anew from the numbers of a scene.
+/// `particle` is a movable one of the island, if it has any.
+void Step::require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const {
+  if (!has_archive())
+    refuse(what, " ", number, ": method ", to_string(settings_.method),
+           " edits no world; relax, direct and auto do");
+  const auto places = compiled_.places.of(particle);
+  if (!places.empty() && &solver(places.back()) == compiled_.contact)
+    refuse(what, " ", number,
+           ": its island has joints, springs, shapes, air on rods or sleepers, and stays one");
+  if (const auto reel = breaks_.reel_at(particle))
+    refuse(what, " ", number, ": reel ", *reel, " is of its island, which stays one");
+}
+
+void Step::cut(std::uint32_t rod) {
+  breaks_.begin();
+  if (is_broken(rod)) return;
+  require_editable("rod", rod, rods_.end(rod));
+  if (const auto twist = breaks_.twist_beside(rod))
+    refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
+  edits_.cut.push_back(rod);
+  breaks_.order(rod, true);
+}
+
+/// Refuses to fix or free a particle of elements that need it as it is.
+void Step::require_refixable(std::uint32_t particle) const {
+  const Scene& scene = origin_->scene;
+  const auto require_none = [&](const char* what, const auto& list) {
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (std::count(list[i].particles.begin(), list[i].particles.end(), particle) > 0)
+        refuse("particle ", particle, ": is of ", what, " ", i, ", and stays fixed or free");
+  };
+  require_none("tackle", scene.tackles);
+  require_none("reel", scene.reels);
+  require_none("twist", scene.twists);
+  for (std::size_t i = 0; i < scene.bends.size(); ++i) {
+    const Bend& bend = scene.bends[i];
+    if (bend.a == particle || bend.b == particle || bend.c == particle)
+      refuse("particle ", particle, ": is of bend ", i, ", and stays fixed or free");
+  }
+}
+
+void Step::fix(std::uint32_t particle, bool is_fixed) {
+  if (will_be_fixed(particle) == is_fixed) return;
+  breaks_.begin();
+  require_refixable(particle);
+  require_editable("particle", particle, particle);
+  for (const std::uint32_t rod : breaks_.rods_at(particle)) {
+    require_editable("particle", particle, rods_.end(rod));
+    if (const auto twist = breaks_.twist_at(rods_.end(rod)))
+      refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays one");
+  }
+  double mass = breaks_.own_mass(particle);
+  for (const auto& [of, ordered] : edits_.masses)
+    if (of == particle) mass = ordered;
+  if (!is_fixed && !(mass > 0 && std::isfinite(mass)))
+    refuse("particle ", particle, ": has no mass to be free with, but ", mass,
+           " kg; set_mass() gives it one");
+  edits_.fixed.emplace_back(particle, is_fixed);
+  anchors_.order(particle, is_fixed);
+}
+
+void Step::set_mass(std::uint32_t particle, double mass) {
+  breaks_.begin();
+  require_editable("particle", particle, particle);
+  if (const auto twist = breaks_.twist_at(particle))
+    refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays one");
+  edits_.masses.emplace_back(particle, mass);
+}
+
+/// Tells all that know which particles are fixed of new ones. They are where their solvers still have them.
+void Step::refix(const Edits& edits) {
+  for (const auto& [particle, is_fixed] : edits.fixed) {
+    if (anchors_.is_fixed(particle) == is_fixed) continue;
+    if (is_fixed)
+      anchors_.fix(particle, position(particle));
+    else
+      anchors_.free(particle);
+    loads_.fix(particle, is_fixed);
+    std::vector<std::uint32_t> rods;
+    for (const std::uint32_t rod : breaks_.rods_at(particle)) {
+      if (breaks_.joins_ends(rod)) rods.push_back(rod);
+      const auto [a, b] = std::pair{origin_->scene.rods[rod].a, origin_->scene.rods[rod].b};
+      rods_.set_end(rod, anchors_.is_fixed(a) ? b : a);
+    }
+    if (settings_.tensions)
+      reactions_.refix(origin_->scene, mass_model_of(settings_), rods,
+                       [&](std::uint32_t each) { return anchors_.is_fixed(each); });
+  }
+}
+
+/// Lets gravity be what was ordered. All wake, since all fall otherwise.
+void Step::change_gravity() {
+  sleep_.wake_all(compiled_.solvers);
+  apply_gravity(next_gravity_);
+}
+
+void Step::apply_gravity(Vec3 gravity) {
+  const Vec3 change = gravity - gravity_;
+  gravity_ = gravity;
+  reactions_.set_gravity(gravity);
+  for_solvers([&](Solver& solver) { solver.set_gravity(gravity, change); });
+  loads_.for_forces([&](std::uint32_t particle, Vec3 force) {
+    for (const Place& place : compiled_.places.of(particle)) solver(place).set_force(place.slot, force);
+  });
+}
+
+/// Lets what is ordered be read as if it was done, or takes that back.
+void Step::order(const Edits& edits, bool is_ordered) {
+  if (edits.any()) breaks_.begin();
+  for (const std::uint32_t rod : edits.cut) breaks_.order(rod, is_ordered);
+  for (const auto& [particle, is_fixed] : edits.fixed)
+    anchors_.order(particle, is_ordered ? is_fixed : anchors_.is_fixed(particle));
+}
+
+}  // namespace plumb::detail
