@@ -121,32 +121,6 @@ void Crowd<T>::lay_out_rods(std::span<LinkageState* const> cluster, const CrowdR
     fields[3 * lanes] = static_cast<T>(1 / rod.length2);
     rod.mass = rules.omega / 4 / (wa + wb);
   }
-  find_uniform_ranges();
-}
-
-/// Splits the ranges of colors where rods alike begin or end, so that visits of those do not load what they
-/// share. Padding is not alike, since its rods have no length.
-template <class T>
-void Crowd<T>::find_uniform_ranges() {
-  constexpr std::uint32_t lanes = simd::logical_width<T>;
-  const T* const first = weight_.data();
-  uniform_length2_ = rod_of_.empty() ? 1 : first[0];
-  uniform_share_ = rod_of_.empty() ? 0 : first[lanes];
-  const auto is_uniform = [&](std::uint32_t vector) {
-    const T* const fields = first + std::size_t{vector} * simd::weight_fields * lanes;
-    return rod_of_[std::size_t{vector} * lanes + lanes - 1].island != none &&
-           std::all_of(fields, fields + lanes, [&](T length2) { return length2 == uniform_length2_; }) &&
-           std::all_of(fields + lanes, fields + 3 * lanes, [&](T share) { return share == uniform_share_; });
-  };
-  ranges_.clear();
-  for (const simd::Range& color : colors_)
-    for (std::uint32_t v = color.begin; v < color.end; ++v) {
-      const bool uniform = is_uniform(v);
-      if (v > color.begin && ranges_.back().uniform == uniform)
-        ++ranges_.back().end;
-      else
-        ranges_.push_back({v, v + 1, uniform});
-    }
 }
 
 template <class T>
@@ -159,9 +133,9 @@ simd::BlockView<T> Crowd<T>::view() {
           .weight = weight_.data(),
           .address_a = address_a_.data(),
           .address_b = address_b_.data(),
-          .uniform_length2 = uniform_length2_,
-          .uniform_share = uniform_share_,
-          .uniform_inverse_length2 = static_cast<T>(1 / double{uniform_length2_}),
+          .uniform_length2 = 1,
+          .uniform_share = 0,
+          .uniform_inverse_length2 = 1,
           .moved = moved_.data()};
 }
 
@@ -190,21 +164,21 @@ void Crowd<T>::predict(double h, Gradient gradient) {
 template <class T>
 void Crowd<T>::prepare(const simd::AccessKernels<T>& kernels) {
   const simd::BlockView<T> all = view();
-  for (const simd::Range& range : ranges_) kernels.prepare(all, range);
+  for (const simd::Range& color : colors_) kernels.prepare(all, color);
   std::fill_n(moved_.data(), rod_of_.size() * simd::moved_fields, T(0));
 }
 
 template <class T>
 void Crowd<T>::sweep(const simd::AccessKernels<T>& kernels, Gradient gradient, bool counts) {
   const auto& sweeps = counts ? kernels.count : kernels.sweep;
-  sweeps[static_cast<int>(gradient)](view(), ranges_.data(), static_cast<std::uint32_t>(ranges_.size()));
+  sweeps[static_cast<int>(gradient)](view(), colors_.data(), static_cast<std::uint32_t>(colors_.size()));
 }
 
 template <class T>
 T Crowd<T>::violation(const simd::AccessKernels<T>& kernels) {
   T most = 0;
   const simd::BlockView<T> all = view();
-  for (const simd::Range& range : ranges_) most = std::max(most, kernels.violation(all, range));
+  for (const simd::Range& color : colors_) most = std::max(most, kernels.violation(all, color));
   return most;
 }
 

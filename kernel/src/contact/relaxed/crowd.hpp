@@ -143,7 +143,6 @@ class Crowd {
   double kinetic(const T* data) const;
   void lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules);
   void lay_out_rods(std::span<LinkageState* const> cluster, const CrowdRules& rules);
-  void find_uniform_ranges();
   simd::BlockView<T> view();
 
   std::vector<const LinkageState*> laid_out_;  ///< the islands that rods were laid out for
@@ -160,8 +159,6 @@ class Crowd {
   layouts::AlignedBuffer<T> rod_, weight_, moved_;
   std::vector<std::uint32_t> address_a_, address_b_;
   std::vector<simd::Range> colors_;
-  std::vector<simd::Range> ranges_;            ///< those, split where rods alike begin or end
-  T uniform_length2_ = 1, uniform_share_ = 0;  ///< of rods in uniform ranges, see BlockView
   struct RodOf {
     std::uint32_t island = none, number = 0;
     double length2 = 0;  ///< m²
