@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "contact/shapes/touch.hpp"
 #include "plumb/error.hpp"
 #include "plumb/measures.hpp"
 #include "scenes/generators/contacts.hpp"
@@ -286,6 +287,41 @@ TEST(FallingThings, BoxesWeighAsTheyAreTurned) {
     }
   }
   EXPECT_NE(message_of("boxes:boxes=0").find("boxes"), std::string::npos);
+}
+
+// A layer's limbs lie in a plane, and layers are apart by more than limbs are thick. So the least distances
+// are those of lines, which are found exactly.
+TEST(Pile, FiguresStartApartFromEachOtherAndTheGround) {
+  constexpr std::size_t limbs = 9;
+  for (const char* body : {"thin", "medium", "wide"}) {
+    const Scene scene = load_scene(std::string("pile:figures=30,gap=0.05,seed=3,body=") + body);
+    ASSERT_EQ(scene.capsules.size(), 30 * limbs);
+    const std::vector<Vec3> positions = positions_of(scene);
+    const auto line_of = [&](const Capsule& capsule) {
+      return detail::Segment{place_of(capsule.a, positions), place_of(capsule.b, positions), capsule.radius};
+    };
+    double least = clearance(scene, 0, scene.capsules.size());
+    EXPECT_NEAR(least, 0.05, 1e-12);
+    for (std::size_t i = 0; i < scene.capsules.size(); ++i)
+      for (std::size_t j = (i / limbs + 1) * limbs; j < scene.capsules.size(); ++j)
+        least = std::min(least, detail::touch(line_of(scene.capsules[i]), line_of(scene.capsules[j])).gap);
+    EXPECT_GT(least, 0.05 - 1e-12) << body;
+    EXPECT_LT(measure_stretch(scene, positions).max, 2e-14) << body;
+    for (const Particle& p : scene.particles) EXPECT_FALSE(p.asleep);
+  }
+  EXPECT_NE(message_of("pile:figures=0").find("figures"), std::string::npos);
+  EXPECT_NE(message_of("pile:gap=0").find("gap"), std::string::npos);
+  EXPECT_NE(message_of("pile:body=none").find("body"), std::string::npos);
+}
+
+TEST(Pile, LiesInOneHeapOfSeveralLayersAndAnotherSeedInAnother) {
+  const Scene scene = load_scene("pile:figures=64");
+  double top = 0;
+  for (const Particle& p : scene.particles) top = std::max(top, p.position.y);
+  // Four layers, each thicker than a torso of ten inches' radius.
+  EXPECT_GT(top, 3 * 20 * inch);
+  EXPECT_NE(positions_of(scene)[5], positions_of(load_scene("pile:figures=64,seed=2"))[5]);
+  EXPECT_EQ(positions_of(scene)[5], positions_of(load_scene("pile:figures=64"))[5]);
 }
 
 TEST(SlackNet, StartsAtItsLengthsBetweenNearerCorners) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <random>
 #include <vector>
 
 #include "contact/cluster_mover.hpp"
@@ -14,8 +15,10 @@
 #include "contact/relaxed/crowd_joints.hpp"
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
+#include "contact/relaxed/pairs/particle_ways.hpp"
 #include "contact/relaxed/pairs/ways.hpp"
 #include "contact/rows.hpp"
+#include "contact/shapes/sweep.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/layouts/packing.hpp"
 
@@ -81,6 +84,48 @@ TEST(Crowds, LayRodsOutByColors) {
     rods += kind.rods_of(color).size();
   }
   EXPECT_EQ(rods, 29u);
+}
+
+// The bounds of a line that moves are what the sides of its ends stand for. Every other line is short, and of
+// those that are off the box most are off it on the first side that both ends pass.
+TEST(ParticleWays, LinesThatPassOneSideStayOutOfABox) {
+  constexpr std::uint32_t count = 200;
+  Scene scene;
+  std::mt19937_64 random(1);
+  const auto within = [&](double most) {
+    return most * (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1);
+  };
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const bool is_near = i % 2 == 1;
+    const double most = is_near ? 0.2 : 3;
+    const Vec3 from = is_near ? scene.particles[i - 1].position : Vec3{};
+    scene.particles.push_back({.position = from + Vec3{within(most), within(most), within(most)},
+                               .velocity = {within(0.5), within(0.5), within(0.5)},
+                               .mass = 1});
+    if (i > 0) scene.rods.push_back({.a = i - 1, .b = i});
+  }
+  scene.gravity = {};
+  One one(scene);
+  Crowd<double> crowd;
+  crowd.gather(one.cluster, {});
+  crowd.predict(1, Gradient::new_);
+  const Bounds box{{-1, -1, -1}, {1, 1, 1}};
+  ParticleWays ways;
+  ways.find(crowd, box);
+  int out = 0, off = 0;
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::uint32_t j = 0; j < i; ++j) {
+      const std::uint32_t a = crowd.number_of(0, i), b = crowd.number_of(0, j);
+      const Bounds line =
+          bounds_of(MovingSegment{{crowd.position(a), crowd.position(b), 0}, crowd.moved(a), crowd.moved(b)});
+      const bool is_short = i % 2 == 1 && j + 1 == i, stays_out = ways.stays_out(a, b);
+      off += is_short && !box.overlaps(line);
+      out += is_short && stays_out;
+      if (!stays_out) continue;
+      EXPECT_FALSE(box.overlaps(line)) << i << " " << j;
+    }
+  EXPECT_GT(out, off / 2);
+  EXPECT_DOUBLE_EQ(ways.moves2(crowd.number_of(0, 5)), dot(one.state.v[5], one.state.v[5]));
 }
 
 TEST(CrowdJoints, BallJointsAndCablesAreExactAfterOneVisit) {

@@ -211,7 +211,7 @@ TEST(Generators, WhatIsWrongInASpecIsNamed) {
             "no scene 'string': there is no such file, and the generators are chain, thesis5, line, winch, "
             "net, ensemble, "
             "ring, truss, rods5, tree, humanoid, graph, crowd, stick_box, drop, wire, rope, heap, drape, "
-            "terrain, boxes, shot");
+            "terrain, boxes, pile, shot");
   EXPECT_EQ(message_of("chain:colour=3"),
             "scene 'chain:colour=3': no parameter 'colour'; known are links, length, mass, end_mass");
   EXPECT_EQ(message_of("thesis5:links=3"), "scene 'thesis5:links=3': no parameter 'links'; it takes none");

@@ -277,6 +277,7 @@ std::vector<Generator> what_falls_in_numbers() {
   using T = TerrainShape;
   using S = ShotShape;
   using B = BoxesShape;
+  using P = PileShape;
   return {
       describe<T>("terrain", "stacks of ropes that fall on hilly ground of triangles and on each other",
                   make_terrain,
@@ -298,6 +299,13 @@ std::vector<Generator> what_falls_in_numbers() {
                    {"height", &B::height},
                    {"friction", &B::friction},
                    {"seed", &B::seed}}),
+      describe<P>("pile", "humanoids that lie in layers and fall in one heap on a plane", make_pile,
+                  {{"figures", &P::figures},
+                   {"gap", &P::gap},
+                   {"body", &P::body},
+                   {"friction", &P::friction},
+                   {"joint_drag", &P::joint_drag},
+                   {"seed", &P::seed}}),
       describe<S>("shot", "something random that flies at a wall, a rope, a net, a figure or a box",
                   make_shot_scene, {{"number", &S::number}, {"seed", &S::seed}}),
   };

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "plumb/error.hpp"
 #include "plumb/joints.hpp"
 #include "scenes/basics/require.hpp"
+#include "scenes/basics/seeded.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/humanoid/humanoid_arms.hpp"
 #include "scenes/humanoid/humanoid_limbs.hpp"
@@ -37,10 +39,12 @@ void require_from_zero(double value, const char* name) {
     throw InputError(std::string(name) + " must be at least 0 and finite");
 }
 
-void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>& joints, Vec3 place,
-                   const Surface& surface) {
+/// Adds particles as place(joint) says, with limbs between them.
+template <class Place>
+void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>& joints,
+                   const Surface& surface, Place&& place) {
   const auto first = static_cast<std::uint32_t>(scene.particles.size());
-  for (const Vec3& joint : joints) scene.particles.push_back({.position = joint + place, .asleep = true});
+  for (const Vec3& joint : joints) scene.particles.push_back(place(joint));
   for (std::uint32_t i = 0; i < limb_shapes.size(); ++i) {
     const std::uint32_t a = first + limb_shapes[i].joint, b = first + i + 1;
     const double length = limb_shapes[i].length * inch, mass = build.masses[i] * pound,
@@ -49,6 +53,20 @@ void append_figure(Scene& scene, const Build& build, const std::array<Vec3, 10>&
         {.a = a, .b = b, .length = length, .mass = mass, .inertia = inertia_across(mass, radius, length)});
     scene.capsules.push_back({.a = point_at(a), .b = point_at(b), .radius = radius, .surface = surface});
   }
+}
+
+/// Returns a particle that sleeps at a place (m).
+Particle sleeper(Vec3 position) {
+  return {.position = position, .asleep = true};
+}
+
+/// Returns how far from a place on its axis a figure reaches, in m, whatever way it is turned.
+double reach_of(const Build& build, const std::array<Vec3, 10>& joints, Vec3 from) {
+  double reach = 0;
+  for (std::size_t i = 0; i < limb_shapes.size(); ++i)
+    for (const Vec3& end : {joints[limb_shapes[i].joint], joints[i + 1]})
+      reach = std::max(reach, norm(end - from) + build.radii[i] * inch);
+  return reach;
 }
 
 /// Returns how long a ball that flies through `target` with `velocity` can have been on its way, in s. It is
@@ -130,7 +148,7 @@ Scene make_humanoid(const HumanoidShape& shape) {
   if (shape.arms == 1) return make_humanoid_with_arms(shape);
   const Build& build = build_of(shape.body);
   Scene scene = ground_with(shape.friction, shape.joint_drag);
-  append_figure(scene, build, joints_of(build), {}, {.friction = shape.friction});
+  append_figure(scene, build, joints_of(build), {.friction = shape.friction}, sleeper);
   return scene;
 }
 
@@ -148,12 +166,42 @@ Scene make_crowd(const CrowdShape& shape) {
   };
   Scene scene = ground_with(shape.friction, shape.joint_drag);
   for (std::uint32_t i = 0; i < shape.humanoids; ++i)
-    append_figure(scene, build, joints, place(i), {.friction = shape.friction});
+    append_figure(scene, build, joints, {.friction = shape.friction},
+                  [&](Vec3 joint) { return sleeper(joint + place(i)); });
   for (std::uint64_t k = 0; k < shape.hit; ++k) {
     const Vec3 stands = place(k * shape.humanoids / shape.hit);
     // The ball starts half way to the next figure, which it then does not touch.
     throw_ball(scene, {.speed = shape.speed, .friction = shape.friction, .distance = apart / 2},
                stands + torso_center({.body = shape.body}));
+  }
+  return scene;
+}
+
+Scene make_pile(const PileShape& shape) {
+  require_at_least(shape.figures, 1, "figures");
+  require_positive(shape.gap, "gap");
+  require_countable(10 * std::uint64_t{shape.figures});
+  const Build& build = build_of(shape.body);
+  const std::array<Vec3, 10> joints = joints_of(build);
+  const Vec3 middle{0, 0.5 * (joints.front().y + joints.back().y), 0};
+  // Legs are spread in the layer, so that a figure is as thick as its thickest limb.
+  const double thick = 2 * *std::max_element(build.radii.begin(), build.radii.end()) * inch;
+  const double apart = 2 * reach_of(build, joints, middle) + shape.gap, above = thick + shape.gap;
+  const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(shape.figures))));
+  Random random(shape.seed);
+  Scene scene = ground_with(shape.friction, shape.joint_drag);
+  for (std::uint32_t i = 0; i < shape.figures; ++i) {
+    const std::uint32_t layer = i / (side * side), column = i % side, row = i / side % side;
+    // Every other layer is shifted by half a place, so that figures land on several others.
+    const double shift = layer % 2 == 0 ? -0.25 : 0.25;
+    const Vec3 place{apart * (column - 0.5 * (side - 1) + shift), 0.5 * thick + shape.gap + above * layer,
+                     apart * (row - 0.5 * (side - 1) + shift)};
+    const double angle = random.between(0, 2 * std::numbers::pi);
+    const Vec3 front{0, random.chance(0.5) ? 1.0 : -1.0, 0}, up{std::cos(angle), 0, std::sin(angle)};
+    append_figure(scene, build, joints, {.friction = shape.friction}, [&](Vec3 joint) {
+      const Vec3 of = joint - middle;
+      return Particle{.position = place + of.x * front + of.y * up + of.z * cross(front, up)};
+    });
   }
   return scene;
 }

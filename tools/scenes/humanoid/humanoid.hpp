@@ -50,6 +50,20 @@ struct CrowdShape {
 /// they stand.
 Scene make_crowd(const CrowdShape& shape);
 
+/// Figures lie in layers above a plane, and fall on it and on each other to one heap. A layer is a square of
+/// places, and there are about as many layers as places along its side.
+struct PileShape {
+  std::uint32_t figures = 100;
+  double gap = 0.1;  ///< Between figures, and above the plane, in m, at least.
+  BodyType body = BodyType::medium;
+  double friction = 0.6;
+  double joint_drag = usual_joint_drag;  ///< Scene::joint_drag, in 1/s.
+  std::uint32_t seed = 1;                ///< Of the ways in which figures lie.
+};
+/// Makes the figures from the lowest layer up. Each lies on its back or belly, its head anywhere. Throws
+/// InputError with the value that makes no sense.
+Scene make_pile(const PileShape& shape);
+
 /// A ball is a single particle. Mass and radius are the thesis's numbers (appendix B), taken as pounds and
 /// inches. Its elasticity is a slider there.
 struct Ball {

@@ -24,7 +24,7 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
                              Team* team) {
   is_fast_ = false;
   place_hulls(crowd);
-  see_fast(crowd, team);
+  see_fast(crowd, surroundings.tree.bounds(), team);
   find_in_batches(cluster, crowd, surroundings, ground, h, team);
   if (wake(cluster)) return false;
   ends_.find(crowd, surroundings, h, h * recovery_rate_);

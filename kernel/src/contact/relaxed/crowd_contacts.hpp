@@ -10,6 +10,7 @@
 #include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
+#include "contact/relaxed/pairs/particle_ways.hpp"
 #include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
@@ -250,7 +251,7 @@ class CrowdContacts {
   /// Returns a body, or after all bodies a hull.
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
   void place_lines(const Crowd<T>& crowd, Team* team);
-  void see_fast(const Crowd<T>& crowd, Team* team);
+  void see_fast(const Crowd<T>& crowd, const Bounds& ground, Team* team);
   void touch_in_passing(const Substep& in);
   void place_ways(const Crowd<T>& crowd);
   PairSearch pair_search() const { return {settings_.margin, settings_.tolerance}; }
@@ -308,7 +309,8 @@ class CrowdContacts {
   std::vector<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is
   bool is_fast_ = false;                    ///< some line is, or was in this substep
   bool may_be_fast_ = false;                ///< some may be where particles are now
-  std::vector<std::uint32_t> fast_lines_;   ///< those that are, then
+  ParticleWays ways_of_particles_;          ///< then
+  std::vector<std::uint32_t> fast_lines_;   ///< those that are, then, and may come to ground
   std::vector<Bounds> ways_;                ///< around what bodies, then hulls pass through, from there
   std::vector<std::uint32_t> near_ground_;
   KeptTable kept_;

@@ -7,22 +7,39 @@
 #include "contact/rows.hpp"
 
 namespace plumb::detail {
+namespace {
 
-/// Places lines if others may touch them, and finds those that are fast.
+double square(Vec3 v) {
+  return dot(v, v);
+}
+
+}  // namespace
+
+/// Places lines if others may touch them, and lists those that are fast and may come to ground.
 template <class T>
-void CrowdContacts<T>::see_fast(const Crowd<T>& crowd, Team* team) {
+void CrowdContacts<T>::see_fast(const Crowd<T>& crowd, const Bounds& ground, Team* team) {
   may_be_fast_ = crowd.most_moved() > near_.least_fast(settings_.margin, PairSearch::passes);
   fast_lines_.clear();
   if (near_.may_meet() || has_hulls()) place_lines(crowd, team);
   if (!may_be_fast_) return;
+  // Rounding of bounds is far below the margin.
+  const double around = near_.largest_radius() + settings_.margin;
+  const Vec3 room{around, around, around};
+  ways_of_particles_.find(crowd, {ground.low - crowd.origin() - room, ground.high - crowd.origin() + room});
   for (std::uint32_t i = 0; i < near_.bodies().size(); ++i) {
     const Body& body = near_.bodies()[i];
+    const auto [a, b] = body.at;
+    const bool stays_out = body.is_plain() && ways_of_particles_.stays_out(a, b);
+    if (stays_out && is_fast_) continue;
     const double least = settings_.margin + PairSearch::passes * body.radius;
-    const Vec3 a = body.is_plain() ? crowd.moved(body.at[0]) : crowd.moved(near_.terms_of(body.a)),
-               b = body.is_plain() ? crowd.moved(body.at[1]) : crowd.moved(near_.terms_of(body.b));
-    if (std::max(dot(a, a), dot(b, b)) > least * least) fast_lines_.push_back(i);
+    const double most2 = body.is_plain()
+                             ? std::max(ways_of_particles_.moves2(a), ways_of_particles_.moves2(b))
+                             : std::max(square(crowd.moved(near_.terms_of(body.a))),
+                                        square(crowd.moved(near_.terms_of(body.b))));
+    if (!(most2 > least * least)) continue;
+    is_fast_ = true;
+    if (!stays_out) fast_lines_.push_back(i);
   }
-  is_fast_ = is_fast_ || !fast_lines_.empty();
 }
 
 /// Places the lines of bodies where the substep begins, with their displacements of now.
@@ -136,7 +153,7 @@ void CrowdContacts<T>::touch_pairs(const Substep& in, std::span<const Pair> pair
 /// Adds contacts between shapes that pass through each other, since others pushed them.
 template <class T>
 void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
-  see_fast(in.crowd, team);
+  see_fast(in.crowd, in.surroundings.tree.bounds(), team);
   if (!near_.may_meet() && !has_hulls()) return;
   place_ways(in.crowd);
   near_.follow(in.cluster, in.crowd, in.surroundings, in.ground, ways_);
@@ -154,8 +171,8 @@ void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
 
 template bool CrowdContacts<float>::outrun_hulls(const Crowd<float>&);
 template bool CrowdContacts<double>::outrun_hulls(const Crowd<double>&);
-template void CrowdContacts<float>::see_fast(const Crowd<float>&, Team*);
-template void CrowdContacts<double>::see_fast(const Crowd<double>&, Team*);
+template void CrowdContacts<float>::see_fast(const Crowd<float>&, const Bounds&, Team*);
+template void CrowdContacts<double>::see_fast(const Crowd<double>&, const Bounds&, Team*);
 template void CrowdContacts<float>::place_lines(const Crowd<float>&, Team*);
 template void CrowdContacts<double>::place_lines(const Crowd<double>&, Team*);
 template void CrowdContacts<float>::touch_pairs(const Substep&, std::span<const Pair>);

@@ -49,6 +49,7 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
   are_lines_plain_ = true;
   has_pairs_ = cluster.size() > 1 || cluster.front()->linkage->neighbors().any_may_touch();
   least_radius_ = INFINITY;
+  largest_radius_ = 0;
   most_weight_ = 1;
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const Linkage& linkage = *cluster[i]->linkage;
@@ -71,6 +72,7 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
       bodies_.push_back({i, k, &shape, a, b, {record_of(shape.a), record_of(shape.b)}, shape.radius});
       are_lines_plain_ = are_lines_plain_ && bodies_.back().is_plain();
       least_radius_ = std::min(least_radius_, shape.radius);
+      largest_radius_ = std::max(largest_radius_, shape.radius);
     }
     if (!crowd.is_moving(i)) continue;
     for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {

@@ -112,6 +112,8 @@ class CrowdPairs {
   double least_fast(double margin, double share) const {
     return (margin + share * least_radius_) / most_weight_;
   }
+  /// Returns the largest radius (m) of a body.
+  double largest_radius() const { return largest_radius_; }
   std::span<const Term> terms_of(TermRange range) const {
     return std::span(ends_).subspan(range.first, range.end - range.first);
   }
@@ -179,7 +181,7 @@ class CrowdPairs {
   bool are_lines_plain_ = false;             ///< all bodies are
   bool follows_lines_ = true;                ///< some may touch otherwise than by their ends
   std::vector<T> low_, high_;                ///< m, by numbers of records: where particles may go
-  double least_radius_ = 0, most_weight_ = 1;
+  double least_radius_ = 0, largest_radius_ = 0, most_weight_ = 1;
   std::vector<std::uint32_t> near_;
   SpatialHash hash_;                     ///< of bounds_
   bool has_pairs_ = false;               ///< some shapes may touch each other, and hash_ has them
