@@ -14,7 +14,7 @@
 #include "direct/laws/tree_rods.hpp"
 #include "direct/velocities/changes.hpp"
 #include "interface/problems.hpp"
-#include "plumb/problem.hpp"
+#include "plumb/report.hpp"
 #include "scenes/generators/generators.hpp"
 #include "step/inputs/lengths.hpp"
 #include "support/tree_numbers.hpp"

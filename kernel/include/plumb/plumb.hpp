@@ -15,6 +15,7 @@
 /// - shapes/surface.hpp: how shapes feel, what they may touch, and how ground moves.
 /// - settings.hpp: how it is simulated.
 /// - world.hpp: the compiled scene and its step.
+/// - report.hpp: what a step did and skipped, and what went wrong.
 /// - loads.hpp: forces by function of time and state.
 /// - measures.hpp: how wrong it is, by strain, energy, momentum and truth.
 /// - executor.hpp: whose threads do it.
@@ -38,7 +39,7 @@
 #include "plumb/key_frames.hpp"
 #include "plumb/loads.hpp"
 #include "plumb/measures.hpp"
-#include "plumb/problem.hpp"
+#include "plumb/report.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/shapes/contact.hpp"

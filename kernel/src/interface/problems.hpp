@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "plumb/problem.hpp"
+#include "plumb/report.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/world.hpp"
 

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plumb/export.hpp"
+#include "plumb/settings.hpp"
+
+/// @file
+/// This file holds what a world reports of itself: of a step, of how its scene was compiled, and of problems.
+namespace plumb {
+
+/// Says what ended the sweeps. Where blocks or substeps differ, the latest in this list is reported.
+enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };
+/// Returns the name of what ended the sweeps, as reports spell it.
+PLUMB_API std::string_view to_string(StoppedBy);
+
+/// Says what one step did and what it skipped. Counts add up over substeps and blocks.
+struct StepReport {
+  std::uint64_t substeps = 0;                 ///< Substeps of the step, once for the world.
+  std::uint64_t block_sweeps = 0;             ///< Sweeps over a block, summed over blocks and substeps.
+  std::uint64_t rod_projections = 0;          ///< Rods projected, without padding.
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< What ended the sweeps.
+  /// Counts blocks, times substeps, that were within tolerance after prediction and were not swept.
+  std::uint64_t skipped_within_tolerance = 0;
+  /// Counts substeps of a block in which gradient mid did not converge. Their velocity is that of the step
+  /// itself.
+  std::uint64_t mid_guarded = 0;
+  /// Counts islands that went non-finite in this step. Each was put back to its last finite state and stands
+  /// still.
+  std::uint32_t frozen_islands = 0;
+
+  // The next members count what direct solves did. Of what is repeated for accuracy, `newton` alone counts
+  // all attempts.
+  std::uint64_t direct_substeps =
+      0;  ///< Substeps that islands took. Each piece of a cut one counts, an elastic one does not.
+  std::uint64_t newton = 0;    ///< Newton steps, summed over islands.
+  std::uint64_t halvings = 0;  ///< Substeps of an island that did not converge, or turned too far, and were
+                               ///< cut. Relaxed ones, too, that a blow would tear or let something pass.
+  /// Counts substeps that were taken in a way that damps, because they, or some just before, did not
+  /// converge. That is gradient new or, where things touch, a looser grip or relaxation.
+  std::uint64_t fallbacks = 0;
+  std::uint64_t repeated_steps = 0;  ///< Steps of islands that were repeated, finer, to be accurate enough.
+  /// Substeps of islands whose rods did not fit together, taken with slightly elastic rods: what they lack is
+  /// shared.
+  std::uint64_t elastic_substeps = 0;
+  /// Substeps that elastic rods did not solve either. What is finite is taken all the same, and what is not
+  /// stays where it was. Method multipliers counts projections that did not converge.
+  std::uint64_t unsolved = 0;
+  /// Counts steps that were taken although they were not accurate enough, because shorter ones could not be
+  /// better. Islands and adaptive_implicit_euler count here.
+  std::uint64_t inaccurate_steps = 0;
+  /// Counts steps of islands, or of islands side by side, that spent Settings::most_work, or half of it in
+  /// tries for an accuracy. They ended with the substeps that are asked for by number.
+  std::uint64_t capped_steps = 0;
+
+  std::uint64_t broken_rods = 0;  ///< Rods that pulled more than their strength and broke.
+
+  // The next two members describe method springs at the end of a step. Of several steps or islands the worst
+  // counts.
+  double largest_gap = 0;  ///< Largest gap between ends of rigid rods that should meet, in m (figure 4.5).
+  double rms_gap = 0;      ///< Root mean square of these gaps over the joints of an island, in m.
+
+  // The next members describe scenes with shapes that touch.
+  /// Most points at which something pushed in one cluster's substep. A pair of World::contacts() may touch at
+  /// several of them.
+  std::uint64_t contact_points = 0;
+  /// Substeps in which contact would have gained more than a hundredth of the energy of motion, and was held
+  /// back. So are springs, bends and rods that give which would have gained a quarter.
+  std::uint64_t guarded_energy = 0;
+  /// Other substeps whose energy was held back: by less, as the order of a substep explains, or out of
+  /// contact.
+  std::uint64_t trimmed_energy = 0;
+  /// Substeps that ended with something beyond ground it was not to pass, although they were solved again.
+  std::uint64_t missed_contacts = 0;
+  std::uint32_t awake_islands = 0;  ///< Islands awake at the end of the step.
+  std::uint32_t fell_asleep = 0;    ///< Islands that fell asleep in this step.
+
+  /// Adds the counts of another step and keeps the worst of what is not a count.
+  PLUMB_API StepReport& operator+=(const StepReport& other);
+};
+
+/// Says how one block of a scene is laid out, for `plumb info` and reports.
+struct BlockInfo {
+  std::string shape;                ///< chain, grid, lanes (equal islands side by side), graph or linkage.
+  std::string layout;               ///< aos, soa or aosoa.
+  std::uint32_t islands = 0;        ///< Islands in the block.
+  std::uint32_t particles = 0;      ///< Particles of these islands.
+  std::uint32_t rods = 0;           ///< Rods of these islands.
+  std::uint32_t colors = 0;         ///< Colours that a sweep visits.
+  std::size_t bytes = 0;            ///< Size of state and rods with padding, in bytes.
+  double bytes_per_projection = 0;  ///< Bytes that one rod's projection reads and writes, before any cache.
+  double uniform_fraction = 0;      ///< Share of rods that need no length and weights of their own.
+};
+/// Says how a scene was compiled, for `plumb info` and reports.
+struct WorldInfo {
+  std::uint32_t particles = 0;     ///< Particles of the scene.
+  std::uint32_t rods = 0;          ///< Rods of the scene.
+  std::uint32_t islands = 0;       ///< Islands of the scene.
+  Isa isa = Isa::scalar;           ///< Instruction set in use.
+  unsigned threads = 1;            ///< Threads that may be used.
+  bool parallel = false;           ///< Whether they are: the scene is large enough for threads to win.
+  std::uint32_t relaxed_rods = 0;  ///< Rods moved by method relax.
+  std::uint32_t direct_rods = 0;   ///< Rods moved by method direct.
+  Gradient direct_gradient = Gradient::mid;  ///< Gradient that method direct takes.
+  bool changes_gradient = false;             ///< Whether some trees take mid while they are calm.
+  std::uint32_t direct_time_order = 2;  ///< Time order of direct; under automatic that of the first islands.
+  std::uint32_t linkages =
+      0;  ///< Kinds of islands that the contact solver alone moves, as those with bodies.
+  std::uint64_t skipped_per_rod_weights = 0;  ///< Rods in uniform ranges, whose weights are not read.
+  bool skipped_drag = true;                   ///< Whether no displacement is multiplied by drag.
+  /// Initial velocities changed by at most this much, in m/s, so that none pulls on a rod.
+  double projected_velocity = 0;
+  /// Initial positions changed by at most this much, in m, so that rods start at their lengths. Method direct
+  /// makes the change on islands of particles and rods.
+  double projected_position = 0;
+  std::uint32_t unprojected_islands = 0;  ///< Islands whose rods do not fit, and share what they lack.
+  std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
+};
+
+/// Says what went wrong in the last step of a World (World::problems()).
+struct Problem {
+  /// `frozen`: numbers of an island went non-finite, and it stands still. `unsolved`: a substep was not
+  /// solved. `inaccurate`: a step was taken though not accurate enough. `capped`: an island spent
+  /// Settings::most_work. `stretched`: a rod that is not elastic is off its length.
+  enum class Kind : std::uint8_t { frozen, unsolved, inaccurate, capped, stretched };
+
+  Kind kind = Kind::unsolved;
+  /// It is the first movable particle of the island, or of the first of equal islands that are solved side by
+  /// side. For a rod it is the rod's first movable end.
+  std::uint32_t particle = 0;
+  std::uint32_t rod = 0;  ///< The rod, if it is stretched.
+  double strain = 0;      ///< Its strain, without a unit; negative if it is too short.
+};
+/// Returns the name of a kind of problem, as reports spell it.
+PLUMB_API std::string_view to_string(Problem::Kind);
+
+}  // namespace plumb
