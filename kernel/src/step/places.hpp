@@ -46,14 +46,16 @@ class Places {
   void for_runs(std::uint32_t end, F&& f) const {
     for (std::uint32_t first = 0, next = 0; first < end; first = next) {
       next = first + 1;
-      const auto [begin, count] = ranges_[first];
+      const Range range = ranges_[first];  // clang 14 lets no lambda take bindings
       const auto goes_on = [&] {
-        const auto [at, of_next] = ranges_[next];
-        return of_next == 1 && at == begin + (next - first) && places_[at].solver == places_[begin].solver;
+        const Range other = ranges_[next];
+        return other.count == 1 && other.begin == range.begin + (next - first) &&
+               places_[other.begin].solver == places_[range.begin].solver;
       };
-      if (count == 1)
+      if (range.count == 1)
         while (next < end && goes_on()) ++next;
-      f(first, next - first, std::span(places_).subspan(begin, count == 1 ? next - first : count));
+      f(first, next - first,
+        std::span(places_).subspan(range.begin, range.count == 1 ? next - first : range.count));
     }
   }
 
