@@ -15,7 +15,6 @@ Places::Places(std::uint32_t particles, std::span<const Entry> entries)
     places_[range.begin + range.count++] = entry.place;
   }
   count_uses(places_, 1);
-  find_runs();
 }
 
 void Places::count_uses(std::span<const Place> places, std::int32_t change) {

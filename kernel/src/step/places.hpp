@@ -33,8 +33,8 @@ class Places {
   /// Gives a particle other places, in time that does not depend on how many particles there are.
   void replace(std::uint32_t particle, std::span<const Place> by);
 
-  /// Returns the first places of all that have one, in runs. Those are found once, and anew after
-  /// replace().
+  /// Returns the first places of all that have one, in runs. Those are found at the first call, and anew at
+  /// the first after replace().
   std::span<const Run> runs() const {
     if (!are_runs_known_) find_runs();
     return runs_;

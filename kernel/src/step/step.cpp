@@ -61,6 +61,7 @@ Step::Step(const Scene& scene, const Settings& settings)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
   seats_.assign(compiled_.solvers.size(), Seat::kept);
   reserve();
+  compiled_.places.runs();  // so that reading allocates nothing
   compiled_.info.parallel = uses_threads();
 }
 

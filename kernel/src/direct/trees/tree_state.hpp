@@ -74,19 +74,19 @@ struct TreeState {
   void read_run(const Buffer& from, const Run& run, std::uint32_t nodes_end, Vec3* out,
                 Others&& others) const {
     const int shift = std::countr_zero(lanes);  // a division would take longer than all else
-    const auto entry = [&](std::uint32_t slot) { return at(3 * (slot >> shift), slot & (lanes - 1)); };
+    const auto first = [&](std::uint32_t slot) { return &from[at(3 * (slot >> shift), slot & (lanes - 1))]; };
+    const auto read_from = [&](const auto* number) -> Vec3 {
+      return {number[0], number[lanes], number[2 * std::size_t{lanes}]};
+    };
     const std::uint32_t last = run.place.slot + (run.count - 1) * run.stride;
     if (run.stride % lanes == 0 && std::max(run.place.slot, last) < nodes_end) {  // they are in one lane
-      const auto* number = &from[entry(run.place.slot)];
+      const auto* number = first(run.place.slot);
       const auto pitch = 3 * std::ptrdiff_t{static_cast<std::int32_t>(run.stride)};
-      for (Vec3* const end = out + run.count; out < end; ++out, number += pitch)
-        *out = {number[0], number[lanes], number[2 * std::size_t{lanes}]};
+      for (Vec3* const end = out + run.count; out < end; ++out, number += pitch) *out = read_from(number);
       return;
     }
-    run.for_slots([&](std::uint32_t slot) {
-      *out++ =
-          slot < nodes_end ? read(from, 3 * std::size_t{slot >> shift}, slot & (lanes - 1)) : others(slot);
-    });
+    run.for_slots(
+        [&](std::uint32_t slot) { *out++ = slot < nodes_end ? read_from(first(slot)) : others(slot); });
   }
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);
