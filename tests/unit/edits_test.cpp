@@ -390,6 +390,24 @@ TEST(Particles, MayBeFixedAndFreed) {
   });
 }
 
+// A rod whose ends are both fixed pulls nothing, whichever island of its solver it was in.
+TEST(Particles, LeaveNoPullBetweenThoseThatAreFixed) {
+  const Scene scene = chains(9, 12);
+  for_methods([&](Settings settings) {
+    settings.tensions = true;
+    World world(scene, settings);
+    test::run(world, frame, 5);
+    for (const std::uint32_t chain : {0u, 4u, 8u})
+      for (const std::uint32_t link : {5u, 6u}) world.fix(13 * chain + link);
+    test::run(world, frame, 5);
+    for (std::uint32_t chain = 0; chain < 9; ++chain)
+      for (std::uint32_t link = 0; link < 12; ++link) {
+        const bool is_between = chain % 4 == 0 && link == 5;
+        EXPECT_EQ(world.tension(12 * chain + link) == 0, is_between) << chain << ' ' << link;
+      }
+  });
+}
+
 // A particle that is let go flies on as its anchor was led, and ropes from one anchor are one island then.
 TEST(Particles, GoOnAsTheyWereLed) {
   Scene scene = chains(1, 3);

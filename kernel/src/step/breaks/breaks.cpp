@@ -138,7 +138,8 @@ Fallen Breaks::take_out(std::span<const std::uint32_t> broken, const Edits& edit
   const layouts::Islands islands = find_bent_islands(changed.scene, SceneGraph(changed.scene).view());
   const Numbers parts = leaving_parts(changed, islands);
   Fallen out = cut_out(changed, islands, parts);
-  for (const std::uint32_t whole : touched_) append(out.twists, wholes_[whole].twists);
+  for (const std::uint32_t whole : touched_)
+    if (wholes_[whole].leaves()) append(out.leaving_twists, wholes_[whole].twists);
   renumber(changed, islands, parts);
   for (const std::uint32_t particle : changed.particles) place_[particle] = none;
   return out;
@@ -317,9 +318,11 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const N
 Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Numbers& parts) const {
   Fallen out;
   out.touched = from.particles;
-  out.touched_rods = from.rods;
+  const auto leaves = [&](std::uint32_t whole) { return whole != none && wholes_[whole].leaves(); };
   for (const std::uint32_t particle : from.particles)
-    if (whole_[particle] != none && wholes_[whole_[particle]].leaves()) out.leaving.push_back(particle);
+    if (leaves(whole_[particle])) out.leaving.push_back(particle);
+  for (const std::uint32_t rod : from.rods)
+    if (leaves(whole_at(rod))) out.leaving_rods.push_back(rod);
   out.scene.drag = scene_.drag;
   Numbers place(from.particles.size(), none);
   const IslandElements elements(from.scene, islands);

@@ -18,9 +18,9 @@ namespace plumb::detail {
 struct Fallen {
   Scene scene;
   std::vector<std::uint32_t> particles, rods, tackles;  ///< by number in `scene`: that in the whole one
-  std::vector<std::uint32_t> leaving;                   ///< particles that leave the solvers that move them
-  /// Places of these particles, rods and twists may change.
-  std::vector<std::uint32_t> touched, touched_rods, twists;
+  /// Lists particles, rods and twists that leave the solvers that move them.
+  std::vector<std::uint32_t> leaving, leaving_rods, leaving_twists;
+  std::vector<std::uint32_t> touched;  ///< Places of these particles may change.
 
   bool any() const { return !leaving.empty() || !particles.empty(); }
 };

@@ -108,28 +108,20 @@ void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
   hand_over(fallen, substeps);
 }
 
-/// Leads from particles, rods and twists to where they are from now on. leaves(place) says which places end.
-/// Numbers of solvers stay what they are, since others know them. New ones take those that nobody needs.
+/// Leads from particles, rods and twists to where they are from now on. leaves(place) says which places of
+/// particles end. Numbers of solvers stay what they are, since others know them. New ones take those that
+/// nobody needs.
 template <class Leaves>
 void Step::replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves) {
   std::vector<Place> left;
-  const auto keep = [&](std::span<const Place> places) {
-    left.clear();
-    for (const Place& place : places)
-      if (!leaves(place)) left.push_back(place);
-  };
   for (const std::uint32_t particle : fallen.touched) {
-    keep(compiled_.places.of(particle));
+    left.clear();
+    for (const Place& place : compiled_.places.of(particle))
+      if (!leaves(place)) left.push_back(place);
     compiled_.places.replace(particle, left);
   }
-  for (const std::uint32_t rod : fallen.touched_rods) {
-    keep(compiled_.cords.of(rod));
-    compiled_.cords.replace(rod, left);
-  }
-  for (const std::uint32_t twist : fallen.twists) {
-    keep(compiled_.twists.of(twist));
-    compiled_.twists.replace(twist, left);
-  }
+  for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});
+  for (const std::uint32_t twist : fallen.leaving_twists) compiled_.twists.replace(twist, {});
   seats_.assign(compiled_.solvers.size(), Seat::free);
   for (std::uint32_t s = 0; s < seats_.size(); ++s)
     if (compiled_.solvers[s]->has_changing_pieces() || compiled_.places.uses(s) > 0) seats_[s] = Seat::kept;
