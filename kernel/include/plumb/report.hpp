@@ -57,6 +57,12 @@ struct StepReport {
   /// tries for an accuracy. They ended with the substeps that are asked for by number.
   std::uint64_t capped_steps = 0;
 
+  // The next two members are known where World::set_budget() gave one.
+  double step_us = 0;  ///< Wall time of the step, in microseconds.
+  /// Wall time that all substeps would have taken which were asked for by number, as far as those tell that
+  /// were taken. With an accuracy it is that of the step.
+  double asked_us = 0;
+
   std::uint64_t broken_rods = 0;  ///< Rods that pulled more than their strength and broke.
 
   // The next two members describe method springs at the end of a step. Of several steps or islands the worst

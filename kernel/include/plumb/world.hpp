@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -77,6 +78,16 @@ class PLUMB_API World {
   void set_stop_rule(const StopRule& rule);
   /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
+
+  /// Takes so many equal substeps a step from the next one on (Settings::substeps). Throws InputError on 0.
+  void set_substeps(std::uint32_t substeps);
+  /// Fits steps into so much wall time from the next one on, or lets them take what they need, if none is
+  /// given. Motion then depends on the clock. The first step cannot know what it takes.
+  ///
+  /// Equal substeps become fewer, at least 1. With an accuracy, tries end when what is left suffices for
+  /// substeps by number. Then StepReport::capped_steps counts the islands that were less accurate than asked.
+  /// Throws InputError on a time that is not positive and finite.
+  void set_budget(std::optional<double> microseconds);
 
   /// Sets a constant force, in N, on a movable particle, which stays until it is changed. Throws InputError
   /// on an unknown or fixed particle or a force that is not finite.

@@ -215,7 +215,9 @@ class Solver {
   /// Returns whether sweeps move rods, so that the stop rule says how much work there is.
   virtual bool sweeps() const { return false; }
   virtual bool set_stop_rule(const StopRule&) { return false; }  ///< true if it is read
-  virtual bool set_weights(Weights) { return false; }            ///< true if they are read
+  /// Says how many equal substeps steps take from now on, to those that need it beside advance().
+  virtual void set_substeps(std::uint32_t) {}
+  virtual bool set_weights(Weights) { return false; }  ///< true if they are read
   /// Adds to the report what is laid out here: blocks, rods by method, and what is skipped.
   virtual void describe(WorldInfo&) const = 0;
 };

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "plumb/world.hpp"
 
@@ -14,10 +16,14 @@ namespace plumb::detail {
 /// what it did.
 struct Tally : StepReport {
   std::uint64_t most_work = std::numeric_limits<std::uint64_t>::max();  ///< bound of work()
+  /// Work is spent, too, when it is later than this.
+  std::optional<std::chrono::steady_clock::time_point> deadline{};
   std::uint64_t taken_back = 0;  ///< work of tries that were taken back, Newton steps left out
 
   std::uint64_t work() const { return taken_back + newton + block_sweeps + direct_substeps + halvings; }
-  bool is_spent() const { return work() >= most_work; }
+  bool is_spent() const {
+    return work() >= most_work || (deadline && std::chrono::steady_clock::now() >= *deadline);
+  }
   /// Says whether a substep was taken in a way that shorter ones would hardly improve.
   bool has_given_up() const { return unsolved + elastic_substeps > 0; }
 
@@ -25,6 +31,7 @@ struct Tally : StepReport {
   Tally begin_try() const {
     Tally tried;
     tried.most_work = most_work - std::min(work(), most_work);
+    tried.deadline = deadline;
     return tried;
   }
   /// Counts only the work of a try that was taken back.

@@ -108,6 +108,7 @@ class RelaxSolver final : public Solver {
 
   bool sweeps() const override { return true; }
   bool set_stop_rule(const StopRule& rule) override;
+  void set_substeps(std::uint32_t count) override { rules_->settings.substeps = count; }
   bool set_weights(Weights weights) override;
   void describe(WorldInfo& info) const override;
 

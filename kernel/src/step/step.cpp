@@ -74,11 +74,23 @@ void Step::reserve() {
 
 StepReport Step::run(double dt) {
   StepReport report;
-  report.substeps = settings_.substeps;
+  begin_budget();
+  report.substeps = rules_.substeps;
   dt_ = dt;
   for (const Stage& stage : stages_) (this->*stage.run)(report);
+  budget_.end_step(rules_.substeps, settings_.substeps, rules_.error_growth.has_value(), report);
   has_broken_ = report.broken_rods > 0;
   return report;
+}
+
+/// Finds how many substeps this step takes, and how long it may try for more.
+void Step::begin_budget() {
+  const bool is_controlled = rules_.error_growth.has_value();
+  const std::uint32_t fit = budget_.begin_step(settings_.substeps);
+  const std::uint32_t substeps = is_controlled ? settings_.substeps : fit;
+  rules_.deadline = budget_.deadline(is_controlled);
+  if (std::exchange(rules_.substeps, substeps) == substeps) return;
+  for_solvers([&](Solver& solver) { solver.set_substeps(substeps); });
 }
 
 // --- Stages
@@ -127,6 +139,9 @@ void Step::solve(StepReport& report) {
       else
         tasks[t].dt = dt_;
     }
+    // Not the same ones are last every time when time runs out. Their order changes no bits.
+    if (rules_.deadline && !active_.empty())
+      std::rotate(active_.begin(), active_.begin() + budget_.steps() % active_.size(), active_.end());
   }
   ContactSolver* const contact = compiled_.contact;
   const std::uint32_t clusters = contact ? contact->pieces() : 0;

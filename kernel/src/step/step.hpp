@@ -16,6 +16,7 @@
 #include "threads/sharing.hpp"
 #include "threads/workers.hpp"
 #include "time/advance.hpp"
+#include "time/budget.hpp"
 
 namespace plumb::detail {
 
@@ -35,6 +36,9 @@ class Step {
 
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
+  void set_substeps(std::uint32_t substeps) { settings_.substeps = substeps; }
+  /// Gives every step so much wall time (us), or as much as it takes.
+  void set_budget(std::optional<double> us) { budget_.set(us); }
   void set_force(std::uint32_t particle, Vec3 force);
   void set_load(Load load) { loads_.set(std::move(load)); }
   void move_anchor(std::uint32_t particle, Vec3 target);
@@ -133,6 +137,7 @@ class Step {
   void reserve();
   void describe();
   void archive_rules(Archive& archive);
+  void begin_budget();
   void split(Fallen fallen, const Split& now);
   void repeat(const Split& split_then);
   void exchange(const Fallen& fallen, const Split& now, Compiled made);
@@ -191,6 +196,7 @@ class Step {
   RodJudge rods_;
   Sleep sleep_;
   TimeRules rules_;
+  Budget budget_;
   std::vector<Stage> stages_;           ///< those that this scene needs
   double dt_ = 0;                       ///< length of this step, s
   std::vector<StepReport> reports_;     ///< one for each part of the team

@@ -97,6 +97,18 @@ void World::set_weights(Weights weights) {
   impl_->step->set_weights(weights);
 }
 
+void World::set_substeps(std::uint32_t substeps) {
+  if (substeps == 0) refuse("substeps must be at least 1, got 0");
+  impl_->step->set_substeps(substeps);
+  impl_->substeps = substeps;
+}
+
+void World::set_budget(std::optional<double> microseconds) {
+  if (microseconds && !(*microseconds > 0 && std::isfinite(*microseconds)))
+    refuse("a step's budget must be positive and finite, got ", *microseconds, " us");
+  impl_->step->set_budget(microseconds);
+}
+
 void World::set_force(std::uint32_t particle, Vec3 force) {
   impl_->require(particle, false, "a force cannot move it");
   if (!is_finite(force)) refuse("particle ", particle, ": force is not finite");
@@ -366,6 +378,8 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   rms_gap = std::max(rms_gap, other.rms_gap);
   inaccurate_steps += other.inaccurate_steps;
   capped_steps += other.capped_steps;
+  step_us += other.step_us;
+  asked_us += other.asked_us;
   broken_rods += other.broken_rods;
   contact_points = std::max(contact_points, other.contact_points);
   guarded_energy += other.guarded_energy;

@@ -109,7 +109,10 @@ void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRul
   Tally tally;
   const bool is_controlled = rules.error_growth && solver.takes_accuracy();
   // Equal sweeps are what the user asked for, however many, so that their work is not bounded.
-  if (is_controlled || !solver.sweeps()) tally.most_work = rules.most_work * solver.islands(piece);
+  if (is_controlled || !solver.sweeps()) {
+    tally.most_work = rules.most_work * solver.islands(piece);
+    tally.deadline = rules.deadline;
+  }
   if (is_controlled)
     ControlledPiece(solver, piece, part).step(dt, rules, tally);
   else

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "interface/solver.hpp"
+#include "time/budget.hpp"
 
 namespace plumb::detail {
 
@@ -12,6 +13,7 @@ struct TimeRules {
   std::uint32_t substeps = 1;            ///< substeps of a step; the fewest if an accuracy is set
   std::optional<double> error_growth{};  ///< m/s that the estimated error of positions may grow by
   std::uint64_t most_work = 1;           ///< work of an island in a step (Settings::most_work)
+  Budget::Time deadline{};               ///< of a step with a budget: see Budget::deadline()
 };
 
 /// Takes a piece of a solver through a step of `dt` (s), by equal substeps or by as many as its error

@@ -73,6 +73,7 @@ void Step::split(Fallen fallen, const Split& now) {
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
   Settings settings = settings_;
   settings.threads = workers_.size();
+  settings.substeps = rules_.substeps;  // which a budget may have made fewer
   exchange(fallen, now, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));
 }
 

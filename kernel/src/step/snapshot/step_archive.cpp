@@ -16,6 +16,7 @@ std::unique_ptr<Step> Step::compiled_with(std::span<const Split> splits) {
   auto out = std::make_unique<Step>(origin_->scene, origin_->settings);
   for (const Split& each : splits) out->repeat(each);
   out->loads_.take_load(loads_);
+  out->budget_ = budget_;
   return out;
 }
 
@@ -24,7 +25,7 @@ void Step::archive_rules(Archive& archive) {
   StopRule stop = settings_.stop;
   Weights weights = settings_.weights;
   auto& [sweeps, tolerance, budget_us] = stop;
-  archive(sweeps, tolerance, budget_us, weights);
+  archive(sweeps, tolerance, budget_us, weights, settings_.substeps);
   if (!archive.restores()) return;
   const StopRule& now = settings_.stop;
   const bool stops = sweeps != now.sweeps || tolerance != now.tolerance || budget_us != now.budget_us;
@@ -42,8 +43,8 @@ void Step::archive_rules(Archive& archive) {
 /// What broke or was edited is known by splits. What a step begins anew is left out.
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
-         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, stages, dt,
-         reports, visited, active, last_dt] = *this;
+         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, budget, stages,
+         dt, reports, visited, active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "plumb/report.hpp"
+
+namespace plumb::detail {
+
+/// Fits steps into a wall time, by what the last ones took. What it decides depends on the clock.
+///
+/// Equal substeps become fewer. Under the control of an accuracy tries end early enough that the substeps
+/// which are asked for by number fit as well.
+class Budget {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Time = std::optional<Clock::time_point>;
+
+  /// Gives every step so much time (us) from now on, or as much as it takes.
+  void set(std::optional<double> us) {
+    *this = {};
+    us_ = us;
+    reserve_ = us.value_or(0) / 2;
+  }
+  std::size_t steps() const { return count_; }  ///< with a budget so far
+
+  /// Begins a step. Returns how many of so many equal substeps fit.
+  std::uint32_t begin_step(std::uint32_t asked) {
+    if (!us_) return asked;
+    begin_ = Clock::now();
+    const double cost = second_largest();
+    if (cost * asked <= safe_share * *us_) return asked;
+    return std::max(1u, static_cast<std::uint32_t>(safe_share * *us_ / cost));
+  }
+  /// Returns when what is tried or cut in this step has to end.
+  Time deadline(bool is_controlled) const {
+    if (!us_) return {};
+    const double us = is_controlled ? *us_ - reserve_ : *us_;
+    return begin_ + std::chrono::duration_cast<Clock::duration>(Micro(us));
+  }
+  /// Ends a step that took so many substeps where `asked` was asked for, and reports what it took.
+  void end_step(std::uint32_t taken, std::uint32_t asked, bool is_controlled, StepReport& report) {
+    if (!us_) return;
+    const double us = Micro(Clock::now() - begin_).count();
+    report.step_us = us;
+    report.asked_us = is_controlled ? us : us / taken * asked;
+    if (is_controlled)
+      reserve_ = std::min(
+          *us_, std::max({least_reserve * *us_, 0.99 * reserve_, margin * (us - (*us_ - reserve_))}));
+    else
+      costs_[count_ % costs_.size()] = us / taken;
+    ++count_;
+  }
+
+ private:
+  using Micro = std::chrono::duration<double, std::micro>;
+
+  // A lone frame may take longer since the machine did something else, so that it says nothing of the next.
+  // Shares were found by trial on machines that others used too: plumb run --step-budget-us.
+  static constexpr double safe_share = 0.75, margin = 1.2, least_reserve = 0.05;
+
+  double second_largest() const {
+    auto sorted = costs_;
+    std::nth_element(sorted.begin(), sorted.end() - 2, sorted.end());
+    return *(sorted.end() - 2);
+  }
+
+  std::optional<double> us_;
+  Clock::time_point begin_;
+  double reserve_ = 0;             ///< us at the end of a step in which nothing is tried any more
+  std::array<double, 4> costs_{};  ///< us a substep, of the last steps
+  std::size_t count_ = 0;
+};
+
+}  // namespace plumb::detail

@@ -1,0 +1,176 @@
+// How many substeps a running world takes: as many as a program says, or as fit into a time.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "plumb/plumb.hpp"
+#include "support/refusals.hpp"
+#include "support/worlds.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr double frame = 1.0 / 60;
+constexpr double for_ever = 1e12, nothing = 1e-6;  // us
+
+/// Returns ropes whose ends are ten times as heavy, drawn aside.
+Scene ropes(std::uint32_t count, std::uint32_t rods) {
+  Scene scene;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const auto first = static_cast<std::uint32_t>(scene.particles.size());
+    scene.particles.push_back(test::fixed({double{1} * k, 0, 0}));
+    for (std::uint32_t i = 1; i <= rods; ++i) {
+      scene.particles.push_back(test::movable({k + 0.1 * i, 0, 0}));
+      scene.rods.push_back({.a = first + i - 1, .b = first + i});
+    }
+    scene.particles.back().mass = 10;
+  }
+  return scene;
+}
+
+/// Returns one that falls on ground.
+Scene falling_ropes() {
+  Scene scene = ropes(3, 8);
+  for (Particle& particle : scene.particles) {
+    if (particle.fixed) particle.mass = 1;
+    particle.fixed = false;
+  }
+  for (std::uint32_t i = 0; i < scene.rods.size(); ++i)
+    scene.capsules.push_back(
+        {.a = point_at(scene.rods[i].a), .b = point_at(scene.rods[i].b), .radius = 0.02});
+  scene.planes.push_back({.normal = {0, 1, 0}, .offset = -0.3});
+  return scene;
+}
+
+template <class F>
+void expect_refusal(const std::string& what, F&& f) {
+  EXPECT_NE(test::refusal(f).find(what), std::string::npos) << test::refusal(f);
+}
+
+template <class F>
+void for_methods(F&& f) {
+  for (const Method method : {Method::automatic, Method::relax, Method::direct})
+    for (const Precision precision : {Precision::single, Precision::double_}) {
+      SCOPED_TRACE(to_string(method));
+      f(Settings{.method = method, .precision = precision, .threads = 1});
+    }
+}
+
+TEST(Substeps, AreThoseOfAWorldThatHadThemFromTheStart) {
+  for (const Scene& scene : {ropes(5, 12), falling_ropes()})
+    for_methods([&](Settings settings) {
+      World changed(scene, settings);
+      changed.set_substeps(6);
+      settings.substeps = 6;
+      World own(scene, settings);
+      for (int k = 0; k < 30; ++k) {
+        EXPECT_EQ(changed.step(frame).substeps, 6u);
+        own.step(frame);
+      }
+      EXPECT_EQ(changed.state_hash(), own.state_hash());
+    });
+}
+
+// Of second order before and after, the motion stays near that of the finer world.
+TEST(Substeps, MayChangeInMotion) {
+  const Scene scene = ropes(2, 5);
+  for (const Gradient gradient : {Gradient::old, Gradient::mid})
+    for_methods([&](Settings settings) {
+      settings.gradient = gradient;
+      if (settings.method == Method::relax) settings.stop.sweeps = 100;
+      settings.substeps = 64;
+      World finer(scene, settings), changing(scene, settings);
+      for (int k = 0; k < 20; ++k) {
+        changing.set_substeps(k % 2 == 0 ? 32 : 64);
+        changing.step(frame);
+        finer.step(frame);
+      }
+      for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+        EXPECT_LE(norm(changing.position(i) - finer.position(i)), 2e-3) << i;
+    });
+}
+
+TEST(Substeps, GoWithSnapshots) {
+  const Scene scene = ropes(2, 6);
+  World world(scene), other(scene);
+  world.set_substeps(3);
+  world.step(frame);
+  std::vector<std::byte> bytes(world.snapshot_size());
+  world.save(bytes);
+  other.restore(bytes);
+  EXPECT_EQ(other.step(frame).substeps, 3u);
+  world.step(frame);
+  EXPECT_EQ(other.state_hash(), world.state_hash());
+}
+
+TEST(Substeps, AreRefusedWithAReason) {
+  World world(ropes(1, 2));
+  expect_refusal("substeps must be at least 1", [&] { world.set_substeps(0); });
+  expect_refusal("budget must be positive", [&] { world.set_budget(0); });
+  expect_refusal("budget must be positive", [&] { world.set_budget(std::nan("")); });
+  expect_refusal("budget must be positive",
+                 [&] { world.set_budget(std::numeric_limits<double>::infinity()); });
+}
+
+TEST(Budgets, ThatSufficeChangeNoBits) {
+  for (const Scene& scene : {ropes(5, 12), falling_ropes()})
+    for (const bool is_controlled : {false, true})
+      for_methods([&](Settings settings) {
+        settings.substeps = 4;
+        if (is_controlled) settings.accuracy = 1e-2;
+        World world(scene, settings), free(scene, settings);
+        world.set_budget(for_ever);
+        for (int k = 0; k < 20; ++k) {
+          const StepReport report = world.step(frame);
+          EXPECT_GT(report.step_us, 0);
+          EXPECT_EQ(report.capped_steps, free.step(frame).capped_steps);
+        }
+        EXPECT_EQ(world.state_hash(), free.state_hash());
+      });
+}
+
+// The second largest of the last steps' costs counts, so that one slow frame says nothing.
+TEST(Budgets, ThatDoNotSufficeTakeFewerSubsteps) {
+  for (const Scene& scene : {ropes(5, 12), falling_ropes()})
+    for_methods([&](Settings settings) {
+      settings.substeps = 8;
+      World world(scene, settings);
+      world.set_budget(nothing);
+      EXPECT_EQ(world.step(frame).substeps, 8u);
+      EXPECT_EQ(world.step(frame).substeps, 8u);
+      for (int k = 0; k < 10; ++k) {
+        const StepReport report = world.step(frame);
+        EXPECT_EQ(report.substeps, 1u);
+        EXPECT_DOUBLE_EQ(report.asked_us, 8 * report.step_us);
+      }
+      world.set_budget({});
+      const StepReport report = world.step(frame);
+      EXPECT_EQ(report.substeps, 8u);
+      EXPECT_EQ(report.step_us, 0);
+      for (std::uint32_t i = 0; i < scene.particles.size(); ++i) EXPECT_TRUE(is_finite(world.position(i)));
+    });
+}
+
+TEST(Budgets, EndTriesForAnAccuracy) {
+  const Scene scene = ropes(5, 12);
+  for_methods([&](Settings settings) {
+    settings.accuracy = 1e-3;
+    settings.substeps = 2;
+    World world(scene, settings);
+    world.set_budget(nothing);
+    for (int k = 0; k < 10; ++k) {
+      const StepReport report = world.step(frame);
+      EXPECT_GT(report.capped_steps, 0u);
+      EXPECT_FALSE(world.problems().empty());
+    }
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i) EXPECT_TRUE(is_finite(world.position(i)));
+    world.set_budget({});
+    for (int k = 0; k < 5; ++k) world.step(frame);
+    EXPECT_EQ(world.step(frame).capped_steps, 0u);
+  });
+}
+
+}  // namespace
+}  // namespace plumb
