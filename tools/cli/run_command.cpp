@@ -1,4 +1,5 @@
 // plumb run simulates a scene and says how fast and how wrong.
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -209,6 +210,17 @@ void add_run_command(Command& plumb) {
                      "Keep a snapshot in this file: every 10 s of computing, on Ctrl-C and at the end");
   command.add_option("--resume", "IN.snapshot", o.plan.resume,
                      "Go on from a snapshot of the same scene and settings, up to --duration");
+  command.add_option(
+      "--step-budget", "U",
+      [&o](const std::string& text) {
+        const auto value = scenes::parse_number<double>(text);
+        if (!value || !(*value > 0) || !std::isfinite(*value))
+          throw BadValue("'" + text + "' is not a positive number");
+        o.plan.step_budget_us = *value;
+      },
+      "Fit every step into this many microseconds, by fewer substeps or less accuracy; results then depend "
+      "on "
+      "the clock");
   command.add_option("--truth", "TRUTH.csv", o.truth, "Compare positions with this trajectory");
   add_counted(command, "--truth-tensions", "TENSIONS.csv", {o, o.truth_tensions, &Settings::tensions},
               "Compare tensions with these, at times of --truth");

@@ -80,6 +80,20 @@ void print_relaxation(const RunPlan& plan, const RunResult& result) {
                           std::string(to_string(result.total.stopped_by)) + ")");
 }
 
+/// Prints what a budget of time did.
+void print_budget(const RunPlan& plan, const RunResult& result) {
+  if (!plan.step_budget_us) return;
+  const auto frames = static_cast<double>(result.frames);
+  std::string text = short_number(*plan.step_budget_us) + " µs a step; " +
+                     plural(result.late_frames, "frame") + " took longer, the longest " +
+                     short_number(result.longest_step_us) + " µs";
+  if (!plan.settings.accuracy)
+    text += "; " + short_number(static_cast<double>(result.total.substeps) / frames) + " of " +
+            plural(plan.settings.substeps, "substep") + " in the mean, " +
+            short_number(result.total.asked_us / frames) + " µs for all";
+  print_line("budget", text);
+}
+
 void print_errors(const RunResult& result) {
   print_line("stretch", "RMS " + percent(result.stretch.rms) + ", max " + percent(result.stretch.max) +
                             " (rod " + std::to_string(result.stretch.max_rod) + ")");
@@ -147,6 +161,7 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   if (!family) print_method(plan, result);
   if (info.direct_rods > 0 || solves_joints) print_direct(plan, result);
   if (relaxes) print_relaxation(plan, result);
+  print_budget(plan, result);
   print_counts(result.total);
   print_errors(result);
   print_problems(result.problems);

@@ -80,6 +80,7 @@ Json settings_json(const RunPlan& plan) {
           {"sweeps", s.stop.sweeps},
           {"tolerance", s.stop.tolerance},
           {"budget_us", s.stop.budget_us},
+          {"step_budget_us", plan.step_budget_us},
           {"order", to_string(s.order)},
           {"omega", s.omega},
           {"weights", to_string(s.weights)},
@@ -115,6 +116,8 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"islands", result.info.islands},
       {"start", result.start},
       {"frames", result.frames},
+      {"late_frames", plan.step_budget_us ? Json(result.late_frames) : nullptr},
+      {"longest_step_us", plan.step_budget_us ? Json(result.longest_step_us) : nullptr},
   };
   add_counters(json, "", result.total);
   const EnergyDrift& energy = result.energy;

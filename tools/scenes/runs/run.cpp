@@ -164,7 +164,9 @@ class Run {
         world_(scene, plan.settings),
         measured_(scene),
         now_(make_frame(scene, plan.settings)),
-        result_{.info = world_.info()} {}
+        result_{.info = world_.info()} {
+    world_.set_budget(plan.step_budget_us);
+  }
 
   RunResult whole() {
     const std::uint64_t first = resume();
@@ -233,6 +235,8 @@ class Run {
     const StepReport step = world_.step(plan_.dt);
     wall_ += Clock::now() - start;
     ++result_.frames;
+    if (plan_.step_budget_us && step.step_us > *plan_.step_budget_us) ++result_.late_frames;
+    result_.longest_step_us = std::max(result_.longest_step_us, step.step_us);
     set_measured_lengths(end);
     if (step.broken_rods > 0) leave_out_broken(world_, measured_);
     result_.total += step;

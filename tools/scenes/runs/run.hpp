@@ -24,6 +24,7 @@ struct RunPlan {
   double duration = 1;              ///< Simulated time in s, a whole number of frames.
   double dt = 1.0 / 60;             ///< Length of a frame in s, which Settings::substeps divides further.
   std::vector<LengthRate> rates{};  ///< Rods that are reeled in or paid out all the time.
+  std::optional<double> step_budget_us{};  ///< Wall time of a step (World::set_budget()), in us.
   /// File with a snapshot (World::save()) to go on from, up to `duration`; empty stands for the scene's
   /// start.
   std::string resume{};
@@ -67,6 +68,8 @@ struct RunResult {
   bool is_whole = true;       ///< Whether the run was not stopped by its observer.
   StepReport total{};
   double wall_s = 0;  ///< Time in World::step alone, in s.
+  std::uint64_t late_frames = 0;  ///< Frames whose step took more than its budget.
+  double longest_step_us = 0;     ///< The longest of them and of the others, with a budget.
   Stretch stretch{};
   EnergyDrift energy{};
   std::vector<PositionError> position_error{};
