@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -130,6 +131,26 @@ TEST(World, OutlivesItsScene) {
   test::run(world, 1.0 / 60, 5);
   test::run(twin, 1.0 / 60, 5);
   EXPECT_EQ(world.state_hash(), twin.state_hash());
+}
+
+// A scene in which nothing may touch has no stage for it.
+TEST(Zones, HearOfTheStagesThatAStepHas) {
+  Scene scene = scenes::make_chain(3);
+  for (const bool has_contact : {false, true}) {
+    if (has_contact) scene.capsules.push_back({.a = point_at(0), .b = point_at(1), .radius = 0.01});
+    World world(scene, {.threads = 1});
+    std::string heard;
+    world.set_zones([&](std::string_view stage, bool begins) {
+      heard += (begins ? "<" : "") + std::string(stage) + (begins ? "" : ">") + ' ';
+    });
+    world.step(0.01);
+    EXPECT_EQ(heard, std::string("<split split> <wake wake> ") + (has_contact ? "<collide collide> " : "") +
+                         "<solve solve> <sleep sleep> <measure measure> ");
+    heard.clear();
+    world.set_zones({});
+    world.step(0.01);
+    EXPECT_EQ(heard, "");
+  }
 }
 
 TEST(StepReport, AddsUp) {

@@ -210,6 +210,7 @@ void add_run_command(Command& plumb) {
                      "Keep a snapshot in this file: every 10 s of computing, on Ctrl-C and at the end");
   command.add_option("--resume", "IN.snapshot", o.plan.resume,
                      "Go on from a snapshot of the same scene and settings, up to --duration");
+  command.add_flag("--stages", o.plan.times_stages, "Tell how long the stages of steps took");
   command.add_option(
       "--step-budget", "U",
       [&o](const std::string& text) {

@@ -80,6 +80,16 @@ void print_relaxation(const RunPlan& plan, const RunResult& result) {
                           std::string(to_string(result.total.stopped_by)) + ")");
 }
 
+void print_stages(const RunResult& result) {
+  std::string list;
+  for (const scenes::StageTime& stage : result.stages)
+    scenes::append_item(list,
+                        std::string(stage.name) + " " +
+                            short_number(1e6 * stage.s / static_cast<double>(result.frames)) + " µs",
+                        ", ");
+  if (!list.empty()) print_line("stages", list + " a frame");
+}
+
 /// Prints what a budget of time did.
 void print_budget(const RunPlan& plan, const RunResult& result) {
   if (!plan.step_budget_us) return;
@@ -171,6 +181,7 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
                      " µs a frame";
   if (info.rods > 0) time += ", " + short_number(result.ns_per_rod_frame(), 4) + " ns per rod and frame";
   print_line("time", time);
+  print_stages(result);
   print_line("machine", machine.cpu + ", " + machine.isa + ", " + plural(machine.threads, "thread"));
   print_line("state", scenes::hash_text(result.state_hash));
 }

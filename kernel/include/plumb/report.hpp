@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -88,6 +89,10 @@ struct StepReport {
   /// Adds the counts of another step and keeps the worst of what is not a count.
   PLUMB_API StepReport& operator+=(const StepReport& other);
 };
+
+/// Hears of the stages of a step when one begins and when it ends, for a profiler's zones
+/// (World::set_zones()). Names last as long as the program. Calls come from the thread that steps.
+using Zones = std::function<void(std::string_view stage, bool begins)>;
 
 /// Says how one block of a scene is laid out, for `plumb info` and reports.
 struct BlockInfo {

@@ -89,6 +89,9 @@ class PLUMB_API World {
   /// Throws InputError on a time that is not positive and finite.
   void set_budget(std::optional<double> microseconds);
 
+  /// Lets `zones` hear of every stage from the next step on; an empty one ends that. It must not throw.
+  void set_zones(Zones zones);
+
   /// Sets a constant force, in N, on a movable particle, which stays until it is changed. Throws InputError
   /// on an unknown or fixed particle or a force that is not finite.
   ///

@@ -21,8 +21,9 @@ namespace plumb::detail {
 // - sleep: Pieces that have only moved by rounding for long enough stand still from now on.
 // - measure: What was done and what was skipped is added up. Anchors stand where they were sent.
 const Step::Stage Step::all_stages[] = {
-    {&Step::split, &Step::always}, {&Step::wake, &Step::always},  {&Step::collide, &Step::has_contact},
-    {&Step::solve, &Step::always}, {&Step::sleep, &Step::always}, {&Step::measure, &Step::always},
+    {&Step::split, &Step::always, "split"},          {&Step::wake, &Step::always, "wake"},
+    {&Step::collide, &Step::has_contact, "collide"}, {&Step::solve, &Step::always, "solve"},
+    {&Step::sleep, &Step::always, "sleep"},          {&Step::measure, &Step::always, "measure"},
 };
 
 namespace {
@@ -77,7 +78,11 @@ StepReport Step::run(double dt) {
   begin_budget();
   report.substeps = rules_.substeps;
   dt_ = dt;
-  for (const Stage& stage : stages_) (this->*stage.run)(report);
+  for (const Stage& stage : stages_) {
+    if (zones_) zones_(stage.name, true);
+    (this->*stage.run)(report);
+    if (zones_) zones_(stage.name, false);
+  }
   budget_.end_step(rules_.substeps, settings_.substeps, rules_.error_growth.has_value(), report);
   has_broken_ = report.broken_rods > 0;
   return report;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,7 @@ class Step {
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
   void set_substeps(std::uint32_t substeps) { settings_.substeps = substeps; }
+  void set_zones(Zones zones) { zones_ = std::move(zones); }
   /// Gives every step so much wall time (us), or as much as it takes.
   void set_budget(std::optional<double> us) { budget_.set(us); }
   void set_force(std::uint32_t particle, Vec3 force);
@@ -121,6 +123,7 @@ class Step {
   struct Stage {
     void (Step::*run)(StepReport& report);
     bool (Step::*is_needed)() const;
+    std::string_view name;
   };
   static const Stage all_stages[];
 
@@ -197,6 +200,7 @@ class Step {
   Sleep sleep_;
   TimeRules rules_;
   Budget budget_;
+  Zones zones_;
   std::vector<Stage> stages_;           ///< those that this scene needs
   double dt_ = 0;                       ///< length of this step, s
   std::vector<StepReport> reports_;     ///< one for each part of the team

@@ -109,6 +109,10 @@ void World::set_budget(std::optional<double> microseconds) {
   impl_->step->set_budget(microseconds);
 }
 
+void World::set_zones(Zones zones) {
+  impl_->step->set_zones(std::move(zones));
+}
+
 void World::set_force(std::uint32_t particle, Vec3 force) {
   impl_->require(particle, false, "a force cannot move it");
   if (!is_finite(force)) refuse("particle ", particle, ": force is not finite");

@@ -166,6 +166,8 @@ class Run {
         now_(make_frame(scene, plan.settings)),
         result_{.info = world_.info()} {
     world_.set_budget(plan.step_budget_us);
+    if (plan.times_stages)
+      world_.set_zones([this](std::string_view stage, bool begins) { time_stage(stage, begins); });
   }
 
   RunResult whole() {
@@ -228,6 +230,20 @@ class Run {
       measured_.rods[rod].length = rod_length(scene_, rod) + rate * t;
   }
 
+  void time_stage(std::string_view stage, bool begins) {
+    if (begins) {
+      stage_begin_ = Clock::now();
+      return;
+    }
+    const double s = std::chrono::duration<double>(Clock::now() - stage_begin_).count();
+    for (StageTime& each : result_.stages)
+      if (each.name == stage) {
+        each.s += s;
+        return;
+      }
+    result_.stages.push_back({stage, s});
+  }
+
   void step(std::uint64_t number) {
     const double end = static_cast<double>(number) * plan_.dt;
     const auto start = Clock::now();
@@ -277,6 +293,7 @@ class Run {
   std::map<std::uint64_t, const Frame*> compare_;
   double diagonal_ = bounding_diagonal(scene_);
   World world_;
+  Clock::time_point stage_begin_{};
   Scene measured_;  ///< It is the scene without what has broken, with lengths of now.
   RunFrame now_;
   RunResult result_;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "plumb/measures.hpp"
@@ -24,6 +25,7 @@ struct RunPlan {
   double duration = 1;              ///< Simulated time in s, a whole number of frames.
   double dt = 1.0 / 60;             ///< Length of a frame in s, which Settings::substeps divides further.
   std::vector<LengthRate> rates{};  ///< Rods that are reeled in or paid out all the time.
+  bool times_stages = false;        ///< Whether RunResult::stages is known, for 0.5 us a step.
   std::optional<double> step_budget_us{};  ///< Wall time of a step (World::set_budget()), in us.
   /// File with a snapshot (World::save()) to go on from, up to `duration`; empty stands for the scene's
   /// start.
@@ -59,6 +61,12 @@ struct EnergyDrift {
   double range = 0;      ///< The scene's energy_range().
 };
 
+/// Time of a stage of all steps (World::set_zones()).
+struct StageTime {
+  std::string_view name{};
+  double s = 0;
+};
+
 /// A result says what came of a run. Strain is over the ends of all frames, without the start; its RMS is
 /// over frames and rods.
 struct RunResult {
@@ -67,9 +75,10 @@ struct RunResult {
   std::uint64_t frames = 0;   ///< Frames that were stepped.
   bool is_whole = true;       ///< Whether the run was not stopped by its observer.
   StepReport total{};
-  double wall_s = 0;  ///< Time in World::step alone, in s.
-  std::uint64_t late_frames = 0;  ///< Frames whose step took more than its budget.
-  double longest_step_us = 0;     ///< The longest of them and of the others, with a budget.
+  double wall_s = 0;                ///< Time in World::step alone, in s.
+  std::uint64_t late_frames = 0;    ///< Frames whose step took more than its budget.
+  double longest_step_us = 0;       ///< The longest of them and of the others, with a budget.
+  std::vector<StageTime> stages{};  ///< Those of a step that the scene needs, in their order.
   Stretch stretch{};
   EnergyDrift energy{};
   std::vector<PositionError> position_error{};

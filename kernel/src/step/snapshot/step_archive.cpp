@@ -17,6 +17,7 @@ std::unique_ptr<Step> Step::compiled_with(std::span<const Split> splits) {
   for (const Split& each : splits) out->repeat(each);
   out->loads_.take_load(loads_);
   out->budget_ = budget_;
+  out->zones_ = zones_;
   return out;
 }
 
@@ -43,8 +44,8 @@ void Step::archive_rules(Archive& archive) {
 /// What broke or was edited is known by splits. What a step begins anew is left out.
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
-         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, budget, stages,
-         dt, reports, visited, active, last_dt] = *this;
+         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, budget, zones,
+         stages, dt, reports, visited, active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);
