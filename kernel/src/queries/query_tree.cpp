@@ -1,0 +1,146 @@
+#include "queries/query_tree.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace plumb::detail {
+namespace {
+
+/// Rounds outward, by up to twice what a float needs.
+float below(double x) {
+  if (!std::isfinite(x)) return static_cast<float>(x);
+  const double low = x - 1.2e-7 * std::abs(x) - 1e-37;
+  return low < -3e38 ? -INFINITY : static_cast<float>(std::min(low, 3e38));
+}
+float above(double x) {
+  return -below(-x);
+}
+
+Vec3 center_of(const Bounds& box) {
+  return box.is_empty() ? Vec3{} : 0.5 * (box.low + box.high);
+}
+
+Bounds around(const Bounds& a, const Bounds& b) {
+  return {{std::min(a.low.x, b.low.x), std::min(a.low.y, b.low.y), std::min(a.low.z, b.low.z)},
+          {std::max(a.high.x, b.high.x), std::max(a.high.y, b.high.y), std::max(a.high.z, b.high.z)}};
+}
+
+/// Returns half of a box's surface (m²), which says how often rays meet it.
+double half_area(const Bounds& box) {
+  if (box.is_empty()) return 0;
+  const Vec3 size = box.high - box.low;
+  return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
+}  // namespace
+
+QueryTree::FloatWay::FloatWay(const Way& way, Vec3 extent) {
+  const double origin[3] = {way.origin.x, way.origin.y, way.origin.z};
+  const double along[3] = {way.direction.x, way.direction.y, way.direction.z};
+  const double half[3] = {way.half.x, way.half.y, way.half.z};
+  const double farthest[3] = {extent.x, extent.y, extent.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    is_back[axis] = along[axis] < 0;
+    // Several times what floats lose of places. Slower ways than this one go nowhere across an axis.
+    const double wider = half[axis] + 4e-7 * (std::abs(origin[axis]) + half[axis] + farthest[axis]);
+    const double by = is_back[axis] ? -wider : wider;
+    near[axis] = static_cast<float>(std::clamp(origin[axis] + by, -3e38, 3e38));
+    far[axis] = static_cast<float>(std::clamp(origin[axis] - by, -3e38, 3e38));
+    over[axis] = static_cast<float>(1 / std::max(std::abs(along[axis]), 1e-30)) * (is_back[axis] ? -1 : 1);
+  }
+}
+
+void QueryTree::build(std::span<const Bounds> boxes) {
+  order_.resize(boxes.size());
+  std::iota(order_.begin(), order_.end(), 0u);
+  nodes_.clear();
+  if (!boxes.empty()) make(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
+  fit(boxes);
+  built_area_ = area_;
+}
+
+/// Halves what lies from `first` to `end` in the order, along the axis in which centres spread most. Returns
+/// the middle. Equal centres go by number, so that the order is the same on every machine.
+std::uint32_t QueryTree::halve(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end) {
+  Bounds centers = nowhere;
+  for (std::uint32_t k = first; k < end; ++k) include(centers, center_of(boxes[order_[k]]), 0);
+  const Vec3 spread = centers.high - centers.low;
+  const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
+  const auto along = [&](std::uint32_t number) {
+    const Vec3 center = center_of(boxes[number]);
+    return axis == 0 ? center.x : axis == 1 ? center.y : center.z;
+  };
+  const std::uint32_t middle = first + (end - first) / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + end,
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const double at_a = along(a), at_b = along(b);
+                     return at_a != at_b ? at_a < at_b : a < b;
+                   });
+  return middle;
+}
+
+/// Makes the node over what lies from `first` to `end` in the order, and returns its number.
+std::uint32_t QueryTree::make(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end) {
+  const auto own = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  std::uint32_t ends[width + 1] = {first};
+  std::uint32_t parts = 0;
+  const auto part = [&](std::uint32_t from, std::uint32_t to) {
+    if (to - from > at_leaf) ends[++parts] = halve(boxes, from, to);
+    ends[++parts] = to;
+  };
+  if (end - first > at_leaf) {
+    const std::uint32_t middle = halve(boxes, first, end);
+    part(first, middle);
+    part(middle, end);
+  } else {
+    ends[++parts] = end;
+  }
+  Node node{};
+  for (std::uint32_t k = 0; k < parts; ++k) {
+    const std::uint32_t count = ends[k + 1] - ends[k];
+    const bool is_leaf = count <= at_leaf;
+    node.first[k] = is_leaf ? ends[k] : make(boxes, ends[k], ends[k + 1]);
+    node.count[k] = is_leaf ? count : 0;
+  }
+  nodes_[own] = node;
+  return own;
+}
+
+Bounds QueryTree::fit(std::span<const Bounds> boxes, const Node& node, std::uint32_t child) const {
+  Bounds out = nowhere;
+  const std::uint32_t first = node.first[child], count = node.count[child];
+  for (std::uint32_t k = first; k < first + count; ++k) out = around(out, boxes[order_[k]]);
+  // No node has the first one as a child.
+  if (count == 0 && first > 0)
+    for (std::uint32_t k = 0; k < width; ++k) out = around(out, box(nodes_[first], k));
+  return out;
+}
+
+void QueryTree::fit(std::span<const Bounds> boxes) {
+  area_ = 0;
+  Bounds all = nowhere;
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    for (std::uint32_t k = 0; k < width; ++k) {
+      const Bounds now = fit(boxes, node, k);
+      const bool is_inner = node.count[k] == 0;
+      const double low[3] = {now.low.x, now.low.y, now.low.z};
+      const double high[3] = {now.high.x, now.high.y, now.high.z};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        // Boxes of nodes are rounded already.
+        node.low[axis][k] = is_inner ? static_cast<float>(low[axis]) : below(low[axis]);
+        node.high[axis][k] = is_inner ? static_cast<float>(high[axis]) : above(high[axis]);
+      }
+      area_ += half_area(now);
+      if (n == 0) all = around(all, now);
+    }
+  }
+  extent_ = {};
+  if (all.is_empty()) return;
+  extent_ = {std::max(std::abs(all.low.x), std::abs(all.high.x)),
+             std::max(std::abs(all.low.y), std::abs(all.high.y)),
+             std::max(std::abs(all.low.z), std::abs(all.high.z))};
+}
+
+}  // namespace plumb::detail
