@@ -119,9 +119,10 @@ Strike cast(const Probe& probe, const Convex& shape) {
   if (*share == 0)
     if (const Strike start = overlap(probe, shape)) return start;
   double distance = *share * length;
-  const Nearness near = nearness_at(probe, distance, shape);
+  Nearness near = nearness_at(probe, distance, shape);
   const double gap = near.distance - radii, along = -dot(near.normal, probe.direction);
   if (gap > 0 && along > 0) distance += gap / along;
+  if (radii > 0) near = nearness_at(probe, distance, shape);  // the normal turns on the rest of the way
   return within({distance, near.normal, near.on_b + shape.radius * near.normal}, probe);
 }
 
