@@ -50,8 +50,9 @@ class QueryTree {
   static constexpr std::uint32_t width = 4;    ///< children of a node
   static constexpr std::uint32_t at_leaf = 3;  ///< boxes that a leaf lists
   static constexpr double most_growth = 2;
-  /// Halving 2^32 boxes twice a level takes 16 levels, each of which leaves three siblings waiting.
-  static constexpr std::size_t most_open = 64;
+  /// Parts of three quarters make one of 2^32 boxes in 77 splits. A level has two, and leaves three siblings
+  /// waiting.
+  static constexpr std::size_t most_open = 128;
 
   /// Four floats that g++ and clang take as one register of any x86. A loop over four it leaves scalar, which
   /// takes twice as long.
@@ -75,7 +76,7 @@ class QueryTree {
   };
 
   std::uint32_t make(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
-  std::uint32_t halve(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
+  std::uint32_t split(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
   Bounds fit(std::span<const Bounds> boxes, const Node& node, std::uint32_t child) const;
   static Bounds box(const Node& node, std::uint32_t child) {
     const auto& [low, high, first, count] = node;
@@ -85,7 +86,8 @@ class QueryTree {
 
   std::vector<Node> nodes_;  ///< each before its children
   std::vector<std::uint32_t> order_;
-  Vec3 extent_{};  ///< m, the farthest coordinates of its boxes
+  std::vector<double> costs_;  ///< room to split
+  Vec3 extent_{};              ///< m, the farthest coordinates of its boxes
   double area_ = 0, built_area_ = 0;
 };
 

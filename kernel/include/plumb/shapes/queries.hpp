@@ -15,8 +15,8 @@
 #include "plumb/world.hpp"
 
 /// @file
-/// This file finds what a line, a ball or a box meets in a world: to pick with a mouse, to see, to aim, and
-/// to ask whether there is room.
+/// This file finds what a line, a ball or a box meets in a world: to pick with a mouse, to see and to aim. It
+/// also finds what is near, and whether there is room.
 namespace plumb {
 
 /// Names what a query found. Targets are ordered by kind, then by list, then by number.
