@@ -222,7 +222,9 @@ struct Flight {
 /// Goes along by what is free around, which nothing can be within, to where something is met or nothing is.
 /// What is only grazed may be passed, by less than a millimetre of way.
 void expect_first(const std::vector<Thing>& things, const Flight& flight) {
-  const auto& [ray, radius, hit] = flight;
+  const Ray& ray = flight.ray;
+  const Hit& hit = flight.hit;
+  const double radius = flight.radius;
   const Vec3 along = (1 / norm(ray.direction)) * ray.direction;
   const auto at = [&](double t) { return ray.origin + t * along; };
   const double end = hit ? hit.distance : 40;

@@ -78,9 +78,9 @@ class QueryTree {
   std::uint32_t make(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
   std::uint32_t split(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
   Bounds fit(std::span<const Bounds> boxes, const Node& node, std::uint32_t child) const;
-  static Bounds box(const Node& node, std::uint32_t child) {
-    const auto& [low, high, first, count] = node;
-    return {{low[0][child], low[1][child], low[2][child]}, {high[0][child], high[1][child], high[2][child]}};
+  static Bounds box(const Node& node, std::uint32_t k) {
+    return {{node.low[0][k], node.low[1][k], node.low[2][k]},
+            {node.high[0][k], node.high[1][k], node.high[2][k]}};
   }
   static void meet(const Node& node, const FloatWay& way, Lanes& near, Lanes& far);
 
