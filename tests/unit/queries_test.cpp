@@ -369,6 +369,32 @@ TEST(Queries, BrokenRodsAreGone) {
   EXPECT_TRUE(queries.cast_ray(middle));
 }
 
+// Islands that lost their places are not found, and the others are.
+TEST(Things, WhatHasNoFinitePlaceIsGone) {
+  using Form = detail::Thing::Form;
+  Scene scene;
+  test::add_ball(scene, {2, 0, 0}, 0.5, 1);
+  test::add_ball(scene, {4, 0, 0}, 0.5, 1);
+  const std::uint32_t body = add_body(scene, solid_sphere(1, 0.5));
+  scene.hulls = {box_on_body(body, {.half_size = {1, 1, 1}})};
+  detail::Things things(scene, {});
+  std::vector<Vec3> positions;
+  for (const Particle& particle : scene.particles) positions.push_back(particle.position);
+  const std::vector<std::uint8_t> broken(scene.rods.size());
+  const auto forms = [&] {
+    things.update({positions, broken, {}});
+    return std::vector{things.list()[0].form, things.list()[1].form, things.list()[2].form};
+  };
+  EXPECT_EQ(forms(), (std::vector{Form::capsule, Form::capsule, Form::solid}));
+  std::vector<Vec3> good = positions;
+  positions[0].y = std::numeric_limits<double>::quiet_NaN();
+  positions[2].z = INFINITY;
+  EXPECT_EQ(forms(), (std::vector{Form::gone, Form::capsule, Form::gone}));
+  EXPECT_TRUE(things.bounds()[0].is_empty());
+  positions = good;
+  EXPECT_EQ(forms(), (std::vector{Form::capsule, Form::capsule, Form::solid}));
+}
+
 TEST(Queries, RaysInBulkAreThoseAlone) {
   const std::vector<Wall> all = walls();
   const Queries queries = queries_of(all[0]);

@@ -106,8 +106,8 @@ class PLUMB_API Queries {
   Queries& operator=(Queries&&) noexcept;  ///< Moves all; what is left can only be assigned to.
 
   /// Takes everything where it is in a world of the same scene. Throws InputError, and changes nothing, if
-  /// particles, rods or platforms are not as many. Boxes of the hierarchy follow; where they have grown far
-  /// beyond what they were, the hierarchy is built anew, which takes some ten times as long.
+  /// the world has not as many particles and rods, or lacks a platform. Boxes of the hierarchy follow; where
+  /// they have grown far beyond what they were, it is built anew, which takes some ten times as long.
   void update(const World& world);
 
   /// Returns what a ray meets first. Throws InputError on a ray whose origin is not finite, whose direction
