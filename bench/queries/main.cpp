@@ -186,10 +186,19 @@ void build(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(Queries(on.scene, {.rod_radius = rope_radius}));
 }
 
-BENCHMARK(cast_rays)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(brute_force)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(update)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(build)->Unit(benchmark::kMillisecond)->UseRealTime();
+/// Others may hold the processor for a while: the least of some repetitions is what it takes.
+double least(const std::vector<double>& times) {
+  return *std::min_element(times.begin(), times.end());
+}
+
+void in_milliseconds(benchmark::internal::Benchmark* of) {
+  of->Unit(benchmark::kMillisecond)->UseRealTime()->ComputeStatistics("min", least);
+}
+
+BENCHMARK(cast_rays)->Apply(in_milliseconds);
+BENCHMARK(brute_force)->Apply(in_milliseconds);
+BENCHMARK(update)->Apply(in_milliseconds);
+BENCHMARK(build)->Apply(in_milliseconds);
 
 }  // namespace
 }  // namespace plumb::bench

@@ -32,6 +32,47 @@ double half_area(const Bounds& box) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
+/// Returns how many of boxes go to the first part when they are split across an axis, along which centres are
+/// from `low` to `high`, as `along(number)` says. Of some places that is the one where rays meet least: the
+/// sum over both parts of their surface times what they hold (MacDonald and Booth 1990; Wald 2007).
+///
+/// No part gets less than a quarter, so that the hierarchy stays low. Where no such place is, it is halved.
+template <class Along>
+std::uint32_t size_of_first(std::span<const Bounds> boxes, std::span<const std::uint32_t> numbers, double low,
+                            double high, Along&& along) {
+  constexpr std::size_t slices = 32;
+  std::array<Bounds, slices> around_slice;
+  around_slice.fill(nowhere);
+  std::array<std::uint32_t, slices> held{};
+  for (const std::uint32_t number : numbers) {
+    const double share = slices * ((along(number) - low) / (high - low));
+    const std::size_t slice = share >= 0 && share < slices ? static_cast<std::size_t>(share) : slices - 1;
+    around_slice[slice] = around(around_slice[slice], boxes[number]);
+    ++held[slice];
+  }
+  const auto all = static_cast<std::uint32_t>(numbers.size());
+  std::array<double, slices> behind{};
+  Bounds box = nowhere;
+  std::uint32_t count = 0;
+  for (std::size_t i = slices; i-- > 1;) {
+    box = around(box, around_slice[i]);
+    behind[i] = half_area(box) * (count += held[i]);
+  }
+  box = nowhere;
+  count = 0;
+  double best = INFINITY;
+  std::uint32_t out = all / 2;
+  for (std::size_t i = 0; i + 1 < slices; ++i) {
+    box = around(box, around_slice[i]);
+    count += held[i];
+    const double cost = half_area(box) * count + behind[i + 1];
+    if (4 * count < all || 4 * (all - count) < all || !(cost < best)) continue;
+    best = cost;
+    out = count;
+  }
+  return out;
+}
+
 }  // namespace
 
 QueryTree::FloatWay::FloatWay(const Way& way, Vec3 extent) {
@@ -60,42 +101,24 @@ void QueryTree::build(std::span<const Bounds> boxes) {
 }
 
 /// Splits what lies from `first` to `end` in the order across the axis along which centres spread most, and
-/// returns where. Of some places that is the one where rays meet least: the sum over both parts of their
-/// surface times what they hold (MacDonald and Booth 1990). No part gets less than a quarter, so that the
-/// hierarchy stays low. Equal centres go by number, so that the order is the same on every machine.
+/// returns where. Equal centres go by number, so that parts are the same on every machine.
 std::uint32_t QueryTree::split(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end) {
   Bounds centers = nowhere;
   for (std::uint32_t k = first; k < end; ++k) include(centers, center_of(boxes[order_[k]]), 0);
   const Vec3 spread = centers.high - centers.low;
-  const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
-  const auto along = [&](std::uint32_t number) {
-    const Vec3 center = center_of(boxes[number]);
-    return axis == 0 ? center.x : axis == 1 ? center.y : center.z;
+  const auto split_across = [&](double Vec3::*axis) {
+    const auto along = [&](std::uint32_t number) { return center_of(boxes[number]).*axis; };
+    const std::uint32_t at = first + size_of_first(boxes, std::span(order_).subspan(first, end - first),
+                                                   centers.low.*axis, centers.high.*axis, along);
+    std::nth_element(order_.begin() + first, order_.begin() + at, order_.begin() + end,
+                     [&](std::uint32_t a, std::uint32_t b) {
+                       const double at_a = along(a), at_b = along(b);
+                       return at_a != at_b ? at_a < at_b : a < b;
+                     });
+    return at;
   };
-  std::sort(order_.begin() + first, order_.begin() + end, [&](std::uint32_t a, std::uint32_t b) {
-    const double at_a = along(a), at_b = along(b);
-    return at_a != at_b ? at_a < at_b : a < b;
-  });
-  const std::uint32_t count = end - first, least = std::max(count / 4, 1u);
-  Bounds behind = nowhere;
-  costs_.resize(count);
-  for (std::uint32_t k = count; k-- > least;) {
-    behind = around(behind, boxes[order_[first + k]]);
-    costs_[k] = half_area(behind) * (count - k);
-  }
-  Bounds before = nowhere;
-  double best = INFINITY;
-  std::uint32_t at = count / 2;
-  for (std::uint32_t k = 1; k + least <= count; ++k) {
-    before = around(before, boxes[order_[first + k - 1]]);
-    if (k < least) continue;
-    const double cost = half_area(before) * k + costs_[k];
-    if (cost < best) {
-      best = cost;
-      at = k;
-    }
-  }
-  return first + at;
+  if (spread.x >= spread.y && spread.x >= spread.z) return split_across(&Vec3::x);
+  return spread.y >= spread.z ? split_across(&Vec3::y) : split_across(&Vec3::z);
 }
 
 /// Makes the node over what lies from `first` to `end` in the order, and returns its number.

@@ -86,8 +86,7 @@ class QueryTree {
 
   std::vector<Node> nodes_;  ///< each before its children
   std::vector<std::uint32_t> order_;
-  std::vector<double> costs_;  ///< room to split
-  Vec3 extent_{};              ///< m, the farthest coordinates of its boxes
+  Vec3 extent_{};  ///< m, the farthest coordinates of its boxes
   double area_ = 0, built_area_ = 0;
 };
 

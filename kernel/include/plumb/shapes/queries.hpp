@@ -107,7 +107,7 @@ class PLUMB_API Queries {
 
   /// Takes everything where it is in a world of the same scene. Throws InputError, and changes nothing, if
   /// the world has not as many particles and rods, or lacks a platform. Boxes of the hierarchy follow; where
-  /// they have grown far beyond what they were, it is built anew, which takes some ten times as long.
+  /// they have grown far beyond what they were, it is built anew, which takes some fifteen times as long.
   void update(const World& world);
 
   /// Returns what a ray meets first. Throws InputError on a ray whose origin is not finite, whose direction
