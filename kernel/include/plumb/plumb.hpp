@@ -12,6 +12,7 @@
 /// - scene.hpp: what is simulated.
 /// - shapes/ground.hpp: ground beside planes and boxes.
 /// - shapes/contact.hpp: what touched in a step.
+/// - shapes/queries.hpp: what rays and what is cast meet, what overlaps, what is nearest.
 /// - shapes/surface.hpp: how shapes feel, what they may touch, and how ground moves.
 /// - settings.hpp: how it is simulated.
 /// - world.hpp: the compiled scene and its step.
@@ -44,6 +45,7 @@
 #include "plumb/settings.hpp"
 #include "plumb/shapes/contact.hpp"
 #include "plumb/shapes/ground.hpp"
+#include "plumb/shapes/queries.hpp"
 #include "plumb/shapes/surface.hpp"
 #include "plumb/vec3.hpp"
 #include "plumb/version.hpp"

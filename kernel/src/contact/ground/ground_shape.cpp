@@ -24,9 +24,6 @@ GroundMesh mesh_of(const HeightField& field) {
 
 namespace {
 
-/// All below a landscape is solid, as deep as this (m).
-constexpr double depth_of_fields = 1e6;
-
 /// A box may be thinner than the hull of any points.
 ConvexHull hull_of(const Box& box) {
   const std::vector<Vec3> cube = box_on_body(0, {.half_size = {1, 1, 1}}).points;

@@ -96,6 +96,9 @@ class GroundShape {
   std::uint32_t box_ = none;
 };
 
+/// All below a landscape is solid, as deep as this (m).
+inline constexpr double depth_of_fields = 1e6;
+
 /// Returns the triangles of a landscape, which face upward.
 GroundMesh mesh_of(const HeightField& field);
 

@@ -46,6 +46,27 @@ inline double distance2(const Bounds& box, Vec3 p) {
   return dot(out, out);
 }
 
+/// Returns how far (m) a box goes along a unit vector until it meets another one: infinite if it never does.
+/// Rounding may make it a little shorter, but no longer.
+inline double way_to(const Bounds& box, const Bounds& start, Vec3 along) {
+  double first = 0, last = INFINITY;
+  const auto cut = [&](double low, double high, double by) {
+    const double wider = 1e-14 * (std::abs(low) + std::abs(high));
+    const double enters = (by < 0 ? high + wider : low - wider) / by;
+    const double leaves = (by < 0 ? low - wider : high + wider) / by;
+    if (by != 0) {
+      first = std::max(first, enters);
+      last = std::min(last, leaves);
+    } else if (low > wider || high < -wider) {
+      first = INFINITY;
+    }
+  };
+  cut(box.low.x - start.high.x, box.high.x - start.low.x, along.x);
+  cut(box.low.y - start.high.y, box.high.y - start.low.y, along.y);
+  cut(box.low.z - start.high.z, box.high.z - start.low.z, along.z);
+  return first <= last + 1e-14 * std::abs(last) ? (1 - 1e-14) * first : INFINITY;
+}
+
 template <class Archive>
 void visit_members(Archive& archive, Bounds& of) {
   auto& [low, high] = of;

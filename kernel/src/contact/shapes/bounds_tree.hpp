@@ -69,6 +69,27 @@ class BoundsTree {
     return least;
   }
 
+  /// Calls `met(number)` for every box that another one meets within `best` (m) while its centre goes along a
+  /// unit vector, and for some that are near: about from near to far. `met` may lower `best`.
+  template <class Met>
+  void find_along(const Bounds& start, Vec3 along, double& best, Met&& met) const {
+    std::uint32_t waiting[most_depth];
+    int count = 0;
+    if (!nodes_.empty()) waiting[count++] = 0;
+    while (count > 0) {
+      const std::uint32_t i = waiting[--count];
+      const Node& node = nodes_[i];
+      if (way_to(node.bounds, start, along) > best) continue;
+      for (std::uint32_t k = node.first; k < node.end; ++k) met(items_[k]);
+      if (node.first != node.end) continue;
+      const std::uint32_t left = i + 1, right = nodes_[left].next;
+      const bool left_first =
+          way_to(nodes_[left].bounds, start, along) <= way_to(nodes_[right].bounds, start, along);
+      waiting[count++] = left_first ? right : left;
+      waiting[count++] = left_first ? left : right;
+    }
+  }
+
  private:
   static constexpr int most_depth = 64;        ///< halving 2^32 boxes takes 32 levels
   static constexpr std::uint32_t at_leaf = 4;  ///< boxes that one node lists

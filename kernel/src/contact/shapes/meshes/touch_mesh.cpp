@@ -74,20 +74,26 @@ bool parts(const TriangleMesh& mesh, Vec3 p, Vec3 q) {
   return out;
 }
 
-/// Adds the triangle that a point is right below, however far.
-void touch_above(const TriangleMesh& mesh, Vec3 p, double at, LineTouches& out) {
+/// Returns the triangle that a point is right below, however far, or none.
+std::uint32_t right_above(const TriangleMesh& mesh, Vec3 p) {
   const Vec3 top{p.x, mesh.bounds().high.y + 1, p.z};
-  if (!(p.y < mesh.bounds().high.y)) return;
+  std::uint32_t out = TriangleMesh::none;
+  if (!(p.y < mesh.bounds().high.y)) return out;
   Bounds column = nowhere;
   include(column, p, 0);
   include(column, top, 0);
-  bool is_found = false;
   mesh.find(column, [&](std::uint32_t i) {
-    if (is_found || !is_crossed(mesh, i, p, top)) return;
-    is_found = true;
-    const Vec3 n = mesh.normal(i);
-    out.add({{MeshPart::Kind::face, i}, n, dot(n, p - mesh.triangle(i)[0]), at});
+    if (out == TriangleMesh::none && is_crossed(mesh, i, p, top)) out = i;
   });
+  return out;
+}
+
+/// Adds that triangle.
+void touch_above(const TriangleMesh& mesh, Vec3 p, double at, LineTouches& out) {
+  const std::uint32_t i = right_above(mesh, p);
+  if (i == TriangleMesh::none) return;
+  const Vec3 n = mesh.normal(i);
+  out.add({{MeshPart::Kind::face, i}, n, dot(n, p - mesh.triangle(i)[0]), at});
 }
 
 void turn(LineTouch& touch) {
@@ -144,6 +150,10 @@ void LineTouches::add(const LineTouch& touch) {
   const auto widest = std::max_element(list.begin(), list.end(),
                                        [](const LineTouch& a, const LineTouch& b) { return a.gap < b.gap; });
   if (touch.gap < widest->gap) *widest = touch;
+}
+
+bool is_below(const TriangleMesh& mesh, Vec3 p) {
+  return right_above(mesh, p) != TriangleMesh::none;
 }
 
 void touch_mesh(const TriangleMesh& mesh, Vec3 p, Vec3 middle, double reach, double at, LineTouches& out) {

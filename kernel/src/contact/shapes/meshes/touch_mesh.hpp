@@ -33,6 +33,9 @@ struct LineTouches {
 /// the nearest place counts, however far it is.
 void touch_mesh(const TriangleMesh& mesh, Vec3 p, Vec3 middle, double reach, double at, LineTouches& out);
 
+/// Returns whether a place is right below some triangle of a mesh.
+bool is_below(const TriangleMesh& mesh, Vec3 p);
+
 /// Lists where a segment is kept off a mesh between its ends: over edges that are not flat, and over
 /// vertices.
 void touch_mesh_between(const TriangleMesh& mesh, Vec3 p, Vec3 q, double reach, LineTouches& out);

@@ -79,6 +79,12 @@ class TriangleMesh {
   void find(const Bounds& bounds, Found&& found) const {
     tree_.find(bounds, found);
   }
+  /// Calls `met(triangle)` for all triangles that a box may meet within `best` (m) while it goes along a unit
+  /// vector, about from near to far. `met` may lower `best`.
+  template <class Met>
+  void find_along(const Bounds& start, Vec3 along, double& best, Met&& met) const {
+    tree_.find_along(start, along, best, met);
+  }
   /// Returns whether some triangle may reach into a box.
   bool reaches_into(const Bounds& bounds) const { return tree_.reaches_into(bounds); }
   struct Nearest {

@@ -1,0 +1,255 @@
+#include "queries/things.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "contact/ground/ground_shape.hpp"
+#include "scene/barycentric.hpp"
+
+namespace plumb::detail {
+namespace {
+
+QueryTarget shape_of(ShapeKind list, std::size_t i) {
+  return {QueryTarget::Kind::shape, list, static_cast<std::uint32_t>(i)};
+}
+
+std::pair<std::uint32_t, std::uint32_t> sorted(std::uint32_t a, std::uint32_t b) {
+  return std::minmax(a, b);
+}
+
+/// Lists the particles of a capsule, ascending and each once.
+std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
+  std::set<std::uint32_t> out;
+  for (const Point* const point : {&capsule.a, &capsule.b})
+    for (std::size_t k = 0; k < 4; ++k)
+      if (point->weights[k] != 0) out.insert(point->particles[k]);
+  return {out.begin(), out.end()};
+}
+
+/// Knows which rods and particles no shape and no body shows.
+class Bare {
+ public:
+  explicit Bare(const Scene& scene) : shown_(scene.particles.size()) {
+    for (const Capsule& capsule : scene.capsules) {
+      const std::vector<std::uint32_t> particles = particles_of(capsule);
+      for (const std::uint32_t particle : particles) shown_[particle] = 1;
+      if (particles.size() == 2) pairs_.emplace(particles[0], particles[1]);
+    }
+    for (const Body& body : scene.bodies)
+      for (const std::uint32_t a : body.particles) {
+        shown_[a] = 1;
+        for (const std::uint32_t b : body.particles) pairs_.insert(sorted(a, b));
+      }
+  }
+
+  bool is_bare(const Rod& rod) const { return !pairs_.contains(sorted(rod.a, rod.b)); }
+  bool is_bare(std::uint32_t particle) const { return shown_[particle] == 0; }
+
+ private:
+  std::vector<std::uint8_t> shown_;  ///< by particle
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;
+};
+
+}  // namespace
+
+Things::Things(const Scene& scene, const QuerySettings& settings) : platforms_(scene) {
+  add_shapes(scene);
+  add_ground(scene);
+  add_bare(scene, settings);
+  poses_ = scene.platforms;
+  bounds_.resize(things_.size());
+  // What does not move is taken now.
+  for (std::size_t i = 0; i < things_.size(); ++i) bounds_[i] = around(things_[i]);
+}
+
+std::uint32_t Things::add(const QueryTarget& target, const Filter& filter) {
+  targets_.push_back(target);
+  filters_.push_back(filter);
+  index_.push_back(0);
+  return static_cast<std::uint32_t>(targets_.size() - 1);
+}
+
+/// Returns its place in the list.
+std::uint32_t Things::add_thing(const QueryTarget& target, const Filter& filter, const Thing& thing,
+                                std::size_t index) {
+  things_.push_back(thing);
+  things_.back().number = add(target, filter);
+  index_.back() = static_cast<std::uint32_t>(index);
+  return static_cast<std::uint32_t>(things_.size() - 1);
+}
+
+std::uint32_t Things::add_solid(ShapeKind list, std::size_t i, const Filter& filter, double radius) {
+  solids_.emplace_back();
+  return add_thing(shape_of(list, i), filter, {.radius = radius, .form = Thing::Form::solid},
+                   solids_.size() - 1);
+}
+
+void Things::add_shapes(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.capsules.size(); ++i) {
+    const Capsule& each = scene.capsules[i];
+    const std::uint32_t thing = add_thing(shape_of(ShapeKind::capsule, i), each.filter,
+                                          {.radius = each.radius, .form = Thing::Form::capsule});
+    lines_.push_back({thing, combination(each.a), combination(each.b)});
+  }
+  // Convex shapes point to hulls, which must stay where they are.
+  hulls_.reserve(scene.hulls.size() + scene.ground_hulls.size());
+  for (std::size_t i = 0; i < scene.hulls.size(); ++i) add_hull(scene, i);
+}
+
+void Things::add_hull(const Scene& scene, std::size_t i) {
+  const Hull& each = scene.hulls[i];
+  const ConvexHull& hull = hulls_.emplace_back(each.points);
+  add_solid(ShapeKind::hull, i, {}, each.radius);
+  Carried& out = carried_.emplace_back();
+  out.particles = scene.bodies[each.body].particles;
+  std::array<Vec3, 4> places;
+  for (std::size_t k = 0; k < 4; ++k) places[k] = scene.particles[out.particles[k]].position;
+  const Barycentric barycentric(places);
+  for (const Vec3 v : hull.vertices()) out.corners.push_back(barycentric.weights(v));
+  out.vertices.resize(out.corners.size());
+  out.normals.resize(hull.parts().faces());
+}
+
+void Things::add_ground(const Scene& scene) {
+  first_box_ = solids_.size();
+  home_planes_ = scene.planes;
+  for (std::size_t i = 0; i < scene.planes.size(); ++i) {
+    const Plane& each = scene.planes[i];
+    planes_.push_back({each.normal, each.offset, add(shape_of(ShapeKind::plane, i), each.filter)});
+  }
+  for (std::size_t i = 0; i < scene.boxes.size(); ++i) {
+    const Box& each = scene.boxes[i];
+    Surroundings::Solid& home = home_boxes_.emplace_back();
+    home.center = each.center;
+    home.half = each.half_size;
+    home.frame = frame_of(each.orientation);
+    home.motion = each.motion;
+    add_solid(ShapeKind::box, i, each.filter, 0);
+    boxes_.emplace_back(home.center, home.half, home.frame);
+  }
+  for (const SolidBox& box : boxes_) solids_[first_box_ + (&box - boxes_.data())] = box.shape();
+  for (std::size_t i = 0; i < scene.ground_capsules.size(); ++i) {
+    const GroundCapsule& each = scene.ground_capsules[i];
+    add_thing(shape_of(ShapeKind::ground_capsule, i), {},
+              {.p = each.a, .q = each.b, .radius = each.radius, .form = Thing::Form::capsule});
+  }
+  for (std::size_t i = 0; i < scene.ground_hulls.size(); ++i) {
+    const GroundHull& each = scene.ground_hulls[i];
+    add_solid(ShapeKind::ground_hull, i, {}, each.radius);
+    solids_.back() = hulls_.emplace_back(each.points).shape(each.radius);
+  }
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i)
+    add_mesh(ShapeKind::mesh, i, scene.meshes[i],
+             scene.meshes[i].solid ? MeshSides::outward : MeshSides::both);
+  for (std::size_t i = 0; i < scene.height_fields.size(); ++i) {
+    wide_.push_back(static_cast<std::uint32_t>(things_.size()));
+    add_mesh(ShapeKind::height_field, i, mesh_of(scene.height_fields[i]), MeshSides::upward);
+  }
+}
+
+void Things::add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, MeshSides sides) {
+  meshes_.emplace_back(mesh.vertices, mesh.triangles, sides);
+  add_thing(shape_of(list, i), {}, {.form = Thing::Form::mesh}, meshes_.size() - 1);
+}
+
+void Things::add_bare(const Scene& scene, const QuerySettings& settings) {
+  const Bare bare(scene);
+  const auto add_line = [&](QueryTarget::Kind kind, std::uint32_t number, double radius) {
+    return add_thing({kind, ShapeKind::capsule, number}, {}, {.radius = radius, .form = Thing::Form::gone});
+  };
+  if (settings.rod_radius > 0)
+    for (std::uint32_t i = 0; i < scene.rods.size(); ++i)
+      if (const Rod& rod = scene.rods[i]; bare.is_bare(rod))
+        rods_.push_back({add_line(QueryTarget::Kind::rod, i, settings.rod_radius), i, rod.a, rod.b});
+  if (settings.particle_radius > 0)
+    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+      if (bare.is_bare(i))
+        particles_.push_back({add_line(QueryTarget::Kind::particle, i, settings.particle_radius), i});
+}
+
+void Things::update(const Whereabouts& now) {
+  const auto put = [&](std::uint32_t number, Vec3 p, Vec3 q, bool is_there) {
+    Thing& thing = things_[number];
+    thing.p = p;
+    thing.q = q;
+    thing.form = is_there ? Thing::Form::capsule : Thing::Form::gone;
+    bounds_[number] = around(thing);
+    if (bounds_[number].is_empty()) thing.form = Thing::Form::gone;
+  };
+  for (const Line& each : lines_) put(each.thing, each.a.of(now.positions), each.b.of(now.positions), true);
+  for (const Pair& each : rods_)
+    put(each.thing, now.positions[each.a], now.positions[each.b], now.broken[each.rod] == 0);
+  for (const Single& each : particles_)
+    put(each.thing, now.positions[each.particle], now.positions[each.particle], true);
+  move_hulls(now.positions);
+  move_platforms(now.platforms);
+}
+
+void Things::move_hulls(std::span<const Vec3> positions) {
+  for (std::size_t i = 0; i < carried_.size(); ++i) {
+    Carried& each = carried_[i];
+    std::array<Vec3, 4> places;
+    for (std::size_t k = 0; k < 4; ++k) places[k] = positions[each.particles[k]];
+    for (std::size_t k = 0; k < each.corners.size(); ++k)
+      each.vertices[k] = weighted(each.corners[k], places);
+    const ConvexParts& parts = hulls_[i].parts();
+    find_normals(parts, each.vertices, each.normals);
+    Thing& thing = things_[lines_.size() + i];  // hulls follow capsules
+    solids_[i] = {each.vertices, each.normals, &parts, thing.radius};
+    thing.form = Thing::Form::solid;
+    bounds_[lines_.size() + i] = around(thing);
+    if (bounds_[lines_.size() + i].is_empty()) thing.form = Thing::Form::gone;
+  }
+}
+
+void Things::move_platforms(std::span<const Pose> platforms) {
+  if (std::equal(poses_.begin(), poses_.end(), platforms.begin(), platforms.end())) return;
+  poses_.assign(platforms.begin(), platforms.end());
+  for (std::uint32_t i = 0; i < platforms.size(); ++i) platforms_.set_target(i, platforms[i]);
+  platforms_.end_step();
+  for (std::size_t i = 0; i < planes_.size(); ++i)
+    if (const auto platform = home_planes_[i].motion.platform) {
+      const Plane now = posed(home_planes_[i], platforms_.at(*platform, 0));
+      planes_[i].normal = now.normal;
+      planes_[i].offset = now.offset;
+    }
+  const std::size_t first = lines_.size() + carried_.size();  // boxes follow hulls
+  for (std::size_t i = 0; i < boxes_.size(); ++i)
+    if (const auto platform = home_boxes_[i].motion.platform) {
+      const Surroundings::Solid now = posed(home_boxes_[i], platforms_.at(*platform, 0));
+      boxes_[i] = SolidBox(now.center, now.half, now.frame);
+      bounds_[first + i] = around(things_[first + i]);
+    }
+}
+
+/// Returns a box around a thing where it is now, or nowhere if it is gone or has no finite place.
+Bounds Things::around(const Thing& thing) const {
+  Bounds out = nowhere;
+  if (thing.form == Thing::Form::mesh)
+    return mesh(thing).sides() == MeshSides::upward ? nowhere : mesh(thing).bounds();
+  if (thing.form == Thing::Form::gone) return nowhere;
+  std::array<Vec3, 2> ends;
+  for (const Vec3 v : convex(thing, ends).vertices) {
+    if (!is_finite(v)) return nowhere;
+    include(out, v, thing.radius);
+  }
+  return out;
+}
+
+Convex Things::convex(const Thing& thing, std::array<Vec3, 2>& ends) const {
+  if (thing.form == Thing::Form::solid) return solids_[index_[thing.number]];
+  ends = {thing.p, thing.q};
+  return {
+      .vertices = std::span(ends).first(thing.p == thing.q ? 1 : 2), .normals = {}, .radius = thing.radius};
+}
+
+bool Things::may_find(std::uint32_t number, const QueryFilter& filter) const {
+  const QueryTarget& target = targets_[number];
+  const bool is_bare = target.kind != QueryTarget::Kind::shape;
+  const bool is_ground = !is_bare && target.list > ShapeKind::hull;
+  if (!(is_bare ? filter.bare : is_ground ? filter.ground : filter.shapes)) return false;
+  return may_touch(filters_[number], filter.filter);
+}
+
+}  // namespace plumb::detail

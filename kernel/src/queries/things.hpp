@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/linkage/combination.hpp"
+#include "contact/platforms/platforms.hpp"
+#include "contact/shapes/bounds.hpp"
+#include "contact/shapes/hulls/convex_hull.hpp"
+#include "contact/shapes/meshes/triangle_mesh.hpp"
+#include "contact/surroundings.hpp"
+#include "plumb/shapes/queries.hpp"
+#include "queries/solid_box.hpp"
+
+namespace plumb::detail {
+
+/// This is one that a query may find, but for planes, where it is now. It fills a line of the cache.
+///
+/// Its number is its place in the order of targets. A capsule is the line from p to q (m) with its radius
+/// (m).
+struct Thing {
+  enum class Form : std::uint8_t { gone, capsule, solid, mesh };
+  Vec3 p{}, q{};
+  double radius = 0;
+  std::uint32_t number = 0;
+  Form form = Form::gone;
+};
+
+/// This is a plane where it is now: its unit normal, and how far (m) it is along it.
+struct PlaneNow {
+  Vec3 normal{};
+  double offset = 0;
+  std::uint32_t number = 0;  ///< its place in the order of targets
+};
+
+/// Says where a world is. Rods that are out are bytes other than 0.
+struct Whereabouts {
+  std::span<const Vec3> positions;  ///< m, by particle
+  std::span<const std::uint8_t> broken;
+  std::span<const Pose> platforms;
+};
+
+/// Keeps what of a scene can be found by queries, and where it is now.
+class Things {
+ public:
+  Things(const Scene& scene, const QuerySettings& settings);
+
+  /// Takes everything where it is.
+  void update(const Whereabouts& now);
+
+  /// Lists all but planes, in the order of their numbers, and boxes around them. What is gone is nowhere.
+  std::span<const Thing> list() const { return things_; }
+  std::span<const Bounds> bounds() const { return bounds_; }
+  /// Lists the places in the list of what a hierarchy leaves out, because it would be as large as that:
+  /// landscapes with all that is below them. Their bounds are nowhere.
+  std::span<const std::uint32_t> wide() const { return wide_; }
+  std::span<const PlaneNow> planes() const { return planes_; }
+
+  /// Returns the shape of a solid, or of the line of a capsule, which `ends` has room for.
+  Convex convex(const Thing& thing, std::array<Vec3, 2>& ends) const;
+  const TriangleMesh& mesh(const Thing& thing) const { return meshes_[index_[thing.number]]; }
+
+  const QueryTarget& target(std::uint32_t number) const { return targets_[number]; }
+  /// Returns whether a filter lets a query find it.
+  bool may_find(std::uint32_t number, const QueryFilter& filter) const;
+
+ private:
+  /// A capsule goes where its places do, a rod where its ends do, and a particle alone.
+  struct Line {
+    std::uint32_t thing;
+    Combination a, b;
+  };
+  struct Pair {
+    std::uint32_t thing, rod, a, b;
+  };
+  struct Single {
+    std::uint32_t thing, particle;
+  };
+  /// A hull goes where the particles of its body do.
+  struct Carried {
+    std::array<std::uint32_t, 4> particles;
+    std::vector<std::array<double, 4>> corners;  ///< weights of the particles
+    std::vector<Vec3> vertices, normals;         ///< now
+  };
+
+  std::uint32_t add(const QueryTarget& target, const Filter& filter);
+  std::uint32_t add_thing(const QueryTarget& target, const Filter& filter, const Thing& thing,
+                          std::size_t index = 0);
+  std::uint32_t add_solid(ShapeKind list, std::size_t i, const Filter& filter, double radius);
+  void add_shapes(const Scene& scene);
+  void add_hull(const Scene& scene, std::size_t i);
+  void add_ground(const Scene& scene);
+  void add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, MeshSides sides);
+  void add_bare(const Scene& scene, const QuerySettings& settings);
+  void move_platforms(std::span<const Pose> platforms);
+  void move_hulls(std::span<const Vec3> positions);
+  Bounds around(const Thing& thing) const;
+
+  std::vector<QueryTarget> targets_;
+  std::vector<Filter> filters_;
+  std::vector<std::uint32_t> index_;  ///< by number: which of the solids or meshes it is
+  std::vector<Thing> things_;
+  std::vector<Bounds> bounds_;
+  std::vector<Line> lines_;
+  std::vector<Pair> rods_;
+  std::vector<Single> particles_;
+  std::vector<Carried> carried_;
+  /// Of solids, which are hulls on bodies, boxes and hulls of the ground in this order: their shapes now, and
+  /// the first box.
+  std::vector<Convex> solids_;
+  std::size_t first_box_ = 0;
+  std::vector<ConvexHull> hulls_;  ///< as they are in the scene
+  std::vector<SolidBox> boxes_;    ///< now
+  std::vector<TriangleMesh> meshes_;
+  std::vector<std::uint32_t> wide_;
+  std::vector<PlaneNow> planes_;
+  std::vector<Plane> home_planes_;
+  std::vector<Surroundings::Solid> home_boxes_;
+  Platforms platforms_;
+  std::vector<Pose> poses_;  ///< of the platforms, now
+};
+
+}  // namespace plumb::detail
