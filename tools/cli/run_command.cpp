@@ -173,21 +173,8 @@ void add_counted(Command& command, const char* option, const char* value, const 
       help);
 }
 
-}  // namespace
-
-void add_run_command(Command& plumb) {
-  Command command = plumb.add_command("run", "Simulate a scene; say how fast and how wrong");
-  auto options = std::make_shared<RunOptions>();
-  RunOptions& o = *options;
-  add_scene(command, o.scene);
-  add_seconds(command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
-  add_seconds(command, "--dt", o.plan.dt, "Length of a frame [1/60]");
-  add_winches(command, o.plan.rates);
-  add_solver_options(command, o.plan.settings);
-  add_layout_options(command, o.plan.settings);
-  add_save_at(
-      command, o.save_at,
-      "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
+/// Adds the files that frames are written to.
+void add_files(Command& command, RunOptions& o) {
   command.add_option("--trajectory", "OUT.csv", o.trajectory, "Write t,particle,x,y,z,vx,vy,vz to this file");
   add_counted(command, "--tensions", "OUT.csv", {o, o.tensions, &Settings::tensions},
               "Write t,rod,tension to this file: how rods pull, in N, in files of --vtk too");
@@ -206,22 +193,44 @@ void add_run_command(Command& plumb) {
         o.gltf = file;
       },
       "Write an animation for Blender and others: OUT.glb, or OUT.gltf as text");
+}
+
+/// Adds what asks how long steps take, and bounds it.
+void add_clock(Command& command, scenes::RunPlan& plan) {
+  command.add_flag("--stages", plan.times_stages, "Tell how long the stages of steps took");
+  command.add_option(
+      "--step-budget", "U",
+      [&plan](const std::string& text) {
+        const auto value = scenes::parse_number<double>(text);
+        if (!value || !(*value > 0) || !std::isfinite(*value))
+          throw BadValue("'" + text + "' is not a positive number");
+        plan.step_budget_us = *value;
+      },
+      "Fit every step into this many microseconds, by fewer substeps or less accuracy; results then depend "
+      "on the clock");
+}
+
+}  // namespace
+
+void add_run_command(Command& plumb) {
+  Command command = plumb.add_command("run", "Simulate a scene; say how fast and how wrong");
+  auto options = std::make_shared<RunOptions>();
+  RunOptions& o = *options;
+  add_scene(command, o.scene);
+  add_seconds(command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
+  add_seconds(command, "--dt", o.plan.dt, "Length of a frame [1/60]");
+  add_winches(command, o.plan.rates);
+  add_solver_options(command, o.plan.settings);
+  add_layout_options(command, o.plan.settings);
+  add_save_at(
+      command, o.save_at,
+      "Times for the trajectory and the pictures, each the end of a frame or 0; without it every frame");
+  add_files(command, o);
   command.add_option("--save", "OUT.snapshot", o.save,
                      "Keep a snapshot in this file: every 10 s of computing, on Ctrl-C and at the end");
   command.add_option("--resume", "IN.snapshot", o.plan.resume,
                      "Go on from a snapshot of the same scene and settings, up to --duration");
-  command.add_flag("--stages", o.plan.times_stages, "Tell how long the stages of steps took");
-  command.add_option(
-      "--step-budget", "U",
-      [&o](const std::string& text) {
-        const auto value = scenes::parse_number<double>(text);
-        if (!value || !(*value > 0) || !std::isfinite(*value))
-          throw BadValue("'" + text + "' is not a positive number");
-        o.plan.step_budget_us = *value;
-      },
-      "Fit every step into this many microseconds, by fewer substeps or less accuracy; results then depend "
-      "on "
-      "the clock");
+  add_clock(command, o.plan);
   command.add_option("--truth", "TRUTH.csv", o.truth, "Compare positions with this trajectory");
   add_counted(command, "--truth-tensions", "TENSIONS.csv", {o, o.truth_tensions, &Settings::tensions},
               "Compare tensions with these, at times of --truth");
