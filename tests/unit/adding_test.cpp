@@ -470,7 +470,9 @@ TEST(Handles, AreRefusedOnceWhatTheyNameIsGone) {
   EXPECT_FALSE(world.has(rod));
   expect_refusal("particle 7: was removed; its handle is of generation 1, now 2",
                  [&] { (void)world.number(particle); });
-  expect_refusal("particle 7: was removed", [&] { (void)world.particle_handle(7); });
+  EXPECT_EQ(world.particle_handle(7), Handle<Particle>{});
+  EXPECT_EQ(world.rod_handle(5), Handle<Rod>{});
+  expect_refusal("particle 10: unknown", [&] { (void)world.particle_handle(10); });
   EXPECT_EQ(world.add(chains(1, 4)), (Added{.particle = 5, .rod = 4}));
   expect_refusal("rod 5: was removed; its handle is of generation 1, now 3",
                  [&] { (void)world.number(rod); });

@@ -182,9 +182,9 @@ class PLUMB_API World {
   ///
   /// Throws InputError as cut() does, and on islands with twists or reels.
   void remove(std::uint32_t particle);
-  /// Returns what names a particle for good. Throws InputError on an unknown one.
+  /// Returns what names a particle for good; nothing if it was removed. Throws InputError on an unknown one.
   Handle<Particle> particle_handle(std::uint32_t particle) const;
-  /// Returns what names a rod for good. Throws InputError on an unknown one.
+  /// Returns what names a rod for good; nothing if it was removed. Throws InputError on an unknown one.
   Handle<Rod> rod_handle(std::uint32_t rod) const;
   /// Returns the number of a particle. Throws InputError on a handle that names none, or one that was
   /// removed.

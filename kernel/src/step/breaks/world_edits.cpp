@@ -137,6 +137,12 @@ std::uint32_t number_of(const detail::Numbers& numbers, const char* what, Handle
 }
 
 template <class Item>
+Handle<Item> handle_of(const detail::Numbers& numbers, std::uint32_t number) {
+  if (!numbers.has(number)) return {};
+  return {number, numbers.generation(number)};
+}
+
+template <class Item>
 bool names_one(const detail::Numbers& numbers, Handle<Item> handle) {
   return handle && handle.number < numbers.count() &&
          numbers.generation(handle.number) == handle.generation && numbers.has(handle.number);
@@ -145,12 +151,13 @@ bool names_one(const detail::Numbers& numbers, Handle<Item> handle) {
 }  // namespace
 
 Handle<Particle> World::particle_handle(std::uint32_t particle) const {
-  impl_->require_known(particle);
-  return {particle, impl_->step->population().particles.generation(particle)};
+  if (particle >= particle_count())
+    refuse("particle ", particle, ": unknown, the world has ", particle_count(), " particles");
+  return handle_of<Particle>(impl_->step->population().particles, particle);
 }
 Handle<Rod> World::rod_handle(std::uint32_t rod) const {
-  impl_->require_rod(rod);
-  return {rod, impl_->step->population().rods.generation(rod)};
+  Impl::require_one_of(rod_count(), "rod", rod);
+  return handle_of<Rod>(impl_->step->population().rods, rod);
 }
 std::uint32_t World::number(Handle<Particle> particle) const {
   return number_of(impl_->step->population().particles, "particle", particle);
