@@ -178,8 +178,8 @@ std::vector<Case> cases() {
   add_edited("edited_net", spec("net:width=8,height=6"), direct);
   add_edited("edited_tearing_net", tearing_net, direct);
   add_edited("edited_wire", spec("wire"), direct);
-  for (const char* const name :
-       {"edited_ropes", "edited_ropes_float", "edited_wire", "tackle", "reel", "heap"}) {
+  for (const char* const name : {"edited_ropes", "edited_ropes_float", "edited_wire", "tackle", "reel",
+                                 "heap", "ropes_accurate", "relaxed_ropes_float"}) {
     out.push_back(*std::find_if(out.begin(), out.end(), [&](const Case& of) { return of.name == name; }));
     out.back().name = "living_" + out.back().name;
     out.back().adds = true;

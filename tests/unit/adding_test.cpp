@@ -9,8 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "step/breaks/addition.hpp"
+#include "step/breaks/ids.hpp"
 #include "step/breaks/log.hpp"
 #include "step/breaks/numbers.hpp"
+#include "step/inputs/cords.hpp"
 #include "step/rows.hpp"
 #include "support/refusals.hpp"
 #include "support/snapshots.hpp"
@@ -102,6 +105,43 @@ TEST(Rows, KeepTheirItemsWhileOthersGrow) {
     EXPECT_EQ(rows.of(1)[1], 6);
   }
   EXPECT_LT(rows.items().size(), 3 * 12u);
+}
+
+TEST(CordTable, HasRodsAndLinesApart) {
+  detail::CordTable<int> table({1, 2}, {3});
+  table.grow(3, 2);
+  table[detail::first_line + 1] = 5;
+  EXPECT_EQ(table[1], 2);
+  EXPECT_EQ(table[2], 0);
+  EXPECT_EQ(table[detail::first_line], 3);
+  EXPECT_EQ(table[detail::first_line + 1], 5);
+  EXPECT_EQ(table.rods(), 3u);
+  EXPECT_EQ(table.lines(), 2u);
+}
+
+TEST(Ids, AscendEachOnce) {
+  detail::Ids ids{4, 2, 4, 1};
+  detail::sort_once(ids);
+  EXPECT_EQ(ids, (detail::Ids{1, 2, 4}));
+}
+
+TEST(Addition, IsEqualInAllMembers) {
+  Scene scene = chains(1, 3);
+  scene.bends = {{.a = 0, .b = 1, .c = 2, .stiffness = 1}};
+  scene.tackles = {{.particles = {1, 3}, .law = {.one_sided = true}}};
+  const detail::Addition one(scene, {.rod = 3});
+  EXPECT_TRUE(one == detail::Addition(one.scene({1, 2, 3}, 4), {.rod = 3}));
+  EXPECT_EQ(one.scene({1, 2, 3}, 4).gravity, (Vec3{1, 2, 3}));
+  const auto differs = [&](auto&& change) {
+    detail::Addition other = one;
+    change(other);
+    return !(one == other);
+  };
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.particles[1].velocity.z = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.rods[2].law.strength = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.bends[0].damping = 9; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.tackles[0].particles[0] = 2; }));
+  EXPECT_TRUE(differs([](detail::Addition& of) { of.first.bend = 9; }));
 }
 
 TEST(Numbers, AreTheLowestInARow) {
@@ -225,6 +265,20 @@ TEST(Adding, SeesGravityAndLoadsOfTheWorld) {
   EXPECT_EQ(world.add(ball).particle, 5u);
   test::run(world, frame, 6);
   EXPECT_LE(norm(world.velocity(5) - 0.1 * Vec3{3, 0, 5}), 1e-12);
+  world.remove(5);
+  test::run(world, frame, 2);
+  EXPECT_EQ(world.add(ball).particle, 5u);
+  test::run(world, frame, 6);
+  EXPECT_LE(norm(world.velocity(5) - 0.1 * Vec3{3, 0, 5}), 1e-12);
+}
+
+// A world may begin with nothing.
+TEST(Adding, FillsAnEmptyWorld) {
+  World world(Scene{}, {.threads = 1}), other(chains(2, 3), {.threads = 1});
+  world.step(frame);
+  EXPECT_EQ(world.add(chains(2, 3)), Added{});
+  for (World* const each : {&world, &other}) EXPECT_EQ(each->step(frame).awake_islands, 2u);
+  expect_equal(world, other, 0, 8);
 }
 
 // What is added may be edited as what was there, at once or later.
@@ -439,6 +493,7 @@ TEST(Removing, IsRefusedWithAReason) {
   expect_refusal("particle 17: unknown", [&] { world.remove(17); });
   expect_refusal("particle 3: its island has joints", [&] { world.remove(3); });
   expect_refusal("particle 15: a shape is at it", [&] { world.remove(15); });
+  expect_refusal("particle 0: is fixed, and something hangs from it", [&] { world.remove(0); });
   world.remove(8);
   expect_refusal("particle 8: was removed", [&] { world.remove(8); });
   world.add(chains(2, 4, 9));
@@ -496,6 +551,8 @@ TEST(Adding, IsKnownToSnapshots) {
     World world(scene, settings);
     test::run(world, frame, 3);
     const test::Snapshot before = test::snapshot_of(world);
+    world.set_gravity({1, -9, 0});
+    world.step(frame);
     const Added first = world.add(more);
     test::run(world, frame, 2);
     world.remove(8);

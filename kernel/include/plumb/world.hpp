@@ -176,9 +176,9 @@ class PLUMB_API World {
   /// Throws InputError if validate() refuses the scene, on other drag than that of the world, on anything
   /// else in it, and where the settings cannot move it.
   Added add(const Scene& scene);
-  /// Removes the island of a movable particle at once, as it is without edits that wait, with its fixed
-  /// particles from which nothing else hangs; or such a fixed one alone. What was ordered of it ends. Its
-  /// numbers are refused until add() gives them anew. What is copied in bulk is zero there.
+  /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles
+  /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was
+  /// ordered of all that ends. Its numbers are refused until add() gives them anew, and bulk copies are zero.
   ///
   /// Throws InputError as cut() does, and on islands with twists or reels.
   void remove(std::uint32_t particle);

@@ -238,7 +238,7 @@ void Step::set_weights(Weights weights) {
 
 void Step::describe() {
   WorldInfo& info = compiled_.info;
-  info.relaxed_rods = info.direct_rods = 0;
+  info.relaxed_rods = info.direct_rods = info.linkages = 0;
   info.skipped_per_rod_weights = 0;
   info.blocks.clear();
   for_solvers([&](const Solver& solver) { solver.describe(info); });

@@ -35,6 +35,7 @@ void Loads::grow(std::size_t particles) {
 }
 
 void Loads::add(std::uint32_t particle, bool is_fixed, Vec3 velocity) {
+  remove(particle);  // a load may have said forces of what was not there
   fixed_[particle] = is_fixed;
   if (!last_velocities_.empty()) last_velocities_[particle] = velocity;
 }
