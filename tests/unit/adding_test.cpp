@@ -230,6 +230,34 @@ TEST(Adding, LeavesOthersTheirBits) {
   });
 }
 
+// What flies has the momentum that it was given, and takes none from others.
+TEST(Adding, KeepsMomentum) {
+  Scene flying = chains(1, 8);
+  flying.particles[0] = movable({}, 2, {1, 0, 0});
+  const auto momentum = [&](const World& world, std::uint32_t first) {
+    Vec3 sum;
+    for (std::uint32_t i = 0; i < 9; ++i) sum += flying.particles[i].mass * world.velocity(first + i);
+    return sum;
+  };
+  Vec3 given;
+  for (const Particle& particle : flying.particles) given += particle.mass * particle.velocity;
+  for_methods([&](const Settings& settings) {
+    World world(flying, settings);
+    test::run(world, frame, 5);
+    const Vec3 before = momentum(world, 0);
+    const std::uint32_t first = world.add(flying).particle;
+    const double rounding = settings.precision == Precision::single ? 1e-4 : 1e-11;
+    EXPECT_EQ(momentum(world, 0), before);
+    EXPECT_LE(norm(momentum(world, first) - given), rounding);
+    test::run(world, frame, 5);
+    const double late = settings.gradient == Gradient::new_ ? 0.5 * frame / settings.substeps : 0;
+    const Vec3 gained = (10 * 5 * frame) * gravity;
+    EXPECT_LE(norm(momentum(world, first) - given - gained), 2 * rounding + 10 * late * norm(gravity));
+    world.remove(first);
+    EXPECT_LE(norm(momentum(world, 0) - before - gained), rounding);
+  });
+}
+
 TEST(Adding, TakesForcesAnchorsAndReadingAtOnce) {
   World world(chains(2, 4), {.tensions = true, .threads = 1});
   test::run(world, frame, 5);
