@@ -82,7 +82,11 @@ void Step::put(Split& now, Compiled made) {
                             [&](std::uint32_t each) { return anchors_.is_fixed(each); });
   }
   for (const std::uint32_t i : numbers.tackles) lengths_.add(tackle_cord(i), tackle_length(scene, i));
-  compiled_.info.islands += made.info.islands;
+  WorldInfo& info = compiled_.info;
+  info.islands += made.info.islands;
+  info.projected_velocity = std::max(info.projected_velocity, made.info.projected_velocity);
+  info.projected_position = std::max(info.projected_position, made.info.projected_position);
+  info.unprojected_islands += made.info.unprojected_islands;
   seat(std::move(made.solvers), now.seats);
   put_places(numbers, made, now.seats);
 }

@@ -13,13 +13,13 @@ namespace plumb::detail {
 /// Holds what one call of Breaks::take_out() took, and how what it made anew was then; or what was added or
 /// removed at once. With all of them in turn, a world that is compiled anew becomes alike.
 struct Split {
-  std::vector<std::uint32_t> rods;  ///< They broke; by number in the whole scene.
-  Edits edits;
-  std::vector<Vec3> positions, velocities;  ///< m and m/s, of Fallen::particles
-  std::vector<double> lengths;              ///< m, of Fallen::rods and then of Fallen::tackles
-  std::vector<Addition> added;              ///< one at most
-  std::vector<std::uint32_t> removed;       ///< one particle of an island at most
-  std::vector<std::uint32_t> seats;         ///< numbers of the solvers that were made
+  std::vector<std::uint32_t> rods{};  ///< They broke; by number in the whole scene.
+  Edits edits{};
+  std::vector<Vec3> positions{}, velocities{};  ///< m and m/s, of Fallen::particles
+  std::vector<double> lengths{};                ///< m, of Fallen::rods and then of Fallen::tackles
+  std::vector<Addition> added{};                ///< one at most
+  std::vector<std::uint32_t> removed{};         ///< one particle of an island at most
+  std::vector<std::uint32_t> seats{};           ///< numbers of the solvers that were made
 
   friend bool operator==(const Split&, const Split&) = default;
 };
