@@ -197,6 +197,22 @@ TEST_F(Allocations, AreNoneInStepsAfterChanges) {
   EXPECT_EQ(allocations_in([&] { world.step(1.0 / 60); }), 0u);
 }
 
+// What is added makes its room in its first step, and what is removed leaves its own.
+TEST_F(Allocations, AreNoneInStepsOfWhatIsAdded) {
+  const Scene rope = scenes::make_chain(12);
+  for (const Method method : {Method::direct, Method::relax}) {
+    World world(scenes::load_scene("ensemble:chains=20,links=6"),
+                {.method = method, .tensions = true, .threads = 1});
+    world.step(1.0 / 60);
+    const Added first = world.add(rope);
+    world.step(1.0 / 60);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 5); }), 0u) << to_string(method);
+    world.remove(first.particle + 1);
+    world.remove(1);
+    EXPECT_EQ(allocations_in([&] { test::run(world, 1.0 / 60, 5); }), 0u) << to_string(method);
+  }
+}
+
 TEST_F(Allocations, AreNoneInStepsOfWires) {
   for (const Gradient gradient : {Gradient::mid, Gradient::new_}) {
     World world(scenes::load_scene("wire"),

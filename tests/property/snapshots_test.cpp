@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -31,7 +32,7 @@ struct Case {
   Settings settings;
   /// Lets the player change the length of this rod, or rules, or islands.
   std::optional<std::uint32_t> winch{};
-  bool changes_rules = false, edits = false;
+  bool changes_rules = false, edits = false, adds = false;
 
   friend void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
 };
@@ -177,6 +178,12 @@ std::vector<Case> cases() {
   add_edited("edited_net", spec("net:width=8,height=6"), direct);
   add_edited("edited_tearing_net", tearing_net, direct);
   add_edited("edited_wire", spec("wire"), direct);
+  for (const char* const name : {"edited_ropes", "edited_ropes_float", "edited_wire", "tackle", "reel",
+                                 "heap", "ropes_accurate", "relaxed_ropes_float"}) {
+    out.push_back(*std::find_if(out.begin(), out.end(), [&](const Case& of) { return of.name == name; }));
+    out.back().name = "living_" + out.back().name;
+    out.back().adds = true;
+  }
   for (std::size_t i = 0; i < std::size(test::breaking_laws); ++i) {
     const auto chain = [i] { return test::hanging_chain(test::breaking_laws[i]); };
     out.push_back({"breaking_" + std::to_string(i), chain, direct});
@@ -195,12 +202,16 @@ std::vector<std::uint64_t> readings(const World& world, const Scene& scene, cons
   add(world.time());
   std::vector<Vec3> reactions(world.particle_count());
   if (settings.tensions) world.copy_reactions(reactions);
+  const std::vector<Vec3> positions = test::positions_of(world), velocities = test::velocities_of(world);
   for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
-    add_vector(world.position(i));
-    add_vector(world.velocity(i));
+    out.push_back(world.particle_handle(i).generation);
+    add_vector(positions[i]);
+    add_vector(velocities[i]);
     add_vector(reactions[i]);
   }
   for (std::uint32_t i = 0; i < world.rod_count(); ++i) {
+    out.push_back(world.rod_handle(i).generation);
+    if (!world.rod_handle(i)) continue;
     out.push_back(world.is_broken(i) ? 1 : 0);
     if (!settings.tensions) continue;
     add(world.tension(i));
@@ -210,7 +221,8 @@ std::vector<std::uint64_t> readings(const World& world, const Scene& scene, cons
     out.push_back(static_cast<std::uint64_t>(problem.kind));
     add(problem.strain);
   }
-  for (std::uint32_t i = 0; i < scene.tackles.size(); ++i) add(world.tackle_tension(i));
+  for (std::uint32_t i = 0; i < scene.tackles.size(); ++i)
+    if (world.particle_handle(scene.tackles[i].particles[0]).generation == 1) add(world.tackle_tension(i));
   for (std::uint32_t i = 0; i < scene.reels.size(); ++i) add(world.reel_out(i));
   for (std::uint32_t i = 0; i < scene.twists.size(); ++i) add(world.twist(i));
   for (std::uint32_t i = 0; i < scene.torsions.size(); ++i) add(world.torsion_angle(i));
@@ -245,6 +257,7 @@ class Rollback : public testing::TestWithParam<Case> {
     if (GetParam().winch) out.with_winch(*GetParam().winch);
     if (GetParam().changes_rules) out.with_rules();
     if (GetParam().edits) out.with_edits();
+    if (GetParam().adds) out.with_additions();
     return out;
   }
   std::vector<std::uint64_t> read(const World& world) const { return readings(world, scene_, settings_); }

@@ -29,9 +29,11 @@ class Player {
   void act(World& world, std::uint32_t frame) const {
     try {
       if (edits_) edit(world, frame);
+      if (adds_) add_or_remove(world, frame);
       play(world, frame);
     } catch (const InputError&) {
-      if (!edits_) throw;  // else it is of a particle that was fixed or freed, for every world alike
+      if (!edits_ && !adds_)
+        throw;  // else it is of a particle that was fixed, freed or removed, for every world alike
     }
   }
 
@@ -48,7 +50,33 @@ class Player {
     return *this;
   }
 
+  /// Ropes come and go, too.
+  Player& with_additions() {
+    adds_ = true;
+    return *this;
+  }
+
  private:
+  void add_or_remove(World& world, std::uint32_t frame) const {
+    std::seed_seq seeds{seed_, frame, 2u};
+    std::mt19937 random(seeds);
+    const auto pick = [&](std::size_t count) { return static_cast<std::uint32_t>(random() % count); };
+    if (frame % 3 != 2) {
+      Scene rope;
+      const std::uint32_t rods = 2 + pick(4);
+      rope.particles.push_back({.position = {0.1 * pick(20), 3, 0}, .fixed = true});
+      for (std::uint32_t i = 0; i < rods; ++i) {
+        const Vec3 way{0.06, -0.08, 0};
+        rope.particles.push_back({.position = rope.particles.back().position + way, .mass = 1.0 + pick(3)});
+        rope.rods.push_back({.a = i, .b = i + 1, .law = {.strength = 60.0 + pick(60)}});
+      }
+      world.add(rope);
+    }
+    for (int i = 0; i < 2; ++i)
+      if (const std::uint32_t particle = pick(world.particle_count()); world.particle_handle(particle))
+        world.remove(particle);
+  }
+
   void edit(World& world, std::uint32_t frame) const {
     std::seed_seq seeds{seed_, frame, 1u};
     std::mt19937 random(seeds);
@@ -116,7 +144,7 @@ class Player {
   const Scene& scene_;
   std::uint32_t seed_;
   std::optional<std::uint32_t> winch_{};
-  bool changes_rules_ = false, edits_ = false;
+  bool changes_rules_ = false, edits_ = false, adds_ = false;
 };
 
 }  // namespace plumb::test

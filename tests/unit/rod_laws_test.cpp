@@ -201,7 +201,7 @@ TEST(Lengths, GoStraightAndStop) {
   solvers.push_back(std::make_unique<SolverOfLengths>());
   const auto& solver = static_cast<const SolverOfLengths&>(*solvers[0]);
   const Places::Entry entry{1, {0, 0}};
-  const Places places(2, std::span(&entry, 1));
+  const CordPlaces places{Places(2, std::span(&entry, 1)), {}};
   lengths.set_target(1, 0.3);
   lengths.begin_step(0.5, places, solvers);
   EXPECT_EQ(solver.length, 0.1);

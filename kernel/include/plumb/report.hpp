@@ -11,8 +11,34 @@
 #include "plumb/settings.hpp"
 
 /// @file
-/// This file holds what a world reports of itself: of a step, of how its scene was compiled, and of problems.
+/// This file holds what a world reports of itself: of a step, of how its scene was compiled, of problems, and
+/// of what is added.
 namespace plumb {
+
+/// Names a Particle or a Rod of a World for good, where numbers are given anew once what had them is removed.
+/// It is a value, and one without members set names nothing.
+template <class Item>
+struct Handle {
+  std::uint32_t number = 0;      ///< Its number in the world.
+  std::uint32_t generation = 0;  ///< Odd, and higher the later it got the number; 0 if it names nothing.
+
+  /// Returns whether it names something, which may be gone by now.
+  explicit constexpr operator bool() const { return generation != 0; }
+  /// Returns whether both name the same.
+  friend constexpr bool operator==(const Handle&, const Handle&) = default;
+};
+
+/// Says which numbers World::add() gave. Those of each kind follow each other in the order of what was added.
+/// Where none of a kind was added, its number means nothing.
+struct Added {
+  std::uint32_t particle = 0;  ///< Number of the first particle.
+  std::uint32_t rod = 0;       ///< Number of the first rod.
+  std::uint32_t bend = 0;      ///< Number of the first bend.
+  std::uint32_t tackle = 0;    ///< Number of the first tackle.
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const Added&, const Added&) = default;
+};
 
 /// Says what ended the sweeps. Where blocks or substeps differ, the latest in this list is reported.
 enum class StoppedBy : std::uint8_t { nothing, tolerance, sweeps, budget };

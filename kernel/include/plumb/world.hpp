@@ -183,6 +183,33 @@ class PLUMB_API World {
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
 
+  /// Adds islands of particles, rods, bends and tackles at once, as a world of that scene would begin with
+  /// them. Others keep their bits. Numbers are the lowest of removed ones that are free in a row, or new, and
+  /// depend on nothing but what was added and removed before. Its gravity and ground are those of the world.
+  ///
+  /// Throws InputError if validate() refuses the scene, on other drag than that of the world, on anything
+  /// else in it, and where the settings cannot move it.
+  Added add(const Scene& scene);
+  /// Removes the island of a movable particle at once, as it is without edits that wait. Its fixed particles
+  /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was
+  /// ordered of all that ends. Its numbers are refused until add() gives them anew, and bulk copies are zero.
+  ///
+  /// Throws InputError as cut() does, and on islands with twists or reels.
+  void remove(std::uint32_t particle);
+  /// Returns what names a particle for good; nothing if it was removed. Throws InputError on an unknown one.
+  Handle<Particle> particle_handle(std::uint32_t particle) const;
+  /// Returns what names a rod for good; nothing if it was removed. Throws InputError on an unknown one.
+  Handle<Rod> rod_handle(std::uint32_t rod) const;
+  /// Returns the number of a particle. Throws InputError on a handle that names none, or one that was
+  /// removed.
+  std::uint32_t number(Handle<Particle> particle) const;
+  /// Returns the number of a rod likewise.
+  std::uint32_t number(Handle<Rod> rod) const;
+  /// Returns whether a handle names a particle that is there.
+  bool has(Handle<Particle> particle) const;
+  /// Returns whether a handle names a rod that is there.
+  bool has(Handle<Rod> rod) const;
+
   /// Lets a tackle become `target` (m) long during the next step, at a constant rate. Throws InputError on an
   /// unknown tackle and a length that is not positive and finite.
   void set_tackle_length(std::uint32_t tackle, double target);
@@ -246,8 +273,8 @@ class PLUMB_API World {
   /// length by more than `most_strain` of it. An empty list means that all is well.
   std::vector<Problem> problems(double most_strain = 0.01) const;
 
-  std::uint32_t particle_count() const;  ///< Particles of the scene.
-  std::uint32_t rod_count() const;       ///< Rods of the scene.
+  std::uint32_t particle_count() const;  ///< Numbers of particles, with those that were removed.
+  std::uint32_t rod_count() const;       ///< Numbers of rods, with those that were removed.
   double time() const;                   ///< Simulated time, in s.
 
   /// Returns positions in m, in the scene's order, as a view.
@@ -298,7 +325,8 @@ class PLUMB_API World {
   /// more room than ever before, or if other rods have broken islands apart.
   void restore(std::span<const std::byte> from);
 
-  /// Says how the scene was compiled. Steps and restore() may move it if rods break or are cut.
+  /// Says how the scene was compiled, and what changed since. The reference stays valid while the world
+  /// lives, but for restore(), and is up to date when this is called.
   const WorldInfo& info() const;
 
  private:

@@ -27,10 +27,11 @@ Troubles troubles_between(const StepReport& before, const StepReport& after) {
 }
 
 RodJudge::RodJudge(const Scene& scene) {
-  rods_.reserve(scene.rods.size());
-  for (const Rod& rod : scene.rods)
-    rods_.push_back({rod.a, rod.b, scene.particles[rod.a].fixed ? rod.b : rod.a, rod.law.is_elastic(),
-                     rod.law.one_sided});
+  grow(scene.rods.size());
+  for (std::uint32_t i = 0; i < scene.rods.size(); ++i) {
+    const Rod& rod = scene.rods[i];
+    add(i, rod, scene.particles[rod.a].fixed ? rod.b : rod.a);
+  }
 }
 
 void append_problems(Troubles troubles, std::uint32_t particle, std::vector<Problem>& out) {

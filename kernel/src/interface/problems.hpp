@@ -24,14 +24,24 @@ class RodJudge {
 
   void set_end(std::uint32_t rod, std::uint32_t movable) { rods_[rod].first_movable = movable; }
 
+  /// Takes at least so many rods. New ones are as removed ones.
+  void grow(std::size_t rods) {
+    if (rods > rods_.size()) rods_.resize(rods, {.is_spared = true});
+  }
+  /// Gives a number to a rod. `movable` is one of its ends.
+  void add(std::uint32_t number, const Rod& rod, std::uint32_t movable) {
+    rods_[number] = {rod.a, rod.b, movable, rod.law.is_elastic(), rod.law.one_sided};
+  }
+  void remove(std::uint32_t rod) { rods_[rod].is_spared = true; }
+
   /// Appends a problem for every rod that is not elastic nor broken and whose strain is above `most_strain`.
   /// position(particle), strain(rod, distance of its ends) and is_broken(rod) say how they are.
   template <class Position, class Strain, class IsBroken>
   void judge(double most_strain, Position&& position, Strain&& strain_at, IsBroken&& is_broken,
              std::vector<Problem>& out) const {
     for (std::uint32_t i = 0; i < rods_.size(); ++i) {
-      const auto& [a, b, first_movable, is_elastic, one_sided] = rods_[i];
-      if (is_elastic) continue;
+      const auto& [a, b, first_movable, is_spared, one_sided] = rods_[i];
+      if (is_spared) continue;
       const double strain = strain_at(i, norm(position(b) - position(a)));
       if ((one_sided ? strain : std::abs(strain)) <= most_strain || is_broken(i)) continue;
       out.push_back({Problem::Kind::stretched, first_movable, i, strain});
@@ -40,8 +50,9 @@ class RodJudge {
 
  private:
   struct JudgedRod {
-    std::uint32_t a, b, first_movable;
-    bool is_elastic, one_sided;
+    std::uint32_t a = 0, b = 0, first_movable = 0;
+    bool is_spared = false;  ///< It is elastic, or was removed.
+    bool one_sided = false;
   };
   std::vector<JudgedRod> rods_;
 };

@@ -53,6 +53,15 @@ std::span<const Reactions::Held> Reactions::at(std::uint32_t anchor) const {
   return {begin, end};
 }
 
+void Reactions::remove(std::uint32_t anchor, std::span<const std::uint32_t> rods) {
+  const auto begin = held_.begin() + (at(anchor).data() - held_.data());
+  const auto end = begin + static_cast<std::ptrdiff_t>(at(anchor).size());
+  held_.erase(std::remove_if(
+                  begin, end,
+                  [&](const Held& held) { return std::binary_search(rods.begin(), rods.end(), held.rod); }),
+              end);
+}
+
 Vec3 Reactions::holding(const Held& held, double pull, Vec3 way, Vec3 velocity, double dt) const {
   const double length = norm(held.way) + norm(way);
   const Vec3 pulled = pull == 0 ? Vec3{} : -pull / length * (held.way + way);

@@ -58,9 +58,21 @@ class Reactions {
   void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods, IsFixed&& is_fixed) {
     std::erase_if(
         held_, [&](const Held& held) { return std::find(rods.begin(), rods.end(), held.rod) != rods.end(); });
-    for (const std::uint32_t rod : rods) add_rod(scene, model, rod, is_fixed);
-    sort();
+    for (const std::uint32_t rod : rods) insert_rod(scene, model, rod, is_fixed);
   }
+  /// Looks at a rod that is new.
+  template <class IsFixed>
+  void insert_rod(const Scene& scene, MassModel model, std::uint32_t rod, IsFixed&& is_fixed) {
+    const std::size_t before = held_.size();
+    add_rod(scene, model, rod, is_fixed);
+    if (held_.size() == before) return;
+    const auto place =
+        std::upper_bound(held_.begin(), held_.end() - 1, held_.back(),
+                         [](const Held& first, const Held& second) { return first.anchor < second.anchor; });
+    std::rotate(place, held_.end() - 1, held_.end());
+  }
+  /// Forgets what hangs from an anchor by rods that are listed, which ascend.
+  void remove(std::uint32_t anchor, std::span<const std::uint32_t> rods);
 
   /// Returns the force (N) on the anchor that balances a rod's mean pull (N) and its mass, after a step of
   /// `dt` (s) that led the other end to `way` and `velocity`.

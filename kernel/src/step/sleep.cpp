@@ -17,13 +17,14 @@ void Sleep::start(std::span<const std::unique_ptr<Solver>> solvers, const Settin
 }
 
 void Sleep::exchange(std::span<const std::unique_ptr<Solver>> solvers, std::span<const Seat> seats) {
-  const std::vector<Task> before = std::exchange(tasks_, {});
+  before_.clear();
+  std::swap(before_, tasks_);
   std::size_t next = 0;  // the first task before of a solver with this number or a later one
   first_task_.clear();
   for (std::uint32_t s = 0; s < solvers.size(); ++s) {
     first_task_.push_back(static_cast<std::uint32_t>(tasks_.size()));
-    for (; next < before.size() && before[next].solver == s; ++next)
-      if (seats[s] == Seat::kept) tasks_.push_back(before[next]);
+    for (; next < before_.size() && before_[next].solver == s; ++next)
+      if (seats[s] == Seat::kept) tasks_.push_back(before_[next]);
     if (seats[s] != Seat::taken) continue;
     for (std::uint32_t piece = 0; piece < solvers[s]->pieces(); ++piece) tasks_.push_back({s, piece});
   }

@@ -74,7 +74,7 @@ class Sleep {
  private:
   void wake(std::span<const std::unique_ptr<Solver>> solvers, Task& task);
 
-  std::vector<Task> tasks_;
+  std::vector<Task> tasks_, before_;       ///< The latter is room for an exchange.
   std::vector<std::uint32_t> first_task_;  ///< by solver
   std::uint32_t awake_ = 0;
   double relative_speed_ = 0;  ///< 1/s: a piece's speed of rounding per metre of its size

@@ -50,6 +50,8 @@ Step::Step(const Scene& scene, const Settings& settings)
       breaks_(origin_->scene, settings),
       gravity_(scene.gravity),
       next_gravity_(gravity_),
+      population_{Numbers(scene.particles.size()), Numbers(scene.rods.size()), Numbers(scene.bends.size()),
+                  Numbers(scene.tackles.size())},
       rods_(scene),
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
@@ -61,6 +63,11 @@ Step::Step(const Scene& scene, const Settings& settings)
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
   seats_.assign(compiled_.solvers.size(), Seat::kept);
+  const bool moves_by_reference = settings.method == Method::springs ||
+                                  settings.method == Method::multipliers ||
+                                  settings.method == Method::featherstone;
+  has_archive_ = !moves_by_reference && std::all_of(compiled_.solvers.begin(), compiled_.solvers.end(),
+                                                    [](const auto& solver) { return solver->has_archive(); });
   reserve();
   compiled_.places.runs();  // so that reading allocates nothing
   compiled_.info.parallel = uses_threads();
@@ -68,9 +75,12 @@ Step::Step(const Scene& scene, const Settings& settings)
 
 /// Makes the space that steps need, so that they allocate nothing.
 void Step::reserve() {
-  active_.reserve(sleep_.tasks().size());
-  visited_.reserve(compiled_.solvers.size());
-  last_dt_.reserve(compiled_.solvers.size());
+  const auto reserve_for = [](auto& list, std::size_t count) {
+    if (count > list.capacity()) list.reserve(std::max(count, 2 * list.capacity()));
+  };
+  reserve_for(active_, sleep_.tasks().size());
+  reserve_for(visited_, compiled_.solvers.size());
+  reserve_for(last_dt_, compiled_.solvers.size());
 }
 
 StepReport Step::run(double dt) {
@@ -248,10 +258,12 @@ void Step::set_weights(Weights weights) {
 
 void Step::describe() {
   WorldInfo& info = compiled_.info;
-  info.relaxed_rods = info.direct_rods = 0;
+  info.relaxed_rods = info.direct_rods = info.linkages = 0;
   info.skipped_per_rod_weights = 0;
   info.blocks.clear();
   for_solvers([&](const Solver& solver) { solver.describe(info); });
+  info.parallel = uses_threads();
+  is_described_ = true;
 }
 
 void Step::ask_load(double time, double dt) {
@@ -280,7 +292,7 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 }
 
 void Step::set_length(std::uint32_t cord, double target) {
-  if (cord < compiled_.info.rods && is_broken(cord)) return;  // it has no length any more
+  if (!is_line(cord) && is_broken(cord)) return;  // it has no length any more
   const auto places = compiled_.cords.of(cord);
   if (places.empty() || solver(places.front()).sweeps())
     refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");
@@ -309,13 +321,13 @@ double Step::twist(std::uint32_t twist) const {
 
 /// Returns whether a rod belongs to an island that the contact solver may move.
 bool Step::is_visiting(std::uint32_t cord) const {
-  if (!compiled_.contact || cord >= compiled_.info.rods) return false;
+  if (!compiled_.contact || is_line(cord)) return false;
   return &solver(compiled_.places.of(rods_.end(cord)).back()) == compiled_.contact;
 }
 
 bool Step::is_broken(std::uint32_t rod) const {
   if (breaks_.is_out(rod)) return true;
-  if (compiled_.contact && compiled_.contact->has_broken(rod)) return true;
+  if (is_known_to_contact(rod) && compiled_.contact->has_broken(rod)) return true;
   const auto places = compiled_.cords.of(rod);
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
 }

@@ -8,8 +8,11 @@
 #include <vector>
 
 #include "step/breaks/breaks.hpp"
+#include "step/breaks/log.hpp"
+#include "step/breaks/numbers.hpp"
 #include "step/compile/compiled.hpp"
 #include "step/inputs/anchors.hpp"
+#include "step/inputs/cords.hpp"
 #include "step/inputs/lengths.hpp"
 #include "step/inputs/loads.hpp"
 #include "step/reactions.hpp"
@@ -47,8 +50,7 @@ class Step {
   void move_platform(std::uint32_t number, const Pose& target) {
     if (compiled_.contact) compiled_.contact->move_platform(number, target);
   }
-  /// Throws InputError if no solver can change the length of this cord. Cords are rods, then tackles,
-  /// then reels.
+  /// Throws InputError if no solver can change the length of this cord.
   void set_length(std::uint32_t cord, double target);
 
   /// Changes a spring, a torsion or an angle. Throws InputError on an unknown one, and on a change that needs
@@ -62,6 +64,12 @@ class Step {
     if (!compiled_.contact) refuse_unknown(number, Torsion{});
     return compiled_.contact->torsion_angle(number);
   }
+
+  std::uint32_t reel_cord(std::uint32_t reel) const { return first_line + reel; }
+  std::uint32_t tackle_cord(std::uint32_t tackle) const {
+    return first_line + static_cast<std::uint32_t>(origin_->scene.reels.size()) + tackle;
+  }
+  const Tackle& tackle(std::uint32_t number) const { return breaks_.scene_now().tackles[number]; }
 
   double length(std::uint32_t cord) const { return lengths_.length(cord); }
   /// Returns NaN where no solver knows the pull (N) of a cord, or a tackle's segment, in the last step.
@@ -87,6 +95,16 @@ class Step {
   /// Returns whether a particle is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return anchors_.will_be_fixed(particle); }
 
+  // --- What is added and removed at once (breaks/additions.cpp)
+
+  /// Adds islands. The scene is valid. Throws InputError if the settings cannot move them.
+  Added add(const Scene& scene);
+  /// Removes the island of a movable particle, or a fixed one from which nothing hangs. Throws InputError
+  /// where an island cannot be removed. Returns the particles that are gone.
+  std::vector<std::uint32_t> remove(std::uint32_t particle);
+  const Population& population() const { return population_; }
+  double drag() const { return origin_->scene.drag; }
+
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   const ContactSolver& contact() const { return *compiled_.contact; }
   /// Returns the force (N) of the last step on ground that the scene has. Without shapes nothing touches it.
@@ -108,15 +126,18 @@ class Step {
   void copy_velocities(std::span<Vec3> out) const;
   std::uint64_t state_hash() const;
 
-  /// Returns whether all solvers have archives (Solver::has_archive()).
-  bool has_archive() const;
-  /// Lists what fell apart or was edited so far, as archive() needs it.
-  std::vector<Split>& splits() { return splits_; }
-  /// Returns this scene where other islands have fallen apart or were edited.
-  std::unique_ptr<Step> compiled_with(std::span<const Split> splits);
-  /// Lists all that steps and programs change, of a world whose splits() are the same.
+  /// Returns whether all solvers have archives (Solver::has_archive()). Those that are made later do, too.
+  bool has_archive() const { return has_archive_; }
+  /// Lists what became of islands: what fell apart, was edited, added or removed so far.
+  void archive_past(Archive& archive);
+  /// Reads that of a snapshot. Returns this scene with that past, or null if this world has it.
+  std::unique_ptr<Step> restored_past(Archive& archive);
+  /// Lists all that steps and programs change, of a world whose past is the same.
   void archive(Archive& archive);
-  const WorldInfo& info() const { return compiled_.info; }
+  const WorldInfo& info() {
+    if (!is_described_) describe();
+    return compiled_.info;
+  }
 
  private:
   /// This is a line of the step: what it does, and whether this scene needs it.
@@ -141,11 +162,24 @@ class Step {
   void describe();
   void archive_rules(Archive& archive);
   void begin_budget();
-  void split(Fallen fallen, const Split& now);
-  void repeat(const Split& split_then);
-  void exchange(const Fallen& fallen, const Split& now, Compiled made);
-  template <class Leaves>
-  void replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves);
+  void split(Fallen fallen, Split& now);
+  void repeat(Split split_then);
+  void exchange(const Fallen& fallen, Split& now, Compiled made);
+  void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
+  std::vector<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
+                                           std::span<const std::uint32_t> touched, std::uint32_t& islands);
+  void free_seats(std::span<const std::uint32_t> solvers);
+  void seat(std::vector<std::unique_ptr<Solver>> made, std::vector<std::uint32_t>& seats);
+  std::uint32_t relaxed_rods_of(const Solver& solver) const;
+  Settings settings_of_now() const;
+  Scene scene_of(const Addition& of) const;
+  Compiled compile_addition(const Scene& scene) const;
+  void put(Split& now, Compiled made);
+  void grow_tables();
+  Removed take_away(std::uint32_t particle);
+  bool carries_shape(std::uint32_t anchor) const;
+  void forget(const Removed& gone);
+  void drop_edits(const Removed& of);
   void order(const Edits& edits, bool is_ordered);
   void refix(const Edits& edits);
   void change_gravity();
@@ -154,7 +188,7 @@ class Step {
   void require_fit(std::span<const std::uint32_t> particles, At&& at) const;
   void require_refixable(std::uint32_t particle) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
-  void hand_over(const Fallen& fallen, std::span<const double> substeps);
+  void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.
   template <class F>
   void for_solvers(F&& f) const {
@@ -167,6 +201,9 @@ class Step {
   bool uses_threads() const;
   void put_force(std::uint32_t particle, Vec3 force);
   bool is_visiting(std::uint32_t cord) const;
+  bool is_known_to_contact(std::uint32_t cord) const {
+    return compiled_.contact && cord < origin_->scene.rods.size();
+  }
   bool is_held_by_contact(std::uint32_t cord) const;
   bool is_held_by_solver(std::uint32_t cord) const;
   const Place* place_of(std::uint32_t particle) const;
@@ -193,9 +230,11 @@ class Step {
   Breaks breaks_;  ///< of its scene
   Edits edits_;    ///< those that wait for the next step
   Vec3 gravity_, next_gravity_;
-  std::vector<Split> splits_;
+  Log log_;
+  Population population_;
+  bool has_archive_ = true, is_described_ = true;
   bool has_broken_ = false;  ///< some rod did in the last step
-  std::vector<Seat> seats_;  ///< by solver
+  std::vector<Seat> seats_;  ///< by solver; free ones have none
   RodJudge rods_;
   Sleep sleep_;
   TimeRules rules_;

@@ -10,7 +10,7 @@ namespace plumb::detail {
 /// no rod.
 bool Step::is_held_by_contact(std::uint32_t cord) const {
   if (cord == Reactions::no_rod) return true;
-  return compiled_.contact && cord < compiled_.info.rods && compiled_.contact->has_pull(cord);
+  return is_known_to_contact(cord) && compiled_.contact->has_pull(cord);
 }
 
 /// Returns whether the solver that moves a rod says what its anchors hold.
@@ -47,15 +47,13 @@ void Step::copy_pulls(std::span<double> out) {
     double& dt = last_dt_[task.solver];
     dt = dt < 0 || dt == task.dt ? task.dt : 0;
   }
-  compiled_.cords.for_runs(static_cast<std::uint32_t>(out.size()),
-                           [&](std::uint32_t first, std::uint32_t count, std::span<const Place> places) {
-                             const double dt =
-                                 places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
-                             if (dt > 0)
-                               return solver(places.front()).read_pulls(places.first(count), dt, &out[first]);
-                             for (std::uint32_t cord = first; cord < first + count; ++cord)
-                               out[cord] = pull(cord);
-                           });
+  compiled_.cords.rods.for_runs(
+      static_cast<std::uint32_t>(out.size()),
+      [&](std::uint32_t first, std::uint32_t count, std::span<const Place> places) {
+        const double dt = places.empty() || compiled_.contact ? 0 : last_dt_[places.front().solver];
+        if (dt > 0) return solver(places.front()).read_pulls(places.first(count), dt, &out[first]);
+        for (std::uint32_t cord = first; cord < first + count; ++cord) out[cord] = pull(cord);
+      });
 }
 
 Vec3 Step::reaction(std::uint32_t particle) const {

@@ -18,13 +18,9 @@ using detail::refuse;
 
 namespace {
 
-/// These are the shortest substep (s) and the farthest coordinate (m). Their squares still fit the precision,
-/// with room for masses and forces.
+/// Returns the shortest substep (s). Its square still fits the precision, with room for masses and forces.
 double shortest_substep(Precision precision) {
   return precision == Precision::single ? 1e-15 : 1e-100;
-}
-double farthest_coordinate(Precision precision) {
-  return precision == Precision::single ? 1e15 : 1e100;
 }
 
 void require_length(const char* what, std::uint32_t number, double target) {
@@ -49,7 +45,6 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->contacts = settings.contacts;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
   impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
-  for (const Tackle& tackle : scene.tackles) impl_->tackle_segments.push_back(tackle.particles.size() - 1);
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());
   impl_->pins = static_cast<std::uint32_t>(scene.pins.size());
   impl_->angles = static_cast<std::uint32_t>(scene.angles.size());
@@ -133,45 +128,6 @@ void World::move_anchor(std::uint32_t particle, Vec3 target) {
   impl_->step->move_anchor(particle, target);
 }
 
-void World::fix(std::uint32_t particle) {
-  impl_->require_known(particle);
-  impl_->step->fix(particle, true);
-  impl_->fixed[particle] = 1;
-}
-void World::free(std::uint32_t particle) {
-  impl_->require_known(particle);
-  impl_->step->fix(particle, false);
-  impl_->fixed[particle] = 0;
-}
-void World::set_mass(std::uint32_t particle, double mass) {
-  impl_->require_known(particle);
-  if (!(mass > 0 && std::isfinite(mass)))
-    refuse("particle ", particle, ": a mass must be positive and finite, got ", mass, " kg");
-  impl_->step->set_mass(particle, mass);
-}
-void World::set_gravity(Vec3 gravity) {
-  if (!is_finite(gravity)) refuse("gravity is not finite: ", gravity);
-  if (!impl_->step->has_archive())
-    refuse("gravity stays under springs, multipliers and featherstone; relax, direct and auto change it");
-  impl_->step->set_gravity(gravity);
-}
-void World::teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
-                     std::span<const Vec3> velocities) {
-  if (positions.size() != particles.size() || velocities.size() != particles.size())
-    refuse("teleport: ", particles.size(), " particles cannot have ", positions.size(), " positions and ",
-           velocities.size(), " velocities");
-  const double most = farthest_coordinate(impl_->precision);
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    impl_->require_known(particles[i]);
-    const Vec3 to = positions[i];
-    if (!(std::max({std::abs(to.x), std::abs(to.y), std::abs(to.z)}) <= most) || !is_finite(velocities[i]))
-      refuse("particle ", particles[i], ": cannot be at ", to, " m with ", velocities[i], " m/s");
-  }
-  if (!impl_->step->has_archive())
-    refuse("teleport: springs, multipliers and featherstone keep their place; relax, direct and auto do not");
-  impl_->step->teleport(particles, positions, velocities);
-}
-
 void World::move_platform(std::uint32_t platform, const Pose& target) {
   Impl::require_one_of(static_cast<std::uint32_t>(impl_->platforms.size()), "platform", platform);
   detail::validate_pose(target, platform);
@@ -192,7 +148,7 @@ void World::set_length(std::uint32_t rod, double target) {
 void World::set_tackle_length(std::uint32_t tackle, double target) {
   impl_->require_tackle(tackle);
   require_length("tackle ", tackle, target);
-  impl_->step->set_length(impl_->rods + tackle, target);
+  impl_->step->set_length(impl_->step->tackle_cord(tackle), target);
 }
 
 void World::set_reel(std::uint32_t reel, double out) {
@@ -201,11 +157,11 @@ void World::set_reel(std::uint32_t reel, double out) {
   const double whole = impl_->chains[reel];
   if (detail::exceeds_chain(out, whole))
     refuse("reel ", reel, ": ", out, " m cannot be out of a chain of ", whole, " m");
-  impl_->step->set_length(impl_->rods + impl_->tackles + reel, std::min(out, whole));
+  impl_->step->set_length(impl_->step->reel_cord(reel), std::min(out, whole));
 }
 double World::reel_out(std::uint32_t reel) const {
   impl_->require_reel(reel);
-  return impl_->step->length(impl_->rods + impl_->tackles + reel);
+  return impl_->step->length(impl_->step->reel_cord(reel));
 }
 
 void World::set_twist(std::uint32_t twist, double angle) {
@@ -254,27 +210,22 @@ bool World::is_broken(std::uint32_t rod) const {
   return impl_->step->is_broken(rod);
 }
 
-void World::cut(std::uint32_t rod) {
-  impl_->require_rod(rod);
-  impl_->step->cut(rod);
-}
-
 double World::tackle_tension(std::uint32_t tackle) const {
   impl_->require_tackle(tackle);
   impl_->require_tensions();
-  return impl_->step->pull(impl_->rods + tackle);
+  return impl_->step->pull(impl_->step->tackle_cord(tackle));
 }
 double World::tackle_power(std::uint32_t tackle) const {
   impl_->require_tackle(tackle);
   impl_->require_tensions();
-  return impl_->step->power(impl_->rods + tackle);
+  return impl_->step->power(impl_->step->tackle_cord(tackle));
 }
 double World::tackle_tension(std::uint32_t tackle, std::uint32_t segment) const {
   impl_->require_tackle(tackle);
   impl_->require_tensions();
-  if (segment >= impl_->tackle_segments[tackle])
-    refuse("tackle ", tackle, ": segment ", segment, " is unknown, it has ", impl_->tackle_segments[tackle]);
-  return impl_->step->pull(impl_->rods + tackle, segment);
+  const std::size_t segments = impl_->step->tackle(tackle).particles.size() - 1;
+  if (segment >= segments) refuse("tackle ", tackle, ": segment ", segment, " is unknown, it has ", segments);
+  return impl_->step->pull(impl_->step->tackle_cord(tackle), segment);
 }
 
 Vec3 World::reaction(std::uint32_t particle) const {

@@ -14,6 +14,12 @@
 
 namespace plumb {
 
+/// Returns the farthest coordinate (m) whose square still fits the precision, with room for masses and
+/// forces.
+constexpr double farthest_coordinate(Precision precision) {
+  return precision == Precision::single ? 1e15 : 1e100;
+}
+
 /// Holds what a world is made of, and refuses what its scene does not have.
 struct PLUMB_HIDDEN World::Impl {
   std::unique_ptr<detail::Step> step;
@@ -21,7 +27,6 @@ struct PLUMB_HIDDEN World::Impl {
   Precision precision = Precision::double_;
   std::uint32_t substeps = 1;
   std::uint32_t rods = 0, tackles = 0, twists = 0;
-  std::vector<std::size_t> tackle_segments;
   std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, shapes = 0;
   std::vector<std::uint32_t> of_kind;    ///< Numbers of shapes and pieces of ground, by ShapeKind.
   std::vector<Pose> platforms, targets;  ///< Where they are, and will be after the next step.
@@ -40,14 +45,26 @@ struct PLUMB_HIDDEN World::Impl {
   void require_known(std::uint32_t particle) const {
     if (particle >= fixed.size())
       detail::refuse("particle ", particle, ": unknown, the scene has ", fixed.size(), " particles");
+    require_there(step->population().particles, "particle", particle);
   }
+  static void require_there(const detail::Numbers& numbers, const char* what, std::uint32_t number) {
+    if (!numbers.has(number)) detail::refuse(what, ' ', number, ": was removed");
+  }
+  /// Lets lists have as many particles, rods and tackles as there are numbers.
+  void fit_numbers();
   void require(std::uint32_t particle, bool want_fixed, const char* reason) const {
     require_known(particle);
     if ((fixed[particle] != 0) != want_fixed)
       detail::refuse("particle ", particle, want_fixed ? ": is movable, " : ": is fixed, ", reason);
   }
-  void require_rod(std::uint32_t rod) const { require_one_of(rods, "rod", rod); }
-  void require_tackle(std::uint32_t tackle) const { require_one_of(tackles, "tackle", tackle); }
+  void require_rod(std::uint32_t rod) const {
+    require_one_of(rods, "rod", rod);
+    require_there(step->population().rods, "rod", rod);
+  }
+  void require_tackle(std::uint32_t tackle) const {
+    require_one_of(tackles, "tackle", tackle);
+    require_there(step->population().tackles, "tackle", tackle);
+  }
   void require_reel(std::uint32_t reel) const {
     require_one_of(static_cast<std::uint32_t>(chains.size()), "reel", reel);
   }

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "scene/bends/bends.hpp"
 #include "scene/bends/bent_islands.hpp"
 #include "scene/bends/rod_table.hpp"
 #include "scene/scene_graph.hpp"
+#include "step/breaks/ids.hpp"
 
 namespace plumb::detail {
 namespace {
-
-using Numbers = std::vector<std::uint32_t>;
 
 constexpr double never = RodLaw{}.strength;
 
@@ -25,19 +25,13 @@ bool lacks_rod(const Scene& scene, const RodTable& rods, const Particles& chain)
   return false;
 }
 
-void append(Numbers& to, std::span<const std::uint32_t> from) {
+void append(Ids& to, std::span<const std::uint32_t> from) {
   to.insert(to.end(), from.begin(), from.end());
-}
-
-/// Puts numbers in ascending order, each once.
-void sort_once(Numbers& of) {
-  std::sort(of.begin(), of.end());
-  of.erase(std::unique(of.begin(), of.end()), of.end());
 }
 
 /// Erases what `ends` says of the entries of a list, and their numbers.
 template <class Item, class Ends>
-void erase_ended(std::vector<Item>& list, Numbers& numbers, Ends&& ends) {
+void erase_ended(std::vector<Item>& list, Ids& numbers, Ends&& ends) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (ends(list[i])) continue;
@@ -51,32 +45,30 @@ void erase_ended(std::vector<Item>& list, Numbers& numbers, Ends&& ends) {
 }  // namespace
 
 Breaks::Breaks(const Scene& scene, const Settings& settings)
-    : model_(mass_model_of(settings)), scene_(scene) {
+    : model_(mass_model_of(settings)), first_(scene) {
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i)
     if (scene.rods[i].law.strength < never) weak_.push_back(i);
   if (!weak_.empty()) begin();
 }
 
 void Breaks::begin() {
-  if (!place_.empty()) return;
-  const std::size_t particles = scene_.particles.size();
-  for (const Particle& particle : scene_.particles) fixed_.push_back(particle.fixed);
-  out_.assign(scene_.rods.size(), State::in);
+  if (has_begun_) return;
+  has_begun_ = true;
+  const std::size_t particles = scene_now().particles.size();
+  for (const Particle& particle : scene_now().particles) fixed_.push_back(particle.fixed);
+  out_.assign(scene_now().rods.size(), State::in);
   place_.assign(particles, none);
   whole_.assign(particles, none);
-  rods_begin_.assign(particles + 1, 0);
-  for (const Rod& rod : scene_.rods)
-    for (const std::uint32_t end : {rod.a, rod.b}) ++rods_begin_[end + std::size_t{1}];
-  for (std::size_t i = 0; i < particles; ++i) rods_begin_[i + 1] += rods_begin_[i];
-  rods_at_.resize(2 * scene_.rods.size());
-  Numbers next(rods_begin_.begin(), rods_begin_.end() - 1);
-  for (std::uint32_t i = 0; i < scene_.rods.size(); ++i)
-    for (const std::uint32_t end : {scene_.rods[i].a, scene_.rods[i].b}) rods_at_[next[end]++] = i;
+  std::vector<Rows<std::uint32_t>::Entry> entries;
+  for (std::uint32_t i = 0; i < scene_now().rods.size(); ++i)
+    for (const std::uint32_t end : {scene_now().rods[i].a, scene_now().rods[i].b})
+      entries.push_back({end, i});
+  rods_at_ = {static_cast<std::uint32_t>(particles), entries};
 
-  const layouts::Islands islands = find_bent_islands(scene_, SceneGraph(scene_).view());
-  const IslandElements elements(scene_, islands);
+  const layouts::Islands islands = find_bent_islands(scene_now(), SceneGraph(scene_now()).view());
+  const IslandElements elements(scene_now(), islands);
   wholes_.reserve(islands.count());
-  const auto list = [](std::span<const std::uint32_t> of) { return Numbers(of.begin(), of.end()); };
+  const auto list = [](std::span<const std::uint32_t> of) { return Ids(of.begin(), of.end()); };
   for (std::uint32_t i = 0; i < islands.count(); ++i) {
     wholes_.push_back({.particles = list(islands.vertices(i)),
                        .rods = list(islands.edges(i)),
@@ -85,21 +77,21 @@ void Breaks::begin() {
                        .twists = list(elements.twists_of(i)),
                        .reels = list(elements.reels_of(i))});
     for (const std::uint32_t particle : islands.vertices(i))
-      if (!scene_.particles[particle].fixed) whole_[particle] = i;
+      if (!scene_now().particles[particle].fixed) whole_[particle] = i;
   }
 }
 
 std::uint32_t Breaks::whole_at(std::uint32_t rod) const {
-  const auto [a, b] = std::pair{scene_.rods[rod].a, scene_.rods[rod].b};
+  const auto [a, b] = std::pair{scene_now().rods[rod].a, scene_now().rods[rod].b};
   return whole_[a] != none ? whole_[a] : whole_[b];
 }
 
 std::optional<std::uint32_t> Breaks::twist_beside(std::uint32_t rod) const {
   const std::uint32_t whole = whole_at(rod);
   if (whole == none) return {};
-  const auto [a, b] = std::pair{scene_.rods[rod].a, scene_.rods[rod].b};
+  const auto [a, b] = std::pair{scene_now().rods[rod].a, scene_now().rods[rod].b};
   for (const std::uint32_t twist : wholes_[whole].twists) {
-    const auto& chain = scene_.twists[twist].particles;
+    const auto& chain = scene_now().twists[twist].particles;
     bool has_rod = false;
     for (std::size_t k = 1; k < chain.size(); ++k)
       has_rod = has_rod || std::minmax(chain[k - 1], chain[k]) == std::minmax(a, b);
@@ -123,7 +115,7 @@ std::optional<std::uint32_t> Breaks::reel_at(std::uint32_t particle) const {
 // --- Changes
 
 bool Breaks::joins_ends(std::uint32_t rod) const {
-  return out_[rod] != State::taken || rod_mass(scene_, rod, model_).ab != 0;
+  return out_[rod] != State::taken || rod_mass(scene_now(), rod, model_).ab != 0;
 }
 
 Fallen Breaks::take_out(std::span<const std::uint32_t> broken, const Edits& edits) {
@@ -136,7 +128,7 @@ Fallen Breaks::take_out(std::span<const std::uint32_t> broken, const Edits& edit
   edit(edits);
   const Cutout changed = cutout();
   const layouts::Islands islands = find_bent_islands(changed.scene, SceneGraph(changed.scene).view());
-  const Numbers parts = leaving_parts(changed, islands);
+  const Ids parts = leaving_parts(changed, islands);
   Fallen out = cut_out(changed, islands, parts);
   for (const std::uint32_t whole : touched_)
     if (wholes_[whole].leaves()) append(out.leaving_twists, wholes_[whole].twists);
@@ -161,8 +153,8 @@ void Breaks::touch_rod(std::uint32_t rod, bool is_forced) {
 void Breaks::take_rod(std::uint32_t number) {
   if (out_[number] == State::taken) return;
   out_[number] = State::taken;
-  const Rod& rod = scene_.rods[number];
-  const RodMass mass = rod_mass(scene_, number, model_);
+  const Rod& rod = scene_now().rods[number];
+  const RodMass mass = rod_mass(scene_now(), number, model_);
   if (mass.ab != 0) return;
   const std::uint32_t whole = whole_at(number);
   if (whole != none) std::erase(wholes_[whole].rods, number);
@@ -173,7 +165,7 @@ void Breaks::take_rod(std::uint32_t number) {
 
 /// Returns a particle's own mass and what it took of rods, which may be changed from now on.
 std::pair<double, double>& Breaks::mass_at(std::uint32_t particle) {
-  return masses_.try_emplace(particle, scene_.particles[particle].mass, 0.0).first->second;
+  return masses_.try_emplace(particle, scene_now().particles[particle].mass, 0.0).first->second;
 }
 
 /// Does what is ordered of particles.
@@ -211,16 +203,16 @@ Breaks::Cutout Breaks::cutout() {
     for (const std::uint32_t rod : rods_at(particle)) {
       if (!joins_ends(rod)) continue;
       out.rods.push_back(rod);
-      append(out.particles, std::array{scene_.rods[rod].a, scene_.rods[rod].b});
+      append(out.particles, std::array{scene_now().rods[rod].a, scene_now().rods[rod].b});
     }
   }
-  for (Numbers* const list : {&out.particles, &out.rods, &out.bends, &out.tackles, &out.twists, &out.reels})
+  for (Ids* const list : {&out.particles, &out.rods, &out.bends, &out.tackles, &out.twists, &out.reels})
     sort_once(*list);
   Scene& scene = out.scene;
-  scene.drag = scene_.drag;
+  scene.drag = scene_now().drag;
   for (const std::uint32_t particle : out.particles) {
     place_[particle] = static_cast<std::uint32_t>(scene.particles.size());
-    Particle& made = scene.particles.emplace_back(scene_.particles[particle]);
+    Particle& made = scene.particles.emplace_back(scene_now().particles[particle]);
     made.asleep = false;
     made.fixed = fixed_[particle] != 0;
     if (const auto mass = masses_.find(particle); mass != masses_.end())
@@ -228,40 +220,43 @@ Breaks::Cutout Breaks::cutout() {
   }
   const auto place = [&](std::uint32_t& particle) { particle = place_[particle]; };
   for (const std::uint32_t rod : out.rods) {
-    Rod& made = scene.rods.emplace_back(scene_.rods[rod]);
+    Rod& made = scene.rods.emplace_back(scene_now().rods[rod]);
     if (out_[rod] == State::taken) made.law = {.stiffness = 0};  // its mass alone is left
     place(made.a);
     place(made.b);
   }
   for (const std::uint32_t bend : out.bends) {
-    Bend& made = scene.bends.emplace_back(scene_.bends[bend]);
+    Bend& made = scene.bends.emplace_back(scene_now().bends[bend]);
     for (std::uint32_t* const end : {&made.a, &made.b, &made.c}) place(*end);
   }
-  const auto copy_chains = [&](const Numbers& numbers, const auto& from, auto& to) {
+  const auto copy_chains = [&](const Ids& numbers, const auto& from, auto& to) {
     for (const std::uint32_t number : numbers)
       for (std::uint32_t& particle : to.emplace_back(from[number]).particles) place(particle);
   };
-  copy_chains(out.tackles, scene_.tackles, scene.tackles);
-  copy_chains(out.twists, scene_.twists, scene.twists);
-  copy_chains(out.reels, scene_.reels, scene.reels);
+  copy_chains(out.tackles, scene_now().tackles, scene.tackles);
+  copy_chains(out.twists, scene_now().twists, scene.twists);
+  copy_chains(out.reels, scene_now().reels, scene.reels);
   end_elements(out);
   return out;
 }
 
 /// Ends the bends and twists that lack a rod.
-void Breaks::end_elements(Cutout& of) const {
+void Breaks::end_elements(Cutout& of) {
   Scene& scene = of.scene;
   if (scene.bends.empty() && scene.twists.empty()) return;
   const RodTable rods(scene);
+  const Ids before = of.bends;
   erase_ended(scene.bends, of.bends,
               [&](const Bend& bend) { return lacks_rod(scene, rods, particles_of(bend)); });
+  std::set_difference(before.begin(), before.end(), of.bends.begin(), of.bends.end(),
+                      std::back_inserter(ended_));
   erase_ended(scene.twists, of.twists,
               [&](const Twist& twist) { return lacks_rod(scene, rods, twist.particles); });
 }
 
 /// Returns the islands of a cutout that are parts of a larger one, which nothing holds together, or that are
 /// made anew by order.
-Numbers Breaks::leaving_parts(const Cutout& of, const layouts::Islands& islands) {
+Ids Breaks::leaving_parts(const Cutout& of, const layouts::Islands& islands) {
   const IslandElements elements(of.scene, islands);
   const auto whole = [&](std::uint32_t part) { return whole_[of.particles[islands.vertices(part).front()]]; };
   for (std::uint32_t part = 0; part < islands.count(); ++part) {
@@ -270,14 +265,14 @@ Numbers Breaks::leaving_parts(const Cutout& of, const layouts::Islands& islands)
     ++of_part.parts;
     of_part.stays = of_part.stays || !elements.twists_of(part).empty() || !elements.reels_of(part).empty();
   }
-  Numbers out;
+  Ids out;
   for (std::uint32_t part = 0; part < islands.count(); ++part)
     if (whole(part) == none || wholes_[whole(part)].leaves()) out.push_back(part);
   return out;
 }
 
 /// Gives islands that leave numbers of their own. What stays loses the elements that ended.
-void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const Numbers& parts) {
+void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const Ids& parts) {
   for (const std::uint32_t number : touched_) {
     Whole& whole = wholes_[number];
     if (whole.leaves()) {
@@ -285,7 +280,7 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const N
       spare_.push_back(number);
       continue;
     }
-    const auto has_ended = [](const Numbers& left) {
+    const auto has_ended = [](const Ids& left) {
       return [&](std::uint32_t each) { return !std::binary_search(left.begin(), left.end(), each); };
     };
     std::erase_if(whole.bends, has_ended(of.bends));
@@ -297,12 +292,9 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const N
     if (fixed_[particle] != 0) whole_[particle] = none;
   const IslandElements elements(of.scene, islands);
   for (const std::uint32_t part : parts) {
-    if (spare_.empty()) {
-      spare_.push_back(static_cast<std::uint32_t>(wholes_.size()));
-      wholes_.emplace_back();
-    }
-    Whole& whole = wholes_[spare_.back()];
-    const auto list = [](Numbers& to, std::span<const std::uint32_t> of_part, const Numbers& numbers) {
+    const std::uint32_t number = spare_whole();
+    Whole& whole = wholes_[number];
+    const auto list = [](Ids& to, std::span<const std::uint32_t> of_part, const Ids& numbers) {
       for (const std::uint32_t each : of_part) to.push_back(numbers[each]);
     };
     list(whole.particles, islands.vertices(part), of.particles);
@@ -310,12 +302,22 @@ void Breaks::renumber(const Cutout& of, const layouts::Islands& islands, const N
     list(whole.bends, elements.bends_of(part), of.bends);
     list(whole.tackles, elements.tackles_of(part), of.tackles);
     for (const std::uint32_t particle : whole.particles)
-      if (fixed_[particle] == 0) whole_[particle] = spare_.back();
-    spare_.pop_back();
+      if (fixed_[particle] == 0) whole_[particle] = number;
   }
 }
 
-Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Numbers& parts) const {
+/// Returns the number of a whole that is empty.
+std::uint32_t Breaks::spare_whole() {
+  if (spare_.empty()) {
+    wholes_.emplace_back();
+    return static_cast<std::uint32_t>(wholes_.size() - 1);
+  }
+  const std::uint32_t number = spare_.back();
+  spare_.pop_back();
+  return number;
+}
+
+Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, const Ids& parts) const {
   Fallen out;
   out.touched = from.particles;
   const auto leaves = [&](std::uint32_t whole) { return whole != none && wholes_[whole].leaves(); };
@@ -323,8 +325,8 @@ Fallen Breaks::cut_out(const Cutout& from, const layouts::Islands& islands, cons
     if (leaves(whole_[particle])) out.leaving.push_back(particle);
   for (const std::uint32_t rod : from.rods)
     if (leaves(whole_at(rod))) out.leaving_rods.push_back(rod);
-  out.scene.drag = scene_.drag;
-  Numbers place(from.particles.size(), none);
+  out.scene.drag = scene_now().drag;
+  Ids place(from.particles.size(), none);
   const IslandElements elements(from.scene, islands);
   for (const std::uint32_t island : parts) {
     for (const std::uint32_t particle : islands.vertices(island)) {

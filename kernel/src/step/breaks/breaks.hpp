@@ -10,7 +10,10 @@
 #include "plumb/layouts/islands.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
+#include "step/breaks/addition.hpp"
 #include "step/breaks/edits.hpp"
+#include "step/breaks/numbers.hpp"
+#include "step/rows.hpp"
 
 namespace plumb::detail {
 
@@ -25,21 +28,10 @@ struct Fallen {
   bool any() const { return !leaving.empty() || !particles.empty(); }
 };
 
-/// Holds what one call of Breaks::take_out() took, and how what it made anew was then. With all of them in
-/// turn, a world that is compiled anew falls apart alike.
-struct Split {
-  std::vector<std::uint32_t> rods;  ///< They broke; by number in the whole scene.
-  Edits edits;
-  std::vector<Vec3> positions, velocities;  ///< m and m/s, of Fallen::particles
-  std::vector<double> lengths;              ///< m, of Fallen::rods and then of Fallen::tackles
-
-  friend bool operator==(const Split&, const Split&) = default;
+/// Lists what is removed with an island.
+struct Removed {
+  std::vector<std::uint32_t> particles, rods, bends, tackles;
 };
-template <class Archive>
-void visit_members(Archive& archive, Split& of) {
-  auto& [rods, edits, positions, velocities, lengths] = of;
-  archive(rods, edits, positions, velocities, lengths);
-}
 
 /// Knows which rods are out, and cuts out the islands that fell apart by that or are made anew by order. Work
 /// grows with these islands alone, once begin() has looked at the whole scene.
@@ -63,14 +55,24 @@ class Breaks {
   void order(std::uint32_t rod, bool is_ordered) {
     if (out_[rod] != State::taken) out_[rod] = is_ordered ? State::ordered : State::in;
   }
-  std::span<const std::uint32_t> rods_at(std::uint32_t particle) const {
-    return std::span(rods_at_).subspan(rods_begin_[particle],
-                                       rods_begin_[particle + std::size_t{1}] - rods_begin_[particle]);
-  }
+  std::span<const std::uint32_t> rods_at(std::uint32_t particle) const { return rods_at_.of(particle); }
+  /// Returns the scene with what was added since. Of what was removed it has what was there last.
+  const Scene& scene_now() const { return grown_ ? *grown_ : first_; }
 
   /// Takes out what broke and what was cut, and does other edits. Returns what is to be made anew, where and
   /// as fast as it was in the scene that this knows: who calls says how things are now.
   Fallen take_out(std::span<const std::uint32_t> broken, const Edits& edits);
+
+  // --- What is added and removed (living.cpp)
+
+  /// Takes at least so many particles, rods, bends and tackles. New ones have nothing before add().
+  void grow(const Population& to);
+  void add(const Addition& what);
+  /// Lists the island of a movable particle as it is, with the fixed particles that it hangs from, and all
+  /// rods at its movable ones. Of a fixed particle from which nothing hangs it lists that and its rods.
+  Removed island_to_remove(std::uint32_t particle) const;
+  /// Forgets what is listed. Where it has rods of particles that stay, they lose those.
+  void remove(const Removed& what);
 
   /// Returns the particles of the island of a movable one, or none of a fixed one.
   std::span<const std::uint32_t> island_at(std::uint32_t particle) const {
@@ -86,7 +88,7 @@ class Breaks {
   /// Returns the mass (kg) of a particle without its rods.
   double own_mass(std::uint32_t particle) const {
     const auto mass = masses_.find(particle);
-    return mass == masses_.end() ? scene_.particles[particle].mass : mass->second.first;
+    return mass == masses_.end() ? scene_now().particles[particle].mass : mass->second.first;
   }
   /// Returns the number of a reel of the island of a particle, which does so, too.
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
@@ -111,6 +113,7 @@ class Breaks {
     std::vector<std::uint32_t> particles, rods, bends, tackles, twists, reels;
   };
 
+  std::uint32_t spare_whole();
   std::uint32_t whole_at(std::uint32_t rod) const;
   void touch(std::uint32_t whole, bool is_forced);
   void touch_rod(std::uint32_t rod, bool is_forced);
@@ -118,20 +121,23 @@ class Breaks {
   std::pair<double, double>& mass_at(std::uint32_t particle);
   void edit(const Edits& edits);
   Cutout cutout();
-  void end_elements(Cutout& of) const;
+  void end_elements(Cutout& of);
   std::vector<std::uint32_t> leaving_parts(const Cutout& of, const layouts::Islands& islands);
   void renumber(const Cutout& of, const layouts::Islands& islands, const std::vector<std::uint32_t>& parts);
   Fallen cut_out(const Cutout& from, const layouts::Islands& islands,
                  const std::vector<std::uint32_t>& parts) const;
 
+  bool has_begun_ = false;
   MassModel model_;
   std::vector<std::uint32_t> weak_;  ///< rods
-  const Scene& scene_;               ///< as it began
+  const Scene& first_;               ///< the scene as it began
+  std::optional<Scene> grown_;       ///< with what was added, once anything was
   std::vector<std::uint8_t> fixed_;  ///< by particle
   /// Lists particles whose masses (kg) are others: their own, and what they took of rods that are out.
   std::map<std::uint32_t, std::pair<double, double>> masses_;
-  std::vector<State> out_;                           ///< by rod; empty before begin()
-  std::vector<std::uint32_t> rods_begin_, rods_at_;  ///< the rods of each particle, as compressed rows
+  std::vector<State> out_;            ///< by rod; empty before begin()
+  Rows<std::uint32_t> rods_at_;       ///< by particle
+  std::vector<std::uint32_t> ended_;  ///< bends that lack a rod
   std::vector<Whole> wholes_;
   std::vector<std::uint32_t> whole_;    ///< by particle, and none for fixed ones
   std::vector<std::uint32_t> touched_;  ///< wholes

@@ -35,17 +35,19 @@ void Step::cut(std::uint32_t rod) {
 
 /// Refuses to fix or free a particle of elements that need it as it is.
 void Step::require_refixable(std::uint32_t particle) const {
-  const Scene& scene = origin_->scene;
-  const auto require_none = [&](const char* what, const auto& list) {
-    for (std::size_t i = 0; i < list.size(); ++i)
-      if (std::count(list[i].particles.begin(), list[i].particles.end(), particle) > 0)
+  const Scene& scene = breaks_.scene_now();
+  const auto require_none = [&](const char* what, const auto& list, const Numbers* numbers = nullptr) {
+    for (std::uint32_t i = 0; i < list.size(); ++i)
+      if ((!numbers || numbers->has(i)) &&
+          std::count(list[i].particles.begin(), list[i].particles.end(), particle) > 0)
         refuse("particle ", particle, ": is of ", what, " ", i, ", and stays fixed or free");
   };
-  require_none("tackle", scene.tackles);
+  require_none("tackle", scene.tackles, &population_.tackles);
   require_none("reel", scene.reels);
   require_none("twist", scene.twists);
-  for (std::size_t i = 0; i < scene.bends.size(); ++i) {
+  for (std::uint32_t i = 0; i < scene.bends.size(); ++i) {
     const Bend& bend = scene.bends[i];
+    if (!population_.bends.has(i)) continue;
     if (bend.a == particle || bend.b == particle || bend.c == particle)
       refuse("particle ", particle, ": is of bend ", i, ", and stays fixed or free");
   }
@@ -91,11 +93,11 @@ void Step::refix(const Edits& edits) {
     std::vector<std::uint32_t> rods;
     for (const std::uint32_t rod : breaks_.rods_at(particle)) {
       if (breaks_.joins_ends(rod)) rods.push_back(rod);
-      const auto [a, b] = std::pair{origin_->scene.rods[rod].a, origin_->scene.rods[rod].b};
+      const auto [a, b] = std::pair{breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b};
       rods_.set_end(rod, anchors_.is_fixed(a) ? b : a);
     }
     if (settings_.tensions)
-      reactions_.refix(origin_->scene, mass_model_of(settings_), rods,
+      reactions_.refix(breaks_.scene_now(), mass_model_of(settings_), rods,
                        [&](std::uint32_t each) { return anchors_.is_fixed(each); });
   }
 }

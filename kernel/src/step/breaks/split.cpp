@@ -9,15 +9,11 @@
 namespace plumb::detail {
 namespace {
 
-/// Takes the first free seats for so many solvers, and adds what lacks. Returns their numbers.
-std::vector<std::uint32_t> take_seats(std::size_t count, std::vector<Seat>& seats) {
+/// Returns so many numbers of solvers that are free, the first ones. The last may be new.
+std::vector<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat> seats) {
   std::vector<std::uint32_t> numbers;
-  for (std::uint32_t s = 0; numbers.size() < count; ++s) {
-    if (s == seats.size()) seats.push_back(Seat::free);
-    if (seats[s] != Seat::free) continue;
-    seats[s] = Seat::taken;
-    numbers.push_back(s);
-  }
+  for (std::uint32_t s = 0; numbers.size() < count; ++s)
+    if (s >= seats.size() || seats[s] == Seat::free) numbers.push_back(s);
   return numbers;
 }
 
@@ -36,6 +32,7 @@ void Step::split(StepReport&) {
   std::swap(now.edits, edits_);
   if (now.rods.empty() && !now.edits.any()) return;
   const Fallen fallen = breaks_.take_out(now.rods, now.edits);
+  log_.keep(fallen.touched);
   for (const std::uint32_t particle : fallen.particles) {
     now.positions.push_back(position(particle));
     now.velocities.push_back(velocity(particle));
@@ -45,20 +42,30 @@ void Step::split(StepReport&) {
       now.velocities[k] = anchors_.last_velocity(fallen.particles[k]);
   for (const std::uint32_t rod : fallen.rods) now.lengths.push_back(lengths_.length(rod));
   for (const std::uint32_t tackle : fallen.tackles)
-    now.lengths.push_back(lengths_.length(compiled_.info.rods + tackle));
+    now.lengths.push_back(lengths_.length(tackle_cord(tackle)));
   split(fallen, now);
-  splits_.push_back(std::move(now));
+  log_.push(std::move(now));
 }
 
-/// Takes out again what a world of this scene took out.
-void Step::repeat(const Split& split_then) {
+/// Does again what a world of this scene did.
+void Step::repeat(Split split_then) {
   breaks_.begin();
-  split(breaks_.take_out(split_then.rods, split_then.edits), split_then);
-  splits_.push_back(split_then);
+  if (!split_then.removed.empty()) {
+    const Removed gone = take_away(split_then.removed.front());
+    return log_.push_removal(std::move(split_then), gone.particles);
+  }
+  if (!split_then.added.empty()) {
+    put(split_then, compile_addition(scene_of(split_then.added.front())));
+  } else {
+    Fallen fallen = breaks_.take_out(split_then.rods, split_then.edits);
+    log_.keep(fallen.touched);
+    split(std::move(fallen), split_then);
+  }
+  log_.push(std::move(split_then));
 }
 
 /// Lets new solvers move what fell apart or was edited, if anything did.
-void Step::split(Fallen fallen, const Split& now) {
+void Step::split(Fallen fallen, Split& now) {
   for (const std::vector<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
     for (const std::uint32_t rod : *rods) compiled_.cords.replace(rod, {});
   if (!fallen.any()) return;
@@ -71,19 +78,18 @@ void Step::split(Fallen fallen, const Split& now) {
   for (std::size_t k = 0; k < fallen.rods.size(); ++k) fallen.scene.rods[k].length = now.lengths[k];
   for (std::size_t k = 0; k < fallen.tackles.size(); ++k)
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
+  exchange(fallen, now, compile_parts(fallen.scene, settings_of_now(), compiled_.info.relaxed_rods));
+}
+
+Settings Step::settings_of_now() const {
   Settings settings = settings_;
   settings.threads = workers_.size();
   settings.substeps = rules_.substeps;  // which a budget may have made fewer
-  exchange(fallen, now, compile_parts(fallen.scene, settings, compiled_.info.relaxed_rods));
+  return settings;
 }
 
 /// Lets new solvers move islands that fell apart, from where they are.
-void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
-  using IslandOfSolver = std::pair<std::uint32_t, std::uint32_t>;
-  std::set<IslandOfSolver> gone;
-  const auto island_at = [&](const Place& place) {
-    return IslandOfSolver{place.solver, solver(place).island_of(place.slot)};
-  };
+void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   std::vector<double> substeps(fallen.particles.size(), 0);  // s, the last of each particle
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
     if (anchors_.is_fixed(fallen.particles[k])) continue;
@@ -97,37 +103,83 @@ void Step::exchange(const Fallen& fallen, const Split& now, Compiled made) {
                                     [&](double each) { return each == longest || each == 0; });
     substeps.assign(substeps.size(), is_one ? longest : 0);
   }
-  for (const std::uint32_t particle : fallen.leaving)
-    for (const Place& place : compiled_.places.of(particle))
-      if (gone.insert(island_at(place)).second) solver(place).remove(place.slot);
   refix(now.edits);
-  replace_places(fallen, made, [&](const Place& place) { return gone.count(island_at(place)) > 0; });
-  compiled_.info.islands += made.info.islands - static_cast<std::uint32_t>(gone.size());
-  describe();
-  compiled_.info.parallel = uses_threads();
-  reserve();
-  hand_over(fallen, substeps);
-}
-
-/// Leads from particles, rods and twists to where they are from now on. leaves(place) says which places of
-/// particles end. Numbers of solvers stay what they are, since others know them. New ones take those that
-/// nobody needs.
-template <class Leaves>
-void Step::replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves) {
-  std::vector<Place> left;
-  for (const std::uint32_t particle : fallen.touched) {
-    left.clear();
-    for (const Place& place : compiled_.places.of(particle))
-      if (!leaves(place)) left.push_back(place);
-    compiled_.places.replace(particle, left);
-  }
+  std::uint32_t islands = 0;
+  const std::vector<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
   for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});
   for (const std::uint32_t twist : fallen.leaving_twists) compiled_.twists.replace(twist, {});
-  seats_.assign(compiled_.solvers.size(), Seat::free);
-  for (std::uint32_t s = 0; s < seats_.size(); ++s)
-    if (compiled_.solvers[s]->has_changing_pieces() || compiled_.places.uses(s) > 0) seats_[s] = Seat::kept;
-  const std::vector<std::uint32_t> numbers = take_seats(made.solvers.size(), seats_);
+  free_seats(solvers);
+  compiled_.info.islands += made.info.islands - islands;
+  seat(std::move(made.solvers), now.seats);
+  put_places(fallen, made, now.seats);
+  hand_over(fallen, now, substeps);
+}
 
+/// Takes islands of particles out of their solvers for good, and their places from all that are touched.
+/// Returns the solvers that they had. Adds up how many islands went.
+std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> leaving,
+                                               std::span<const std::uint32_t> touched,
+                                               std::uint32_t& islands) {
+  using IslandOfSolver = std::pair<std::uint32_t, std::uint32_t>;
+  std::set<IslandOfSolver> gone;
+  const auto island_at = [&](const Place& place) {
+    return IslandOfSolver{place.solver, solver(place).island_of(place.slot)};
+  };
+  for (const std::uint32_t particle : leaving)
+    for (const Place& place : compiled_.places.of(particle))
+      if (gone.insert(island_at(place)).second) solver(place).remove(place.slot);
+  std::vector<Place> left;
+  for (const std::uint32_t particle : touched) {
+    left.clear();
+    for (const Place& place : compiled_.places.of(particle))
+      if (gone.count(island_at(place)) == 0) left.push_back(place);
+    compiled_.places.replace(particle, left);
+  }
+  std::vector<std::uint32_t> solvers;
+  for (const auto& [number, island] : gone)
+    if (solvers.empty() || solvers.back() != number) solvers.push_back(number);
+  islands += static_cast<std::uint32_t>(gone.size());
+  return solvers;
+}
+
+/// Ends solvers that nobody needs any more. Numbers of others stay what they are, since others know them.
+void Step::free_seats(std::span<const std::uint32_t> solvers) {
+  for (const std::uint32_t s : solvers) {
+    if (compiled_.solvers[s]->has_changing_pieces() || compiled_.places.uses(s) > 0) continue;
+    compiled_.info.relaxed_rods -= relaxed_rods_of(*compiled_.solvers[s]);
+    seats_[s] = Seat::free;
+    anchors_.forget(s);
+    compiled_.solvers[s].reset();
+  }
+}
+
+/// Gives new solvers the numbers `seats`, or if there are none, the first ones that are free, and says which.
+void Step::seat(std::vector<std::unique_ptr<Solver>> made, std::vector<std::uint32_t>& seats) {
+  if (seats.empty()) seats = free_numbers(made.size(), seats_);
+  for (std::size_t k = 0; k < seats.size(); ++k) {
+    const std::uint32_t number = seats[k];
+    if (number >= seats_.size()) seats_.resize(number + std::size_t{1}, Seat::free);
+    if (number >= compiled_.solvers.size()) compiled_.solvers.resize(number + std::size_t{1});
+    seats_[number] = Seat::taken;
+    compiled_.info.relaxed_rods += relaxed_rods_of(*made[k]);
+    compiled_.solvers[number] = std::move(made[k]);
+  }
+  anchors_.resize(seats_.size());
+  sleep_.exchange(compiled_.solvers, seats_);
+  for (const std::uint32_t number : seats) seats_[number] = Seat::kept;
+  is_described_ = false;
+  reserve();
+}
+
+std::uint32_t Step::relaxed_rods_of(const Solver& solver) const {
+  WorldInfo info;
+  solver.describe(info);
+  return info.relaxed_rods;
+}
+
+/// Leads from particles, rods and tackles to where new solvers of these numbers have them.
+void Step::put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers) {
+  std::vector<Place> left;
   const auto add = [&](std::span<const Place> places) {
     for (const Place& place : places) left.push_back({numbers[place.solver], place.slot});
   };
@@ -137,21 +189,18 @@ void Step::replace_places(const Fallen& fallen, Compiled& made, Leaves&& leaves)
     add(made.places.of(k));
     compiled_.places.replace(fallen.particles[k], left);
   }
-  for (std::uint32_t k = 0; k < made.cords.count(); ++k) {
+  const auto put = [&](std::uint32_t cord, std::span<const Place> places) {
     left.clear();
-    add(made.cords.of(k));
-    const bool is_rod = k < fallen.rods.size();
-    compiled_.cords.replace(
-        is_rod ? fallen.rods[k] : compiled_.info.rods + fallen.tackles[k - fallen.rods.size()], left);
-  }
-  compiled_.solvers.resize(seats_.size());
-  for (std::size_t s = 0; s < numbers.size(); ++s) compiled_.solvers[numbers[s]] = std::move(made.solvers[s]);
-  anchors_.resize(seats_.size());
-  sleep_.exchange(compiled_.solvers, seats_);
+    add(places);
+    compiled_.cords.replace(cord, left);
+  };
+  for (std::uint32_t k = 0; k < fallen.rods.size(); ++k) put(fallen.rods[k], made.cords.rods.of(k));
+  for (std::uint32_t k = 0; k < fallen.tackles.size(); ++k)
+    put(tackle_cord(fallen.tackles[k]), made.cords.lines.of(k));
 }
 
 /// Gives new solvers the motion of islands that fell apart, and the forces on them.
-void Step::hand_over(const Fallen& fallen, std::span<const double> substeps) {
+void Step::hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps) {
   const auto for_movable = [&](auto&& f) {
     for (std::size_t k = 0; k < fallen.particles.size(); ++k)
       if (!fallen.scene.particles[k].fixed)
@@ -167,12 +216,12 @@ void Step::hand_over(const Fallen& fallen, std::span<const double> substeps) {
   // They know how fast anchors went, or a steady one would seem to jump.
   anchors_.for_moved([&](std::uint32_t particle, const AnchorMove& path) {
     for (const Place& place : compiled_.places.of(particle))
-      if (seats_[place.solver] == Seat::taken) solver(place).move_anchor(place.slot, path);
+      if (std::find(now.seats.begin(), now.seats.end(), place.solver) != now.seats.end())
+        solver(place).move_anchor(place.slot, path);
   });
-  for (std::uint32_t s = 0; s < seats_.size(); ++s) {
-    if (seats_[s] != Seat::taken) continue;
-    compiled_.solvers[s]->end_anchors();
-    anchors_.settle(s);
+  for (const std::uint32_t number : now.seats) {
+    compiled_.solvers[number]->end_anchors();
+    anchors_.settle(number);
   }
 }
 

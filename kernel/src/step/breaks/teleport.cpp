@@ -22,7 +22,7 @@ double off(double distance, double length, const RodLaw& law) {
 /// Refuses a move after which something rigid fits worse than before. at(particle) says where one will be.
 template <class At>
 void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const {
-  const Scene& scene = origin_->scene;
+  const Scene& scene = breaks_.scene_now();
   for (const std::uint32_t particle : particles) {
     if (const auto reel = breaks_.reel_at(particle))
       refuse("particle ", particle, ": reel ", *reel, " is of its island, which keeps its place");

@@ -108,6 +108,13 @@ class Compiler {
     return make_from(shares_of(islands_));
   }
 
+  Compiled make_addition(std::uint32_t relaxed_rods) {
+    require_laws_moved();
+    require_elements_moved();
+    start_.relaxed_rods = relaxed_rods;
+    return make_from(shares_of(islands_));
+  }
+
  private:
   /// Makes the contact solver, and finds which particles belong to islands that it alone can move.
   void make_contact() {
@@ -330,8 +337,16 @@ class Compiler {
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       for (const auto& [particle, slot] : slots_[s]) entries.push_back({particle, {s, slot}});
     out_.places = Places(static_cast<std::uint32_t>(scene_.particles.size()), entries);
-    out_.cords = Places(
-        static_cast<std::uint32_t>(scene_.rods.size() + scene_.tackles.size() + scene_.reels.size()), cords_);
+    const auto rods = static_cast<std::uint32_t>(scene_.rods.size());
+    const auto tackles = static_cast<std::uint32_t>(scene_.tackles.size());
+    const auto reels = static_cast<std::uint32_t>(scene_.reels.size());
+    std::vector<Places::Entry> of_rods, of_lines;
+    for (const auto& [cord, place] : cords_)
+      if (cord < rods)
+        of_rods.push_back({cord, place});
+      else  // reels come first there
+        of_lines.push_back({cord - rods < tackles ? reels + cord - rods : cord - rods - tackles, place});
+    out_.cords = {Places(rods, of_rods), Places(tackles + reels, of_lines)};
     out_.twists = Places(static_cast<std::uint32_t>(scene_.twists.size()), twists_);
   }
 
@@ -375,6 +390,10 @@ Compiled compile(const Scene& scene, const Settings& settings) {
 
 Compiled compile_parts(const Scene& parts, const Settings& settings, std::uint32_t relaxed_rods) {
   return Compiler(parts, settings).make_parts(relaxed_rods);
+}
+
+Compiled compile_addition(const Scene& addition, const Settings& settings, std::uint32_t relaxed_rods) {
+  return Compiler(addition, settings).make_addition(relaxed_rods);
 }
 
 }  // namespace plumb::detail

@@ -6,6 +6,7 @@
 #include "contact/contact_solver.hpp"
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
+#include "step/inputs/cords.hpp"
 #include "step/places.hpp"
 
 namespace plumb::detail {
@@ -14,7 +15,7 @@ namespace plumb::detail {
 struct Compiled {
   std::vector<std::unique_ptr<Solver>> solvers;
   Places places;
-  Places cords;                      ///< where rods, tackles and reels are that can be asked how they pull
+  CordPlaces cords;                  ///< where cords are that can be asked how they pull
   Places twists;                     ///< where twists are
   ContactSolver* contact = nullptr;  ///< one of the solvers, if anything may touch or has joints
   WorldInfo info;
@@ -28,5 +29,9 @@ Compiled compile(const Scene& scene, const Settings& settings);
 /// was asked then. Solvers are not started: set_motion() hands them how islands move. The world relaxes so
 /// many rods in all.
 Compiled compile_parts(const Scene& parts, const Settings& settings, std::uint32_t relaxed_rods);
+
+/// Does so with islands that are added to a scene compiled before, which has no shapes, joints, twists nor
+/// reels. Solvers are started as those of a scene, and what those refuse is refused.
+Compiled compile_addition(const Scene& addition, const Settings& settings, std::uint32_t relaxed_rods);
 
 }  // namespace plumb::detail

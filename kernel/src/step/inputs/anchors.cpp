@@ -31,6 +31,7 @@ void Anchors::set_target(std::uint32_t particle, Vec3 target) {
   if (has_target_[particle] != 0) return;
   has_target_[particle] = 1;
   moving_.push_back(particle);
+  moved_.reserve(moving_.capacity());
 }
 
 void Anchors::fix(std::uint32_t particle, Vec3 position) {
@@ -52,6 +53,31 @@ void Anchors::free(std::uint32_t particle) {
   has_target_[particle] = 0;
   std::erase(moving_, particle);
   std::erase_if(moved_, [&](const auto& of) { return of.first == particle; });
+}
+
+void Anchors::grow(std::size_t particles) {
+  if (particles <= fixed_.size()) return;
+  for (std::vector<std::uint8_t>* const of : {&fixed_, &will_be_fixed_}) of->resize(particles, 1);
+  for (std::vector<Vec3>* const of : {&positions_, &targets_}) of->resize(particles);
+  has_target_.resize(particles, 0);
+}
+
+void Anchors::add(std::uint32_t particle, bool is_fixed, Vec3 position) {
+  fixed_[particle] = will_be_fixed_[particle] = is_fixed ? 1 : 0;
+  positions_[particle] = targets_[particle] = position;
+}
+
+void Anchors::remove(std::uint32_t particle) {
+  if (has_target_[particle] != 0) std::erase(moving_, particle);
+  has_target_[particle] = 0;
+  if (fixed_[particle] != 0) std::erase_if(moved_, [&](const auto& of) { return of.first == particle; });
+  add(particle, true, {});
+}
+
+void Anchors::forget(std::uint32_t solver) {
+  std::erase(settling_, solver);
+  std::erase(concerned_, solver);
+  is_concerned_[solver] = 0;
 }
 
 Vec3 Anchors::last_velocity(std::uint32_t particle) const {

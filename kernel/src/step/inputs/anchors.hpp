@@ -37,6 +37,12 @@ class Anchors {
   void put(std::uint32_t particle, Vec3 position);
   /// Frees a particle, which forgets where it was to go.
   void free(std::uint32_t particle);
+  /// Takes at least so many particles. New ones are as removed ones.
+  void grow(std::size_t particles);
+  /// Gives a number to a particle that was removed, or is new.
+  void add(std::uint32_t particle, bool is_fixed, Vec3 position);
+  /// Lets a particle be a fixed one at the origin, which nobody moves.
+  void remove(std::uint32_t particle);
   /// Returns the velocity (m/s) of a fixed particle in the last step.
   Vec3 last_velocity(std::uint32_t particle) const;
   Vec3 position(std::uint32_t particle) const { return positions_[particle]; }
@@ -55,11 +61,13 @@ class Anchors {
   }
   /// Lets a solver learn of the next paths, as one that learned of the last.
   void settle(std::uint32_t solver) { settling_.push_back(solver); }
+  /// Forgets a solver that is no more.
+  void forget(std::uint32_t solver);
   /// Takes another number of solvers.
   void resize(std::size_t solvers) {
     is_concerned_.resize(solvers, 0);
-    concerned_.reserve(solvers);
-    settling_.reserve(solvers);
+    concerned_.reserve(is_concerned_.capacity());
+    settling_.reserve(is_concerned_.capacity());
   }
 
   /// Calls f(place) for every place of an anchor that will leave where it is.

@@ -1,54 +1,71 @@
 #include "step/inputs/lengths.hpp"
 
+#include <algorithm>
+
 #include "scene/reels/reels.hpp"
 
 namespace plumb::detail {
 
-Lengths::Lengths(const Scene& scene)
-    : is_moving_(scene.rods.size() + scene.tackles.size() + scene.reels.size(), 0) {
-  for (std::size_t i = 0; i < scene.rods.size(); ++i) lengths_.push_back(rod_length(scene, i));
-  for (std::size_t i = 0; i < scene.tackles.size(); ++i) lengths_.push_back(tackle_length(scene, i));
+Lengths::Lengths(const Scene& scene) {
+  std::vector<double> rods, lines;
+  for (std::size_t i = 0; i < scene.rods.size(); ++i) rods.push_back(rod_length(scene, i));
   if (!scene.reels.empty()) {
-    const RodTable rods(scene);
-    for (const Reel& reel : scene.reels) lengths_.push_back(start_of(scene, rods, reel).out);
+    const RodTable table(scene);
+    for (const Reel& reel : scene.reels) lines.push_back(start_of(scene, table, reel).out);
   }
-  made_ = targets_ = lengths_;
-  is_changed_ = is_moving_;
-  rates_.resize(lengths_.size());
-  rates_before_ = rates_;
+  for (std::size_t i = 0; i < scene.tackles.size(); ++i) lines.push_back(tackle_length(scene, i));
+  made_ = {rods, lines};
+  targets_ = lengths_ = made_;
+  for (CordTable<double>* const rates : {&rates_, &rates_before_}) rates->grow(rods.size(), lines.size());
+  for (CordTable<std::uint8_t>* const flags : {&is_moving_, &is_changed_})
+    flags->grow(rods.size(), lines.size());
 }
 
-void Lengths::set_target(std::uint32_t rod, double target) {
-  targets_[rod] = target;
-  if (is_changed_[rod] == 0) changed_.push_back(rod);
-  is_changed_[rod] = 1;
-  if (is_moving_[rod] == 0) moving_.push_back(rod);
-  is_moving_[rod] = 2;
+void Lengths::grow(std::size_t rods, std::size_t lines) {
+  for (CordTable<double>* const of : {&made_, &lengths_, &targets_, &rates_, &rates_before_})
+    of->grow(rods, lines);
+  for (CordTable<std::uint8_t>* const of : {&is_moving_, &is_changed_}) of->grow(rods, lines);
 }
 
-void Lengths::begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
-  for (const std::uint32_t rod : stopped_) rates_before_[rod] = 0;
+void Lengths::remove(std::uint32_t cord) {
+  if (is_changed_[cord] != 0)
+    for (std::vector<std::uint32_t>* const list : {&changed_, &moving_, &stopped_}) std::erase(*list, cord);
+  is_changed_[cord] = is_moving_[cord] = 0;
+  rates_[cord] = rates_before_[cord] = 0;
+}
+
+void Lengths::set_target(std::uint32_t cord, double target) {
+  targets_[cord] = target;
+  if (is_changed_[cord] == 0) changed_.push_back(cord);
+  is_changed_[cord] = 1;
+  if (is_moving_[cord] == 0) moving_.push_back(cord);
+  is_moving_[cord] = 2;
+}
+
+void Lengths::begin_step(double dt, const CordPlaces& places,
+                         std::span<const std::unique_ptr<Solver>> solvers) {
+  for (const std::uint32_t cord : stopped_) rates_before_[cord] = 0;
   stopped_.clear();
-  for (const std::uint32_t rod : moving_) {
-    rates_before_[rod] = rates_[rod];
-    rates_[rod] = (targets_[rod] - lengths_[rod]) / dt;
-    for (const Place place : places.of(rod))
-      solvers[place.solver]->set_length(place.slot, lengths_[rod], rates_[rod]);
+  for (const std::uint32_t cord : moving_) {
+    rates_before_[cord] = rates_[cord];
+    rates_[cord] = (targets_[cord] - lengths_[cord]) / dt;
+    for (const Place place : places.of(cord))
+      solvers[place.solver]->set_length(place.slot, lengths_[cord], rates_[cord]);
   }
 }
 
-void Lengths::end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers) {
+void Lengths::end_step(const CordPlaces& places, std::span<const std::unique_ptr<Solver>> solvers) {
   std::size_t kept = 0;
-  for (const std::uint32_t rod : moving_) {
+  for (const std::uint32_t cord : moving_) {
     // The rate stays what it was, since velocities at the end of the step have it.
-    lengths_[rod] = targets_[rod];
-    for (const Place place : places.of(rod))
-      solvers[place.solver]->set_length(place.slot, lengths_[rod], rates_[rod]);
-    is_moving_[rod] = is_moving_[rod] == 2 ? 1 : 0;
-    if (is_moving_[rod] != 0)
-      moving_[kept++] = rod;
+    lengths_[cord] = targets_[cord];
+    for (const Place place : places.of(cord))
+      solvers[place.solver]->set_length(place.slot, lengths_[cord], rates_[cord]);
+    is_moving_[cord] = is_moving_[cord] == 2 ? 1 : 0;
+    if (is_moving_[cord] != 0)
+      moving_[kept++] = cord;
     else
-      stopped_.push_back(rod);
+      stopped_.push_back(cord);
   }
   moving_.resize(kept);
 }

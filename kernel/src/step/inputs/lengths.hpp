@@ -7,24 +7,30 @@
 
 #include "interface/solver.hpp"
 #include "plumb/scene.hpp"
-#include "step/places.hpp"
+#include "step/inputs/cords.hpp"
 
 namespace plumb::detail {
 
-/// Knows how long cords are, and how long they will be after the next step. Cords are rods, then tackles,
-/// then reels, whose length is what is out.
+/// Knows how long cords are, and how long they will be after the next step. The length of a reel is what is
+/// out.
 class Lengths {
  public:
   explicit Lengths(const Scene& scene);
 
-  double length(std::uint32_t rod) const { return lengths_[rod]; }
+  double length(std::uint32_t cord) const { return lengths_[cord]; }
   /// Returns the rate (m/s) of a cord's length in the last step, and in the one before.
-  double rate(std::uint32_t rod) const { return rates_[rod]; }
-  double rate_before(std::uint32_t rod) const { return rates_before_[rod]; }
+  double rate(std::uint32_t cord) const { return rates_[cord]; }
+  double rate_before(std::uint32_t cord) const { return rates_before_[cord]; }
   /// Lets a rod become `target` (m) long during the next step, at a constant rate.
-  void set_target(std::uint32_t rod, double target);
+  void set_target(std::uint32_t cord, double target);
   /// Returns the rods that change their length in the next step, or did so in the last.
   std::span<const std::uint32_t> moving() const { return moving_; }
+
+  /// Takes at least so many rods, reels and tackles. New ones have no length before add().
+  void grow(std::size_t rods, std::size_t lines);
+  void add(std::uint32_t cord, double length) { made_[cord] = lengths_[cord] = targets_[cord] = length; }
+  /// Lets a cord be as if it had never changed.
+  void remove(std::uint32_t cord);
 
   /// Lists those that have ever changed, since most have not.
   template <class Archive>
@@ -45,16 +51,16 @@ class Lengths {
   }
   /// Tells solvers the lengths and their rates in a step of dt (s). Once it is done, lengths are their
   /// targets exactly, and rods without a new one will stop.
-  void begin_step(double dt, const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
-  void end_step(const Places& places, std::span<const std::unique_ptr<Solver>> solvers);
+  void begin_step(double dt, const CordPlaces& places, std::span<const std::unique_ptr<Solver>> solvers);
+  void end_step(const CordPlaces& places, std::span<const std::unique_ptr<Solver>> solvers);
 
  private:
-  std::vector<double> made_;                  ///< m, by rod: its length in the scene
-  std::vector<double> lengths_, targets_;     ///< m, by rod
-  std::vector<double> rates_, rates_before_;  ///< m/s, by rod
-  std::vector<std::uint8_t> is_moving_;       ///< by rod; 2 if it has a target for the next step
-  std::vector<std::uint8_t> is_changed_;      ///< by rod
-  std::vector<std::uint32_t> changed_;        ///< They have ever had a target, in the order of their first.
+  CordTable<double> made_;                  ///< m: the length in the scene
+  CordTable<double> lengths_, targets_;     ///< m
+  CordTable<double> rates_, rates_before_;  ///< m/s
+  CordTable<std::uint8_t> is_moving_;       ///< 2 if it has a target for the next step
+  CordTable<std::uint8_t> is_changed_;
+  std::vector<std::uint32_t> changed_;  ///< They have ever had a target, in the order of their first.
   std::vector<std::uint32_t> moving_, stopped_;  ///< The latter stood in the last step, after they moved.
 };
 

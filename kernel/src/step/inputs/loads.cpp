@@ -27,6 +27,25 @@ void Loads::make_room(std::size_t particles) {
     of->resize(particles);
 }
 
+void Loads::grow(std::size_t particles) {
+  if (particles <= constant_.size()) return;
+  constant_.resize(particles);
+  fixed_.resize(particles, true);
+  if (!asked_.empty()) make_room(particles);
+}
+
+void Loads::add(std::uint32_t particle, bool is_fixed, Vec3 velocity) {
+  remove(particle);  // a load may have said forces of what was not there
+  fixed_[particle] = is_fixed;
+  if (!last_velocities_.empty()) last_velocities_[particle] = velocity;
+}
+
+void Loads::remove(std::uint32_t particle) {
+  fix(particle, true);
+  for (std::vector<Vec3>* const of : {&loaded_, &asked_, &last_velocities_})
+    if (!of->empty()) (*of)[particle] = {};
+}
+
 Vec3 Loads::set_force(std::uint32_t particle, Vec3 force) {
   constant_[particle] = force;
   any_constant_ = true;

@@ -25,6 +25,12 @@ class Loads {
     fixed_[particle] = is_fixed;
     if (is_fixed) constant_[particle] = {};
   }
+  /// Takes at least so many particles. No force acts on new ones.
+  void grow(std::size_t particles);
+  /// Gives a number to a particle that was removed, or is new.
+  void add(std::uint32_t particle, bool is_fixed, Vec3 velocity);
+  /// Ends all forces on a particle for good.
+  void remove(std::uint32_t particle);
   /// Returns all of the force (N) that acts on a particle.
   Vec3 force(std::uint32_t particle) const { return constant_[particle] + loaded(particle); }
   /// Calls f(particle, force) for every movable particle on which a force (N) acts.

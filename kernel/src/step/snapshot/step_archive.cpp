@@ -7,14 +7,29 @@
 
 namespace plumb::detail {
 
-bool Step::has_archive() const {
-  return std::all_of(compiled_.solvers.begin(), compiled_.solvers.end(),
-                     [](const auto& solver) { return solver->has_archive(); });
+void Step::archive_past(Archive& archive) {
+  auto seats = static_cast<std::uint32_t>(seats_.size());
+  log_.archive_entries(archive);
+  archive(population_, seats);
 }
 
-std::unique_ptr<Step> Step::compiled_with(std::span<const Split> splits) {
+std::unique_ptr<Step> Step::restored_past(Archive& archive) {
+  std::vector<Split> splits;
+  Population population = population_;
+  std::uint32_t seats = 0;
+  archive(splits, population, seats);
+  if (log_.is_of(splits) && population == population_ && seats == seats_.size()) return {};
   auto out = std::make_unique<Step>(origin_->scene, origin_->settings);
-  for (const Split& each : splits) out->repeat(each);
+  std::swap(out->population_, population);
+  if (!(out->population_ == population)) {
+    out->breaks_.begin();
+    out->grow_tables();
+  }
+  for (Split& each : splits) out->repeat(std::move(each));
+  out->seats_.resize(seats, Seat::free);
+  out->compiled_.solvers.resize(seats);
+  out->anchors_.resize(seats);
+  out->sleep_.exchange(out->compiled_.solvers, out->seats_);
   out->loads_.take_load(loads_);
   out->budget_ = budget_;
   out->zones_ = zones_;
@@ -37,15 +52,14 @@ void Step::archive_rules(Archive& archive) {
   });
   settings_.stop = stop;
   settings_.weights = weights;
-  if (weighs) describe();
-  compiled_.info.parallel = uses_threads();
+  is_described_ = false;
 }
 
-/// What broke or was edited is known by splits. What a step begins anew is left out.
+/// The past is listed by archive_past(). What a step begins anew is left out.
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
-         breaks, edits, gravity, next_gravity, splits, has_broken, seats, rods, sleep, rules, budget, zones,
-         stages, dt, reports, visited, active, last_dt] = *this;
+         breaks, edits, gravity, next_gravity, log, population, has_archive, is_described, has_broken, seats,
+         rods, sleep, rules, budget, zones, stages, dt, reports, visited, active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);

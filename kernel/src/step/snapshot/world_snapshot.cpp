@@ -63,27 +63,27 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
 }  // namespace
 
 void World::Impl::archive_own(Archive& archive, Impl& of) {
-  auto& [step, fixed, precision, substeps, rods, tackles, twists, tackle_segments, pins, angles, springs,
-         torsions, shapes, of_kind, platforms, targets, chains, bodies, positions, velocities, tensions,
-         contacts, time, fingerprint] = of;
+  auto& [step, fixed, precision, substeps, rods, tackles, twists, pins, angles, springs, torsions, shapes,
+         of_kind, platforms, targets, chains, bodies, positions, velocities, tensions, contacts, time,
+         fingerprint] = of;
   archive(time, substeps, platforms, targets);
 }
 
-/// Splits are listed first, since all else fits only to a world that fell apart alike.
+/// The past is listed first, since all else fits only to a world that became alike.
 void World::Impl::archive(Archive& archive) {
   if (!step->has_archive())
     refuse("snapshot: springs, multipliers and featherstone keep none; relax, direct and auto do");
   if (!archive.restores()) {
-    archive(step->splits());
+    step->archive_past(archive);
     archive_own(archive, *this);
     return step->archive(archive);
   }
-  std::vector<detail::Split> splits = step->splits();
-  archive(splits);
-  if (splits != step->splits()) step = step->compiled_with(splits);
+  if (auto other = step->restored_past(archive)) step = std::move(other);
   archive_own(archive, *this);
   step->archive(archive);
-  for (std::uint32_t i = 0; i < fixed.size(); ++i) fixed[i] = step->will_be_fixed(i) ? 1 : 0;
+  fit_numbers();
+  for (std::uint32_t i = 0; i < fixed.size(); ++i)
+    fixed[i] = step->will_be_fixed(i) && step->population().particles.has(i) ? 1 : 0;
 }
 
 std::size_t World::snapshot_size() const {

@@ -52,6 +52,7 @@ void Step::copy_velocities(std::span<Vec3> out) const {
 std::uint64_t Step::state_hash() const {
   StateHash hash;
   for (std::uint32_t particle = 0; particle < compiled_.info.particles; ++particle) {
+    if (!population_.particles.has(particle)) continue;
     if (const Place* const place = place_of(particle))
       solver(*place).add_to_hash(place->slot, hash);
     else

@@ -1,0 +1,95 @@
+// bench_edits measures what it costs to add a rope to a world of many, to remove one, and to cut one. Frames
+// go on between the edits, as they do in a game, and edits without frames show what cold caches cost.
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "plumb/world.hpp"
+
+namespace plumb::bench {
+namespace {
+
+constexpr double frame = 1.0 / 60;
+constexpr std::uint32_t rods = 32;
+
+/// Appends a rope of rods of 0.1 m that hangs aside from an anchor at x (m).
+void append_rope(Scene& scene, double x) {
+  const auto first = static_cast<std::uint32_t>(scene.particles.size());
+  scene.particles.push_back({.position = {x, 0, 0}, .fixed = true});
+  for (std::uint32_t i = 1; i <= rods; ++i) {
+    scene.particles.push_back({.position = {x + 0.06 * i, -0.08 * i, 0}, .mass = 1});
+    scene.rods.push_back({.a = first + i - 1, .b = first + i});
+  }
+}
+
+/// Collects times of one kind of edit, in us.
+class Times {
+ public:
+  template <class F>
+  void time(F&& f) {
+    const auto begin = std::chrono::steady_clock::now();
+    f();
+    times_.push_back(
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count());
+  }
+  /// Writes a row: the first time, and the least and the median of the others.
+  void say(const std::string& what) {
+    std::vector<double> later(times_.begin() + 1, times_.end());
+    std::sort(later.begin(), later.end());
+    std::printf("| %s | %.0f | %.1f | %.1f |\n", what.c_str(), times_.front(), later.front(),
+                later[later.size() / 2]);
+  }
+
+ private:
+  std::vector<double> times_;
+};
+
+/// Adds and removes a rope again and again, with or without a frame between.
+void add_and_remove(World& world, bool has_frames, const std::string& name) {
+  Scene rope;
+  append_rope(rope, -5);
+  Times adds, removals;
+  for (int i = 0; i < 400; ++i) {
+    Added first;
+    adds.time([&] { first = world.add(rope); });
+    if (has_frames) world.step(frame);
+    removals.time([&] { world.remove(first.particle + 1); });
+    if (has_frames) world.step(frame);
+  }
+  const std::string how = has_frames ? ", frames between" : "";
+  adds.say(name + "add" + how);
+  removals.say(name + "remove" + how);
+}
+
+void measure(Method method, std::uint32_t ropes) {
+  Scene scene;
+  for (std::uint32_t i = 0; i < ropes; ++i) append_rope(scene, i);
+  const Settings settings{.method = method, .threads = 1};
+  const std::string name = std::to_string(ropes) + " ropes, " + std::string(to_string(method)) + ": ";
+  World world(scene, settings), other(scene, settings);
+  Times frames, orders, cut_frames;
+  for (World* const each : {&world, &other}) each->step(frame);
+  for (int i = 0; i < 200; ++i) frames.time([&] { world.step(frame); });
+  frames.say(name + "frame");
+  add_and_remove(world, true, name);
+  add_and_remove(world, false, name);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    orders.time([&] { other.cut(rods * (i * ropes / 20) + rods / 2); });
+    cut_frames.time([&] { other.step(frame); });
+  }
+  orders.say(name + "order a cut");
+  cut_frames.say(name + "frame with a cut");
+}
+
+}  // namespace
+}  // namespace plumb::bench
+
+int main() {
+  std::puts("| edit | first, us | least of later ones, us | median, us |\n|---|---|---|---|");
+  for (const std::uint32_t ropes : {100u, 1000u})
+    for (const plumb::Method method : {plumb::Method::direct, plumb::Method::relax})
+      plumb::bench::measure(method, ropes);
+}

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace plumb::detail {
+
+/// Gives numbers to what is added to a world, and takes back those of what is removed. They depend on what
+/// was added and removed before alone.
+///
+/// The generation of a number is odd while something has it. It goes up by one as that is removed, and by one
+/// as something else gets the number.
+class Numbers {
+ public:
+  explicit Numbers(std::size_t count) : count_(static_cast<std::uint32_t>(count)) {}
+
+  /// Returns how many numbers there are, with those that nothing has.
+  std::uint32_t count() const { return count_; }
+  std::uint32_t generation(std::uint32_t number) const {
+    return generations_.empty() ? 1 : generations_[number];
+  }
+  bool has(std::uint32_t number) const { return generation(number) % 2 == 1; }
+
+  /// Returns the first of so many numbers that nothing has, the lowest ones. The last may be new.
+  std::uint32_t find(std::uint32_t size) const;
+  /// Takes the numbers that find() has found.
+  void take(std::uint32_t first, std::uint32_t size);
+  /// Takes back numbers, which ascend.
+  void give_back(std::span<const std::uint32_t> numbers);
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    auto& [count, generations, free] = *this;
+    archive(count, generations);
+    if (archive.restores()) list_free();
+  }
+  friend bool operator==(const Numbers& a, const Numbers& b) {
+    return a.count_ == b.count_ && a.generations_ == b.generations_;
+  }
+
+ private:
+  void list_free();
+
+  std::uint32_t count_;
+  std::vector<std::uint32_t> generations_;                     ///< by number; empty while nothing was removed
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> free_;  ///< ranges that ascend: first and size
+};
+
+/// Holds the numbers of all that may be added.
+struct Population {
+  Numbers particles, rods, bends, tackles;
+
+  friend bool operator==(const Population&, const Population&) = default;
+};
+template <class Archive>
+void visit_members(Archive& archive, Population& of) {
+  auto& [particles, rods, bends, tackles] = of;
+  archive(particles, rods, bends, tackles);
+}
+
+}  // namespace plumb::detail

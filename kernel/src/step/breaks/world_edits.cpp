@@ -1,0 +1,175 @@
+// This file lets programs edit a world while it runs.
+
+#include <algorithm>
+#include <cmath>
+
+#include "relax/plan.hpp"
+#include "step/world_impl.hpp"
+
+namespace plumb {
+
+using detail::refuse;
+
+namespace {
+
+/// Refuses what cannot be added to a world that runs.
+void require_addable(const Scene& scene) {
+  const auto require_none = [](const char* what, const auto& list) {
+    if (!list.empty()) refuse(what, " 0: cannot be added to a world; particles, rods, bends and tackles can");
+  };
+  require_none("twist", scene.twists);
+  require_none("reel", scene.reels);
+  require_none("body", scene.bodies);
+  require_none("pin", scene.pins);
+  require_none("alignment", scene.alignments);
+  require_none("angle", scene.angles);
+  require_none("spring", scene.springs);
+  require_none("torsion", scene.torsions);
+  require_none("capsule", scene.capsules);
+  require_none("hull", scene.hulls);
+  require_none("plane", scene.planes);
+  require_none("box", scene.boxes);
+  require_none("platform", scene.platforms);
+  require_none("ground capsule", scene.ground_capsules);
+  require_none("ground hull", scene.ground_hulls);
+  require_none("mesh", scene.meshes);
+  require_none("height field", scene.height_fields);
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    if (scene.particles[i].asleep) refuse("particle ", i, ": sleeps, and what is added to a world is awake");
+  for (std::size_t i = 0; i < scene.rods.size(); ++i)
+    if (scene.rods[i].linear_drag != 0 || scene.rods[i].orthogonal_drag != 0)
+      refuse("rod ", i, ": is slowed by air, and cannot be added to a world");
+  if (scene.particles.empty()) refuse("the scene has no particles to be added");
+}
+
+}  // namespace
+
+void World::cut(std::uint32_t rod) {
+  impl_->require_rod(rod);
+  impl_->step->cut(rod);
+}
+
+void World::fix(std::uint32_t particle) {
+  impl_->require_known(particle);
+  impl_->step->fix(particle, true);
+  impl_->fixed[particle] = 1;
+}
+void World::free(std::uint32_t particle) {
+  impl_->require_known(particle);
+  impl_->step->fix(particle, false);
+  impl_->fixed[particle] = 0;
+}
+void World::set_mass(std::uint32_t particle, double mass) {
+  impl_->require_known(particle);
+  if (!(mass > 0 && std::isfinite(mass)))
+    refuse("particle ", particle, ": a mass must be positive and finite, got ", mass, " kg");
+  impl_->step->set_mass(particle, mass);
+}
+void World::set_gravity(Vec3 gravity) {
+  if (!is_finite(gravity)) refuse("gravity is not finite: ", gravity);
+  if (!impl_->step->has_archive())
+    refuse("gravity stays under springs, multipliers and featherstone; relax, direct and auto change it");
+  impl_->step->set_gravity(gravity);
+}
+void World::teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
+                     std::span<const Vec3> velocities) {
+  if (positions.size() != particles.size() || velocities.size() != particles.size())
+    refuse("teleport: ", particles.size(), " particles cannot have ", positions.size(), " positions and ",
+           velocities.size(), " velocities");
+  const double most = farthest_coordinate(impl_->precision);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    impl_->require_known(particles[i]);
+    const Vec3 to = positions[i];
+    if (!(std::max({std::abs(to.x), std::abs(to.y), std::abs(to.z)}) <= most) || !is_finite(velocities[i]))
+      refuse("particle ", particles[i], ": cannot be at ", to, " m with ", velocities[i], " m/s");
+  }
+  if (!impl_->step->has_archive())
+    refuse("teleport: springs, multipliers and featherstone keep their place; relax, direct and auto do not");
+  impl_->step->teleport(particles, positions, velocities);
+}
+
+// --- What is added and removed
+
+void World::Impl::fit_numbers() {
+  const detail::Population& numbers = step->population();
+  rods = numbers.rods.count();
+  tackles = numbers.tackles.count();
+  fixed.resize(numbers.particles.count(), 0);
+  if (bodies.count() == 0) return;
+  positions.resize(fixed.size());
+  velocities.resize(fixed.size());
+}
+
+Added World::add(const Scene& scene) {
+  require_addable(scene);
+  validate(scene);
+  if (scene.drag != impl_->step->drag())
+    refuse("drag: what is added has ", scene.drag, " 1/s, and the world has ", impl_->step->drag());
+  if (scene.joint_drag != 0) refuse("joint drag: what is added to a world has no joints");
+  if (!impl_->step->has_archive())
+    refuse("springs, multipliers and featherstone add nothing to a world; relax, direct and auto do");
+  detail::require_addressable(std::uint64_t{particle_count()} + scene.particles.size(),
+                              std::uint64_t{rod_count()} + scene.rods.size());
+  const Added first = impl_->step->add(scene);
+  impl_->fit_numbers();
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+    impl_->fixed[first.particle + i] = scene.particles[i].fixed ? 1 : 0;
+  return first;
+}
+
+void World::remove(std::uint32_t particle) {
+  impl_->require_known(particle);
+  for (const std::uint32_t gone : impl_->step->remove(particle)) impl_->fixed[gone] = 0;
+}
+
+namespace {
+
+template <class Item>
+std::uint32_t number_of(const detail::Numbers& numbers, const char* what, Handle<Item> handle) {
+  const auto [number, generation] = handle;
+  if (!handle) refuse(what, ": the handle names none");
+  if (number >= numbers.count() || numbers.generation(number) < generation || generation % 2 == 0)
+    refuse(what, ' ', number, ": the handle, of generation ", generation, ", is not of this world");
+  if (numbers.generation(number) != generation)
+    refuse(what, ' ', number, ": was removed; its handle is of generation ", generation, ", now ",
+           numbers.generation(number));
+  return number;
+}
+
+template <class Item>
+Handle<Item> handle_of(const detail::Numbers& numbers, std::uint32_t number) {
+  if (!numbers.has(number)) return {};
+  return {number, numbers.generation(number)};
+}
+
+template <class Item>
+bool names_one(const detail::Numbers& numbers, Handle<Item> handle) {
+  return handle && handle.number < numbers.count() &&
+         numbers.generation(handle.number) == handle.generation && numbers.has(handle.number);
+}
+
+}  // namespace
+
+Handle<Particle> World::particle_handle(std::uint32_t particle) const {
+  if (particle >= particle_count())
+    refuse("particle ", particle, ": unknown, the world has ", particle_count(), " particles");
+  return handle_of<Particle>(impl_->step->population().particles, particle);
+}
+Handle<Rod> World::rod_handle(std::uint32_t rod) const {
+  Impl::require_one_of(rod_count(), "rod", rod);
+  return handle_of<Rod>(impl_->step->population().rods, rod);
+}
+std::uint32_t World::number(Handle<Particle> particle) const {
+  return number_of(impl_->step->population().particles, "particle", particle);
+}
+std::uint32_t World::number(Handle<Rod> rod) const {
+  return number_of(impl_->step->population().rods, "rod", rod);
+}
+bool World::has(Handle<Particle> particle) const {
+  return names_one(impl_->step->population().particles, particle);
+}
+bool World::has(Handle<Rod> rod) const {
+  return names_one(impl_->step->population().rods, rod);
+}
+
+}  // namespace plumb
