@@ -369,6 +369,37 @@ TEST(Queries, BrokenRodsAreGone) {
   EXPECT_TRUE(queries.cast_ray(middle));
 }
 
+// Numbers of what was removed go to what is added, which was not in the scene that queries know.
+TEST(Queries, DoNotFindWhatWasRemoved) {
+  Scene scene;
+  scene.gravity = {};
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    scene.particles.push_back({.position = {2, 1.0 * i, 0}, .mass = 1, .fixed = i % 2 == 0});
+    if (i % 2 == 1) scene.rods.push_back({.a = i - 1, .b = i});
+  }
+  World world(scene);
+  Queries queries(scene, {.rod_radius = 0.1, .particle_radius = 0.2});
+  const Ray low{.origin = {0, 0.5, 0}, .direction = along_x},
+      high{.origin = {0, 2.5, 0}, .direction = along_x};
+  const Ray end{.origin = {0, 1, 0}, .direction = along_x},
+      origin{.origin = {-2, 0, 0}, .direction = along_x};
+  EXPECT_EQ(queries.cast_ray(low).target, (QueryTarget{Kind::rod, {}, 0}));
+  EXPECT_EQ(queries.cast_ray(end).target, (QueryTarget{Kind::particle, {}, 1}));
+  world.remove(1);
+  queries.update(world);
+  for (const Ray& ray : {low, end, origin}) EXPECT_FALSE(queries.cast_ray(ray));
+  EXPECT_EQ(queries.cast_ray(high).target, (QueryTarget{Kind::rod, {}, 1}));
+  Scene added;
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    added.particles.push_back({.position = {2, 0.25 * i, 0}, .mass = 1, .fixed = i == 0});
+    if (i > 0) added.rods.push_back({.a = i - 1, .b = i});
+  }
+  world.add(added);
+  queries.update(world);
+  for (const Ray& ray : {low, end, origin}) EXPECT_FALSE(queries.cast_ray(ray));
+  EXPECT_TRUE(queries.cast_ray(high));
+}
+
 // Islands that lost their places are not found, and the others are.
 TEST(Things, WhatHasNoFinitePlaceIsGone) {
   using Form = detail::Thing::Form;
@@ -448,9 +479,10 @@ TEST(Queries, RefuseWhatMakesNoSense) {
 TEST(Queries, RefuseWorldsOfOtherScenes) {
   Scene scene = walls()[0].scene;
   Queries queries(scene);
-  scene.particles.push_back({.mass = 1});
-  EXPECT_EQ(test::refusal([&] { queries.update(World(scene)); }),
-            "the world has 3 particles, and the scene of these queries has 2");
+  Scene fewer;
+  fewer.particles.push_back({.mass = 1});
+  EXPECT_EQ(test::refusal([&] { queries.update(World(fewer)); }),
+            "the world has 1 particles, and the scene of these queries has 2");
   EXPECT_TRUE(queries.cast_ray(look));
 }
 

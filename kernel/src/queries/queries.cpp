@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "queries/casts.hpp"
@@ -36,8 +37,9 @@ struct PLUMB_HIDDEN Queries::Impl {
   detail::Things things;
   detail::QueryTree tree;
   std::vector<Thing> ordered;  ///< as the hierarchy has them, so that neighbours lie side by side
+  std::size_t particles;       ///< of the scene; a world may have more
   std::vector<Vec3> positions;
-  std::vector<std::uint8_t> broken;
+  std::vector<std::uint8_t> gone;  ///< by rod
   std::vector<Pose> platforms;
 };
 
@@ -84,9 +86,12 @@ detail::SolidBox solid_box(Vec3 center, const QueryBox& box) {
 }  // namespace
 
 Queries::Impl::Impl(const Scene& scene, const QuerySettings& settings)
-    : things(scene, settings), broken(scene.rods.size()), platforms(scene.platforms) {
+    : things(scene, settings),
+      particles(scene.particles.size()),
+      gone(scene.rods.size()),
+      platforms(scene.platforms) {
   for (const Particle& particle : scene.particles) positions.push_back(particle.position);
-  things.update({positions, broken, platforms});
+  things.update({positions, gone, platforms});
   tree.build(things.bounds());
   fit();
 }
@@ -188,17 +193,24 @@ Queries& Queries::operator=(Queries&&) noexcept = default;
 void Queries::update(const World& world) {
   Impl& of = *impl_;
   const auto require = [](std::size_t has, std::size_t want, const char* what) {
-    if (has != want) refuse("the world has ", has, " ", what, ", and the scene of these queries has ", want);
+    if (has < want) refuse("the world has ", has, " ", what, ", and the scene of these queries has ", want);
   };
-  require(world.particle_count(), of.positions.size(), "particles");
-  require(world.rod_count(), of.broken.size(), "rods");
+  require(world.particle_count(), of.particles, "particles");
+  require(world.rod_count(), of.gone.size(), "rods");
   // A world refuses what it does not have. Nothing of this has changed by then.
   std::vector<Pose>& platforms = of.platforms;
   for (std::uint32_t i = 0; i < platforms.size(); ++i) static_cast<void>(world.platform(i));
   for (std::uint32_t i = 0; i < platforms.size(); ++i) platforms[i] = world.platform(i);
+  of.positions.resize(world.particle_count());
   world.copy_positions(of.positions);
-  for (std::uint32_t i = 0; i < of.broken.size(); ++i) of.broken[i] = world.is_broken(i);
-  of.things.update({of.positions, of.broken, platforms});
+  // Numbers of what was removed may be those of what was added since.
+  constexpr std::uint32_t from_the_start = 1;
+  constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+  for (std::uint32_t i = 0; i < of.particles; ++i)
+    if (world.particle_handle(i).generation != from_the_start) of.positions[i] = {nowhere, nowhere, nowhere};
+  for (std::uint32_t i = 0; i < of.gone.size(); ++i)
+    of.gone[i] = world.rod_handle(i).generation != from_the_start || world.is_broken(i);
+  of.things.update({of.positions, of.gone, platforms});
   of.fit();
 }
 

@@ -179,7 +179,7 @@ void Things::update(const Whereabouts& now) {
   };
   for (const Line& each : lines_) put(each.thing, each.a.of(now.positions), each.b.of(now.positions), true);
   for (const Pair& each : rods_)
-    put(each.thing, now.positions[each.a], now.positions[each.b], now.broken[each.rod] == 0);
+    put(each.thing, now.positions[each.a], now.positions[each.b], now.gone[each.rod] == 0);
   for (const Single& each : particles_)
     put(each.thing, now.positions[each.particle], now.positions[each.particle], true);
   move_hulls(now.positions);

@@ -37,7 +37,7 @@ struct PlaneNow {
 /// Says where a world is. Rods that are out are bytes other than 0.
 struct Whereabouts {
   std::span<const Vec3> positions;  ///< m, by particle
-  std::span<const std::uint8_t> broken;
+  std::span<const std::uint8_t> gone;
   std::span<const Pose> platforms;
 };
 

@@ -95,7 +95,8 @@ struct QuerySettings {
 ///
 /// Of equal distances the target that comes first in their order counts. Answers are the same to the bit on
 /// every machine and number of threads, and do not depend on how the hierarchy came to be. What has a place
-/// that is not finite is not found, and neither are broken rods, nor the cords of tackles.
+/// that is not finite is not found, and neither are broken rods, nor the cords of tackles. What was removed
+/// (World::remove()) is not found, nor what was added.
 class PLUMB_API Queries {
  public:
   /// Prepares a scene, with everything where it is there. Throws InputError if validate() refuses the scene,
@@ -106,8 +107,9 @@ class PLUMB_API Queries {
   Queries& operator=(Queries&&) noexcept;  ///< Moves all; what is left can only be assigned to.
 
   /// Takes everything where it is in a world of the same scene. Throws InputError, and changes nothing, if
-  /// the world has not as many particles and rods, or lacks a platform. Boxes of the hierarchy follow; where
-  /// they have grown far beyond what they were, it is built anew, which takes some fifteen times as long.
+  /// the world has fewer particles or rods than the scene, or lacks a platform. Boxes of the hierarchy
+  /// follow; where they have grown far beyond what they were, it is built anew, which takes some fifteen
+  /// times as long.
   void update(const World& world);
 
   /// Returns what a ray meets first. Throws InputError on a ray whose origin is not finite, whose direction
