@@ -1,5 +1,7 @@
 // How many substeps a running world takes: as many as a program says, or as fit into a time.
 
+#include "time/budget.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -112,6 +114,22 @@ TEST(Substeps, AreRefusedWithAReason) {
   expect_refusal("budget must be positive", [&] { world.set_budget(std::nan("")); });
   expect_refusal("budget must be positive",
                  [&] { world.set_budget(std::numeric_limits<double>::infinity()); });
+}
+
+TEST(Budgets, LeaveSubstepsToOthersUntilTheyAreSet) {
+  detail::Budget budget;
+  StepReport report;
+  EXPECT_EQ(budget.begin_step(7), 7u);
+  EXPECT_FALSE(budget.deadline(true));
+  budget.end_step(7, 7, true, report);
+  EXPECT_EQ(report.step_us, 0);
+  budget.set(for_ever);
+  EXPECT_EQ(budget.begin_step(7), 7u);
+  // What is tried under an accuracy leaves time for substeps by number.
+  EXPECT_LT(*budget.deadline(true), *budget.deadline(false));
+  budget.end_step(7, 7, true, report);
+  EXPECT_GT(report.step_us, 0);
+  EXPECT_EQ(report.asked_us, report.step_us);
 }
 
 TEST(Budgets, ThatSufficeChangeNoBits) {
