@@ -99,14 +99,34 @@ TEST(Report, HasEveryField) {
                                                  "inaccurate_steps",
                                                  "capped_steps",
                                                  "broken_rods",
+                                                 "budget",
                                                  "problems",
                                                  "contact"}));
-  EXPECT_EQ(keys(report["settings"]),
-            (std::set<std::string>{
-                "method",        "duration",       "dt",         "substeps",  "sweeps",    "tolerance",
-                "budget_us",     "time_order",     "accuracy",   "order",     "omega",     "weights",
-                "gradient",      "mass",           "integrator", "springs",   "stiffness", "damping_ratio",
-                "stabilization", "baumgarte_rate", "layout",     "precision", "threads",   "isa"}));
+  EXPECT_EQ(keys(report["settings"]), (std::set<std::string>{"method",
+                                                             "duration",
+                                                             "dt",
+                                                             "substeps",
+                                                             "sweeps",
+                                                             "tolerance",
+                                                             "budget_us",
+                                                             "step_budget_us",
+                                                             "time_order",
+                                                             "accuracy",
+                                                             "order",
+                                                             "omega",
+                                                             "weights",
+                                                             "gradient",
+                                                             "mass",
+                                                             "integrator",
+                                                             "springs",
+                                                             "stiffness",
+                                                             "damping_ratio",
+                                                             "stabilization",
+                                                             "baumgarte_rate",
+                                                             "layout",
+                                                             "precision",
+                                                             "threads",
+                                                             "isa"}));
   EXPECT_EQ(keys(report["machine"]),
             (std::set<std::string>{"cpu", "isa", "threads", "compiler", "flags", "commit"}));
   EXPECT_EQ(keys(report["stretch"]), (std::set<std::string>{"rms", "max", "max_rod"}));
@@ -147,6 +167,23 @@ constexpr std::size_t count_members() {
     return count_members<Aggregate, Values..., Anything>();
   else
     return sizeof...(Values);
+}
+
+TEST(Report, SaysWhatABudgetDid) {
+  const Scene scene = make_chain(5);
+  RunPlan plan = short_plan();
+  plan.settings.substeps = 4;
+  plan.step_budget_us = 1e12;
+  const RunResult result = run_scene(scene, plan);
+  const Read report = parsed(report_json("chain:links=5", plan, result, describe_machine(result.info)));
+  const Read& enough = report["budget"];
+  EXPECT_EQ(keys(enough), (std::set<std::string>{"late_frames", "longest_step_us", "step_us", "asked_us"}));
+  EXPECT_EQ(enough["late_frames"], 0);
+  EXPECT_LE(enough["longest_step_us"].get<double>(), enough["step_us"].get<double>());
+  plan.step_budget_us = 1e-6;
+  const RunResult late = run_scene(scene, plan);
+  EXPECT_EQ(late.late_frames, late.frames);
+  EXPECT_EQ(late.total.substeps, 2 * 4 + (late.frames - 2)) << "two slow steps are believed";
 }
 
 // A member that no row names would be in no output. StepReport::stopped_by is a word and has no row.

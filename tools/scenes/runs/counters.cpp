@@ -24,6 +24,8 @@ constexpr Counter table[] = {
     {"unsolved", &StepReport::unsolved, "substeps not solved"},
     {"inaccurate_steps", &StepReport::inaccurate_steps, "steps taken though not accurate enough"},
     {"capped_steps", &StepReport::capped_steps, "steps that reached the most work"},
+    {"step_us", &StepReport::step_us, "time of steps with a budget, us", "budget"},
+    {"asked_us", &StepReport::asked_us, "time that all substeps would have taken, us", "budget"},
     {"broken_rods", &StepReport::broken_rods, "rods that broke"},
     {"largest_gap", &StepReport::largest_gap, "largest gap at a joint, m"},
     {"rms_gap", &StepReport::rms_gap, "RMS gap at joints, m"},

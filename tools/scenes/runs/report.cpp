@@ -13,6 +13,13 @@ Json contact_json(const RunResult& result) {
   return json;
 }
 
+Json budget_json(const RunPlan& plan, const RunResult& result) {
+  if (!plan.step_budget_us) return nullptr;
+  Json json{{"late_frames", result.late_frames}, {"longest_step_us", result.longest_step_us}};
+  add_counters(json, "budget", result.total);
+  return json;
+}
+
 Json skipped_json(const RunResult& result) {
   Json json;
   add_counters(json, "skipped", result.total);
@@ -116,8 +123,6 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"islands", result.info.islands},
       {"start", result.start},
       {"frames", result.frames},
-      {"late_frames", plan.step_budget_us ? Json(result.late_frames) : nullptr},
-      {"longest_step_us", plan.step_budget_us ? Json(result.longest_step_us) : nullptr},
   };
   add_counters(json, "", result.total);
   const EnergyDrift& energy = result.energy;
@@ -125,6 +130,7 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
       {"stopped_by", to_string(result.total.stopped_by)},
       {"skipped", skipped_json(result)},
       {"contact", contact_json(result)},
+      {"budget", budget_json(plan, result)},
       {"wall_s", result.wall_s},
       {"ns_per_rod_frame", result.ns_per_rod_frame()},
       {"stretch",
