@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,14 +14,16 @@
 #include "step/breaks/numbers.hpp"
 #include "step/inputs/cords.hpp"
 #include "step/rows.hpp"
-#include "support/refusals.hpp"
+#include "support/edited_worlds.hpp"
 #include "support/snapshots.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
 namespace {
 
+using test::expect_refusal;
 using test::fixed;
+using test::for_methods;
 using test::movable;
 
 constexpr double frame = 1.0 / 60;
@@ -62,25 +63,6 @@ Scene joined(Scene scene, const Scene& with) {
     scene.tackles.push_back(tackle);
   }
   return scene;
-}
-
-/// Calls f(settings) for all ways to move rods that may be added.
-template <class F>
-void for_methods(F&& f) {
-  for (const Method method : {Method::automatic, Method::direct, Method::relax})
-    for (const Precision precision : {Precision::double_, Precision::single})
-      for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
-        SCOPED_TRACE(std::string(to_string(method)) + ' ' + std::string(to_string(precision)) + ' ' +
-                     std::string(to_string(gradient)));
-        Settings settings{
-            .method = method, .precision = precision, .gradient = gradient, .substeps = 4, .threads = 1};
-        if (method == Method::relax) settings.stop.sweeps = 100;
-        f(settings);
-      }
-}
-
-void expect_refusal(const std::string& reason, const std::function<void()>& edit) {
-  EXPECT_NE(test::refusal(edit).find(reason), std::string::npos) << test::refusal(edit);
 }
 
 void expect_equal(const World& world, const World& other, std::uint32_t first, std::uint32_t end) {

@@ -6,19 +6,21 @@
 
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "support/edited_worlds.hpp"
 #include "support/refusals.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
 namespace {
 
+using test::expect_refusal;
 using test::fixed;
+using test::for_methods;
 using test::movable;
 
 constexpr double frame = 1.0 / 60;
@@ -44,25 +46,6 @@ Vec3 momentum(const Scene& scene, const World& world, std::uint32_t first, std::
   Vec3 sum;
   for (std::uint32_t i = first; i < end; ++i) sum += scene.particles[i].mass * world.velocity(i);
   return sum;
-}
-
-/// Calls f(settings) for all ways to move rods that may be edited.
-template <class F>
-void for_methods(F&& f) {
-  for (const Method method : {Method::automatic, Method::direct, Method::relax})
-    for (const Precision precision : {Precision::double_, Precision::single})
-      for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
-        SCOPED_TRACE(std::string(to_string(method)) + ' ' + std::string(to_string(precision)) + ' ' +
-                     std::string(to_string(gradient)));
-        Settings settings{
-            .method = method, .precision = precision, .gradient = gradient, .substeps = 4, .threads = 1};
-        if (method == Method::relax) settings.stop.sweeps = 100;
-        f(settings);
-      }
-}
-
-void expect_refusal(const std::string& reason, const std::function<void()>& edit) {
-  EXPECT_NE(test::refusal(edit).find(reason), std::string::npos) << test::refusal(edit);
 }
 
 TEST(Edits, AreNoneUntilOrdered) {
