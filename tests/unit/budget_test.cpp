@@ -128,6 +128,10 @@ TEST(Budgets, LeaveSubstepsToOthersUntilTheyAreSet) {
   // What is tried under an accuracy leaves time for substeps by number.
   EXPECT_LT(*budget.deadline(true), *budget.deadline(false));
   budget.end_step(7, 7, true, report);
+  budget.set(std::numeric_limits<double>::max());
+  EXPECT_EQ(budget.begin_step(7), 7u);
+  EXPECT_GT(*budget.deadline(false), detail::Budget::Clock::now());
+  budget.end_step(7, 7, true, report);
   EXPECT_GT(report.step_us, 0);
   EXPECT_EQ(report.asked_us, report.step_us);
 }

@@ -38,7 +38,7 @@ class Budget {
   /// Returns when what is tried or cut in this step has to end.
   Time deadline(bool is_controlled) const {
     if (!us_) return {};
-    const double us = is_controlled ? *us_ - reserve_ : *us_;
+    const double us = std::min(is_controlled ? *us_ - reserve_ : *us_, most_us);
     return begin_ + std::chrono::duration_cast<Clock::duration>(Micro(us));
   }
   /// Ends a step that took so many substeps where `asked` was asked for, and reports what it took.
@@ -60,6 +60,7 @@ class Budget {
 
   // A lone frame may take longer since the machine did something else, so that it says nothing of the next.
   // Shares were found by trial on machines that others used too: plumb run --step-budget-us.
+  static constexpr double most_us = 1e12;  // The clock counts 2^63 ns.
   static constexpr double safe_share = 0.75, margin = 1.2, least_reserve = 0.05;
 
   double second_largest() const {
