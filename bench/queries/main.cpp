@@ -102,12 +102,7 @@ class BruteForce {
     of.world.copy_positions(positions_);
     std::set<std::set<std::uint32_t>> held;
     for (const Capsule& each : scene_.capsules) {
-      const auto place = [&](const Point& point) {
-        Vec3 sum{};
-        for (std::size_t k = 0; k < 4; ++k) sum += point.weights[k] * positions_[point.particles[k]];
-        return sum;
-      };
-      lines_.push_back({place(each.a), place(each.b), each.radius});
+      lines_.push_back({position_of(each.a, positions_), position_of(each.b, positions_), each.radius});
       std::set<std::uint32_t> particles;
       for (const Point* const point : {&each.a, &each.b})
         for (std::size_t k = 0; k < 4; ++k)

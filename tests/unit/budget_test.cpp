@@ -8,11 +8,13 @@
 #include <limits>
 
 #include "plumb/plumb.hpp"
-#include "support/refusals.hpp"
+#include "support/edited_worlds.hpp"
 #include "support/worlds.hpp"
 
 namespace plumb {
 namespace {
+
+using test::expect_refusal;
 
 constexpr double frame = 1.0 / 60;
 constexpr double for_ever = 1e12, nothing = 1e-6;  // us
@@ -44,11 +46,6 @@ Scene falling_ropes() {
         {.a = point_at(scene.rods[i].a), .b = point_at(scene.rods[i].b), .radius = 0.02});
   scene.planes.push_back({.normal = {0, 1, 0}, .offset = -0.3});
   return scene;
-}
-
-template <class F>
-void expect_refusal(const std::string& what, F&& f) {
-  EXPECT_NE(test::refusal(f).find(what), std::string::npos) << test::refusal(f);
 }
 
 template <class F>

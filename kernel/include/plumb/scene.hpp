@@ -25,6 +25,9 @@ struct Particle {
   bool fixed = false;  ///< Whether it is an anchor.
   /// An island whose movable particles all sleep stands still until something touches it.
   bool asleep = false;
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const Particle&, const Particle&) = default;
 };
 
 /// Says how a rod answers to what pulls on it. By default it is rigid: it keeps its length.
@@ -62,6 +65,9 @@ struct Rod {
   /// Air slows the rod across its axis at this rate, in 1/s (thesis 2.1.6).
   double orthogonal_drag = 0;
   RodLaw law{};  ///< How it answers to what pulls on it.
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const Rod&, const Rod&) = default;
 };
 
 /// Resists bending where the rods from `a` to `b` and from `b` to `c` meet, as a wire, a beam or a hair does.
@@ -84,6 +90,9 @@ struct Bend {
   double stiffness = 0;  ///< Stiffness, in N m.
   double angle = 0;      ///< Angle phi at rest, in rad; 0 is straight. It has no plane of its own.
   double damping = 0;    ///< Torque per rate of phi, in N m s.
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const Bend&, const Bend&) = default;
 };
 
 /// This is a place that moves with a body or a rod: a weighted mean of up to four particles.
@@ -131,6 +140,9 @@ struct Tackle {
   double length = 0;                       ///< Length in m; 0 means that of the scene as it stands.
   RodLaw law{};         ///< How it answers to what pulls on it, as a rod does. It has no strength.
   double friction = 0;  ///< Coulomb's coefficient between the cord and all its pulleys.
+
+  /// Returns whether all members are equal.
+  friend bool operator==(const Tackle&, const Tackle&) = default;
 };
 
 /// Pays out and takes in a chain of particles through one place, as a winch's drum does with a rope.

@@ -332,7 +332,6 @@ bool Step::is_broken(std::uint32_t rod) const {
   return !places.empty() && solver(places.front()).is_broken(places.front().slot);
 }
 
-/// Returns where a particle is moved now, or null for a fixed one from which nothing hangs.
 std::vector<Problem> Step::problems(double most_strain) const {
   std::vector<Problem> out;
   std::vector<Troubles> troubles;

@@ -40,6 +40,7 @@ class Step {
 
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
+  std::uint32_t substeps() const { return settings_.substeps; }  ///< those that are asked for
   void set_substeps(std::uint32_t substeps) { settings_.substeps = substeps; }
   void set_zones(Zones zones) { zones_ = std::move(zones); }
   /// Gives every step so much wall time (us), or as much as it takes.

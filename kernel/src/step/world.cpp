@@ -40,7 +40,6 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
   impl_->precision = settings.precision;
-  impl_->substeps = settings.substeps;
   impl_->tensions = settings.tensions;
   impl_->contacts = settings.contacts;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
@@ -72,8 +71,9 @@ World& World::operator=(World&&) noexcept = default;
 
 StepReport World::step(double dt) {
   if (!(dt > 0) || !std::isfinite(dt)) refuse("dt must be positive and finite, got ", dt);
-  if (dt / impl_->substeps < shortest_substep(impl_->precision))
-    refuse("dt ", dt, " s in ", impl_->substeps, " substeps is too short for ", to_string(impl_->precision),
+  const std::uint32_t substeps = impl_->step->substeps();
+  if (dt / substeps < shortest_substep(impl_->precision))
+    refuse("dt ", dt, " s in ", substeps, " substeps is too short for ", to_string(impl_->precision),
            ": a substep takes at least ", shortest_substep(impl_->precision), " s");
   impl_->step->ask_load(impl_->time, dt);
   const StepReport report = impl_->step->run(dt);
@@ -95,7 +95,6 @@ void World::set_weights(Weights weights) {
 void World::set_substeps(std::uint32_t substeps) {
   if (substeps == 0) refuse("substeps must be at least 1, got 0");
   impl_->step->set_substeps(substeps);
-  impl_->substeps = substeps;
 }
 
 void World::set_budget(std::optional<double> microseconds) {

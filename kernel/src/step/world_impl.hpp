@@ -25,7 +25,6 @@ struct PLUMB_HIDDEN World::Impl {
   std::unique_ptr<detail::Step> step;
   std::vector<std::uint8_t> fixed;
   Precision precision = Precision::double_;
-  std::uint32_t substeps = 1;
   std::uint32_t rods = 0, tackles = 0, twists = 0;
   std::uint32_t pins = 0, angles = 0, springs = 0, torsions = 0, shapes = 0;
   std::vector<std::uint32_t> of_kind;    ///< Numbers of shapes and pieces of ground, by ShapeKind.

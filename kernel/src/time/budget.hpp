@@ -58,11 +58,11 @@ class Budget {
  private:
   using Micro = std::chrono::duration<double, std::micro>;
 
-  // A lone frame may take longer since the machine did something else, so that it says nothing of the next.
-  // Shares were found by trial on machines that others used too: plumb run --step-budget-us.
   static constexpr double most_us = 1e12;  // The clock counts 2^63 ns.
+  // They leave room for what a step takes beyond the last ones. bench/README.md has how many are late.
   static constexpr double safe_share = 0.75, margin = 1.2, least_reserve = 0.05;
 
+  /// Leaves out the largest, since one step may be long because the machine did something else.
   double second_largest() const {
     auto sorted = costs_;
     std::nth_element(sorted.begin(), sorted.end() - 2, sorted.end());

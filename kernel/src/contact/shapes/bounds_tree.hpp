@@ -49,23 +49,12 @@ class BoundsTree {
   /// holds is from it. What is farther than the square `least` need not be asked. Returns the least square.
   template <class Distance2Of>
   double find_nearest(Vec3 p, double least, Distance2Of&& distance2_of) const {
-    std::uint32_t waiting[most_depth];
-    int count = 0;
-    if (!nodes_.empty()) waiting[count++] = 0;
-    while (count > 0) {
-      const std::uint32_t i = waiting[--count];
-      const Node& node = nodes_[i];
-      if (distance2(node.bounds, p) >= least) continue;
-      for (std::uint32_t k = node.first; k < node.end; ++k) {
-        const double square = distance2_of(items_[k]);
-        if (square < least) least = square;
-      }
-      if (node.first != node.end) continue;
-      const std::uint32_t left = i + 1, right = nodes_[left].next;
-      const bool left_first = distance2(nodes_[left].bounds, p) <= distance2(nodes_[right].bounds, p);
-      waiting[count++] = left_first ? right : left;
-      waiting[count++] = left_first ? left : right;
-    }
+    visit_near_first([&](const Bounds& box) { return distance2(box, p); },
+                     [&](double square) { return square < least; },
+                     [&](std::uint32_t item) {
+                       const double square = distance2_of(item);
+                       if (square < least) least = square;
+                     });
     return least;
   }
 
@@ -73,21 +62,8 @@ class BoundsTree {
   /// unit vector, and for some that are near: about from near to far. `met` may lower `best`.
   template <class Met>
   void find_along(const Bounds& start, Vec3 along, double& best, Met&& met) const {
-    std::uint32_t waiting[most_depth];
-    int count = 0;
-    if (!nodes_.empty()) waiting[count++] = 0;
-    while (count > 0) {
-      const std::uint32_t i = waiting[--count];
-      const Node& node = nodes_[i];
-      if (way_to(node.bounds, start, along) > best) continue;
-      for (std::uint32_t k = node.first; k < node.end; ++k) met(items_[k]);
-      if (node.first != node.end) continue;
-      const std::uint32_t left = i + 1, right = nodes_[left].next;
-      const bool left_first =
-          way_to(nodes_[left].bounds, start, along) <= way_to(nodes_[right].bounds, start, along);
-      waiting[count++] = left_first ? right : left;
-      waiting[count++] = left_first ? left : right;
-    }
+    visit_near_first([&](const Bounds& box) { return way_to(box, start, along); },
+                     [&](double way) { return way <= best; }, met);
   }
 
  private:
@@ -99,6 +75,26 @@ class BoundsTree {
     Bounds bounds;
     std::uint32_t next = 0, first = 0, end = 0;
   };
+
+  /// Calls visit(number) for the boxes of all nodes that counts(far_to(box around them)) lets in, about from
+  /// near to far.
+  template <class FarTo, class Counts, class Visit>
+  void visit_near_first(FarTo&& far_to, Counts&& counts, Visit&& visit) const {
+    std::uint32_t waiting[most_depth];
+    int count = 0;
+    if (!nodes_.empty()) waiting[count++] = 0;
+    while (count > 0) {
+      const std::uint32_t i = waiting[--count];
+      const Node& node = nodes_[i];
+      if (!counts(far_to(node.bounds))) continue;
+      for (std::uint32_t k = node.first; k < node.end; ++k) visit(items_[k]);
+      if (node.first != node.end) continue;
+      const std::uint32_t left = i + 1, right = nodes_[left].next;
+      const bool left_first = far_to(nodes_[left].bounds) <= far_to(nodes_[right].bounds);
+      waiting[count++] = left_first ? right : left;
+      waiting[count++] = left_first ? left : right;
+    }
+  }
 
   void build(std::span<const Bounds> boxes, std::uint32_t first, std::uint32_t end);
 

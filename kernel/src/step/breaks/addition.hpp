@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <tuple>
 #include <vector>
 
 #include "plumb/report.hpp"
@@ -35,32 +33,7 @@ struct Addition {
             .tackles = tackles};
   }
 
-  friend bool operator==(const Addition& one, const Addition& other) {
-    const auto are_equal = [](const auto& a, const auto& b, auto&& members) {
-      return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                        [&](const auto& x, const auto& y) { return members(x) == members(y); });
-    };
-    return one.first == other.first &&
-           are_equal(one.particles, other.particles,
-                     [](const Particle& of) {
-                       const auto& [a, b, c, d, e] = of;
-                       return std::tie(a, b, c, d, e);
-                     }) &&
-           are_equal(one.rods, other.rods,
-                     [](const Rod& of) {
-                       const auto& [a, b, c, d, e, f, g, h, i] = of;
-                       return std::tie(a, b, c, d, e, f, g, h, i);
-                     }) &&
-           are_equal(one.bends, other.bends,
-                     [](const Bend& of) {
-                       const auto& [a, b, c, d, e, f] = of;
-                       return std::tie(a, b, c, d, e, f);
-                     }) &&
-           are_equal(one.tackles, other.tackles, [](const Tackle& of) {
-             const auto& [a, b, c, d] = of;
-             return std::tie(a, b, c, d);
-           });
-  }
+  friend bool operator==(const Addition&, const Addition&) = default;
 };
 
 template <class Archive>

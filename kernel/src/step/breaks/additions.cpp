@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "scene/refuse.hpp"
-#include "step/methods.hpp"
+#include "step/breaks/ids.hpp"
 #include "step/step.hpp"
 
 namespace plumb::detail {
@@ -128,8 +128,7 @@ Removed Step::take_away(std::uint32_t particle) {
   for (const std::uint32_t each : out.particles)
     if (anchors_.is_fixed(each))
       for (const std::uint32_t rod : breaks_.rods_at(each)) out.rods.push_back(rod);
-  std::sort(out.rods.begin(), out.rods.end());
-  out.rods.erase(std::unique(out.rods.begin(), out.rods.end()), out.rods.end());
+  sort_once(out.rods);
   free_seats(solvers);
   sleep_.exchange(compiled_.solvers, seats_);
   is_described_ = false;

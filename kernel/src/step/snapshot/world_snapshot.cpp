@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<char, 8> magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
 /// Goes up with any change of what archives list.
-constexpr std::uint32_t format = 3;
+constexpr std::uint32_t format = 4;
 constexpr std::uint32_t library = PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
 
 /// Every snapshot begins with this. The sum is over all bytes behind it.
@@ -63,10 +63,10 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
 }  // namespace
 
 void World::Impl::archive_own(Archive& archive, Impl& of) {
-  auto& [step, fixed, precision, substeps, rods, tackles, twists, pins, angles, springs, torsions, shapes,
-         of_kind, platforms, targets, chains, bodies, positions, velocities, tensions, contacts, time,
-         fingerprint] = of;
-  archive(time, substeps, platforms, targets);
+  auto& [step, fixed, precision, rods, tackles, twists, pins, angles, springs, torsions, shapes, of_kind,
+         platforms, targets, chains, bodies, positions, velocities, tensions, contacts, time, fingerprint] =
+      of;
+  archive(time, platforms, targets);
 }
 
 /// The past is listed first, since all else fits only to a world that became alike.

@@ -4,6 +4,7 @@
 
 namespace plumb::detail {
 
+/// Returns where a particle is moved now, or null for a fixed one from which nothing hangs.
 const Place* Step::place_of(std::uint32_t particle) const {
   const auto places = compiled_.places.of(particle);
   if (places.empty()) return nullptr;
