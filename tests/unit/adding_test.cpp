@@ -163,7 +163,7 @@ TEST(Log, ForgetsWhatWasAddedAndRemoved) {
   EXPECT_EQ(log.splits().size(), 4u);
   log.push_removal({.removed = {6}}, std::vector<std::uint32_t>{6});
   EXPECT_TRUE(log.is_of(std::vector{added(3, 2), added(8, 1)}));
-  log.keep(std::vector<std::uint32_t>{4});
+  log.keep(std::vector<std::uint32_t>{4}, {});
   log.push_removal({.removed = {3}}, std::vector<std::uint32_t>{3, 4});
   EXPECT_EQ(log.splits().size(), 3u);
   log.push_removal({.removed = {0}}, std::vector<std::uint32_t>{0});
@@ -280,6 +280,21 @@ TEST(Adding, SeesGravityAndLoadsOfTheWorld) {
   EXPECT_EQ(world.add(ball).particle, 5u);
   test::run(world, frame, 6);
   EXPECT_LE(norm(world.velocity(5) - 0.1 * Vec3{3, 0, 5}), 1e-12);
+}
+
+// A load that was set while there was nothing acts on what is added.
+TEST(Adding, IsLoadedInAWorldThatWasEmpty) {
+  World world(Scene{}, {.threads = 1});
+  world.set_load([](const LoadState& view, std::span<Vec3> forces) {
+    ASSERT_EQ(view.positions.size(), forces.size());
+    for (Vec3& force : forces) force = {2, 0, 0};
+  });
+  world.step(frame);
+  Scene ball;
+  ball.particles = {movable({3, 0, 0})};
+  world.add(ball);
+  test::run(world, 0.1, 5);
+  EXPECT_NEAR(world.velocity(0).x, 1, 1e-12);
 }
 
 // A world may begin with nothing.
@@ -599,6 +614,24 @@ TEST(Adding, IsKnownToSnapshots) {
     test::run(fresh, frame, 3);
     EXPECT_EQ(fresh.state_hash(), world.state_hash());
   });
+}
+
+// The mass of an anchor moves nothing, and yet what was added was edited.
+TEST(Adding, IsKeptForTheMassOfAnAnchor) {
+  Scene more = chains(1, 3, 10);
+  more.particles[0].mass = 1;
+  World world(chains(1, 3), {.threads = 1}), fresh(chains(1, 3), {.threads = 1});
+  const Added first = world.add(more);
+  world.set_mass(first.particle, 50);
+  world.step(frame);
+  world.remove(first.particle + 1);
+  fresh.restore(test::snapshot_of(world));
+  for (World* const each : {&world, &fresh}) {
+    EXPECT_EQ(each->add(more).particle, first.particle);
+    each->free(first.particle);
+    test::run(*each, frame, 5);
+  }
+  EXPECT_EQ(fresh.state_hash(), world.state_hash());
 }
 
 // The same edits give the same bits on any number of threads.

@@ -22,9 +22,13 @@ void Log::push(Split split) {
   }
 }
 
-void Log::keep(std::span<const std::uint32_t> particles) {
-  for (const std::uint32_t particle : particles)
-    if (const Serial serial = addition_of(particle); serial != none) entries_.at(serial).is_kept = true;
+void Log::keep(std::span<const std::uint32_t> particles, const Edits& edits) {
+  for (const std::uint32_t particle : particles) keep(particle);
+  for (const auto& [particle, mass] : edits.masses) keep(particle);
+}
+
+void Log::keep(std::uint32_t particle) {
+  if (const Serial serial = addition_of(particle); serial != none) entries_.at(serial).is_kept = true;
 }
 
 void Log::push_removal(Split split, std::span<const std::uint32_t> particles) {

@@ -34,8 +34,9 @@ void visit_members(Archive& archive, Split& of) {
 class Log {
  public:
   void push(Split split);
-  /// Notes that islands of particles, which all ascend, are made anew or lose a rod.
-  void keep(std::span<const std::uint32_t> particles);
+  /// Notes that islands of particles are made anew or lose a rod, and that particles have other masses: that
+  /// of an anchor touches no island.
+  void keep(std::span<const std::uint32_t> particles, const Edits& edits);
   /// Ends with particles that `split` has removed.
   void push_removal(Split split, std::span<const std::uint32_t> particles);
 
@@ -60,6 +61,7 @@ class Log {
     std::vector<Serial> removals{};  ///< of others of them
   };
   Serial put(Split split);
+  void keep(std::uint32_t particle);
   Serial addition_of(std::uint32_t particle) const {
     return particle < additions_.size() ? additions_[particle] : none;
   }

@@ -32,7 +32,7 @@ void Step::split(StepReport&) {
   std::swap(now.edits, edits_);
   if (now.rods.empty() && !now.edits.any()) return;
   const Fallen fallen = breaks_.take_out(now.rods, now.edits);
-  log_.keep(fallen.touched);
+  log_.keep(fallen.touched, now.edits);
   for (const std::uint32_t particle : fallen.particles) {
     now.positions.push_back(position(particle));
     now.velocities.push_back(velocity(particle));
@@ -58,7 +58,7 @@ void Step::repeat(Split split_then) {
     put(split_then, compile_addition(scene_of(split_then.added.front())));
   } else {
     Fallen fallen = breaks_.take_out(split_then.rods, split_then.edits);
-    log_.keep(fallen.touched);
+    log_.keep(fallen.touched, split_then.edits);
     split(std::move(fallen), split_then);
   }
   log_.push(std::move(split_then));

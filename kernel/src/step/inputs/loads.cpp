@@ -31,7 +31,7 @@ void Loads::grow(std::size_t particles) {
   if (particles <= constant_.size()) return;
   constant_.resize(particles);
   fixed_.resize(particles, true);
-  if (!asked_.empty()) make_room(particles);
+  if (load_ || !asked_.empty()) make_room(particles);
 }
 
 void Loads::add(std::uint32_t particle, bool is_fixed, Vec3 velocity) {
