@@ -133,6 +133,17 @@ TEST(Budgets, LeaveSubstepsToOthersUntilTheyAreSet) {
   EXPECT_EQ(report.asked_us, report.step_us);
 }
 
+// A step may be late without having been cut short. Only the latter makes it less accurate than it was asked
+// to be.
+TEST(Budgets, CapOnlyWhatTheyCutShort) {
+  World calm(ropes(2, 5)), watched(ropes(2, 5), {.accuracy = 1e-6});
+  for (World* const world : {&calm, &watched}) world->set_budget(nothing);
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_EQ(calm.step(frame).capped_steps, 0u);
+    EXPECT_GT(watched.step(frame).capped_steps, 0u);
+  }
+}
+
 TEST(Budgets, ThatSufficeChangeNoBits) {
   for (const Scene& scene : {ropes(5, 12), falling_ropes()})
     for (const bool is_controlled : {false, true})

@@ -21,8 +21,11 @@ struct Tally : StepReport {
   std::uint64_t taken_back = 0;  ///< work of tries that were taken back, Newton steps left out
 
   std::uint64_t work() const { return taken_back + newton + block_sweeps + direct_substeps + halvings; }
-  bool is_spent() const {
-    return work() >= most_work || (deadline && std::chrono::steady_clock::now() >= *deadline);
+  bool was_late = false;  ///< What a piece did was cut short since it was too late.
+
+  bool is_spent() {
+    was_late = was_late || (deadline && std::chrono::steady_clock::now() >= *deadline);
+    return was_late || work() >= most_work;
   }
   /// Says whether a substep was taken in a way that shorter ones would hardly improve.
   bool has_given_up() const { return unsolved + elastic_substeps > 0; }
@@ -37,11 +40,13 @@ struct Tally : StepReport {
   /// Counts only the work of a try that was taken back.
   void take_back(const Tally& tried) {
     newton += tried.newton;
+    was_late = was_late || tried.was_late;
     taken_back += tried.work() - tried.newton;
   }
   /// Counts all of a try that holds.
   void keep(const Tally& tried) {
     *this += tried;
+    was_late = was_late || tried.was_late;
     taken_back += tried.taken_back;
   }
 };

@@ -117,7 +117,7 @@ void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRul
     ControlledPiece(solver, piece, part).step(dt, rules, tally);
   else
     solver.advance(piece, dt / rules.substeps, rules.substeps, part, tally);
-  if (tally.is_spent()) tally.capped_steps = 1;
+  if (tally.was_late || tally.work() >= tally.most_work) tally.capped_steps = 1;
   report += tally;
 }
 

@@ -247,6 +247,12 @@ std::uint32_t TreeStepper<T>::cuts(const TreeState<T>& state, double h) const {
 }
 
 template <class T>
+std::uint32_t TreeStepper<T>::bounded_cuts(const TreeState<T>& state, double h, Tally& counters) const {
+  const std::uint32_t count = cuts(state, h);
+  return count > most_spent_pieces && counters.is_spent() ? most_spent_pieces : count;
+}
+
+template <class T>
 bool TreeStepper<T>::is_stable(TreeState<T>& state, double h, TreeWorkspace<T>& work,
                                const LineSegments* segments) const {
   kernels(state).find_stiffness(work.view(state));
@@ -270,7 +276,7 @@ template <class T>
 double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>& crew,
                                Tally& counters) const {
   double error = 0;
-  const std::uint32_t count = std::min(cuts(state, h), counters.is_spent() ? most_spent_pieces : most_pieces);
+  const std::uint32_t count = bounded_cuts(state, h, counters);
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_) error += advance_piece(state, share * h / count, crew, counters);
   return error;
@@ -312,7 +318,7 @@ template <class T>
 double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state, double h,
                                const TreeCrew<T>& crew, Tally& counters) const {
   double error = 0;
-  const std::uint32_t count = std::min(cuts(state, h), counters.is_spent() ? most_spent_pieces : most_pieces);
+  const std::uint32_t count = bounded_cuts(state, h, counters);
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double share : shares_)
       error += advance_piece(segments, state, share * h / count, crew, counters);

@@ -81,6 +81,8 @@ class TreeStepper {
   std::uint32_t cuts(const TreeState<T>& state, double h) const;
 
  private:
+  /// Returns cuts(), or fewer once the work is spent.
+  std::uint32_t bounded_cuts(const TreeState<T>& state, double h, Tally& counters) const;
   double advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew, Tally& counters) const;
   double advance_piece(const LineSegments& segments, TreeState<T>& state, double h, const TreeCrew<T>& crew,
                        Tally& counters) const;
