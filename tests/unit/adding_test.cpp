@@ -306,6 +306,27 @@ TEST(Adding, FillsAnEmptyWorld) {
   expect_equal(world, other, 0, 8);
 }
 
+// An accuracy is relative to what a world begins with, or else to the first addition that has a size.
+TEST(Adding, GivesAnAccuracyItsSize) {
+  const Settings settings{.accuracy = 1e-3, .threads = 1};
+  Scene point;
+  point.particles = {movable({0, 3, 0})};
+  World world(point, settings), other(chains(1, 8), settings);
+  EXPECT_EQ(world.step(frame).substeps, 1u);
+  world.add(point);
+  world.add(chains(1, 8));
+  World restored(point, settings);
+  const test::Snapshot before = test::snapshot_of(world);
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(world.step(frame).substeps, other.step(frame).substeps);
+  for (std::uint32_t i = 0; i < 9; ++i) EXPECT_EQ(world.position(2 + i), other.position(i)) << i;
+  restored.restore(before);
+  test::run(restored, frame, 8);
+  for (std::uint32_t i = 0; i < 9; ++i) EXPECT_EQ(restored.position(2 + i), other.position(i)) << i;
+  world.add(chains(2, 8, 100));  // which lie in a box ten times as large
+  for (World* const each : {&world, &other}) test::run(*each, frame, 8);
+  for (std::uint32_t i = 0; i < 9; ++i) EXPECT_EQ(world.position(2 + i), other.position(i)) << i;
+}
+
 // What is added may be edited as what was there, at once or later.
 TEST(Adding, MayBeEdited) {
   const Scene scene = chains(2, 6), more = chains(1, 6, 5);
@@ -523,6 +544,15 @@ TEST(Removing, IsRefusedWithAReason) {
   expect_refusal("particle 8: was removed", [&] { world.remove(8); });
   world.add(chains(2, 4, 9));
   EXPECT_EQ(world.step(frame).awake_islands, 4u);
+  Scene sprung = chains(2, 4);
+  sprung.particles.push_back(fixed({0, -1, 0}));
+  sprung.springs = {{.a = point_at(10), .b = point_at(4), .stiffness = 100},
+                    {.a = point_at(5), .b = point_at(4), .stiffness = 100}};
+  World held(sprung, {.threads = 1});
+  expect_refusal("particle 10: is fixed, and something hangs from it", [&] { held.remove(10); });
+  held.remove(9);  // and particle 5 stays, since a spring is at it
+  expect_refusal("particle 5: is fixed, and something hangs from it", [&] { held.remove(5); });
+  EXPECT_EQ(held.step(frame).unsolved, 0u);
   Scene reel = chains(1, 4);
   for (std::uint32_t i = 0; i < 5; ++i) reel.particles[i].position = {0, -0.1 * i, 0};
   reel.reels = {{.particles = {0, 1, 2, 3}}};

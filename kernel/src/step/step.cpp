@@ -56,9 +56,7 @@ Step::Step(const Scene& scene, const Settings& settings)
       reports_(workers_.size()) {
   rules_.substeps = settings.substeps;
   rules_.most_work = settings.most_work;
-  // A scene of one particle has no length for an error to be relative to, so its accuracy is not used.
-  const double diagonal = bounding_diagonal(scene);
-  if (settings.accuracy && diagonal > 0) rules_.error_growth = *settings.accuracy * diagonal;
+  measure_size(scene);
   sleep_.start(compiled_.solvers, settings);
   for (const Stage& stage : all_stages)
     if ((this->*stage.is_needed)()) stages_.push_back(stage);
@@ -71,6 +69,14 @@ Step::Step(const Scene& scene, const Settings& settings)
   reserve();
   compiled_.places.runs();  // so that reading allocates nothing
   compiled_.info.parallel = uses_threads();
+}
+
+/// Finds how fast errors may grow, relative to the first scene or addition that has more than one place.
+/// Until then there is no length to which errors could be relative, and no accuracy is kept.
+void Step::measure_size(const Scene& scene) {
+  if (!settings_.accuracy || rules_.error_growth) return;
+  if (const double diagonal = bounding_diagonal(scene); diagonal > 0)
+    rules_.error_growth = *settings_.accuracy * diagonal;
 }
 
 /// Makes the space that steps need, so that they allocate nothing.

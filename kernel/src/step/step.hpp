@@ -177,6 +177,7 @@ class Step {
   Compiled compile_addition(const Scene& scene) const;
   void put(Split& now, Compiled made);
   void grow_tables();
+  void measure_size(const Scene& scene);
   Removed take_away(std::uint32_t particle);
   bool carries_shape(std::uint32_t anchor) const;
   void forget(const Removed& gone);

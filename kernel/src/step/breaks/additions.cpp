@@ -27,6 +27,7 @@ Added Step::add(const Scene& scene) {
   Split now;
   now.added.emplace_back(scene, first);
   Compiled made = compile_addition(scene_of(now.added.front()));
+  measure_size(scene);
   particles.take(first.particle, size(scene.particles));
   rods.take(first.rod, size(scene.rods));
   bends.take(first.bend, size(scene.bends));
@@ -136,7 +137,8 @@ Removed Step::take_away(std::uint32_t particle) {
   return out;
 }
 
-/// Returns whether a shape or a joint of the scene is at a fixed particle.
+/// Returns whether a shape of the scene is at a fixed particle. That of fixed ones alone is ground, and has no
+/// place in an island. Everything else that a fixed particle may hold has one.
 bool Step::carries_shape(std::uint32_t anchor) const {
   if (!compiled_.contact || anchor >= origin_->scene.particles.size()) return false;
   const auto is_at = [&](const Point& point) {

@@ -67,7 +67,7 @@ void Step::archive(Archive& archive) {
   if (archive.restores()) order(edits, false);
   archive(edits);
   if (archive.restores()) order(edits, true);
-  archive(anchors, lengths, loads, reactions, has_broken, sleep, dt);
+  archive(anchors, lengths, loads, reactions, has_broken, sleep, rules.error_growth, dt);
   for_solvers([&](Solver& solver) { solver.archive(archive); });
 }
 
