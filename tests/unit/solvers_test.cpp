@@ -63,7 +63,7 @@ class Solvers : public testing::TestWithParam<Maker> {};
 TEST_P(Solvers, PlaceEveryParticle) {
   const Scene scene = four_islands();
   const test::IslandsOf of(scene);
-  StartReport report;
+  StartReport report{.kinds = std::make_shared<TreeKinds>()};
   std::set<std::uint32_t> seen;
   std::uint32_t islands = 0;
   for (const MadeSolver& made : make(GetParam(), scene, of, report)) {
@@ -85,7 +85,7 @@ TEST_P(Solvers, PlaceEveryParticle) {
 TEST_P(Solvers, MoveWhatIsMovable) {
   const Scene scene = four_islands();
   const test::IslandsOf of(scene);
-  StartReport report;
+  StartReport report{.kinds = std::make_shared<TreeKinds>()};
   Team team(1);
   int moved = 0;
   for (const MadeSolver& made : make(GetParam(), scene, of, report)) {
@@ -123,7 +123,7 @@ std::uint64_t hash_of(const MadeSolver& made) {
 TEST(Solvers, TakePiecesBackToTheBit) {
   const Scene scene = four_islands();
   const test::IslandsOf of(scene);
-  StartReport report;
+  StartReport report{.kinds = std::make_shared<TreeKinds>()};
   Team team(1);
   const Settings settings{.method = Method::direct, .accuracy = 1e-3, .threads = 1};
   for (const MadeSolver& made :
@@ -211,6 +211,29 @@ TEST(StateHash, IsFnv1aOfTheBytes) {
   plus.add(0.0);
   minus.add(-0.0);
   EXPECT_NE(plus.value(), minus.value()) << "bits count, not values";
+}
+
+// Equal trees share their kind while some solver has it.
+TEST(TreeKinds, AreSharedByWhatIsAlike) {
+  const auto tree_of = [](const Scene& scene) {
+    const test::IslandsOf of(scene);
+    return *layouts::find_tree(layouts::local_graph(of.sets.graph, of.sets.islands, 0).view());
+  };
+  const layouts::Tree tree = tree_of(scenes::make_chain(6)), other = tree_of(scenes::make_chain(5));
+  const TreeKind<double>::Rules rules{.gradient = Gradient::mid, .time_order = 2, .threads = 1};
+  TreeKind<double>::Rules dragged = rules;
+  dragged.drag = 1;
+  TreeKinds kinds;
+  const auto kind = kinds.get<double>(tree, 1, rules, {});
+  EXPECT_EQ(kinds.get<double>(tree, 1, rules, {}), kind);
+  EXPECT_NE(kinds.get<double>(tree, 8, rules, {}), kind);
+  EXPECT_NE(kinds.get<double>(tree, 1, dragged, {}), kind);
+  EXPECT_NE(kinds.get<double>(other, 1, rules, {}), kind);
+  EXPECT_EQ(kinds.get<float>(tree, 1, {.gradient = Gradient::mid, .threads = 1}, {})->lanes, 1u);
+  std::weak_ptr<TreeKind<double>> gone = kinds.get<double>(tree, 2, rules, {});
+  EXPECT_TRUE(gone.expired());
+  for (std::uint32_t lanes = 1; lanes < 100; ++lanes) kinds.get<double>(other, lanes, rules, {});
+  EXPECT_EQ(kinds.get<double>(tree, 1, rules, {}), kind);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "direct/locks/locks.hpp"
 #include "direct/loops/loop_solver.hpp"
+#include "direct/trees/tree_kind.hpp"
 #include "direct/trees/tree_solver.hpp"
 #include "interface/island_shape.hpp"
 #include "plumb/layouts/trees.hpp"
@@ -234,7 +235,7 @@ class Maker {
     const auto count = static_cast<std::uint32_t>(equal.size());
     // With fewer trees than this a whole vector would cost more than one tree after the other.
     const std::uint32_t lanes = count * 4 >= lane_width<T> ? lane_width<T> : 1;
-    const auto kind = std::make_shared<TreeKind<T>>(
+    const auto kind = report_.kinds->get<T>(
         tree, lanes,
         typename TreeKind<T>::Rules{rules_.gradient, rules_.time_order, settings_.accuracy.has_value(),
                                     rules_.changes_gradient, rules_.bounds_frames && !bends.any(),

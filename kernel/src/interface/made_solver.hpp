@@ -26,12 +26,15 @@ struct MadeSolver {
   std::vector<std::pair<std::uint32_t, Slot>> twists{};  ///< the scene's numbers and the solver's
 };
 
-/// Says by how much a solver had to change the initial state (see WorldInfo).
+class TreeKinds;
+
+/// Says what solvers start from, and by how much they had to change the initial state (see WorldInfo).
 struct StartReport {
   bool goes_on = false;            ///< Solvers are handed the state of others, so that they change nothing.
   std::uint32_t relaxed_rods = 0;  ///< Rods of all of the world that share a budget, if that goes on.
-  double projected_velocity = 0;   ///< m/s, the largest change
-  double projected_position = 0;   ///< m, the largest change
+  std::shared_ptr<TreeKinds> kinds{};     ///< of the world's trees, which new ones may share
+  double projected_velocity = 0;          ///< m/s, the largest change
+  double projected_position = 0;          ///< m, the largest change
   std::uint32_t unprojected_islands = 0;  ///< islands whose rods could not be brought to their lengths
 };
 

@@ -27,6 +27,7 @@ struct LineBends {
   /// bends there would.
   std::uint32_t twist_begin = 0, twist_end = 0;
 
+  bool operator==(const LineBends&) const = default;
   bool is_twisted() const { return twist_end > 0; }
   bool any() const { return !slots.empty() || is_twisted(); }
   /// Returns the tie at a place that is not a node of `nodes`.

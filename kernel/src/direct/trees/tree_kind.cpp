@@ -2,7 +2,27 @@
 
 #include <utility>
 
+#include "interface/state_hash.hpp"
+
 namespace plumb::detail {
+namespace {
+
+std::uint64_t hash_of(const layouts::Tree& tree) {
+  StateHash hash;
+  for (const std::uint32_t each : tree.parent) hash.add(each);
+  for (const std::uint32_t each : tree.tie_begin) hash.add(each);
+  return hash.value();
+}
+
+template <class T>
+bool is_of(const TreeKind<T>& kind, const layouts::Tree& tree, std::uint32_t lanes,
+           const typename TreeKind<T>::Rules& rules, const LineBends& bends) {
+  const TreeTopology& topology = *kind.topology;
+  return kind.lanes == lanes && kind.rules == rules && topology.parent == tree.parent &&
+         topology.tie_begin == tree.tie_begin && topology.bends == bends;
+}
+
+}  // namespace
 
 template <class T>
 TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rules& of, LineBends bends)
@@ -21,7 +41,28 @@ TreeKind<T>::TreeKind(const layouts::Tree& tree, std::uint32_t width, const Rule
     if (bounded) crew.elastic.bound_frames();
 }
 
+template <class T>
+std::shared_ptr<TreeKind<T>> TreeKinds::get(const layouts::Tree& tree, std::uint32_t lanes,
+                                            const typename TreeKind<T>::Rules& rules,
+                                            const LineBends& bends) {
+  auto& [kinds, full] = std::get<Known<T>>(known_);
+  const std::uint64_t hash = hash_of(tree);
+  for (auto [each, end] = kinds.equal_range(hash); each != end; ++each)
+    if (auto kind = each->second.lock(); kind && is_of(*kind, tree, lanes, rules, bends)) return kind;
+  if (kinds.size() >= full) {
+    std::erase_if(kinds, [](const auto& each) { return each.second.expired(); });
+    full = 2 * kinds.size() + 16;
+  }
+  auto made = std::make_shared<TreeKind<T>>(tree, lanes, rules, bends);
+  kinds.emplace(hash, made);
+  return made;
+}
+
 template struct TreeKind<float>;
 template struct TreeKind<double>;
+template std::shared_ptr<TreeKind<float>> TreeKinds::get(const layouts::Tree&, std::uint32_t,
+                                                         const TreeKind<float>::Rules&, const LineBends&);
+template std::shared_ptr<TreeKind<double>> TreeKinds::get(const layouts::Tree&, std::uint32_t,
+                                                          const TreeKind<double>::Rules&, const LineBends&);
 
 }  // namespace plumb::detail

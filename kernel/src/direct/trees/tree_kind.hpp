@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "direct/attempts/elastic_tree.hpp"
@@ -32,6 +35,8 @@ struct TreeKind {
     double drag;            ///< It is in 1/s.
     Isa isa;
     unsigned threads;
+
+    bool operator==(const Rules&) const = default;
   };
 
   TreeKind(const layouts::Tree& tree, std::uint32_t lanes, const Rules& rules, LineBends bends = {});
@@ -52,5 +57,24 @@ struct TreeKind {
 
 extern template struct TreeKind<float>;
 extern template struct TreeKind<double>;
+
+/// Finds the kinds of trees that a world has, so that equal ones which come later share their working memory.
+/// That stays in the cache from one to the next.
+class TreeKinds {
+ public:
+  /// Returns a kind that a solver has, or a new one.
+  template <class T>
+  std::shared_ptr<TreeKind<T>> get(const layouts::Tree& tree, std::uint32_t lanes,
+                                   const typename TreeKind<T>::Rules& rules, const LineBends& bends);
+
+ private:
+  /// Kinds by a hash of their trees. They live as long as solvers have them.
+  template <class T>
+  struct Known {
+    std::multimap<std::uint64_t, std::weak_ptr<TreeKind<T>>> kinds;
+    std::size_t full = 16;  ///< With so many, those that nobody has are looked for.
+  };
+  std::tuple<Known<float>, Known<double>> known_;
+};
 
 }  // namespace plumb::detail

@@ -15,7 +15,7 @@ Scene Step::scene_of(const Addition& of) const {
 }
 
 Compiled Step::compile_addition(const Scene& scene) const {
-  return detail::compile_addition(scene, settings_of_now(), compiled_.info.relaxed_rods);
+  return detail::compile_addition(scene, settings_of_now(), compiled_);
 }
 
 Added Step::add(const Scene& scene) {
@@ -137,8 +137,8 @@ Removed Step::take_away(std::uint32_t particle) {
   return out;
 }
 
-/// Returns whether a shape of the scene is at a fixed particle. That of fixed ones alone is ground, and has no
-/// place in an island. Everything else that a fixed particle may hold has one.
+/// Returns whether a shape of the scene is at a fixed particle. That of fixed ones alone is ground, and has
+/// no place in an island. Everything else that a fixed particle may hold has one.
 bool Step::carries_shape(std::uint32_t anchor) const {
   if (!compiled_.contact || anchor >= origin_->scene.particles.size()) return false;
   const auto is_at = [&](const Point& point) {

@@ -78,7 +78,7 @@ void Step::split(Fallen fallen, Split& now) {
   for (std::size_t k = 0; k < fallen.rods.size(); ++k) fallen.scene.rods[k].length = now.lengths[k];
   for (std::size_t k = 0; k < fallen.tackles.size(); ++k)
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
-  exchange(fallen, now, compile_parts(fallen.scene, settings_of_now(), compiled_.info.relaxed_rods));
+  exchange(fallen, now, compile_parts(fallen.scene, settings_of_now(), compiled_));
 }
 
 Settings Step::settings_of_now() const {

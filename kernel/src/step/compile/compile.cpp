@@ -3,6 +3,7 @@
 #include <string>
 
 #include "direct/direct_solvers.hpp"
+#include "direct/trees/tree_kind.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "scene/bends/bends.hpp"
@@ -102,16 +103,15 @@ class Compiler {
     return make_from(shares);
   }
 
-  Compiled make_parts(std::uint32_t relaxed_rods) {
-    start_.goes_on = true;
-    start_.relaxed_rods = relaxed_rods;
+  Compiled make_parts(const Compiled& whole) {
+    start_ = {.goes_on = true, .relaxed_rods = whole.info.relaxed_rods, .kinds = whole.kinds};
     return make_from(shares_of(islands_));
   }
 
-  Compiled make_addition(std::uint32_t relaxed_rods) {
+  Compiled make_addition(const Compiled& whole) {
     require_laws_moved();
     require_elements_moved();
-    start_.relaxed_rods = relaxed_rods;
+    start_ = {.relaxed_rods = whole.info.relaxed_rods, .kinds = whole.kinds};
     return make_from(shares_of(islands_));
   }
 
@@ -362,6 +362,7 @@ class Compiler {
     info.projected_position = start_.projected_position;
     info.unprojected_islands = start_.unprojected_islands;
     for (const auto& solver : out_.solvers) solver->describe(info);
+    out_.kinds = start_.kinds;
   }
 
   const Scene& scene_;
@@ -377,7 +378,7 @@ class Compiler {
   std::uint32_t islands_of_rods_ = 0;
   std::unique_ptr<ContactSolver> contact_;
   Compiled out_;
-  StartReport start_;
+  StartReport start_{.kinds = std::make_shared<TreeKinds>()};
   std::vector<std::vector<MadeSolver::Place>> slots_;  ///< by solver
   std::vector<Places::Entry> cords_, twists_;
 };
@@ -388,12 +389,12 @@ Compiled compile(const Scene& scene, const Settings& settings) {
   return Compiler(scene, settings).make();
 }
 
-Compiled compile_parts(const Scene& parts, const Settings& settings, std::uint32_t relaxed_rods) {
-  return Compiler(parts, settings).make_parts(relaxed_rods);
+Compiled compile_parts(const Scene& parts, const Settings& settings, const Compiled& whole) {
+  return Compiler(parts, settings).make_parts(whole);
 }
 
-Compiled compile_addition(const Scene& addition, const Settings& settings, std::uint32_t relaxed_rods) {
-  return Compiler(addition, settings).make_addition(relaxed_rods);
+Compiled compile_addition(const Scene& addition, const Settings& settings, const Compiled& whole) {
+  return Compiler(addition, settings).make_addition(whole);
 }
 
 }  // namespace plumb::detail

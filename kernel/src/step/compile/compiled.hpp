@@ -18,6 +18,7 @@ struct Compiled {
   CordPlaces cords;                  ///< where cords are that can be asked how they pull
   Places twists;                     ///< where twists are
   ContactSolver* contact = nullptr;  ///< one of the solvers, if anything may touch or has joints
+  std::shared_ptr<TreeKinds> kinds;  ///< of trees that are solved directly
   WorldInfo info;
 };
 
@@ -26,12 +27,11 @@ struct Compiled {
 Compiled compile(const Scene& scene, const Settings& settings);
 
 /// Does so with islands of rods and elements that were part of a scene compiled before. What refuses a scene
-/// was asked then. Solvers are not started: set_motion() hands them how islands move. The world relaxes so
-/// many rods in all.
-Compiled compile_parts(const Scene& parts, const Settings& settings, std::uint32_t relaxed_rods);
+/// was asked then. Solvers are not started: set_motion() hands them how islands move.
+Compiled compile_parts(const Scene& parts, const Settings& settings, const Compiled& whole);
 
 /// Does so with islands that are added to a scene compiled before, which has no shapes, joints, twists nor
 /// reels. Solvers are started as those of a scene, and what those refuse is refused.
-Compiled compile_addition(const Scene& addition, const Settings& settings, std::uint32_t relaxed_rods);
+Compiled compile_addition(const Scene& addition, const Settings& settings, const Compiled& whole);
 
 }  // namespace plumb::detail
