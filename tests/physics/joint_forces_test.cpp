@@ -369,11 +369,11 @@ TEST(JointForces, ThatAreNotThereAreRefused) {
   EXPECT_EQ(refusal([&] { (void)silent.pin_force(0); }),
             "tensions are not known: Settings::tensions asks for them");
   World world(scene, counting());
-  EXPECT_EQ(refusal([&] { (void)world.pin_force(1); }), "pin 1: unknown, the scene has 1 pin");
-  EXPECT_EQ(refusal([&] { (void)world.angle_torque(1); }), "angle 1: unknown, the scene has 1 angle");
-  EXPECT_EQ(refusal([&] { (void)world.spring_force(2); }), "spring 2: unknown, the scene has 2 springs");
-  EXPECT_EQ(refusal([&] { (void)world.torsion_torque(1); }), "torsion 1: unknown, the scene has 1 torsion");
-  EXPECT_EQ(refusal([&] { (void)world.contact_force(0); }), "shape 0: unknown, the scene has 0 shapes");
+  EXPECT_EQ(refusal([&] { (void)world.pin_force(1); }), "pin 1: unknown, the world has 1 pin");
+  EXPECT_EQ(refusal([&] { (void)world.angle_torque(1); }), "angle 1: unknown, the world has 1 angle");
+  EXPECT_EQ(refusal([&] { (void)world.spring_force(2); }), "spring 2: unknown, the world has 2 springs");
+  EXPECT_EQ(refusal([&] { (void)world.torsion_torque(1); }), "torsion 1: unknown, the world has 1 torsion");
+  EXPECT_EQ(refusal([&] { (void)world.contact_force(0); }), "shape 0: unknown, the world has 0 shapes");
   std::vector<Vec3> some(1);
   EXPECT_EQ(refusal([&] { world.copy_contact_forces(some); }),
             "contact forces of 0 shapes cannot be copied into 1 elements");
@@ -382,7 +382,7 @@ TEST(JointForces, ThatAreNotThereAreRefused) {
   Scene ball;
   ball.particles = {test::movable({}, 1)};
   World bare(ball, {.tensions = true});
-  EXPECT_EQ(refusal([&] { (void)bare.pin_force(0); }), "pin 0: unknown, the scene has 0 pins");
+  EXPECT_EQ(refusal([&] { (void)bare.pin_force(0); }), "pin 0: unknown, the world has 0 pins");
   bare.copy_contact_forces({});
 }
 

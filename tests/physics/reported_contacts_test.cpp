@@ -540,7 +540,7 @@ TEST(ReportedContacts, ThatAreNotThereAreRefused) {
   EXPECT_EQ(test::refusal([&] {
               (void)silent.contact_force(ShapeId{ShapeKind::mesh, 2});
             }),
-            "mesh 2: unknown, the scene has 0 of them");
+            "mesh 2: unknown, the world has 0 of them");
   World world(scene, reporting());
   EXPECT_TRUE(world.contacts().empty()) << "before the first step";
   Scene bare;

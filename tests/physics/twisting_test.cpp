@@ -363,9 +363,9 @@ TEST(Twisting, IsRefusedWhereNothingKnowsIt) {
   EXPECT_EQ(refusal({}, ball),
             "twist 0: its island has joints or shapes, which nothing moves together with it yet");
   World world(plain);
-  EXPECT_EQ(test::refusal([&] { world.set_twist(1, 0); }), "twist 1: unknown, the scene has 1 twist");
+  EXPECT_EQ(test::refusal([&] { world.set_twist(1, 0); }), "twist 1: unknown, the world has 1 twist");
   EXPECT_EQ(test::refusal([&] { world.set_twist(0, std::nan("")); }), "twist 0: angle is not finite");
-  EXPECT_EQ(test::refusal([&] { world.twist(7); }), "twist 7: unknown, the scene has 1 twist");
+  EXPECT_EQ(test::refusal([&] { world.twist(7); }), "twist 7: unknown, the world has 1 twist");
   EXPECT_EQ(test::refusal([&] { twist_energy(plain, 1, 0); }), "twist 1: unknown, the scene has 1 twists");
 }
 

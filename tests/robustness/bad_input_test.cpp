@@ -202,13 +202,13 @@ TEST_F(BadRequests, StopRules) {
 }
 
 TEST_F(BadRequests, Forces) {
-  expect_refused("particle 6: unknown, the scene has 6 particles", [&] { world.set_force(6, {1, 0, 0}); });
+  expect_refused("particle 6: unknown, the world has 6 particles", [&] { world.set_force(6, {1, 0, 0}); });
   expect_refused("particle 0: is fixed, a force cannot move it", [&] { world.set_force(0, {1, 0, 0}); });
   expect_refused("particle 2: force is not finite", [&] { world.set_force(2, {0, nan, 0}); });
 }
 
 TEST_F(BadRequests, Reading) {
-  const char* const unknown = "particle 6: unknown, the scene has 6 particles";
+  const char* const unknown = "particle 6: unknown, the world has 6 particles";
   expect_refused(unknown, [&] { (void)world.position(6); });
   expect_refused(unknown, [&] { (void)world.velocity(6); });
   expect_refused(unknown, [&] { (void)world.positions()[6]; });
@@ -223,7 +223,7 @@ TEST_F(BadRequests, Reading) {
 }
 
 TEST_F(BadRequests, Anchors) {
-  expect_refused("particle 4000000000: unknown, the scene has 6 particles",
+  expect_refused("particle 4000000000: unknown, the world has 6 particles",
                  [&] { world.move_anchor(4'000'000'000u, {}); });
   expect_refused("particle 5: is movable, only fixed particles are moved as anchors",
                  [&] { world.move_anchor(5, {}); });

@@ -114,7 +114,7 @@ TEST(Poses, OfAllAreThoseOfEach) {
       EXPECT_EQ(motions[i], world.motion(i));
     }
   }
-  EXPECT_EQ(test::refusal([&] { world.pose(4); }), "body 4: unknown, the scene has 4 bodies");
+  EXPECT_EQ(test::refusal([&] { world.pose(4); }), "body 4: unknown, the world has 4 bodies");
   EXPECT_EQ(test::refusal([&] { world.copy_poses(std::span(poses).first(3)); }),
             "poses of 4 bodies cannot be copied into 3 elements");
   EXPECT_EQ(test::refusal([&] { world.copy_motions(std::span(motions).first(3)); }),

@@ -96,8 +96,8 @@ TEST(ReelScenes, MethodsThatDoNotMoveThemRefuseThem) {
 
 TEST(ReelScenes, AWorldRefusesUnknownOnesAndBadLengths) {
   World world(make_reeled({.rods = 4, .length = 0.5}));
-  EXPECT_EQ(refusal([&] { world.set_reel(1, 1); }), "reel 1: unknown, the scene has 1 reel");
-  EXPECT_EQ(refusal([&] { (void)world.reel_out(1); }), "reel 1: unknown, the scene has 1 reel");
+  EXPECT_EQ(refusal([&] { world.set_reel(1, 1); }), "reel 1: unknown, the world has 1 reel");
+  EXPECT_EQ(refusal([&] { (void)world.reel_out(1); }), "reel 1: unknown, the world has 1 reel");
   EXPECT_EQ(refusal([&] { world.set_reel(0, 0); }), "reel 0: a length must be positive and finite, got 0 m");
   EXPECT_EQ(refusal([&] { world.set_reel(0, 2.1); }), "reel 0: 2.1 m cannot be out of a chain of 2 m");
   EXPECT_EQ(refusal([&] { world.set_length(2, 0.4); }),

@@ -84,13 +84,13 @@ TEST(Tackles, MethodsThatDoNotMoveThemRefuseThem) {
 
 TEST(Tackles, AWorldRefusesUnknownOnesAndBadLengths) {
   World world(hung_block());
-  EXPECT_EQ(refusal([&] { world.set_tackle_length(1, 3); }), "tackle 1: unknown, the scene has 1 tackle");
+  EXPECT_EQ(refusal([&] { world.set_tackle_length(1, 3); }), "tackle 1: unknown, the world has 1 tackle");
   EXPECT_EQ(refusal([&] { world.set_tackle_length(0, 0); }),
             "tackle 0: a length must be positive and finite, got 0 m");
   EXPECT_EQ(refusal([&] { (void)world.tackle_tension(0); }),
             "tensions are not known: Settings::tensions asks for them");
   World asked(hung_block(), {.tensions = true});
-  EXPECT_EQ(refusal([&] { (void)asked.tackle_tension(2); }), "tackle 2: unknown, the scene has 1 tackle");
+  EXPECT_EQ(refusal([&] { (void)asked.tackle_tension(2); }), "tackle 2: unknown, the world has 1 tackle");
   EXPECT_EQ(refusal([&] { (void)asked.tackle_tension(0, 2); }), "tackle 0: segment 2 is unknown, it has 2");
   EXPECT_TRUE(std::isnan(asked.tackle_tension(0)));
   EXPECT_TRUE(std::isnan(asked.tackle_tension(0, 1)));

@@ -19,10 +19,10 @@ struct Tally : StepReport {
   /// Work is spent, too, when it is later than this.
   std::optional<std::chrono::steady_clock::time_point> deadline{};
   std::uint64_t taken_back = 0;  ///< work of tries that were taken back, Newton steps left out
+  bool was_late = false;         ///< Somebody asked after the deadline, and cut short what was left.
 
   std::uint64_t work() const { return taken_back + newton + block_sweeps + direct_substeps + halvings; }
-  bool was_late = false;  ///< What a piece did was cut short since it was too late.
-
+  /// Whoever asks does less if work is spent.
   bool is_spent() {
     was_late = was_late || (deadline && std::chrono::steady_clock::now() >= *deadline);
     return was_late || work() >= most_work;

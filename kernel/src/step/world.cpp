@@ -258,7 +258,7 @@ Vec3 World::contact_force(ShapeId shape) const {
   const auto kind = static_cast<std::size_t>(shape.kind);
   if (kind >= impl_->of_kind.size()) refuse("shape ", shape.number, ": its kind ", kind, " is unknown");
   if (shape.number >= impl_->of_kind[kind])
-    refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the scene has ", impl_->of_kind[kind],
+    refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the world has ", impl_->of_kind[kind],
            " of them");
   if (shape.kind == ShapeKind::capsule) return contact_force(shape.number);
   if (shape.kind == ShapeKind::hull) return contact_force(impl_->of_kind[0] + shape.number);

@@ -42,8 +42,7 @@ struct PLUMB_HIDDEN World::Impl {
   static void archive_own(detail::Archive& archive, Impl& of);
 
   void require_known(std::uint32_t particle) const {
-    if (particle >= fixed.size())
-      detail::refuse("particle ", particle, ": unknown, the scene has ", fixed.size(), " particles");
+    require_one_of(static_cast<std::uint32_t>(fixed.size()), "particle", particle);
     require_there(step->population().particles, "particle", particle);
   }
   static void require_there(const detail::Numbers& numbers, const char* what, std::uint32_t number) {
@@ -69,14 +68,14 @@ struct PLUMB_HIDDEN World::Impl {
   }
   void require_body(std::uint32_t body) const {
     if (body >= bodies.count())
-      detail::refuse("body ", body, ": unknown, the scene has ", bodies.count(),
+      detail::refuse("body ", body, ": unknown, the world has ", bodies.count(),
                      bodies.count() == 1 ? " body" : " bodies");
   }
   void require_twist(std::uint32_t twist) const { require_one_of(twists, "twist", twist); }
-  /// Refuses a number that the scene does not have. `what` is one of them, `all` how many it has.
+  /// Refuses a number that the world does not have. `what` is one of them, `all` how many it has.
   static void require_one_of(std::uint32_t all, const char* what, std::uint32_t number) {
     if (number >= all)
-      detail::refuse(what, ' ', number, ": unknown, the scene has ", all, ' ', what, all == 1 ? "" : "s");
+      detail::refuse(what, ' ', number, ": unknown, the world has ", all, ' ', what, all == 1 ? "" : "s");
   }
   /// Returns what knows the forces of joints and contacts, for one that the scene has.
   const detail::ContactSolver& contact(std::uint32_t all, const char* what, std::uint32_t number) const {

@@ -151,8 +151,7 @@ bool names_one(const detail::Numbers& numbers, Handle<Item> handle) {
 }  // namespace
 
 Handle<Particle> World::particle_handle(std::uint32_t particle) const {
-  if (particle >= particle_count())
-    refuse("particle ", particle, ": unknown, the world has ", particle_count(), " particles");
+  Impl::require_one_of(particle_count(), "particle", particle);
   return handle_of<Particle>(impl_->step->population().particles, particle);
 }
 Handle<Rod> World::rod_handle(std::uint32_t rod) const {
