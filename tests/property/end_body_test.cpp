@@ -57,6 +57,27 @@ struct SomeEnds {
   EndView<T> view() { return {x.data(), p.data(), fields.data(), at.data()}; }
 };
 
+/// The same ends where neighbouring lanes are neighbouring numbers. Padding has rows of its own, too.
+template <class T>
+struct EndsInRows : SomeEnds<T> {
+  static constexpr std::uint32_t lanes = SomeEnds<T>::lanes, numbers = 3 * SomeEnds<T>::count;
+  AlignedBuffer<T> x_rows{numbers}, p_rows{numbers};
+  std::vector<std::uint32_t> rows;
+
+  explicit EndsInRows(std::uint64_t seed) : SomeEnds<T>(seed) {
+    for (std::uint32_t v = 0; v < SomeEnds<T>::vectors; ++v) rows.push_back(3 * lanes * v);
+    for (std::uint32_t i = 0; i < SomeEnds<T>::count; ++i)
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        x_rows[number(i, c)] = this->x[this->at[i] + c];
+        p_rows[number(i, c)] = this->p[this->at[i] + c];
+      }
+  }
+  static std::uint32_t number(std::uint32_t i, std::uint32_t c) {
+    return i / lanes * 3 * lanes + c * lanes + i % lanes;
+  }
+  EndView<T> view() { return {x_rows.data(), p_rows.data(), this->fields.data(), rows.data(), lanes}; }
+};
+
 template <class T>
 EndGround<T> ground(int kind) {
   if (kind == 0) return {true, {T(0.6), T(0.8), 0}, {}, 0, T(0.05)};
@@ -67,41 +88,51 @@ EndGround<T> ground(int kind) {
 template <class T>
 constexpr EndRules<T> rules{T(2e-3), T(0.25), T(0.5), T(5e-4), T(0.1), T(1e-4)};
 
-/// Finds, starts, sweeps, watches, sweeps again, measures and keeps. Returns all numbers.
-template <class T>
+/// Finds, starts, sweeps, watches, sweeps again, measures and keeps. Returns all numbers, those of places in
+/// the order of lanes.
+template <class T, class EndsOf>
 std::vector<T> visited(const EndKernels<T>& kernels, int kind) {
-  SomeEnds<T> ends(7 + kind);
+  EndsOf ends(7 + kind);
+  constexpr bool in_rows = std::is_same_v<EndsOf, EndsInRows<T>>;
   const EndView<T> view = ends.view();
-  kernels.find(view, {0, SomeEnds<T>::vectors}, ground<T>(kind), rules<T>, ends.touched.data());
+  const auto place = [&](std::uint32_t i, std::uint32_t c) -> T& {
+    return view.p[in_rows ? EndsInRows<T>::number(i, c) : ends.at[i] + c];
+  };
+  kernels.find(view, {0, EndsOf::vectors}, ground<T>(kind), rules<T>, ends.touched.data());
   std::vector<T> out(ends.touched.begin(), ends.touched.end());
-  kernels.start(view, ends.all.data(), SomeEnds<T>::vectors);
-  kernels.sweep(view, ends.all.data(), SomeEnds<T>::vectors);
+  kernels.start(view, ends.all.data(), EndsOf::vectors);
+  kernels.sweep(view, ends.all.data(), EndsOf::vectors);
   // They are thrown about, so that others go in.
-  for (std::uint32_t i = 0; i < SomeEnds<T>::count; ++i) ends.p[4 * i + 1] -= T(0.01) * T(i % 7);
-  out.push_back(kernels.watch(view, {0, SomeEnds<T>::vectors}, T(5e-4), ends.touched.data()) ? 1 : 0);
-  kernels.sweep(view, ends.all.data(), SomeEnds<T>::vectors);
-  out.push_back(kernels.measure(view, ends.all.data(), SomeEnds<T>::vectors));
-  kernels.keep(view, {0, SomeEnds<T>::vectors}, T(1e4));
+  for (std::uint32_t i = 0; i + 3 < EndsOf::count; ++i) place(i, 1) -= T(0.01) * T(i % 7);
+  out.push_back(kernels.watch(view, {0, EndsOf::vectors}, T(5e-4), ends.touched.data()) ? 1 : 0);
+  kernels.sweep(view, ends.all.data(), EndsOf::vectors);
+  out.push_back(kernels.measure(view, ends.all.data(), EndsOf::vectors));
+  kernels.keep(view, {0, EndsOf::vectors}, T(1e4));
   out.insert(out.end(), ends.touched.begin(), ends.touched.end());
-  out.insert(out.end(), ends.p.data(), ends.p.data() + ends.p.size());
+  for (std::uint32_t i = 0; i < EndsOf::count; ++i)
+    for (std::uint32_t c = 0; c < 3; ++c) out.push_back(place(i, c));
   out.insert(out.end(), ends.fields.data(), ends.fields.data() + ends.fields.size());
   return out;
 }
 
 template <class T>
 void expect_scalar_bits() {
+  using Records = SomeEnds<T>;
+  using Rows = EndsInRows<T>;
   for (const int kind : {0, 1, 2}) {
-    const std::vector<T> wanted = visited<T>(kernels<T>(Isa::scalar).ends, kind);
+    const std::vector<T> wanted = visited<T, Records>(kernels<T>(Isa::scalar).ends, kind);
     EXPECT_TRUE(std::all_of(wanted.begin(), wanted.end(), [](T each) { return std::isfinite(each); }));
-    EXPECT_EQ(visited<T>(end_kernels<T>, kind), wanted);
+    EXPECT_EQ((visited<T, Records>(end_kernels<RecordAccess, T>, kind)), wanted);
+    EXPECT_EQ((visited<T, Rows>(end_kernels<RowAccess, T>, kind)), wanted);
     for (const Isa isa : all_isas())
       if (is_supported(isa)) {
-        EXPECT_EQ(visited<T>(kernels<T>(isa).ends, kind), wanted) << to_string(isa);
+        EXPECT_EQ((visited<T, Records>(kernels<T>(isa).ends, kind)), wanted) << to_string(isa);
+        EXPECT_EQ((visited<T, Rows>(kernels<T>(isa).row_ends, kind)), wanted) << to_string(isa);
       }
   }
 }
 
-TEST(EndBody, HasTheBitsOfTheScalarBody) {
+TEST(EndBody, HasTheBitsOfTheScalarBodyInRecordsAndRows) {
   expect_scalar_bits<float>();
   expect_scalar_bits<double>();
 }

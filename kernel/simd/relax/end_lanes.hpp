@@ -11,15 +11,29 @@ namespace plumb::simd {
 namespace {
 
 /// Ends of one machine vector.
-template <class T>
+template <class Access, class T>
 struct EndLanes {
+  static constexpr bool in_rows = std::is_same_v<Access, RowAccess>;
   T* fields;
   const std::uint32_t* at;
+  std::size_t first, stride;
 
   PLUMB_INLINE EndLanes(const EndView<T>& view, Position here)
       : fields(view.fields + here.v * end_fields::count * logical_width<T> + here.first),
-        at(view.at + here.v * logical_width<T> + here.first) {}
+        at(view.at + (in_rows ? here.v : here.v * logical_width<T> + here.first)),
+        first(here.first),
+        stride(view.component_stride) {}
 
+  PLUMB_INLINE Triple<T> load_places(const T* data) const {
+    if constexpr (in_rows) return Access::load(data + *at + first, stride);
+    return RecordAccess::load(data, at);
+  }
+  PLUMB_INLINE void store_places(const Triple<T>& value, T* data) const {
+    if constexpr (in_rows)
+      Access::store(value, data + *at + first, stride);
+    else
+      Access::store(value, data, at);
+  }
   PLUMB_INLINE Batch<T> load(std::uint32_t field) const {
     return Batch<T>::load_aligned(fields + field * logical_width<T>);
   }
@@ -42,55 +56,60 @@ PLUMB_INLINE Triple<T> triple(const T* three) {
 }
 
 /// Visits the ends of a machine vector. Returns what pushes change, in kg m.
-template <class T>
-PLUMB_INLINE Triple<T> visit_ends(const EndView<T>& view, const EndLanes<T>& ends) {
+template <class Access, class T>
+PLUMB_INLINE Triple<T> visit_ends(const EndView<T>& view, const EndLanes<Access, T>& ends) {
   namespace f = end_fields;
-  const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at), n = ends.load3(f::normal);
+  const Triple<T> p = ends.load_places(view.p), n = ends.load3(f::normal);
   const Batch<T> over = ends.load(f::over), along = dot(n, p), before = ends.load(f::push);
   const Batch<T> push = xsimd::max(before - over * (ends.load(f::gap) + along), Batch<T>(T(0)));
   const Triple<T> across_before = ends.load3(f::across);
   Triple<T> across = across_before - over * (p - along * n);
   across = across - dot(across, n) * n;
   const Batch<T> bound = ends.load(f::friction) * push, square = dot(across, across);
-  // What lies takes no root.
-  if (const auto slides = square > bound * bound; xsimd::any(slides))
-    across = xsimd::select(slides, bound / xsimd::sqrt(square), Batch<T>(T(1))) * across;
+  // What lies takes no root, nor does what is not pressed.
+  if (const auto slides = square > bound * bound; xsimd::any(slides)) {
+    const Batch<T> zero(T(0)), one(T(1));
+    Batch<T> share = xsimd::select(slides, zero, one);
+    if (const auto presses = slides && (bound > zero); xsimd::any(presses))
+      share = xsimd::select(presses, bound / xsimd::sqrt(square), share);
+    across = share * across;
+  }
   const Triple<T> by = (push - before) * n + (across - across_before);
   ends.store(push, f::push);
   ends.store3(across, f::across);
-  RecordAccess::store(p + ends.load(f::moves) * by, view.p, ends.at);
+  ends.store_places(p + ends.load(f::moves) * by, view.p);
   return by;
 }
 
-template <class T>
+template <class Access, class T>
 void sweep_ends(const EndView<T>& shared, const std::uint32_t* vectors, std::uint32_t count) {
   const EndView<T> view = shared;  // stores through its pointers cannot change a copy
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < parts<T>; ++k)
-      visit_ends(view, EndLanes<T>(view, position<T>(vectors[i], k)));
+      visit_ends(view, EndLanes<Access, T>(view, position<T>(vectors[i], k)));
 }
 
-template <class T>
+template <class Access, class T>
 T measure_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
   Batch<T> largest(T(0));
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < parts<T>; ++k) {
-      const EndLanes<T> ends(view, position<T>(vectors[i], k));
+      const EndLanes<Access, T> ends(view, position<T>(vectors[i], k));
       const Triple<T> by = visit_ends(view, ends);
       largest = xsimd::max(ends.load(end_fields::moves) * xsimd::sqrt(dot(by, by)), largest);
     }
   return largest_lane(largest);
 }
 
-template <class T>
+template <class Access, class T>
 void start_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
   namespace f = end_fields;
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < parts<T>; ++k) {
-      const EndLanes<T> ends(view, position<T>(vectors[i], k));
+      const EndLanes<Access, T> ends(view, position<T>(vectors[i], k));
       const Triple<T> by = ends.load(f::push) * ends.load3(f::normal) + ends.load3(f::across);
-      const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at);
-      RecordAccess::store(p + ends.load(f::moves) * by, view.p, ends.at);
+      const Triple<T> p = ends.load_places(view.p);
+      ends.store_places(p + ends.load(f::moves) * by, view.p);
     }
 }
 
@@ -113,14 +132,14 @@ PLUMB_INLINE Batch<T> gap_of_ends(const EndGround<T>& ground, const Triple<T>& x
   return (distance - far) - radius;
 }
 
-template <class T>
-PLUMB_INLINE bool find_vector_of_ends(const EndView<T>& view, const EndLanes<T>& ends,
+template <class Access, class T>
+PLUMB_INLINE bool find_vector_of_ends(const EndView<T>& view, const EndLanes<Access, T>& ends,
                                       const EndGround<T>& ground, const EndRules<T>& rules) {
   namespace f = end_fields;
   const Batch<T> zero(T(0)), margin(rules.margin), radius = ends.load(f::radius), mass = ends.load(f::mass);
   Triple<T> n;
-  const Batch<T> gap = gap_of_ends(ground, RecordAccess::load(view.x, ends.at), radius, n);
-  const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at);
+  const Batch<T> gap = gap_of_ends(ground, ends.load_places(view.x), radius, n);
+  const Triple<T> p = ends.load_places(view.p);
   const Batch<T> moves = xsimd::sqrt(dot(p, p)), least = margin + Batch<T>(rules.passes) * radius;
   auto comes = (gap + dot(n, p) <= margin + Batch<T>(rules.spread) * moves) && (mass > zero);
   if (!ground.is_plane) comes = comes && ((moves <= least) || (gap <= least));
@@ -136,26 +155,26 @@ PLUMB_INLINE bool find_vector_of_ends(const EndView<T>& view, const EndLanes<T>&
   return xsimd::any(comes);
 }
 
-template <class T>
+template <class Access, class T>
 void find_ends(const EndView<T>& view, Range range, const EndGround<T>& ground, const EndRules<T>& rules,
                std::uint8_t* touched) {
   for (std::uint32_t v = range.begin; v < range.end; ++v) {
     bool any = false;
     for (std::size_t k = 0; k < parts<T>; ++k)
-      any |= find_vector_of_ends(view, EndLanes<T>(view, position<T>(v, k)), ground, rules);
+      any |= find_vector_of_ends(view, EndLanes<Access, T>(view, position<T>(v, k)), ground, rules);
     touched[v] = any ? 1 : 0;
   }
 }
 
-template <class T>
+template <class Access, class T>
 bool watch_ends(const EndView<T>& view, Range range, T most, std::uint8_t* touched) {
   namespace f = end_fields;
   bool any = false;
   for (std::uint32_t v = range.begin; v < range.end; ++v)
     for (std::size_t k = 0; k < parts<T>; ++k) {
-      const EndLanes<T> ends(view, position<T>(v, k));
+      const EndLanes<Access, T> ends(view, position<T>(v, k));
       const Batch<T> zero(T(0)), over = ends.load(f::over), mass = ends.load(f::mass);
-      const Triple<T> p = RecordAccess::load(static_cast<const T*>(view.p), ends.at);
+      const Triple<T> p = ends.load_places(view.p);
       const auto goes = (ends.load(f::gap) + dot(ends.load3(f::normal), p) < Batch<T>(-most)) &&
                         (over == zero) && (mass > zero);
       if (!xsimd::any(goes)) continue;
@@ -166,19 +185,19 @@ bool watch_ends(const EndView<T>& view, Range range, T most, std::uint8_t* touch
   return any;
 }
 
-template <class T>
+template <class Access, class T>
 void keep_ends(const EndView<T>& view, Range range, T over) {
   namespace f = end_fields;
   for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
-    const EndLanes<T> ends(view, position<T>(range.begin, i));
+    const EndLanes<Access, T> ends(view, position<T>(range.begin, i));
     ends.store3(Batch<T>(over) * (ends.load(f::push) * ends.load3(f::normal) + ends.load3(f::across)),
                 f::force);
   }
 }
 
-template <class T>
-constexpr EndKernels<T> end_kernels = {find_ends<T>,  watch_ends<T>,   start_ends<T>,
-                                       sweep_ends<T>, measure_ends<T>, keep_ends<T>};
+template <class Access, class T>
+constexpr EndKernels<T> end_kernels = {find_ends<Access, T>,  watch_ends<Access, T>,   start_ends<Access, T>,
+                                       sweep_ends<Access, T>, measure_ends<Access, T>, keep_ends<Access, T>};
 
 }  // namespace
 }  // namespace plumb::simd

@@ -12,14 +12,15 @@ namespace plumb::simd {
 namespace {
 
 /// One end, and its fields.
-template <class T>
+template <AccessKind access, class T>
 struct OneEnd {
   T* fields;
-  std::uint32_t at;
+  std::uint32_t at, stride;
 
   OneEnd(const EndView<T>& view, std::uint32_t v, std::uint32_t lane)
       : fields(view.fields + std::size_t{v} * end_fields::count * logical_width<T> + lane),
-        at(view.at[std::size_t{v} * logical_width<T> + lane]) {}
+        at(address<access, T>(view.at, v, lane)),
+        stride(view.component_stride) {}
 
   T& operator()(std::uint32_t field) const { return fields[std::size_t{field} * logical_width<T>]; }
   Triple<T> load3(std::uint32_t field) const {
@@ -33,19 +34,20 @@ struct OneEnd {
 };
 
 template <class T>
-void add_to_record(T* p, const Triple<T>& old, T moves, const Triple<T>& by) {
+void add_to_place(T* p, std::uint32_t stride, const Triple<T>& old, T moves, const Triple<T>& by) {
   p[0] = old.x + moves * by.x;
-  p[1] = old.y + moves * by.y;
-  p[2] = old.z + moves * by.z;
+  p[stride] = old.y + moves * by.y;
+  p[2 * stride] = old.z + moves * by.z;
 }
 
 /// Visits an end. The push along the normal closes the gap that is left, but never pulls. The push across it
 /// takes back what slides, as long as it is no larger than friction times the other (Coulomb). An end is a
 /// point of mass, so that a push moves it alike in all directions. Returns what both change, in kg m.
-template <class T>
-Triple<T> visit_end(const EndView<T>& view, const OneEnd<T>& end) {
+template <AccessKind access, class T>
+Triple<T> visit_end(const EndView<T>& view, const OneEnd<access, T>& end) {
   namespace f = end_fields;
-  const Triple<T> p = load<T>(view.p, end.at, 1), n = end.load3(f::normal), before = end.load3(f::across);
+  const Triple<T> p = load<T>(view.p, end.at, end.stride), n = end.load3(f::normal),
+                  before = end.load3(f::across);
   const T along = dot(n, p), over = end(f::over), push_before = end(f::push);
   const T left = push_before - over * (end(f::gap) + along);
   const T push = left > 0 ? left : T(0);
@@ -62,23 +64,23 @@ Triple<T> visit_end(const EndView<T>& view, const OneEnd<T>& end) {
                      pushed * n.z + (across.z - before.z)};
   end(f::push) = push;
   end.store3(across, f::across);
-  add_to_record(view.p + end.at, p, end(f::moves), by);
+  add_to_place(view.p + end.at, end.stride, p, end(f::moves), by);
   return by;
 }
 
-template <class T>
+template <AccessKind access, class T>
 void sweep_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane)
-      visit_end(view, OneEnd<T>(view, vectors[i], lane));
+      visit_end(view, OneEnd<access, T>(view, vectors[i], lane));
 }
 
-template <class T>
+template <AccessKind access, class T>
 T measure_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
   T largest = 0;
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
-      const OneEnd<T> end(view, vectors[i], lane);
+      const OneEnd<access, T> end(view, vectors[i], lane);
       const Triple<T> by = visit_end(view, end);
       const T moved = end(end_fields::moves) * std::sqrt(dot(by, by));
       largest = moved > largest ? moved : largest;
@@ -86,16 +88,16 @@ T measure_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32
   return largest;
 }
 
-template <class T>
+template <AccessKind access, class T>
 void start_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32_t count) {
   namespace f = end_fields;
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
-      const OneEnd<T> end(view, vectors[i], lane);
+      const OneEnd<access, T> end(view, vectors[i], lane);
       const Triple<T> n = end.load3(f::normal), across = end.load3(f::across);
       const T push = end(f::push);
-      add_to_record(view.p + end.at, load<T>(view.p, end.at, 1), end(f::moves),
-                    Triple<T>{push * n.x + across.x, push * n.y + across.y, push * n.z + across.z});
+      add_to_place(view.p + end.at, end.stride, load<T>(view.p, end.at, end.stride), end(f::moves),
+                   Triple<T>{push * n.x + across.x, push * n.y + across.y, push * n.z + across.z});
     }
 }
 
@@ -120,13 +122,13 @@ T gap_of_end(const EndGround<T>& ground, const Triple<T>& x, T radius, Triple<T>
 
 /// Finds whether an end touches. It does if it is about to come near where others do not push it. Of what
 /// held it in the last substep, nothing is left that pulls along the new normal.
-template <class T>
-bool find_end(const EndView<T>& view, const OneEnd<T>& end, const EndGround<T>& ground,
+template <AccessKind access, class T>
+bool find_end(const EndView<T>& view, const OneEnd<access, T>& end, const EndGround<T>& ground,
               const EndRules<T>& rules) {
   namespace f = end_fields;
   Triple<T> n;
-  const T radius = end(f::radius), gap = gap_of_end(ground, load<T>(view.x, end.at, 1), radius, n);
-  const Triple<T> p = load<T>(view.p, end.at, 1);
+  const T radius = end(f::radius), gap = gap_of_end(ground, load<T>(view.x, end.at, end.stride), radius, n);
+  const Triple<T> p = load<T>(view.p, end.at, end.stride);
   const T moves = std::sqrt(dot(p, p)), least = rules.margin + rules.passes * radius;
   bool comes = gap + dot(n, p) <= rules.margin + rules.spread * moves && end(f::mass) > 0;
   // What is round is left on the other side of a tangent plane soon.
@@ -143,24 +145,24 @@ bool find_end(const EndView<T>& view, const OneEnd<T>& end, const EndGround<T>& 
   return comes;
 }
 
-template <class T>
+template <AccessKind access, class T>
 void find_ends(const EndView<T>& view, Range range, const EndGround<T>& ground, const EndRules<T>& rules,
                std::uint8_t* touched) {
   for (std::uint32_t v = range.begin; v < range.end; ++v) {
     touched[v] = 0;
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane)
-      if (find_end(view, OneEnd<T>(view, v, lane), ground, rules)) touched[v] = 1;
+      if (find_end(view, OneEnd<access, T>(view, v, lane), ground, rules)) touched[v] = 1;
   }
 }
 
-template <class T>
+template <AccessKind access, class T>
 bool watch_ends(const EndView<T>& view, Range range, T most, std::uint8_t* touched) {
   namespace f = end_fields;
   bool any = false;
   for (std::uint32_t v = range.begin; v < range.end; ++v)
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
-      const OneEnd<T> end(view, v, lane);
-      const T deep = end(f::gap) + dot(end.load3(f::normal), load<T>(view.p, end.at, 1));
+      const OneEnd<access, T> end(view, v, lane);
+      const T deep = end(f::gap) + dot(end.load3(f::normal), load<T>(view.p, end.at, end.stride));
       if (!(deep < -most && end(f::over) == 0 && end(f::mass) > 0)) continue;
       end(f::over) = end(f::mass);
       touched[v] = 1;
@@ -169,12 +171,12 @@ bool watch_ends(const EndView<T>& view, Range range, T most, std::uint8_t* touch
   return any;
 }
 
-template <class T>
+template <AccessKind access, class T>
 void keep_ends(const EndView<T>& view, Range range, T over) {
   namespace f = end_fields;
   for (std::uint32_t v = range.begin; v < range.end; ++v)
     for (std::uint32_t lane = 0; lane < logical_width<T>; ++lane) {
-      const OneEnd<T> end(view, v, lane);
+      const OneEnd<access, T> end(view, v, lane);
       const Triple<T> n = end.load3(f::normal), across = end.load3(f::across);
       const T push = end(f::push);
       end.store3(
@@ -183,9 +185,9 @@ void keep_ends(const EndView<T>& view, Range range, T over) {
     }
 }
 
-template <class T>
-constexpr EndKernels<T> end_kernels = {find_ends<T>,  watch_ends<T>,   start_ends<T>,
-                                       sweep_ends<T>, measure_ends<T>, keep_ends<T>};
+template <AccessKind access, class T>
+constexpr EndKernels<T> end_kernels = {find_ends<access, T>,  watch_ends<access, T>,   start_ends<access, T>,
+                                       sweep_ends<access, T>, measure_ends<access, T>, keep_ends<access, T>};
 
 }  // namespace
 }  // namespace plumb::simd

@@ -122,13 +122,14 @@ inline constexpr std::uint32_t force = 13;     ///< N, as x, y, z: what held it 
 inline constexpr std::uint32_t count = 16;
 }  // namespace end_fields
 
-/// What kernels need of ends. Each is a particle, a record of positions and of displacements (m).
+/// What kernels need of ends. Each is a particle with its position and its displacement (m).
 template <class T>
 struct EndView {
   const T* x;
   T* p;
   T* fields;                ///< end_fields::count vectors per vector of ends.
-  const std::uint32_t* at;  ///< Records, by lane.
+  const std::uint32_t* at;  ///< Where x of their particles are: of a vector's first in rows, else of each.
+  std::uint32_t component_stride = 1;
 };
 
 /// This is what a range of ends may touch: a plane, or all that is within a radius of a line.
@@ -191,8 +192,8 @@ struct ParticleKernels {
 template <class T>
 struct Kernels {
   ParticleKernels<T> particles;
-  AccessKernels<T> access[3];  ///< by layouts::Access
-  EndKernels<T> ends;
+  AccessKernels<T> access[3];    ///< by layouts::Access
+  EndKernels<T> ends, row_ends;  ///< of records, and of rows
 };
 
 /// Every instruction set, slowest first, and what a processor must have for it (`cpu` is xsimd's list). The

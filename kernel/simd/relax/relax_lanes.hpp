@@ -180,7 +180,8 @@ template <class T>
 constexpr Kernels<T> table = {
     {predict<T>, accumulate<T>, all_finite<T>, advance<T>, advance_mid<T>, advance_mid_guarded<T>},
     {access_kernels<RowAccess, T>, access_kernels<GatherAccess, T>, access_kernels<RecordAccess, T>},
-    end_kernels<T>,
+    end_kernels<RecordAccess, T>,
+    end_kernels<RowAccess, T>,
 };
 
 }  // namespace

@@ -153,7 +153,8 @@ template <class T>
 constexpr Kernels<T> table = {
     {predict<T>, accumulate<T>, all_finite<T>, advance<T>, advance_mid<T>, advance_mid_guarded<T>},
     {access_kernels<rows, T>, access_kernels<gather, T>, access_kernels<records, T>},
-    end_kernels<T>,
+    end_kernels<records, T>,
+    end_kernels<rows, T>,
 };
 
 }  // namespace

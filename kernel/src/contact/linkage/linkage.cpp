@@ -4,9 +4,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "contact/levers/shape_maker.hpp"
 #include "plumb/layouts/coloring.hpp"
+#include "plumb/layouts/shapes.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -88,13 +90,25 @@ void Linkage::color_rods() {
   for (const RodRow& rod : rods_) edges.push_back({rod.a, rod.b});
   std::vector<std::uint8_t> movable(particles_, 0);
   std::fill_n(movable.begin(), movable_, 1);
-  const layouts::Coloring coloring = layouts::color_edges({particles_, edges, movable});
+  const layouts::Graph graph{particles_, edges, movable};
+  const auto colored = [&](std::size_t i) {
+    return ColoredRods::Rod{rods_[i].a, rods_[i].b, rods_[i].number, 1 / rods_[i].over2};
+  };
+  const layouts::Coloring coloring = layouts::color_edges(graph);
   for (std::uint32_t color = 0; color < coloring.colors; ++color) {
     for (std::size_t i = 0; i < rods_.size(); ++i)
-      if (coloring.color_of_edge[i] == color)
-        colored_rods_.push_back({rods_[i].a, rods_[i].b, rods_[i].number, 1 / rods_[i].over2});
-    color_begin_.push_back(static_cast<std::uint32_t>(colored_rods_.size()));
+      if (coloring.color_of_edge[i] == color) colored_.rods.push_back(colored(i));
+    colored_.begin.push_back(static_cast<std::uint32_t>(colored_.rods.size()));
   }
+  layouts::ShapeInfo shape = layouts::detect_shape(graph);
+  // A chain from an anchor back to it has that twice.
+  if (shape.shape == layouts::Shape::graph || shape.vertex_order.size() != particles_) return;
+  ColoredRods::Lattice& lattice = colored_.lattice;
+  const bool is_chain = shape.shape == layouts::Shape::chain;
+  lattice.width = is_chain ? 1 : shape.width;
+  lattice.height = is_chain ? particles_ : shape.height;
+  lattice.particles = std::move(shape.vertex_order);
+  for (const std::uint32_t edge : shape.edge_order) lattice.rods.push_back(colored(edge));
 }
 
 void Linkage::add_rods(const Scene& part, std::uint32_t& row) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/colored_rods.hpp"
 #include "contact/elastics/bend_elastics.hpp"
 #include "contact/elastics/elastic.hpp"
 #include "contact/pulls/linkage_pulls.hpp"
@@ -96,18 +97,9 @@ class Linkage {
   /// Returns the mass of a movable particle with its share of rods and bodies, kg.
   double mass_of(std::uint32_t particle) const { return weights_[particle]; }
   /// Returns whether it has particles, rods and joints alone, so that relaxation can move it.
-  bool can_relax() const { return colors() > 0; }
-  /// Rods of one colour share no movable particle. Kinds that can be relaxed have colours.
-  struct ColoredRod {
-    std::uint32_t a, b, number;
-    double length2;  ///< m²
-  };
-  std::uint32_t colors() const { return static_cast<std::uint32_t>(color_begin_.size() - 1); }
-  std::span<const ColoredRod> rods_of(std::uint32_t color) const {
-    if (color >= colors()) return {};
-    return std::span(colored_rods_)
-        .subspan(color_begin_[color], color_begin_[color + 1] - color_begin_[color]);
-  }
+  bool can_relax() const { return colored_.colors() > 0; }
+  /// Kinds that can be relaxed have colours.
+  const ColoredRods& colored() const { return colored_; }
   /// Calls visit(apart) for every ball joint, with the sum that is to be nothing.
   template <class Visit>
   void for_pins(Visit&& visit) const {
@@ -390,8 +382,7 @@ class Linkage {
   std::vector<RodRow> giving_rods_;
   std::vector<TautRod> taut_rods_;
   std::vector<FlatRod> flat_rods_;
-  std::vector<ColoredRod> colored_rods_;
-  std::vector<std::uint32_t> color_begin_{0};
+  ColoredRods colored_;
   Vec3 gravity_{};
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
   bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false;

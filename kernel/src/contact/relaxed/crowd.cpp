@@ -28,14 +28,21 @@ void Crowd<T>::gather(std::span<LinkageState* const> cluster, const CrowdRules& 
     lay_out(cluster, rules);
   }
   origin_ = cluster.front()->x.front();
+  anchors_.clear();
+  carried_.clear();
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
     const LinkageState& state = *cluster[i];
+    const std::uint32_t movable = state.linkage->movable();
     for (std::uint32_t k = 0; k < state.x.size(); ++k) {
-      const std::uint32_t to = record * (first_[i] + k);
-      const double inverse = inverse_mass_[first_[i] + k];
+      const std::uint32_t to = number_of(i, k);
+      const double inverse = inverse_mass(i, k);
+      const Vec3 velocity = moves_[i] != 0 ? state.v[k] : Vec3{};
       put(x_.data(), to, state.x[k] - origin_);
-      put(v_.data(), to, moves_[i] != 0 ? state.v[k] : Vec3{});
+      put(v_.data(), to, velocity);
       put(a_.data(), to, inverse > 0 ? state.linkage->gravity() + inverse * state.force[k] : Vec3{});
+      if (k < movable) continue;
+      anchors_.push_back(to);
+      carried_.push_back(velocity);
     }
   }
 }
@@ -43,12 +50,13 @@ void Crowd<T>::gather(std::span<LinkageState* const> cluster, const CrowdRules& 
 template <class T>
 void Crowd<T>::gather_velocities(const LinkageState& state, std::uint32_t island) {
   for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
-    put(v_.data(), record * (first_[island] + k), state.v[k]);
+    put(v_.data(), number_of(island, k), state.v[k]);
 }
 
 template <class T>
 void Crowd<T>::lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules) {
-  first_.clear();
+  places_.lay_out(cluster, moves_, lanes);
+  stride_ = places_.component_stride();
   inverse_mass_.clear();
   has_loops_ = false;
   for (std::uint32_t i = 0; i < cluster.size(); ++i) {
@@ -56,71 +64,70 @@ void Crowd<T>::lay_out(std::span<LinkageState* const> cluster, const CrowdRules&
     // Anchors close loops, too.
     const std::uint32_t rods_of_tree = linkage.movable() - (linkage.is_grounded() ? 0 : 1);
     has_loops_ = has_loops_ || (moves_[i] != 0 && linkage.rods() > rods_of_tree);
-    first_.push_back(static_cast<std::uint32_t>(inverse_mass_.size()));
     for (std::uint32_t k = 0; k < linkage.particles(); ++k)
       inverse_mass_.push_back(k < linkage.movable() && moves_[i] != 0 ? 1 / linkage.mass_of(k) : 0);
   }
-  particles_ = static_cast<std::uint32_t>(inverse_mass_.size());
   ++layout_;
-  mass_.assign(record * inverse_mass_.size(), 0);
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    if (const double inverse = inverse_mass_[i / record]; inverse > 0 && i % record < 3)
-      mass_[i] = 1 / inverse;
-  // Padding lanes have both ends at a record after the last particle.
-  for (auto* const each : {&x_, &p_, &v_, &a_}) make_room(*each, record * (particles_ + std::size_t{1}));
-  for (auto* const each : {&x_, &p_}) put(each->data(), record * particles_, {});
-  lay_out_rods(cluster, rules);
+  mass_.assign(places_.numbers(), 0);
+  for (std::uint32_t k = 0; k < inverse_mass_.size(); ++k)
+    for (std::uint32_t c = 0; c < 3; ++c)
+      if (inverse_mass_[k] > 0) mass_[places_.at(k) + c * stride_] = 1 / inverse_mass_[k];
+  for (auto* const each : {&x_, &p_, &v_, &a_}) {
+    make_room(*each, places_.padded_numbers());
+    std::fill_n(each->data(), places_.padded_numbers(), T(0));
+  }
+  weigh_rods(rules);
+  find_uniform();
 }
 
 template <class T>
-void Crowd<T>::lay_out_rods(std::span<LinkageState* const> cluster, const CrowdRules& rules) {
-  constexpr std::uint32_t lanes = simd::logical_width<T>;
-  colors_.clear();
-  address_a_.clear();
-  address_b_.clear();
-  rod_of_.clear();
-  rods_ = 0;
-  std::uint32_t most = 0;
-  for (const LinkageState* const state : cluster) most = std::max(most, state->linkage->colors());
-  for (std::uint32_t color = 0; color < most; ++color) {
-    const auto begin = static_cast<std::uint32_t>(rod_of_.size() / lanes);
-    for (std::uint32_t i = 0; i < cluster.size(); ++i) {
-      if (moves_[i] == 0) continue;
-      for (const Linkage::ColoredRod& rod : cluster[i]->linkage->rods_of(color)) {
-        address_a_.push_back(record * (first_[i] + rod.a));
-        address_b_.push_back(record * (first_[i] + rod.b));
-        rod_of_.push_back({i, rod.number, rod.length2, 0});
-        ++rods_;
-      }
-    }
-    while (rod_of_.size() % lanes != 0) {
-      address_a_.push_back(record * particles_);
-      address_b_.push_back(record * particles_);
-      rod_of_.push_back({});
-    }
-    colors_.push_back({begin, static_cast<std::uint32_t>(rod_of_.size() / lanes)});
-  }
-  make_room(rod_, rod_of_.size() * simd::rod_fields);
-  make_room(weight_, rod_of_.size() * simd::weight_fields);
-  make_room(moved_, rod_of_.size() * simd::moved_fields);
-  for (std::size_t lane = 0; lane < rod_of_.size(); ++lane) {
-    T* const fields = weight_.data() + lane / lanes * simd::weight_fields * lanes + lane % lanes;
-    RodOf& rod = rod_of_[lane];
+void Crowd<T>::weigh_rods(const CrowdRules& rules) {
+  const auto rods = places_.rods();
+  make_room(rod_, rods.size() * simd::rod_fields);
+  make_room(weight_, rods.size() * simd::weight_fields);
+  make_room(moved_, rods.size() * simd::moved_fields);
+  mass_of_move_.assign(rods.size(), 0);
+  for (std::size_t lane = 0; lane < rods.size(); ++lane) {
+    const CrowdPlaces::Rod& rod = rods[lane];
     if (rod.island == none) {
-      fields[0] = 1;
-      fields[lanes] = fields[2 * lanes] = fields[3 * lanes] = 0;
+      weight(lane, 0) = 1;
+      weight(lane, 1) = weight(lane, 2) = weight(lane, 3) = 0;
       continue;
     }
-    const double wa = inverse_mass_[address_a_[lane] / record], wb = inverse_mass_[address_b_[lane] / record];
+    const double wa = inverse_mass_[rod.a], wb = inverse_mass_[rod.b];
     const bool by_mass = rules.weights == Weights::mass;
     const double share_a = by_mass ? wa : (wa > 0 ? 1 : 0), share_b = by_mass ? wb : (wb > 0 ? 1 : 0);
     const double scale = rules.omega / 4 / (share_a + share_b);
-    fields[0] = static_cast<T>(rod.length2);
-    fields[lanes] = static_cast<T>(scale * share_a);
-    fields[2 * lanes] = static_cast<T>(scale * share_b);
-    fields[3 * lanes] = static_cast<T>(1 / rod.length2);
-    rod.mass = rules.omega / 4 / (wa + wb);
+    weight(lane, 0) = static_cast<T>(rod.length2);
+    weight(lane, 1) = static_cast<T>(scale * share_a);
+    weight(lane, 2) = static_cast<T>(scale * share_b);
+    weight(lane, 3) = static_cast<T>(1 / rod.length2);
+    mass_of_move_[lane] = rules.omega / 4 / (wa + wb);
   }
+}
+
+/// Finds which vectors have rods alone that are like the first one, so that their weights need not be read.
+template <class T>
+void Crowd<T>::find_uniform() {
+  ranges_.clear();
+  const auto rods = places_.rods();
+  if (rods.empty()) return;
+  uniform_length2_ = weight(0, 0);
+  uniform_share_ = weight(0, 1);
+  uniform_inverse_ = weight(0, 3);
+  const auto is_uniform = [&](std::size_t lane) {
+    return rods[lane].island != none && weight(lane, 0) == uniform_length2_ &&
+           weight(lane, 1) == uniform_share_ && weight(lane, 2) == uniform_share_ &&
+           weight(lane, 3) == uniform_inverse_;
+  };
+  for (const auto [begin, end] : places_.colors())
+    for (std::uint32_t v = begin; v < end; ++v) {
+      bool uniform = true;
+      for (std::size_t lane = std::size_t{v} * lanes; lane < (std::size_t{v} + 1) * lanes; ++lane)
+        uniform = uniform && is_uniform(lane);
+      if (v == begin || ranges_.back().uniform != uniform) ranges_.push_back({v, v, uniform});
+      ranges_.back().end = v + 1;
+    }
 }
 
 template <class T>
@@ -128,14 +135,14 @@ simd::BlockView<T> Crowd<T>::view() {
   return {.x = x_.data(),
           .p = p_.data(),
           .out = p_.data(),
-          .component_stride = 1,
+          .component_stride = stride_,
           .rod = rod_.data(),
           .weight = weight_.data(),
-          .address_a = address_a_.data(),
-          .address_b = address_b_.data(),
-          .uniform_length2 = 1,
-          .uniform_share = 0,
-          .uniform_inverse_length2 = 1,
+          .address_a = places_.address_a(),
+          .address_b = places_.address_b(),
+          .uniform_length2 = uniform_length2_,
+          .uniform_share = uniform_share_,
+          .uniform_inverse_length2 = uniform_inverse_,
           .moved = moved_.data()};
 }
 
@@ -143,52 +150,54 @@ template <class T>
 void Crowd<T>::scatter(LinkageState& state, std::uint32_t island) const {
   if (moves_[island] == 0) return;
   for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
-    state.x[k] = origin_ + at(x_.data(), record * (first_[island] + k));
-    state.v[k] = at(v_.data(), record * (first_[island] + k));
+    state.x[k] = origin_ + at(x_.data(), number_of(island, k));
+    state.v[k] = at(v_.data(), number_of(island, k));
   }
 }
 
 template <class T>
 void Crowd<T>::predict(double h, Gradient gradient) {
-  const double by = gradient == Gradient::mid ? 0.5 * h * h : h * h;
-  for (std::size_t i = 0; i < laid_out_.size(); ++i) {
+  const T by = static_cast<T>(gradient == Gradient::mid ? 0.5 * h * h : h * h);
+  for (std::uint32_t i = 0; i < laid_out_.size(); ++i) {
     const Linkage& linkage = *laid_out_[i]->linkage;
     const T keep = static_cast<T>(h * linkage.kept(gradient == Gradient::mid ? 0.5 * h : h));
-    const std::uint32_t begin = record * first_[i], movable = begin + record * linkage.movable(),
-                        end = begin + record * linkage.particles();
-    for (std::uint32_t k = begin; k < movable; ++k) p_[k] = keep * v_[k] + static_cast<T>(by) * a_[k];
-    for (std::uint32_t k = movable; k < end; ++k) p_[k] = static_cast<T>(h) * v_[k];
+    for (std::uint32_t k = places_.begin_of(i); k < places_.end_of(i); ++k) p_[k] = keep * v_[k] + by * a_[k];
+  }
+  for (std::size_t i = 0; i < anchors_.size(); ++i) {
+    const Vec3 v = carried_[i];
+    for (std::uint32_t c = 0; c < 3; ++c)
+      p_[anchors_[i] + c * stride_] = static_cast<T>(h) * static_cast<T>(c == 0 ? v.x : c == 1 ? v.y : v.z);
   }
 }
 
 template <class T>
-void Crowd<T>::prepare(const simd::AccessKernels<T>& kernels) {
+void Crowd<T>::prepare(const simd::AccessKernels<T>& kernels, bool counts) {
   const simd::BlockView<T> all = view();
-  for (const simd::Range& color : colors_) kernels.prepare(all, color);
-  std::fill_n(moved_.data(), rod_of_.size() * simd::moved_fields, T(0));
+  for (const simd::Range& range : ranges_) kernels.prepare(all, range);
+  if (counts) std::fill_n(moved_.data(), places_.rods().size() * simd::moved_fields, T(0));
 }
 
 template <class T>
 void Crowd<T>::sweep(const simd::AccessKernels<T>& kernels, Gradient gradient, bool counts) {
   const auto& sweeps = counts ? kernels.count : kernels.sweep;
-  sweeps[static_cast<int>(gradient)](view(), colors_.data(), static_cast<std::uint32_t>(colors_.size()));
+  sweeps[static_cast<int>(gradient)](view(), ranges_.data(), static_cast<std::uint32_t>(ranges_.size()));
 }
 
 template <class T>
 T Crowd<T>::violation(const simd::AccessKernels<T>& kernels) {
   T most = 0;
   const simd::BlockView<T> all = view();
-  for (const simd::Range& color : colors_) most = std::max(most, kernels.violation(all, color));
+  for (const simd::Range& range : ranges_) most = std::max(most, kernels.violation(all, range));
   return most;
 }
 
 template <class T>
 double Crowd<T>::violation_before() const {
   double most = 0;
-  for (std::size_t lane = 0; lane < rod_of_.size(); ++lane) {
-    if (rod_of_[lane].island == none) continue;
-    const Vec3 along = at(x_.data(), address_a_[lane]) - at(x_.data(), address_b_[lane]);
-    most = std::max(most, std::abs(dot(along, along) / rod_of_[lane].length2 - 1));
+  for (const CrowdPlaces::Rod& rod : places_.rods()) {
+    if (rod.island == none) continue;
+    const Vec3 along = position(places_.at(rod.a)) - position(places_.at(rod.b));
+    most = std::max(most, std::abs(dot(along, along) / rod.length2 - 1));
   }
   return most;
 }
@@ -196,23 +205,22 @@ double Crowd<T>::violation_before() const {
 template <class T>
 void Crowd<T>::advance(double h, Gradient gradient) {
   const T over = static_cast<T>(1 / h);
-  for (std::size_t i = 0; i < laid_out_.size(); ++i) {
-    const Linkage& linkage = *laid_out_[i]->linkage;
-    const std::uint32_t begin = record * first_[i], movable = begin + record * linkage.movable(),
-                        end = begin + record * linkage.particles();
-    const T kept = static_cast<T>(linkage.kept(0.5 * h));
+  for (std::uint32_t i = 0; i < laid_out_.size(); ++i) {
+    const std::uint32_t begin = places_.begin_of(i), end = places_.end_of(i);
+    const T kept = static_cast<T>(laid_out_[i]->linkage->kept(0.5 * h));
     if (gradient == Gradient::mid)
-      for (std::uint32_t k = begin; k < movable; ++k) v_[k] = kept * (2 * over * p_[k] - kept * v_[k]);
+      for (std::uint32_t k = begin; k < end; ++k) v_[k] = kept * (2 * over * p_[k] - kept * v_[k]);
     else
-      for (std::uint32_t k = begin; k < movable; ++k) v_[k] = over * p_[k];
+      for (std::uint32_t k = begin; k < end; ++k) v_[k] = over * p_[k];
     for (std::uint32_t k = begin; k < end; ++k) x_[k] += p_[k];
   }
+  for (std::size_t i = 0; i < anchors_.size(); ++i) put(v_.data(), anchors_[i], carried_[i]);
 }
 
 template <class T>
 double Crowd<T>::kinetic(const T* data) const {
   // Sums side by side do not wait for each other.
-  constexpr std::size_t side_by_side = 2 * record;
+  constexpr std::size_t side_by_side = 8;
   double twice[side_by_side] = {};
   std::size_t i = 0;
   for (; i + side_by_side <= mass_.size(); i += side_by_side)
@@ -225,18 +233,23 @@ double Crowd<T>::kinetic(const T* data) const {
 
 template <class T>
 double Crowd<T>::most_moved() const {
-  T most = 0;
-  for (std::uint32_t k = 0; k < record * particles_; k += record) {
-    const T square = (p_[k] * p_[k] + p_[k + 1] * p_[k + 1]) + p_[k + 2] * p_[k + 2];
-    most = square > most ? square : most;
-  }
-  return std::sqrt(double{most});
+  const std::uint32_t stride = stride_;
+  const T* const p = p_.data();
+  T most[lanes] = {};  // by lane of a row
+  for (std::uint32_t first = 0; first < places_.numbers(); first += places_.pitch())
+    for (std::uint32_t k = 0; k < stride; ++k) {
+      const T x = p[first + k], y = p[first + k + stride], z = p[first + k + 2 * stride];
+      const T square = (x * x + y * y) + z * z;
+      most[k] = square > most[k] ? square : most[k];
+    }
+  return std::sqrt(double{*std::max_element(most, most + lanes)});
 }
 
 template <class T>
 void Crowd<T>::slow(double share, Vec3 about) {
-  for (std::uint32_t k = 0; k < particles_; ++k)
-    if (inverse_mass_[k] > 0) put(v_.data(), record * k, about + share * (at(v_.data(), record * k) - about));
+  for (std::uint32_t k = 0; k < inverse_mass_.size(); ++k)
+    if (const std::uint32_t to = places_.at(k); inverse_mass_[k] > 0)
+      put(v_.data(), to, about + share * (at(v_.data(), to) - about));
 }
 
 template <class T>
@@ -244,10 +257,10 @@ auto Crowd<T>::common_motion() const -> CommonMotion {
   CommonMotion out;
   Vec3 momentum{};
   double mass = 0;
-  for (std::uint32_t k = 0; k < particles_; ++k) {
+  for (std::uint32_t k = 0; k < inverse_mass_.size(); ++k) {
     if (!(inverse_mass_[k] > 0)) return {};
     mass += 1 / inverse_mass_[k];
-    momentum += 1 / inverse_mass_[k] * at(v_.data(), record * k);
+    momentum += 1 / inverse_mass_[k] * at(v_.data(), places_.at(k));
   }
   out.velocity = (1 / mass) * momentum;
   out.energy = 0.5 * mass * dot(out.velocity, out.velocity);
@@ -256,17 +269,19 @@ auto Crowd<T>::common_motion() const -> CommonMotion {
 
 template <class T>
 bool Crowd<T>::stop_if_broken(LinkageState& state, std::uint32_t island) {
-  const std::uint32_t begin = record * first_[island], end = begin + record * state.linkage->movable();
-  T zeros[record] = {};  // they stay so unless a number is infinite or none
-  for (std::uint32_t k = begin; k < end; k += record)
-    for (std::uint32_t c = 0; c < record; ++c) zeros[c] += T(0) * x_[k + c] + T(0) * v_[k + c];
-  if (std::all_of(zeros, zeros + record, [](T zero) { return zero == 0; })) return false;
+  constexpr std::uint32_t side_by_side = 4;
+  T zeros[side_by_side] = {};  // they stay so unless a number is infinite or none
+  const std::uint32_t begin = places_.begin_of(island), end = places_.end_of(island);
+  for (std::uint32_t k = begin; k < end; k += side_by_side)
+    for (std::uint32_t c = 0; c < side_by_side; ++c) zeros[c] += T(0) * x_[k + c] + T(0) * v_[k + c];
+  if (std::all_of(zeros, zeros + side_by_side, [](T zero) { return zero == 0; })) return false;
   for (std::uint32_t k = 0; k < state.linkage->movable(); ++k) {
-    put(x_.data(), begin + record * k, state.x[k] - origin_);
-    put(v_.data(), begin + record * k, {});
-    put(a_.data(), begin + record * k, {});
-    inverse_mass_[first_[island] + k] = 0;
-    std::fill_n(mass_.begin() + record * (first_[island] + k), record, 0.0);
+    const std::uint32_t particle = places_.first(island) + k, to = places_.at(particle);
+    put(x_.data(), to, state.x[k] - origin_);
+    put(v_.data(), to, {});
+    put(a_.data(), to, {});
+    inverse_mass_[particle] = 0;
+    for (std::uint32_t c = 0; c < 3; ++c) mass_[to + c * stride_] = 0;
   }
   is_stale_ = true;
   return true;
@@ -274,25 +289,25 @@ bool Crowd<T>::stop_if_broken(LinkageState& state, std::uint32_t island) {
 
 template <class T>
 void Crowd<T>::count_pulls(double h, Gradient gradient, std::span<LinkageState* const> cluster) const {
-  constexpr std::size_t lanes = simd::logical_width<T>;
   const double by = (gradient == Gradient::mid ? 2 : 1) / h;
-  for (std::size_t lane = 0; lane < rod_of_.size(); ++lane) {
-    const RodOf& rod = rod_of_[lane];
+  const auto rods = places_.rods();
+  for (std::size_t lane = 0; lane < rods.size(); ++lane) {
+    const CrowdPlaces::Rod& rod = rods[lane];
     if (rod.island == none || !cluster[rod.island]->pulls.counts) continue;
     const auto vector_of = [&](const T* fields, std::size_t count) {
       const T* const first = fields + lane / lanes * count * lanes + lane % lanes;
       return Vec3{first[0], first[lanes], first[2 * lanes]};
     };
     const Vec3 move = vector_of(moved_.data(), simd::moved_fields);
-    const double size = by * rod.mass * norm(move);
+    const double size = by * mass_of_move_[lane] * norm(move);
     const Vec3 along = vector_of(rod_.data(), simd::rod_fields);
     const double pull = dot(move, along) > 0 ? size : -size;
     LinkagePulls& pulls = cluster[rod.island]->pulls;
     pulls.rods[rod.number] += pull;
-    const std::uint32_t fixed = first_[rod.island] + cluster[rod.island]->linkage->movable();
+    const std::uint32_t fixed = places_.first(rod.island) + cluster[rod.island]->linkage->movable();
     const Vec3 pulled = pull / norm(along) * along;
-    if (const std::uint32_t a = address_a_[lane] / record; a >= fixed) pulls.fixed[a - fixed] += pulled;
-    if (const std::uint32_t b = address_b_[lane] / record; b >= fixed) pulls.fixed[b - fixed] -= pulled;
+    if (rod.a >= fixed) pulls.fixed[rod.a - fixed] += pulled;
+    if (rod.b >= fixed) pulls.fixed[rod.b - fixed] -= pulled;
   }
 }
 
@@ -303,7 +318,7 @@ double Crowd<T>::add_terms(const Linkage& linkage, std::uint32_t island, const C
   for (std::uint32_t k = 0; k < sum.count; ++k) {
     const auto [particle, weight] = sum.terms[k];
     const double move = particle < linkage.movable() ? weight * inverse_mass(island, particle) : 0;
-    to.push_back({record * (first_[island] + particle), sign * weight, sign * move});
+    to.push_back({number_of(island, particle), sign * weight, sign * move});
     moves += weight * move;
   }
   return moves;
@@ -313,9 +328,10 @@ template <class T>
 void Crowd<T>::push_fixed(std::span<const Term> terms, std::uint32_t island, Vec3 impulse,
                           LinkagePulls& pulls) const {
   const auto fixed = static_cast<std::uint32_t>(pulls.fixed.size());
-  const std::uint32_t end = island + 1 < first_.size() ? first_[island + 1] : particles_;
+  const bool is_last = island + 1 == laid_out_.size();
+  const std::uint32_t end = is_last ? places_.particles() : places_.first(island + 1);
   for (const Term& term : terms)
-    if (const std::uint32_t at = term.at / record; at < end && at >= end - fixed)
+    if (const std::uint32_t at = places_.particle_at(term.at); at < end && at >= end - fixed)
       pulls.fixed[at - (end - fixed)] += term.weight * impulse;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "contact/linkage/linkage_state.hpp"
+#include "contact/relaxed/places/crowd_places.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/settings.hpp"
 #include "simd/relax/relax_kernels.hpp"
@@ -21,15 +22,14 @@ struct CrowdRules {
 
 /// Holds the particles and rods of all islands of a cluster for vectors of rods.
 ///
-/// A particle is a record of four numbers, the last of which is unused. Rods lie by colours, and those of one
-/// colour share no movable particle. Positions are counted from the crowd's first particle, so that a float
-/// is exact far away from the origin, too.
+/// CrowdPlaces says where they lie. A place is named by the number that is its x. Positions are counted from
+/// the crowd's first particle, so that a float is exact far away from the origin, too.
 template <class T>
 class Crowd {
  public:
   /// A place is a weighted sum of particles, with what a push of one moves each by.
   struct Term {
-    std::uint32_t at;     ///< the particle's record, in numbers
+    std::uint32_t at;     ///< the particle's place
     double weight, move;  ///< without dimension; 1/kg
   };
 
@@ -45,8 +45,8 @@ class Crowd {
 
   /// Begins a substep of h (s): moves every particle as if nothing held it, with the gradient's kick.
   void predict(double h, Gradient gradient);
-  /// Finds directions and violations of all rods where they are.
-  void prepare(const simd::AccessKernels<T>& kernels);
+  /// Finds directions and violations of all rods where they are. Forgets what sweeps did if that `counts`.
+  void prepare(const simd::AccessKernels<T>& kernels, bool counts);
   /// Sweeps once over all rods. Adds up what it does if `counts`.
   void sweep(const simd::AccessKernels<T>& kernels, Gradient gradient, bool counts);
   /// Returns the largest violation of a rod, |C|/L².
@@ -76,14 +76,14 @@ class Crowd {
   /// Counts how often particles were laid out. What refers to records is good as long as it is the same.
   std::uint32_t layout() const { return layout_; }
   /// @{
-  /// Records of all particles (m), and the one of padding.
+  /// Numbers of all particles (m), and where they lie. What is no place of a particle is 0.
   const T* positions() const { return x_.data(); }
   T* displacements() { return p_.data(); }
   const T* displacements() const { return p_.data(); }
-  std::uint32_t padding() const { return record * particles_; }
+  const CrowdPlaces& places() const { return places_; }
   /// @}
 
-  std::uint32_t rods() const { return rods_; }
+  std::uint32_t rods() const { return places_.count_rods(); }
   std::size_t islands() const { return laid_out_.size(); }
   /// Returns whether the rods of some island that moves go round in loops.
   bool has_loops() const { return has_loops_; }
@@ -91,13 +91,12 @@ class Crowd {
   double add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
                    std::vector<Term>& to) const;
   double inverse_mass(std::uint32_t island, std::uint32_t particle) const {
-    return inverse_mass_[first_[island] + particle];
+    return inverse_mass_[places_.first(island) + particle];
   }
 
-  /// Returns the number at which a particle's record starts, and where the particle is, from the crowd's
-  /// origin.
+  /// Returns a particle's place, and where the particle is, from the crowd's origin.
   std::uint32_t number_of(std::uint32_t island, std::uint32_t particle) const {
-    return record * (first_[island] + particle);
+    return places_.at(places_.first(island) + particle);
   }
   Vec3 position_of(std::uint32_t island, std::uint32_t particle) const {
     return position(number_of(island, particle));
@@ -111,7 +110,7 @@ class Crowd {
   bool is_moving(std::uint32_t island) const { return moves_[island] != 0; }
   /// Returns a sum over displacements (m) or velocities (m/s).
   Vec3 moved(std::span<const Term> terms) const { return sum(terms, p_.data()); }
-  /// Returns where the record that starts at a number is, from the crowd's origin, and its displacement (m).
+  /// Returns where the particle at a place is, from the crowd's origin, and its displacement (m).
   Vec3 position(std::uint32_t number) const { return at(x_.data(), number); }
   Vec3 moved(std::uint32_t number) const { return at(p_.data(), number); }
   Vec3 velocity(std::span<const Term> terms) const { return sum(terms, v_.data()); }
@@ -123,48 +122,51 @@ class Crowd {
   void push_velocity(std::uint32_t number, Vec3 by) { put(v_.data(), number, at(v_.data(), number) + by); }
 
  private:
-  static constexpr std::uint32_t record = 4;
-  static constexpr std::uint32_t none = 0xffffffff;
+  static constexpr std::uint32_t none = CrowdPlaces::none, lanes = simd::logical_width<T>;
 
-  static Vec3 at(const T* data, std::uint32_t i) { return {data[i], data[i + 1], data[i + 2]}; }
-  static void put(T* data, std::uint32_t i, Vec3 v) {
-    data[i] = static_cast<T>(v.x);
-    data[i + 1] = static_cast<T>(v.y);
-    data[i + 2] = static_cast<T>(v.z);
+  Vec3 at(const T* data, std::uint32_t i) const {
+    return {data[i], data[i + stride_], data[i + 2 * std::size_t{stride_}]};
   }
-  static Vec3 sum(std::span<const Term> terms, const T* data) {
+  void put(T* data, std::uint32_t i, Vec3 v) const {
+    data[i] = static_cast<T>(v.x);
+    data[i + stride_] = static_cast<T>(v.y);
+    data[i + 2 * std::size_t{stride_}] = static_cast<T>(v.z);
+  }
+  Vec3 sum(std::span<const Term> terms, const T* data) const {
     Vec3 out;
     for (const Term& term : terms) out += term.weight * at(data, term.at);
     return out;
   }
-  static void push(std::span<const Term> terms, Vec3 by, T* data) {
+  void push(std::span<const Term> terms, Vec3 by, T* data) const {
     for (const Term& term : terms) put(data, term.at, at(data, term.at) + term.move * by);
   }
   double kinetic(const T* data) const;
   void lay_out(std::span<LinkageState* const> cluster, const CrowdRules& rules);
-  void lay_out_rods(std::span<LinkageState* const> cluster, const CrowdRules& rules);
+  void weigh_rods(const CrowdRules& rules);
+  void find_uniform();
+  /// Returns a field of a rod's weights.
+  T& weight(std::size_t lane, std::size_t field) {
+    return weight_[(lane / lanes * simd::weight_fields + field) * lanes + lane % lanes];
+  }
   simd::BlockView<T> view();
 
   std::vector<const LinkageState*> laid_out_;  ///< the islands that rods were laid out for
   bool is_stale_ = false;                      ///< an island was stopped since
   std::vector<std::uint8_t> moves_;            ///< by island: it is awake and not frozen
-  std::vector<std::uint32_t> first_;           ///< by island: its first particle
-  std::vector<double> inverse_mass_;           ///< 1/kg, by particle; 0 for what does not move
-  std::vector<double> mass_;                   ///< kg, by number of records; 0 for what does not move
+  CrowdPlaces places_;
+  std::uint32_t stride_ = 1;            ///< of components
+  std::vector<double> inverse_mass_;    ///< 1/kg, by particle; 0 for what does not move
+  std::vector<double> mass_;            ///< kg, by number; 0 for what does not move
+  std::vector<std::uint32_t> anchors_;  ///< places of what is fixed
+  std::vector<Vec3> carried_;           ///< m/s, how fast each of them is carried
   std::uint32_t layout_ = 0;
   Vec3 origin_;
-  std::uint32_t particles_ = 0, rods_ = 0;
   bool has_loops_ = false;
-  layouts::AlignedBuffer<T> x_, p_, v_, a_;  ///< records, in m, m, m/s and m/s²
+  layouts::AlignedBuffer<T> x_, p_, v_, a_;  ///< in m, m, m/s and m/s²
   layouts::AlignedBuffer<T> rod_, weight_, moved_;
-  std::vector<std::uint32_t> address_a_, address_b_;
-  std::vector<simd::Range> colors_;
-  struct RodOf {
-    std::uint32_t island = none, number = 0;
-    double length2 = 0;  ///< m²
-    double mass = 0;     ///< kg, which makes impulses of moves
-  };
-  std::vector<RodOf> rod_of_;  ///< by lane
+  std::vector<double> mass_of_move_;  ///< kg, by lane: makes impulses of moves
+  std::vector<simd::Range> ranges_;   ///< of rods, colour after colour
+  T uniform_length2_ = 1, uniform_share_ = 0, uniform_inverse_ = 1;
 };
 
 extern template class Crowd<float>;

@@ -24,6 +24,7 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
                              Team* team) {
   is_fast_ = false;
   place_hulls(crowd);
+  if (moved_ < 0) moved_ = crowd.most_moved();
   see_fast(crowd, surroundings.tree.bounds(), team);
   find_in_batches(cluster, crowd, surroundings, ground, h, team);
   if (wake(cluster)) return false;
@@ -57,7 +58,7 @@ void CrowdContacts<T>::find_in_batches(std::span<LinkageState* const> cluster, C
   batches_.resize(std::max<std::size_t>(kinds * shares, batches_.size()));
   for (Batch& batch : batches_) batch.clear();
   kept_.clear();
-  if (!near_.are_all_plain() || !fast_lines_.empty()) kept_.gather(cluster);
+  if (!near_.are_all_plain()) kept_.gather(cluster);
   const auto find = [&](std::uint32_t number) {
     const std::uint32_t kind = number / shares;
     const Share share{number % shares, shares};
@@ -257,7 +258,7 @@ void CrowdContacts<T>::start_from_kept(const Substep& in, Contact& contact) {
   const std::uint32_t island = contact.island[0];
   const LinkageState& state = *in.cluster[island];
   const double h2 = in.h * in.h;
-  // What turns out to be missed, which one thread finds, may be the first that asks.
+  // What is fast, or turns out to be missed, which one thread finds, may be the first that asks.
   if (!kept_.is_gathered()) kept_.gather(in.cluster);
   const KeptContact held = kept_.at(state, island, contact.key);
   if (held.key != contact.key) return;
@@ -303,6 +304,8 @@ void CrowdContacts<T>::end(std::span<LinkageState* const> cluster, const Crowd<T
     count_touch(cluster, crowd, batch, contact, h);
   });
   ends_.end(cluster, crowd, h);
+  travelled_ += moved_;
+  way_ += moved_;
 }
 
 template <class T>

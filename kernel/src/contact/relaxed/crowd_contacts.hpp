@@ -10,7 +10,7 @@
 #include "contact/relaxed/crowd_ends.hpp"
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
-#include "contact/relaxed/pairs/particle_ways.hpp"
+#include "contact/relaxed/pairs/particle_sides.hpp"
 #include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
@@ -34,7 +34,7 @@ namespace plumb::detail {
 template <class T>
 class CrowdContacts {
  public:
-  CrowdContacts(const ContactSettings& settings, const simd::EndKernels<T>& kernels)
+  CrowdContacts(const ContactSettings& settings, const simd::Kernels<T>& kernels)
       : settings_(settings), near_(settings), ends_(settings, kernels) {}
 
   /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
@@ -42,6 +42,8 @@ class CrowdContacts {
   void find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
             const GroundNow& ground, double dt, double recovery_rate) {
     recovery_rate_ = recovery_rate;
+    seen_ = moved_ = -1;
+    way_ = 0;
     near_.find(cluster, crowd, surroundings, ground, dt);
     ends_.clear();
     ends_.add(cluster, crowd, near_, surroundings, ground, near_.plain_ends());
@@ -50,6 +52,8 @@ class CrowdContacts {
   /// once displacements are predicted.
   void follow(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, const Surroundings& surroundings,
               const GroundNow& ground, double left, Team* team) {
+    moved_ = crowd.most_moved();
+    if (near_.holds_within(way_ + moved_)) return;
     near_.follow(cluster, crowd, surroundings, ground, left, team);
     ends_.add(cluster, crowd, near_, surroundings, ground, near_.more_plain_ends());
   }
@@ -208,6 +212,12 @@ class CrowdContacts {
   struct Place {
     std::uint32_t batch, number;
   };
+  /// This is a body's number, its ends if both are particles, and the square of how far (m²) it is fast from.
+  struct NearLine {
+    std::uint32_t number;
+    std::array<std::uint32_t, 2> at;
+    double least2;
+  };
   /// This is how the line of a body moves, from the crowd's origin, and how far its ends do at most (m).
   struct PlacedLine {
     MovingSegment way;
@@ -252,6 +262,8 @@ class CrowdContacts {
   PlacedShape placed(const Crowd<T>& crowd, std::uint32_t number);
   void place_lines(const Crowd<T>& crowd, Team* team);
   void see_fast(const Crowd<T>& crowd, const Bounds& ground, Team* team);
+  NearLine near_line(const Body& body) const;
+  void list_lines_near(const Crowd<T>& crowd, const Bounds& box);
   void touch_in_passing(const Substep& in);
   void place_ways(const Crowd<T>& crowd);
   PairSearch pair_search() const { return {settings_.margin, settings_.tolerance}; }
@@ -309,9 +321,13 @@ class CrowdContacts {
   std::vector<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is
   bool is_fast_ = false;                    ///< some line is, or was in this substep
   bool may_be_fast_ = false;                ///< some may be where particles are now
-  ParticleWays ways_of_particles_;          ///< then
-  std::vector<std::uint32_t> fast_lines_;   ///< those that are, then, and may come to ground
-  std::vector<Bounds> ways_;                ///< around what bodies, then hulls pass through, from there
+  double moved_ = -1;                       ///< m, how far particles then go at most, if that is known
+  double way_ = 0;                          ///< m, how far they went since find()
+  double travelled_ = 0, seen_ = -1;        ///< m, how far since lines were listed, and may
+  ParticleSides sides_;
+  std::vector<NearLine> lines_near_;       ///< all that may come to ground until then
+  std::vector<std::uint32_t> fast_lines_;  ///< those that are, then, and may come to ground
+  std::vector<Bounds> ways_;               ///< around what bodies, then hulls pass through, from there
   std::vector<std::uint32_t> near_ground_;
   KeptTable kept_;
   std::vector<Batch> batches_;

@@ -28,6 +28,7 @@ void CrowdEnds<T>::clear() {
   at_.clear();
   touched_.clear();
   touching_.clear();
+  restitution_.clear();
   sees_bounces_ = false;
 }
 
@@ -64,17 +65,56 @@ auto CrowdEnds<T>::group_of(const Crowd<T>& crowd, const Surroundings& surroundi
 }
 
 template <class T>
+void CrowdEnds<T>::start_group(const CrowdPlaces& places) {
+  filled_ = ends_.size();
+  if (in_rows_) vector_of_row_.assign(places.numbers() / places.pitch(), none);
+}
+
+/// Adds a vector without ends, in rows that of a place.
+template <class T>
+void CrowdEnds<T>::add_vector(const CrowdPlaces& places, std::uint32_t place) {
+  const std::size_t first = ends_.size() * fields::count, end = first + lanes * fields::count;
+  if (fields_.size() < end) {
+    layouts::AlignedBuffer<T> larger(2 * end);
+    std::copy_n(fields_.data(), first, larger.data());
+    fields_ = std::move(larger);
+  }
+  std::fill(fields_.data() + first, fields_.data() + end, T(0));
+  if (in_rows_)
+    at_.push_back(place / places.pitch() * places.pitch());
+  else
+    at_.insert(at_.end(), lanes, places.numbers());
+  ends_.resize(ends_.size() + lanes);
+  restitution_.resize(ends_.size());
+  touched_.push_back(0);
+}
+
+/// Returns the lane that an end at a place is to have in the last group.
+template <class T>
+std::size_t CrowdEnds<T>::lane_for(const CrowdPlaces& places, std::uint32_t place) {
+  if (!in_rows_) {
+    if (filled_ == ends_.size()) add_vector(places, place);
+    at_[filled_] = place;
+    return filled_++;
+  }
+  std::uint32_t& vector = vector_of_row_[place / places.pitch()];
+  if (vector == none) {
+    vector = static_cast<std::uint32_t>(ends_.size() / lanes);
+    add_vector(places, place);
+  }
+  return std::size_t{vector} * lanes + place % places.pitch();
+}
+
+template <class T>
 void CrowdEnds<T>::add_lane(const Crowd<T>& crowd, const CrowdPairs<T>& near, const Pair& pair,
                             std::uint64_t key, const Surface& surface) {
   const auto& each = near.balls()[pair.one];
   const std::uint32_t particle = each.ball->center.terms[0].particle;
   const Surface& own = each.ball->surface;
   const double moves = crowd.inverse_mass(each.island, particle);
-  const std::size_t lane = ends_.size();
-  ends_.push_back({.island = each.island, .shape = each.ball->shape, .key = key});
-  restitution_.resize(ends_.size());
+  const std::size_t lane = lane_for(crowd.places(), crowd.number_of(each.island, particle));
+  ends_[lane] = {.island = each.island, .shape = each.ball->shape, .key = key};
   restitution_[lane] = std::max(own.restitution, surface.restitution);
-  at_.push_back(crowd.number_of(each.island, particle));
   field(lane, fields::moves) = static_cast<T>(moves);
   field(lane, fields::mass) = static_cast<T>(1 / moves);
   field(lane, fields::friction) = static_cast<T>(std::sqrt(own.friction * surface.friction));
@@ -86,22 +126,15 @@ void CrowdEnds<T>::add(std::span<LinkageState* const> cluster, const Crowd<T>& c
                        const CrowdPairs<T>& near, const Surroundings& surroundings, const GroundNow& ground,
                        std::span<const Pair> pairs) {
   if (pairs.empty()) return;
+  in_rows_ = crowd.places().access() == layouts::Access::rows;
+  kernels_ = in_rows_ ? &all_kernels_->row_ends : &all_kernels_->ends;
   const std::size_t first = ends_.size();
-  // Each group may need a vector more than it fills.
-  std::size_t most = first + pairs.size();
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (i == 0 || pairs[i].other != pairs[i - 1].other) most += lanes;
-  if (const std::size_t size = most * fields::count; fields_.size() < size) {
-    layouts::AlignedBuffer<T> larger(size + size / 2);
-    std::copy_n(fields_.data(), first * fields::count, larger.data());
-    fields_ = std::move(larger);
-  }
-  std::fill(fields_.data() + first * fields::count, fields_.data() + most * fields::count, T(0));
   for (std::size_t i = 0; i < pairs.size();) {
     Group group = group_of(crowd, surroundings, ground, pairs[i].other);
     const bool is_plane = group.shape == none;
     const Surface& surface =
         is_plane ? ground.planes()[pairs[i].other].surface : surroundings.shapes[group.shape].surface();
+    start_group(crowd.places());
     for (const std::uint32_t other = pairs[i].other; i < pairs.size() && pairs[i].other == other; ++i) {
       const std::uint32_t ball = pairs[i].one;
       add_lane(crowd, near, pairs[i],
@@ -109,15 +142,9 @@ void CrowdEnds<T>::add(std::span<LinkageState* const> cluster, const Crowd<T>& c
                         : ground_key(GroundPart::end, ball, group.shape, 0),
                surface);
     }
-    while (ends_.size() % lanes != 0) {
-      ends_.push_back({});
-      at_.push_back(crowd.padding());
-    }
     group.range.end = static_cast<std::uint32_t>(ends_.size() / lanes);
     groups_.push_back(group);
   }
-  restitution_.resize(ends_.size());
-  touched_.resize(ends_.size() / lanes, 0);
   sees_bounces_ = false;
   for (std::size_t lane = 0; lane < ends_.size() && !sees_bounces_; ++lane)
     sees_bounces_ = ends_[lane].island != none &&
@@ -171,9 +198,9 @@ void CrowdEnds<T>::uncover(const Crowd<T>& crowd, const Surroundings& surroundin
     if (group.shape == none) continue;
     for (std::size_t lane = group.range.begin * lanes; lane < group.range.end * lanes; ++lane) {
       if (!touches(lane)) continue;
-      const Vec3 place = crowd.origin() + crowd.position(at_[lane]);
-      const double distance = surroundings.shapes[group.shape].distance(place);
-      if (!surroundings.is_covered(group.shape, {place, distance, vector(lane, fields::normal)},
+      const Vec3 there = crowd.origin() + crowd.position(place(lane));
+      const double distance = surroundings.shapes[group.shape].distance(there);
+      if (!surroundings.is_covered(group.shape, {there, distance, vector(lane, fields::normal)},
                                    settings_.tolerance))
         continue;
       field(lane, fields::gap) = std::numeric_limits<T>::max();
@@ -191,8 +218,8 @@ void CrowdEnds<T>::see_bounces(const Crowd<T>& crowd, double h) {
     const Vec3 normal = vector(lane, fields::normal);
     End& end = ends_[lane];
     end.kick = 0;
-    end.approach = approach_of(field(lane, fields::gap), dot(normal, crowd.moved(at_[lane])),
-                               dot(normal, crowd.velocity(at_[lane])), h);
+    end.approach = approach_of(field(lane, fields::gap), dot(normal, crowd.moved(place(lane))),
+                               dot(normal, crowd.velocity(place(lane))), h);
     end.bounce = bounce_of(restitution_[lane], settings_.bounce_speed, end.approach);
   });
 }
@@ -227,7 +254,8 @@ template <class T>
 double CrowdEnds<T>::depth(const Crowd<T>& crowd) const {
   double most = 0;
   for_touching([&](std::size_t lane) {
-    const double left = field(lane, fields::gap) + dot(vector(lane, fields::normal), crowd.moved(at_[lane]));
+    const double left =
+        field(lane, fields::gap) + dot(vector(lane, fields::normal), crowd.moved(place(lane)));
     most = std::max(most, -left);
   });
   return most;
@@ -249,10 +277,10 @@ void CrowdEnds<T>::bounce(Crowd<T>& crowd) {
     End& end = ends_[lane];
     if (!(end.bounce > 0 && field(lane, fields::push) > 0)) return;
     const Vec3 normal = vector(lane, fields::normal);
-    const double leaves = dot(normal, crowd.velocity(at_[lane]));
+    const double leaves = dot(normal, crowd.velocity(place(lane)));
     const double kick = std::max(0.0, end.kick + field(lane, fields::mass) * (end.bounce - leaves));
     const double moves = field(lane, fields::moves);
-    crowd.push_velocity(at_[lane], moves * (kick - end.kick) * normal);
+    crowd.push_velocity(place(lane), moves * (kick - end.kick) * normal);
     end.kick = kick;
   });
 }
@@ -276,7 +304,7 @@ void CrowdEnds<T>::end(std::span<LinkageState* const> cluster, const Crowd<T>& c
       const double radius = cluster[end.island]->linkage->shape_of(end.shape).radius;
       pulls.touched.add(
           end.shape, TouchedPair::ground, group.number,
-          {impulse, crowd.origin() + crowd.position(at_[lane]) - radius * normal, normal, end.approach});
+          {impulse, crowd.origin() + crowd.position(place(lane)) - radius * normal, normal, end.approach});
     }
 }
 

@@ -18,14 +18,15 @@ namespace plumb::detail {
 ///
 /// An end is plain if it is a particle that turns no body. Ground is plain if it is a plane, a sphere or a
 /// capsule and stands still, its surface too. All else is left to CrowdContacts, whose visits do the same.
-/// Ends of one ground follow each other, and no two of them are the same particle.
+/// Ends of one ground follow each other, and no two of them are the same particle. Where particles lie in
+/// rows, a vector of ends is such a row, with nothing in the lanes of what is far away.
 template <class T>
 class CrowdEnds {
  public:
   using Pair = typename CrowdPairs<T>::Pair;
 
-  CrowdEnds(const ContactSettings& settings, const simd::EndKernels<T>& kernels)
-      : settings_(settings), kernels_(&kernels) {}
+  CrowdEnds(const ContactSettings& settings, const simd::Kernels<T>& kernels)
+      : settings_(settings), all_kernels_(&kernels), kernels_(&kernels.ends) {}
 
   /// Forgets all ends.
   void clear();
@@ -76,7 +77,8 @@ class CrowdEnds {
   };
 
   simd::EndView<T> view(Crowd<T>& crowd) {
-    return {crowd.positions(), crowd.displacements(), fields_.data(), at_.data()};
+    return {crowd.positions(), crowd.displacements(), fields_.data(), at_.data(),
+            crowd.places().component_stride()};
   }
   T& field(std::size_t lane, std::uint32_t field) {
     return fields_[(lane / lanes * simd::end_fields::count + field) * lanes + lane % lanes];
@@ -86,6 +88,10 @@ class CrowdEnds {
   }
   Vec3 vector(std::size_t lane, std::uint32_t first) const {
     return {field(lane, first), field(lane, first + 1), field(lane, first + 2)};
+  }
+  /// Returns the place of an end's particle.
+  std::uint32_t place(std::size_t lane) const {
+    return in_rows_ ? at_[lane / lanes] + static_cast<std::uint32_t>(lane % lanes) : at_[lane];
   }
   bool touches(std::size_t lane) const { return field(lane, simd::end_fields::over) != 0; }
   /// Calls f(lane) for all ends that touch, in their order.
@@ -97,6 +103,9 @@ class CrowdEnds {
   }
   Group group_of(const Crowd<T>& crowd, const Surroundings& surroundings, const GroundNow& ground,
                  std::uint32_t number) const;
+  void start_group(const CrowdPlaces& places);
+  void add_vector(const CrowdPlaces& places, std::uint32_t place);
+  std::size_t lane_for(const CrowdPlaces& places, std::uint32_t place);
   void add_lane(const Crowd<T>& crowd, const CrowdPairs<T>& near, const Pair& pair, std::uint64_t key,
                 const Surface& surface);
   void load_forces(std::span<LinkageState* const> cluster, std::size_t first);
@@ -105,10 +114,14 @@ class CrowdEnds {
   void see_bounces(const Crowd<T>& crowd, double h);
 
   ContactSettings settings_;  ///< multiplied by their length scale
+  const simd::Kernels<T>* all_kernels_;
   const simd::EndKernels<T>* kernels_;
+  bool in_rows_ = false;
   std::vector<Group> groups_;
-  std::vector<End> ends_;  ///< by lane
-  std::vector<std::uint32_t> at_;
+  std::vector<End> ends_;                     ///< by lane
+  std::vector<std::uint32_t> at_;             ///< see EndView
+  std::vector<std::uint32_t> vector_of_row_;  ///< in the last group, or none
+  std::size_t filled_ = 0;                    ///< lanes of records that have an end or never will
   layouts::AlignedBuffer<T> fields_;
   std::vector<std::uint8_t> touched_;    ///< by vector
   std::vector<std::uint32_t> touching_;  ///< vectors with an end that touches, ascending

@@ -287,6 +287,13 @@ void CrowdContacts<T>::miss(const Substep& in, const Side& side, std::uint32_t g
 template <class T>
 template <class F>
 void CrowdContacts<T>::for_ground_near(const Substep& in, const MovingSegment& moving, F&& f) {
+  constexpr std::size_t few = 4;
+  const std::vector<GroundShape>& shapes = in.surroundings.shapes;
+  if (shapes.size() <= few) {
+    for (std::uint32_t k = 0; k < shapes.size(); ++k)
+      if (!passes_by(moving, shapes[k]) && shapes[k].bounds().overlaps(bounds_of(moving))) f(k, shapes[k]);
+    return;
+  }
   const Bounds way = bounds_of(moving);
   if (!in.surroundings.tree.bounds().overlaps(way)) return;
   in.surroundings.find(way, near_ground_);

@@ -18,28 +18,50 @@ double square(Vec3 v) {
 /// Places lines if others may touch them, and lists those that are fast and may come to ground.
 template <class T>
 void CrowdContacts<T>::see_fast(const Crowd<T>& crowd, const Bounds& ground, Team* team) {
-  may_be_fast_ = crowd.most_moved() > near_.least_fast(settings_.margin, PairSearch::passes);
+  may_be_fast_ = moved_ > near_.least_fast(settings_.margin, PairSearch::passes);
   fast_lines_.clear();
   if (near_.may_meet() || has_hulls()) place_lines(crowd, team);
   if (!may_be_fast_) return;
-  // Rounding of bounds is far below the margin.
-  const double around = near_.largest_radius() + settings_.margin;
-  const Vec3 room{around, around, around};
-  ways_of_particles_.find(crowd, {ground.low - crowd.origin() - room, ground.high - crowd.origin() + room});
-  for (std::uint32_t i = 0; i < near_.bodies().size(); ++i) {
-    const Body& body = near_.bodies()[i];
-    const auto [a, b] = body.at;
-    const bool stays_out = body.is_plain() && ways_of_particles_.stays_out(a, b);
-    if (stays_out && is_fast_) continue;
-    const double least = settings_.margin + PairSearch::passes * body.radius;
-    const double most2 = body.is_plain()
-                             ? std::max(ways_of_particles_.moves2(a), ways_of_particles_.moves2(b))
-                             : std::max(square(crowd.moved(near_.terms_of(body.a))),
-                                        square(crowd.moved(near_.terms_of(body.b))));
-    if (!(most2 > least * least)) continue;
-    is_fast_ = true;
-    if (!stays_out) fast_lines_.push_back(i);
+  const auto is_fast = [&](const NearLine& line) {
+    const auto [a, b] = line.at;
+    return std::max(square(crowd.moved(a)), square(crowd.moved(b))) > line.least2;
+  };
+  const auto is_body_fast = [&](const Body& body) {
+    const NearLine line = near_line(body);
+    if (body.is_plain()) return is_fast(line);
+    return std::max(square(crowd.moved(near_.terms_of(body.a))),
+                    square(crowd.moved(near_.terms_of(body.b)))) > line.least2;
+  };
+  const auto bodies = near_.bodies();
+  is_fast_ = is_fast_ || near_.are_alike() || std::any_of(bodies.begin(), bodies.end(), is_body_fast);
+  if (ground.is_empty()) return;
+  if (!(travelled_ + moved_ <= seen_)) list_lines_near(crowd, ground);
+  for (const NearLine& line : lines_near_) {
+    const Body& body = bodies[line.number];
+    if (line.at[0] != none ? is_fast(line) : is_body_fast(body)) fast_lines_.push_back(line.number);
   }
+}
+
+/// Returns what see_fast() reads of a body.
+template <class T>
+auto CrowdContacts<T>::near_line(const Body& body) const -> NearLine {
+  const double least = settings_.margin + PairSearch::passes * body.radius;
+  const auto number = static_cast<std::uint32_t>(&body - near_.bodies().data());
+  return {number, body.is_plain() ? body.at : std::array{none, none}, least * least};
+}
+
+/// Lists the lines that may come into a box, and for how far particles may go until others may.
+template <class T>
+void CrowdContacts<T>::list_lines_near(const Crowd<T>& crowd, const Bounds& box) {
+  constexpr double times = 12;  // as far as they go now
+  travelled_ = 0;
+  seen_ = times * moved_;
+  // Rounding of bounds is far below the margin.
+  const Bounds around = grown(box, seen_ + near_.largest_radius() + settings_.margin);
+  sides_.find(crowd, {around.low - crowd.origin(), around.high - crowd.origin()});
+  lines_near_.clear();
+  for (const Body& body : near_.bodies())
+    if (!body.is_plain() || !sides_.are_off(body.at[0], body.at[1])) lines_near_.push_back(near_line(body));
 }
 
 /// Places the lines of bodies where the substep begins, with their displacements of now.
@@ -153,6 +175,7 @@ void CrowdContacts<T>::touch_pairs(const Substep& in, std::span<const Pair> pair
 /// Adds contacts between shapes that pass through each other, since others pushed them.
 template <class T>
 void CrowdContacts<T>::find_missed_pairs(const Substep& in, Team* team) {
+  moved_ = in.crowd.most_moved();
   see_fast(in.crowd, in.surroundings.tree.bounds(), team);
   if (!near_.may_meet() && !has_hulls()) return;
   place_ways(in.crowd);
@@ -173,7 +196,9 @@ template bool CrowdContacts<float>::outrun_hulls(const Crowd<float>&);
 template bool CrowdContacts<double>::outrun_hulls(const Crowd<double>&);
 template void CrowdContacts<float>::see_fast(const Crowd<float>&, const Bounds&, Team*);
 template void CrowdContacts<double>::see_fast(const Crowd<double>&, const Bounds&, Team*);
+template void CrowdContacts<float>::list_lines_near(const Crowd<float>&, const Bounds&);
 template void CrowdContacts<float>::place_lines(const Crowd<float>&, Team*);
+template void CrowdContacts<double>::list_lines_near(const Crowd<double>&, const Bounds&);
 template void CrowdContacts<double>::place_lines(const Crowd<double>&, Team*);
 template void CrowdContacts<float>::touch_pairs(const Substep&, std::span<const Pair>);
 template void CrowdContacts<double>::touch_pairs(const Substep&, std::span<const Pair>);

@@ -64,8 +64,8 @@ void RelaxedStepper<T>::advance(std::span<LinkageState* const> cluster, const Su
 template <class T>
 bool RelaxedStepper<T>::is_crushed() {
   crowd_.predict(0, Gradient::new_);
-  crowd_.prepare(*kernels_);
-  return crowd_.violation(*kernels_) > least_crushed;
+  crowd_.prepare(rod_kernels(), false);
+  return crowd_.violation(rod_kernels()) > least_crushed;
 }
 
 /// Returns whether anchors that move, or elastics, may give energy.
@@ -128,7 +128,7 @@ bool RelaxedStepper<T>::substep(std::span<LinkageState* const> cluster, const Su
     }
     solve(gradient, report);
   }
-  const bool is_torn = is_struck() && (is_missed || crowd_.violation(*kernels_) > most_violated());
+  const bool is_torn = is_struck() && (is_missed || crowd_.violation(rod_kernels()) > most_violated());
   if (may_halve && (is_torn || contacts_.outrun_hulls(crowd_))) return false;
   report.missed_contacts += is_missed;
   crowd_.advance(h, gradient);
@@ -178,7 +178,7 @@ void RelaxedStepper<T>::guard_energy(double most, Tally& report) {
 
 template <class T>
 void RelaxedStepper<T>::begin_rows(std::span<LinkageState* const> cluster, double h) {
-  crowd_.prepare(*kernels_);
+  crowd_.prepare(rod_kernels(), counts_);
   if (!joints_.are_empty()) scatter(cluster);
   joints_.begin(cluster, crowd_, h, recovery_rate_);
 }
@@ -206,7 +206,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
   double left = INFINITY;
   while (done < stop.sweeps) {
     if (stop.tolerance && left <= *stop.tolerance * settings_.length_scale &&
-        crowd_.violation(*kernels_) <= bound) {
+        crowd_.violation(rod_kernels()) <= bound) {
       reason = StoppedBy::tolerance;
       break;
     }
@@ -214,7 +214,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
       reason = StoppedBy::budget;
       break;
     }
-    crowd_.sweep(*kernels_, gradient, counts_);
+    crowd_.sweep(rod_kernels(), gradient, counts_);
     joints_.sweep(crowd_);
     if (stop.tolerance)
       left = contacts_.measured_sweep(crowd_, team_);
@@ -237,8 +237,8 @@ template <class T>
 std::uint32_t RelaxedStepper<T>::sweep_on(Gradient gradient) {
   const double most = most_violated(), deepest = is_hit_ ? settings_.tolerance : settings_.margin;
   std::uint32_t done = 0;
-  for (; done < most_hit_sweeps && crowd_.violation(*kernels_) > most; ++done) {
-    crowd_.sweep(*kernels_, gradient, counts_);
+  for (; done < most_hit_sweeps && crowd_.violation(rod_kernels()) > most; ++done) {
+    crowd_.sweep(rod_kernels(), gradient, counts_);
     joints_.sweep(crowd_);
     contacts_.sweep(crowd_, team_);
   }

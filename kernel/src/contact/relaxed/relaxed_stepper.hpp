@@ -22,10 +22,10 @@ class RelaxedStepper final : public ClusterMover {
  public:
   /// The settings are scaled already (scaled()).
   RelaxedStepper(Isa isa, const ContactSettings& settings, const CrowdRules& rules)
-      : kernels_(&simd::kernels<T>(isa).access[static_cast<int>(layouts::Access::records)]),
+      : kernels_(&simd::kernels<T>(isa)),
         settings_(settings),
         rules_(rules),
-        contacts_(settings, simd::kernels<T>(isa).ends) {}
+        contacts_(settings, simd::kernels<T>(isa)) {}
 
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
             const ClusterRules& rules, double dt, Tally& report) override;
@@ -60,7 +60,12 @@ class RelaxedStepper final : public ClusterMover {
   void solve(Gradient gradient, Tally& report);
   void brake_joints(std::span<LinkageState* const> cluster, double h);
 
-  const simd::AccessKernels<T>* kernels_;
+  /// Returns the loops over rods where they lie now.
+  const simd::AccessKernels<T>& rod_kernels() const {
+    return kernels_->access[static_cast<int>(crowd_.places().access())];
+  }
+
+  const simd::Kernels<T>* kernels_;
   ContactSettings settings_;
   CrowdRules rules_;
   Crowd<T> crowd_;

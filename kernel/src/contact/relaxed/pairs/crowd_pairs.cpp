@@ -42,6 +42,10 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
   if (layout_ == crowd.layout() && std::equal(cluster.begin(), cluster.end(), listed_.begin(), listed_.end()))
     return;
   layout_ = crowd.layout();
+  stride_ = crowd.places().component_stride();
+  // What is no place of a particle stays 0 there, as it does in positions.
+  low_.assign(crowd.places().numbers(), 0);
+  high_.assign(crowd.places().numbers(), 0);
   listed_.assign(cluster.begin(), cluster.end());
   ends_.clear();
   bodies_.clear();
@@ -69,7 +73,14 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
     for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
       const Linkage::Shape& shape = linkage.shapes()[k];
       const TermRange a = add_terms(shape.a), b = add_terms(shape.b);
-      bodies_.push_back({i, k, &shape, a, b, {record_of(shape.a), record_of(shape.b)}, shape.radius});
+      bodies_.push_back({i,
+                         k,
+                         &shape,
+                         a,
+                         b,
+                         {record_of(shape.a), record_of(shape.b)},
+                         shape.radius,
+                         shape.turning == Linkage::Shape::Turning::body});
       are_lines_plain_ = are_lines_plain_ && bodies_.back().is_plain();
       least_radius_ = std::min(least_radius_, shape.radius);
       largest_radius_ = std::max(largest_radius_, shape.radius);
@@ -84,57 +95,19 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
       balls_.push_back({i, k, &ball, add_terms(ball.center), body, is_plain});
     }
   }
+  compare_shapes(crowd);
 }
 
-/// Finds where the particles of a crowd may go, and `more` (m) around that.
+/// Finds whether bodies differ in nothing but their places.
 template <class T>
-void CrowdPairs<T>::bound_particles(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double dt,
-                                    double more) {
-  low_.resize(crowd.padding());
-  high_.resize(crowd.padding());
-  std::uint32_t at = 0;
-  for (std::uint32_t i = 0; i < cluster.size(); ++i) {
-    const Linkage& linkage = *cluster[i]->linkage;
-    const bool moves = crowd.is_moving(i);
-    const double fall = moves ? fall_in(linkage, dt) + margin_ + more : 0;
-    for (std::uint32_t k = 0; k < linkage.particles(); ++k) {
-      at = crowd.number_of(i, k);
-      const Bounds way = passed_through(crowd.position(at), dt * crowd.velocity(at), fall);
-      const double low[3] = {way.low.x, way.low.y, way.low.z}, high[3] = {way.high.x, way.high.y, way.high.z};
-      for (std::uint32_t c = 0; c < 3; ++c) {
-        low_[at + c] = static_cast<T>(low[c]);
-        high_[at + c] = static_cast<T>(high[c]);
-      }
-    }
-  }
-}
-
-template <class T>
-Bounds CrowdPairs<T>::particle_bounds(std::uint32_t at) const {
-  return {{low_[at], low_[at + 1], low_[at + 2]}, {high_[at], high_[at + 1], high_[at + 2]}};
-}
-
-template <class T>
-void CrowdPairs<T>::include_particle(std::uint32_t at, const Bounds& bounds) {
-  const double low[3] = {bounds.low.x, bounds.low.y, bounds.low.z},
-               high[3] = {bounds.high.x, bounds.high.y, bounds.high.z};
-  for (std::uint32_t c = 0; c < 3; ++c) {
-    low_[at + c] = std::min(low_[at + c], static_cast<T>(low[c]));
-    high_[at + c] = std::max(high_[at + c], static_cast<T>(high[c]));
-  }
-}
-
-/// Returns whether displacements take all particles to where they were looked for. Then no line leaves its
-/// bounds.
-template <class T>
-bool CrowdPairs<T>::are_in_bounds(const Crowd<T>& crowd) const {
-  const T *const x = crowd.positions(), *const p = crowd.displacements();
-  int out = 0;
-  for (std::size_t i = 0; i < low_.size(); ++i) {
-    const T at = x[i] + p[i];
-    out += static_cast<int>(at < low_[i]) + static_cast<int>(at > high_[i]);
-  }
-  return out == 0;
+void CrowdPairs<T>::compare_shapes(const Crowd<T>& crowd) {
+  are_alike_ = are_lines_plain_ && least_radius_ == largest_radius_;
+  if (!are_alike_) return;
+  near_.clear();
+  for (const Body& body : bodies_) near_.insert(near_.end(), body.at.begin(), body.at.end());
+  std::sort(near_.begin(), near_.end());
+  const auto distinct = std::unique(near_.begin(), near_.end()) - near_.begin();
+  are_alike_ = static_cast<std::uint32_t>(distinct) == crowd.places().particles();
 }
 
 template <class T>
@@ -146,7 +119,8 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
   fastest_ = 0;
   for (std::uint32_t i = 0; i < cluster.size(); ++i)
     if (crowd.is_moving(i)) fastest_ = std::max(fastest_, top_speed(*cluster[i]));
-  bound_particles(cluster, crowd, dt, follows_lines_ ? 0 : dt * fastest_);
+  slack_ = dt * fastest_;
+  bound_particles(cluster, crowd, dt, follows_lines_ ? 0 : slack_);
   if (!follows_lines_) {
     for (const Ball& each : balls_)
       ball_bounds_.push_back(grown(particle_bounds(record_of(each)), each.ball->radius));

@@ -32,6 +32,7 @@ class CrowdPairs {
     TermRange a, b;
     std::array<std::uint32_t, 2> at;  ///< records of its ends, if each is a particle; else none
     double radius;                    ///< m
+    bool turns;                       ///< a solid with what touches it
     bool is_plain() const { return at[0] != none && at[1] != none; }
   };
   struct Ball {
@@ -100,7 +101,10 @@ class CrowdPairs {
   std::span<const Pair> ends_on_ground() const { return ends_on_ground_; }
   std::span<const Pair> hulls_on_ground() const { return hulls_on_ground_; }
   /// Returns whether a body's ends alone keep it out of ground, unless it is fast. Such a pair is not listed.
-  bool is_kept_out_by_ends(const Crowd<T>& crowd, const Body& body, const GroundShape& ground) const;
+  bool is_kept_out_by_ends(const Crowd<T>& crowd, const Body& body, const GroundShape& ground) const {
+    const auto round = ground.capsule();
+    return round && is_kept_out_by_ends(crowd, body, round->radius);
+  }
   /// These name plain balls and plain ground: a plane by its number, others by theirs after all planes. They
   /// are sorted by ground. Those that the last follow() has added are listed on their own, too.
   std::span<const Pair> plain_ends() const { return plain_ends_; }
@@ -112,6 +116,11 @@ class CrowdPairs {
   double least_fast(double margin, double share) const {
     return (margin + share * least_radius_) / most_weight_;
   }
+  /// Returns whether nothing leaves where it was looked for by find() as long as particles go no farther (m).
+  bool holds_within(double way) const { return !follows_lines_ && way <= slack_; }
+  /// Returns whether all bodies are lines of one radius between particles, and all particles their ends. If
+  /// some particle is fast, so is a line.
+  bool are_alike() const { return are_alike_; }
   /// Returns the largest radius (m) of a body.
   double largest_radius() const { return largest_radius_; }
   std::span<const Term> terms_of(TermRange range) const {
@@ -130,6 +139,7 @@ class CrowdPairs {
                                    : hulls_[number - bodies_.size()].shape->filter;
   }
   void list_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd);
+  void compare_shapes(const Crowd<T>& crowd);
   void bound_particles(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double dt, double more);
   /// Returns the record of a ball that is plain.
   std::uint32_t record_of(const Ball& ball) const { return ends_[ball.center.first].at; }
@@ -148,6 +158,7 @@ class CrowdPairs {
                  const Surroundings& surroundings, const GroundNow& ground);
   void find_more_pairs(std::span<LinkageState* const> cluster);
   void find_on_moving(const Crowd<T>& crowd, const GroundNow& ground, double dt);
+  bool is_kept_out_by_ends(const Crowd<T>& crowd, const Body& body, double radius) const;
   bool are_kept_out_by_ends(const Crowd<T>& crowd, const Surroundings& surroundings,
                             const GroundNow& ground) const;
   void find_more_plain_ends(const Crowd<T>& crowd, const Surroundings& surroundings, const GroundNow& ground);
@@ -179,8 +190,11 @@ class CrowdPairs {
   std::vector<const LinkageState*> listed_;  ///< the islands that shapes were listed for
   std::uint32_t layout_ = none;              ///< of the crowd, then
   bool are_lines_plain_ = false;             ///< all bodies are
-  bool follows_lines_ = true;                ///< some may touch otherwise than by their ends
-  std::vector<T> low_, high_;                ///< m, by numbers of records: where particles may go
+  bool are_alike_ = false;
+  double slack_ = -1;          ///< m, see holds_within()
+  bool follows_lines_ = true;  ///< some may touch otherwise than by their ends
+  std::vector<T> low_, high_;  ///< m, by numbers of the crowd: where particles may go
+  std::uint32_t stride_ = 1;   ///< of their components
   double least_radius_ = 0, largest_radius_ = 0, most_weight_ = 1;
   std::vector<std::uint32_t> near_;
   SpatialHash hash_;                     ///< of bounds_

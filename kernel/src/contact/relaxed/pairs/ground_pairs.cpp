@@ -1,6 +1,7 @@
 // This file finds which shapes of a crowd may touch ground.
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
@@ -25,6 +26,7 @@ template <class T>
 void CrowdPairs<T>::follow_ends(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                                 const Surroundings& surroundings, const GroundNow& ground) {
   if (are_in_bounds(crowd)) return;
+  slack_ = -1;
   for (const Ball& each : balls_) fastest_ = std::max(fastest_, norm(crowd.velocity(record_of(each))));
   bound_particles(cluster, crowd, left_, left_ * fastest_);
   for (std::uint32_t i = 0; i < balls_.size(); ++i)
@@ -97,12 +99,10 @@ void CrowdPairs<T>::find_plain_ends(const Crowd<T>& crowd, const Surroundings& s
 /// Between them the distance from what is round sags by no more than l²/(8 R), with R from its middle line to
 /// that of the shape.
 template <class T>
-bool CrowdPairs<T>::is_kept_out_by_ends(const Crowd<T>& crowd, const Body& body,
-                                        const GroundShape& ground) const {
-  const auto round = ground.capsule();
-  if (!round || !body.is_plain() || body.shape->turning == Linkage::Shape::Turning::body) return false;
+bool CrowdPairs<T>::is_kept_out_by_ends(const Crowd<T>& crowd, const Body& body, double radius) const {
+  if (!body.is_plain() || body.turns) return false;
   const Vec3 along = crowd.position(body.at[1]) - crowd.position(body.at[0]);
-  return dot(along, along) <= 8 * (round->radius + body.radius) * slop_;
+  return dot(along, along) <= 8 * (radius + body.radius) * slop_;
 }
 
 /// Returns whether all that a crowd may touch as its lines move slowly is plain ground, by plain ends.
@@ -112,15 +112,16 @@ bool CrowdPairs<T>::are_kept_out_by_ends(const Crowd<T>& crowd, const Surroundin
   if (!are_lines_plain_ || !ground.boxes().empty() || !ground.segments().empty()) return false;
   for (std::uint32_t p = 0; p < ground.planes().size(); ++p)
     if (ground.rate_of_plane(p) != nullptr) return false;
-  const GroundShape* least = nullptr;
+  double least = INFINITY;
   for (const GroundShape& shape : surroundings.shapes) {
-    if (!shape.capsule()) return false;
-    if (least == nullptr || shape.capsule()->radius < least->capsule()->radius) least = &shape;
+    const auto round = shape.capsule();
+    if (!round) return false;
+    least = std::min(least, round->radius);
   }
   if (!std::all_of(balls_.begin(), balls_.end(), [](const Ball& each) { return each.is_plain; }))
     return false;
-  return least == nullptr || std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-           return is_kept_out_by_ends(crowd, body, *least);
+  return std::isinf(least) || std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+           return is_kept_out_by_ends(crowd, body, least);
          });
 }
 
@@ -186,8 +187,7 @@ void CrowdPairs<T>::find_hull_on_ground(const Crowd<T>& crowd, const Surrounding
   });
 }
 
-template bool CrowdPairs<float>::is_kept_out_by_ends(const Crowd<float>&, const Body&,
-                                                     const GroundShape&) const;
+template bool CrowdPairs<float>::is_kept_out_by_ends(const Crowd<float>&, const Body&, double) const;
 template bool CrowdPairs<float>::are_kept_out_by_ends(const Crowd<float>&, const Surroundings&,
                                                       const GroundNow&) const;
 template void CrowdPairs<float>::find_plain_ends(const Crowd<float>&, const Surroundings&, const GroundNow&,
@@ -204,8 +204,7 @@ template void CrowdPairs<float>::find_end_on_ground(const Crowd<float>&, const S
                                                     std::vector<Pair>&);
 template void CrowdPairs<float>::find_hull_on_ground(const Crowd<float>&, const Surroundings&, std::uint32_t,
                                                      std::vector<Pair>&);
-template bool CrowdPairs<double>::is_kept_out_by_ends(const Crowd<double>&, const Body&,
-                                                      const GroundShape&) const;
+template bool CrowdPairs<double>::is_kept_out_by_ends(const Crowd<double>&, const Body&, double) const;
 template bool CrowdPairs<double>::are_kept_out_by_ends(const Crowd<double>&, const Surroundings&,
                                                        const GroundNow&) const;
 template void CrowdPairs<double>::find_plain_ends(const Crowd<double>&, const Surroundings&, const GroundNow&,

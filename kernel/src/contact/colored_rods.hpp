@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace plumb::detail {
+
+/// Holds the rigid rods of an island for sweeps. Rods of one colour share no movable particle.
+struct ColoredRods {
+  struct Rod {
+    std::uint32_t a, b, number;
+    double length2;  ///< m²
+  };
+  /// This is how an island lies whose rods join neighbours in rows and columns, all of them and no others, as
+  /// those of a net do. A chain has one
+  /// column. The width is 0 if it is no lattice.
+  struct Lattice {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::uint32_t> particles{};  ///< (x, y) is at y·width + x
+    /// From (x, y) to (x + 1, y) at y·(width − 1) + x, then to (x, y + 1) at y·width + x after all of those.
+    std::vector<Rod> rods{};
+  };
+
+  std::uint32_t colors() const { return static_cast<std::uint32_t>(begin.size() - 1); }
+  std::span<const Rod> of(std::uint32_t color) const {
+    if (color >= colors()) return {};
+    return std::span(rods).subspan(begin[color], begin[color + 1] - begin[color]);
+  }
+
+  std::vector<Rod> rods{};  ///< colour by colour
+  std::vector<std::uint32_t> begin{0};
+  Lattice lattice{};
+};
+
+}  // namespace plumb::detail
