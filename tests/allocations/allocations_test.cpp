@@ -608,5 +608,30 @@ TEST_F(Allocations, AreNoneInReading) {
             0u);
 }
 
+TEST_F(Allocations, AreNoneInReadingAfterEdits) {
+  const Scene rope = scenes::make_chain(40);
+  for (const Method method : {Method::direct, Method::relax}) {
+    World world(scenes::make_ensemble({.chains = 50, .links = 8}), {.method = method, .threads = 1});
+    std::vector<Vec3> out;
+    const auto expect_none = [&] {
+      out.resize(world.particle_count());
+      EXPECT_EQ(allocations_in([&] {
+                  world.copy_positions(out);
+                  world.copy_velocities(out);
+                }),
+                0u)
+          << to_string(method);
+    };
+    world.step(1.0 / 60);
+    const Added first = world.add(rope);
+    expect_none();
+    world.remove(first.particle + 1);
+    expect_none();
+    world.cut(3);
+    world.step(1.0 / 60);
+    expect_none();
+  }
+}
+
 }  // namespace
 }  // namespace plumb

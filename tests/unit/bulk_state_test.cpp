@@ -56,5 +56,70 @@ TEST(BulkState, IsThatOfEachParticle) {
   }
 }
 
+// Numbers are given anew, solvers come and go, and runs of particles end where those changed.
+TEST(BulkState, IsThatOfEachParticleAfterEdits) {
+  for (const Method method : {Method::direct, Method::relax}) {
+    World world(scenes::load_scene("ensemble:chains=40,links=30"), {.method = method, .threads = 1});
+    const Scene more = scenes::load_scene("ensemble:chains=3,links=12"),
+                wide = scenes::load_scene("net:width=9,height=40");
+    std::vector<Vec3> positions, velocities;
+    const auto compare = [&](const char* what) {
+      positions.resize(world.particle_count());
+      velocities.resize(world.particle_count());
+      world.copy_positions(positions);
+      world.copy_velocities(velocities);
+      for (std::uint32_t i = 0; i < world.particle_count(); ++i) {
+        const bool is_there = bool(world.particle_handle(i));
+        ASSERT_EQ(positions[i], is_there ? world.position(i) : Vec3{}) << what << ' ' << i;
+        ASSERT_EQ(velocities[i], is_there ? world.velocity(i) : Vec3{}) << what << ' ' << i;
+      }
+    };
+    world.step(1.0 / 60);
+    world.remove(31 * 7 + 3);
+    world.remove(31 * 20 + 3);
+    compare("removed");
+    const Added first = world.add(more);
+    world.add(wide);
+    compare("added");
+    world.cut(31 * 11);
+    world.fix(31 * 12 + 5);
+    world.step(1.0 / 60);
+    compare("cut");
+    world.remove(first.particle + 1);
+    world.add(more);
+    world.step(1.0 / 60);
+    compare("added again");
+  }
+}
+
+/// Bodies are found several at a time, and the last few one by one. Strains of a few sweeps take more
+/// iterations for some of them than for others.
+TEST(BulkState, IsThatOfEachBody) {
+  Scene scene;
+  for (std::uint32_t i = 0; i < 21; ++i) {
+    const Vec3 at{1.0 * i, 0, 0}, spin{1, 5.0 * (i % 3), 20.0 * (i % 4)};
+    const std::uint32_t body =
+        add_body(scene, {.mass = 1, .center = at, .inertia = {.xx = 0.02, .yy = 0.025, .zz = 0.03}});
+    for (const std::uint32_t particle : scene.bodies[body].particles)
+      scene.particles[particle].velocity = cross(spin, scene.particles[particle].position - at);
+  }
+  for (const Method method : {Method::direct, Method::relax}) {
+    Settings settings{.method = method, .threads = 1};
+    if (method == Method::relax) settings.stop.sweeps = 2;
+    World world(scene, settings);
+    std::vector<Pose> poses(world.body_count());
+    std::vector<BodyMotion> motions(world.body_count());
+    for (int step = 0; step <= 20; ++step) {
+      world.copy_poses(poses);
+      world.copy_motions(motions);
+      for (std::uint32_t i = 0; i < world.body_count(); ++i) {
+        ASSERT_EQ(poses[i], world.pose(i)) << step << ' ' << i;
+        ASSERT_EQ(motions[i], world.motion(i)) << step << ' ' << i;
+      }
+      world.step(1.0 / 60);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace plumb

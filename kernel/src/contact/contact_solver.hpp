@@ -155,6 +155,13 @@ class ContactSolver final : public Solver {
 
   Vec3 position(Slot slot) const override { return state_of(slot).x[local(slot)]; }
   Vec3 velocity(Slot slot) const override;
+  /// These make no virtual call for each, since nothing is derived from this class.
+  void read_positions(std::span<const Run> runs, Vec3* out) const override {
+    for (const Run& run : runs) run.read_slots(out, [this](Slot slot) { return position(slot); });
+  }
+  void read_velocities(std::span<const Run> runs, Vec3* out) const override {
+    for (const Run& run : runs) run.read_slots(out, [this](Slot slot) { return velocity(slot); });
+  }
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;

@@ -133,12 +133,16 @@ class Solver {
   virtual Vec3 position(Slot) const = 0;
   virtual Vec3 velocity(Slot) const = 0;
   virtual void add_to_hash(Slot, StateHash&) const = 0;
-  /// Reads the positions (m) of many particles of this solver into `out`, or their velocities (m/s).
-  virtual void read_positions(const Run& run, Vec3* out) const {
-    run.for_slots([&](Slot slot) { *out++ = position(slot); });
+  /// Returns where in its memory a solver has a particle, in a measure of its own. Particles that are evenly
+  /// apart there are read together.
+  virtual std::uint32_t address(Slot slot) const { return slot; }
+  /// Reads the positions (m) of particles of this solver, or their velocities (m/s), to their numbers in
+  /// `out`.
+  virtual void read_positions(std::span<const Run> runs, Vec3* out) const {
+    for (const Run& run : runs) run.read_slots(out, [&](Slot slot) { return position(slot); });
   }
-  virtual void read_velocities(const Run& run, Vec3* out) const {
-    run.for_slots([&](Slot slot) { *out++ = velocity(slot); });
+  virtual void read_velocities(std::span<const Run> runs, Vec3* out) const {
+    for (const Run& run : runs) run.read_slots(out, [&](Slot slot) { return velocity(slot); });
   }
   /// Reads the positions (m) of many particles into `out`. Returns about the speed (m/s) of the fastest, that
   /// of the last substep, which costs no projection.

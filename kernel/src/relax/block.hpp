@@ -88,10 +88,12 @@ class Block {
   void count_substeps(std::uint32_t n) { newest_ ^= n & 1; }
 
   void write(T* field, std::uint32_t slot, Vec3 value) const;
-  Vec3 read(const T* field, std::uint32_t slot) const {
-    const layouts::StoreView<const T> store{field, packing_.component_stride};
-    const std::uint32_t at = packing_.slot_offset[slot];
-    return {store.x(at), store.y(at), store.z(at)};
+  Vec3 read(const T* field, std::uint32_t slot) const { return reader(field)(packing_.slot_offset[slot]); }
+  /// Returns what reads a field at the offset of a slot.
+  auto reader(const T* field) const {
+    return [store = layouts::StoreView<const T>{field, packing_.component_stride}](std::uint32_t at) -> Vec3 {
+      return {store.x(at), store.y(at), store.z(at)};
+    };
   }
 
   /// Lists which rods do not take part. Returns whether that has changed, so that set_weights() is due.

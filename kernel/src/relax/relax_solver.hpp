@@ -60,15 +60,17 @@ class RelaxSolver final : public Solver {
   Vec3 position(Slot slot) const override { return block_.read(block_.x(), slot); }
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
-  void read_positions(const Run& run, Vec3* out) const override {
-    run.for_slots([&, x = block_.x()](Slot slot) { *out++ = block_.read(x, slot); });
+  std::uint32_t address(Slot slot) const override { return block_.packing().slot_offset[slot]; }
+  void read_positions(std::span<const Run> runs, Vec3* out) const override {
+    for (const Run& run : runs) run.read_addresses(out, block_.reader(block_.x()));
   }
-  void read_velocities(const Run& run, Vec3* out) const override {
-    if (!has_moved_) return Solver::read_velocities(run, out);
-    const T *const last = block_.displacement(0), *const before = block_.displacement(1);
-    run.for_slots([&](Slot slot) {
-      *out++ = rules_->verlet.velocity({block_.read(last, slot), block_.read(before, slot)}, h_);
-    });
+  void read_velocities(std::span<const Run> runs, Vec3* out) const override {
+    if (!has_moved_) return Solver::read_velocities(runs, out);
+    const auto last = block_.reader(block_.displacement(0)), before = block_.reader(block_.displacement(1));
+    const auto read = [&, verlet = rules_->verlet, h = h_](std::uint32_t at) {
+      return verlet.velocity({last(at), before(at)}, h);
+    };
+    for (const Run& run : runs) run.read_addresses(out, read);
   }
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;

@@ -1,5 +1,8 @@
 #include "step/places.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace plumb::detail {
 
 Places::Places(std::uint32_t particles, std::span<const Entry> entries) : rows_(particles, entries) {
@@ -14,28 +17,85 @@ void Places::count_uses(std::span<const Place> places, std::int32_t change) {
 }
 
 void Places::replace(std::uint32_t particle, std::span<const Place> by) {
-  are_runs_known_ = false;
   count_uses(of(particle), -1);
   count_uses(by, 1);
   rows_.replace(particle, by);
+  const std::uint32_t chunk = particle / chunk_size;
+  if (chunk < runs_.count() && (stale_.empty() || stale_.back() != chunk)) stale_.push_back(chunk);
 }
 
-void Places::find_runs() const {
-  runs_.clear();
-  for (std::uint32_t i = 0; i < count(); ++i) {
-    if (of(i).empty()) continue;
-    const Place place = of(i).front();
-    Run* const last = runs_.empty() ? nullptr : &runs_.back();
-    const bool follows = last && last->place.solver == place.solver && last->first + last->count == i &&
-                         (last->count == 1 || place.slot == last->place.slot + last->count * last->stride);
-    if (!follows) {
-      runs_.push_back({.first = i, .count = 1, .place = place, .stride = 0});
-      continue;
-    }
-    if (last->count == 1) last->stride = place.slot - last->place.slot;  // it may wrap round, backwards
-    ++last->count;
+void Places::find_runs(std::span<const std::unique_ptr<Solver>> solvers) {
+  const std::uint32_t chunks = (count() + chunk_size - 1) / chunk_size, before = runs_.count();
+  runs_.grow(chunks);
+  for (std::uint32_t chunk = before; chunk < chunks; ++chunk) stale_.push_back(chunk);
+  std::sort(stale_.begin(), stale_.end());
+  stale_.erase(std::unique(stale_.begin(), stale_.end()), stale_.end());
+  for (const std::uint32_t chunk : stale_) find_runs_of(chunk, solvers);
+  stale_.clear();
+}
+
+namespace {
+
+/// Lists the first places of the particles of a chunk, with their addresses.
+struct Firsts {
+  static constexpr std::uint32_t nowhere = ~std::uint32_t{0};
+  struct First {
+    std::uint32_t solver = nowhere, slot = 0, address = 0;
+  };
+  std::array<First, Places::chunk_size> all;
+  std::uint32_t size;
+
+  /// Returns how many from `i` on are of one solver, in places evenly apart. With `every` 2 those of the odd
+  /// ones and those of the even ones are.
+  std::uint32_t length(std::uint32_t i, std::uint32_t every) const {
+    const auto goes_on = [&](std::uint32_t k) {
+      if (all[k].solver != all[i].solver) return false;
+      if (k < i + 2 * every) return true;
+      const First &last = all[k], &middle = all[k - every], &first = all[k - 2 * every];
+      return last.slot - middle.slot == middle.slot - first.slot &&
+             last.address - middle.address == middle.address - first.address;
+    };
+    std::uint32_t end = i + 1;
+    while (end < size && goes_on(end)) ++end;
+    return end - i;
   }
-  are_runs_known_ = true;
+  /// Returns `count` of them from `i` on, where the first of all is particle `base`.
+  Run run(std::uint32_t base, std::uint32_t i, std::uint32_t every, std::uint32_t count) const {
+    const First &first = all[i], &second = all[count > 1 ? i + every : i];
+    return {base + i,      every,
+            count,         first.solver,
+            first.slot,    second.slot - first.slot,
+            first.address, second.address - first.address};
+  }
+};
+
+}  // namespace
+
+void Places::find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers) {
+  const std::uint32_t base = chunk * chunk_size;
+  Firsts firsts{{}, std::min(chunk_size, count() - base)};
+  for (std::uint32_t i = 0; i < firsts.size; ++i)
+    if (const std::span<const Place> places = of(base + i); !places.empty()) {
+      const auto [solver, slot] = places.front();
+      firsts.all[i] = {solver, slot, solvers[solver]->address(slot)};
+    }
+  found_.clear();
+  for (std::uint32_t i = 0, next = 0; i < firsts.size; i = next) {
+    const std::uint32_t in_turn = firsts.length(i, 1), by_two = in_turn < 4 ? firsts.length(i, 2) : 0;
+    if (firsts.all[i].solver == Firsts::nowhere) {
+      next = i + in_turn;
+    } else if (by_two >= 8) {
+      found_.push_back(firsts.run(base, i, 2, (by_two + 1) / 2));
+      found_.push_back(firsts.run(base, i + 1, 2, by_two / 2));
+      next = i + by_two;
+    } else {
+      // The first of two may be an anchor, which lies elsewhere, and the second one of many.
+      const bool is_apart = in_turn == 2 && firsts.length(i + 1, 1) > 2;
+      next = i + (is_apart ? 1 : in_turn);
+      found_.push_back(firsts.run(base, i, 1, next - i));
+    }
+  }
+  runs_.replace(chunk, found_);
 }
 
 }  // namespace plumb::detail

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "interface/place.hpp"
+#include "interface/solver.hpp"
 #include "step/rows.hpp"
 
 namespace plumb::detail {
@@ -15,6 +19,9 @@ namespace plumb::detail {
 class Places {
  public:
   using Entry = Rows<Place>::Entry;  ///< of a particle, or of a rod
+
+  /// Runs are found by chunks of so many particles, so that a change looks at few.
+  static constexpr std::uint32_t chunk_size = 256;
 
   Places() = default;
   /// The places of a particle keep the order of `entries`.
@@ -31,11 +38,22 @@ class Places {
   /// Adds particles without places, up to so many.
   void grow(std::uint32_t particles) { rows_.grow(particles); }
 
-  /// Returns the first places of all that have one, in runs. Those are found at the first call, and anew at
-  /// the first after replace().
-  std::span<const Run> runs() const {
-    if (!are_runs_known_) find_runs();
-    return runs_;
+  /// Finds runs of the first places of all particles that have one, or after that, of what was replaced
+  /// since. Places of cords need none.
+  void find_runs(std::span<const std::unique_ptr<Solver>> solvers);
+  /// Calls f(solver's number, runs) for these runs, by lists of one solver.
+  template <class F>
+  void for_reading(F&& f) const {
+    for (std::uint32_t chunk = 0; chunk < runs_.count(); ++chunk) {
+      const std::span<const Run> runs = runs_.of(chunk);
+      for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+        const auto is_other = [&](const Run& run) { return run.solver != runs[begin].solver; };
+        end = static_cast<std::size_t>(
+            std::find_if(runs.begin() + static_cast<std::ptrdiff_t>(begin), runs.end(), is_other) -
+            runs.begin());
+        f(runs[begin].solver, runs.subspan(begin, end - begin));
+      }
+    }
   }
 
   /// Calls f(first, count, places) for all numbers below `end`, in runs from `first` on. In a run of several
@@ -59,12 +77,13 @@ class Places {
 
  private:
   void count_uses(std::span<const Place> places, std::int32_t change);
-  void find_runs() const;
+  void find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers);
 
-  Rows<Place> rows_;                 ///< by particle
-  std::vector<std::uint32_t> uses_;  ///< by solver
-  mutable std::vector<Run> runs_;
-  mutable bool are_runs_known_ = false;
+  Rows<Place> rows_;                  ///< by particle
+  std::vector<std::uint32_t> uses_;   ///< by solver
+  Rows<Run> runs_;                    ///< by chunk
+  std::vector<std::uint32_t> stale_;  ///< chunks, of which some places were replaced
+  std::vector<Run> found_;            ///< room for those of a chunk
 };
 
 }  // namespace plumb::detail

@@ -67,7 +67,7 @@ Step::Step(const Scene& scene, const Settings& settings)
   has_archive_ = !moves_by_reference && std::all_of(compiled_.solvers.begin(), compiled_.solvers.end(),
                                                     [](const auto& solver) { return solver->has_archive(); });
   reserve();
-  compiled_.places.runs();  // so that reading allocates nothing
+  compiled_.places.find_runs(compiled_.solvers);
   compiled_.info.parallel = uses_threads();
 }
 

@@ -18,6 +18,10 @@ namespace {
 /// more, the shorter substeps are.
 constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
 
+Vec3 three_of(const double* numbers, std::size_t vertex) {
+  return {numbers[3 * vertex], numbers[3 * vertex + 1], numbers[3 * vertex + 2]};
+}
+
 }  // namespace
 
 void LoopRules::set_stop_rule(const StopRule& rule) {
@@ -152,6 +156,21 @@ Vec3 LoopSolver::velocity(Slot slot) const {
   if (slot >= state_.topology->nodes) return {};
   find_velocities();
   return reeled_velocity(state_, slot, velocity_);
+}
+
+void LoopSolver::read_positions(std::span<const Run> runs, Vec3* out) const {
+  if (!state_.reels.empty()) return Solver::read_positions(runs, out);
+  for (const Run& run : runs)
+    run.read_slots(out, [x = state_.x.data()](Slot slot) { return three_of(x, slot); });
+}
+
+void LoopSolver::read_velocities(std::span<const Run> runs, Vec3* out) const {
+  if (!state_.reels.empty()) return Solver::read_velocities(runs, out);
+  find_velocities();
+  for (const Run& run : runs)
+    run.read_slots(out, [v = velocity_.data(), nodes = state_.topology->nodes](Slot slot) {
+      return slot < nodes ? three_of(v, slot) : Vec3{};
+    });
 }
 
 void LoopSolver::find_velocities() const {

@@ -72,6 +72,8 @@ class LoopSolver final : public Solver {
 
   Vec3 position(Slot slot) const override { return reeled_position(state_, slot); }
   Vec3 velocity(Slot slot) const override;
+  void read_positions(std::span<const Run> runs, Vec3* out) const override;
+  void read_velocities(std::span<const Run> runs, Vec3* out) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;

@@ -71,12 +71,14 @@ class TreeSolver final : public Solver {
   Vec3 position(Slot slot) const override;
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
-  void read_positions(const Run& run, Vec3* out) const override {
-    state_.read_run(state_.x, run, ties_begin_, out, [this](Slot slot) { return position(slot); });
+  void read_positions(std::span<const Run> runs, Vec3* out) const override {
+    for (const Run& run : runs)
+      state_.read_run(state_.x, run, ties_begin_, out, [this](Slot slot) { return position(slot); });
   }
-  void read_velocities(const Run& run, Vec3* out) const override {
+  void read_velocities(std::span<const Run> runs, Vec3* out) const override {
     find_velocities();
-    state_.read_run(velocity_, run, ties_begin_, out, [](Slot) { return Vec3{}; });
+    for (const Run& run : runs)
+      state_.read_run(velocity_, run, ties_begin_, out, [](Slot) { return Vec3{}; });
   }
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;

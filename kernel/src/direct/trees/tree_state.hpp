@@ -78,15 +78,15 @@ struct TreeState {
     const auto read_from = [&](const auto* number) -> Vec3 {
       return {number[0], number[lanes], number[2 * std::size_t{lanes}]};
     };
-    const std::uint32_t last = run.place.slot + (run.count - 1) * run.stride;
-    if (run.stride % lanes == 0 && std::max(run.place.slot, last) < nodes_end) {  // they are in one lane
-      const auto* number = first(run.place.slot);
-      const auto pitch = 3 * std::ptrdiff_t{static_cast<std::int32_t>(run.stride)};
-      for (Vec3* const end = out + run.count; out < end; ++out, number += pitch) *out = read_from(number);
+    if (run.slot_stride % lanes == 0 && std::max(run.slot, run.last_slot()) < nodes_end) {  // in one lane
+      const auto* number = first(run.slot);
+      const auto pitch = 3 * std::ptrdiff_t{static_cast<std::int32_t>(run.slot_stride)};
+      Vec3* to = out + run.first;
+      for (std::uint32_t i = 0; i < run.count; ++i, number += pitch, to += run.every) *to = read_from(number);
       return;
     }
-    run.for_slots(
-        [&](std::uint32_t slot) { *out++ = slot < nodes_end ? read_from(first(slot)) : others(slot); });
+    run.read_slots(
+        out, [&](std::uint32_t slot) { return slot < nodes_end ? read_from(first(slot)) : others(slot); });
   }
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);

@@ -135,6 +135,7 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
       if (gone.count(island_at(place)) == 0) left.push_back(place);
     compiled_.places.replace(particle, left);
   }
+  compiled_.places.find_runs(compiled_.solvers);
   std::vector<std::uint32_t> solvers;
   for (const auto& [number, island] : gone)
     if (solvers.empty() || solvers.back() != number) solvers.push_back(number);
@@ -189,6 +190,7 @@ void Step::put_places(const Fallen& fallen, const Compiled& made, std::span<cons
     add(made.places.of(k));
     compiled_.places.replace(fallen.particles[k], left);
   }
+  compiled_.places.find_runs(compiled_.solvers);
   const auto put = [&](std::uint32_t cord, std::span<const Place> places) {
     left.clear();
     add(places);

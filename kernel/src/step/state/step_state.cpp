@@ -24,11 +24,12 @@ Vec3 Step::velocity(std::uint32_t particle) const {
   return solver(*place).velocity(place->slot);
 }
 
-/// Calls read(solver, run, out) for runs of particles, since a call for each would take several times as
-/// long. Then `one` reads those that the contact solver has.
+/// Calls read(solver, runs) for runs of particles, since a call for each would take several times as long.
+/// Then one(slot) reads those that the contact solver has.
 template <class Read, class One>
 void Step::read_all(std::span<Vec3> out, Read&& read, One&& one) const {
-  for (const Run& run : compiled_.places.runs()) read(solver(run.place), run, &out[run.first]);
+  compiled_.places.for_reading(
+      [&](std::uint32_t number, std::span<const Run> runs) { read(*compiled_.solvers[number], runs); });
   if (!compiled_.contact) return;
   for (std::uint32_t particle = 0; particle < out.size(); ++particle)
     if (compiled_.places.of(particle).size() > 1)
@@ -38,14 +39,16 @@ void Step::read_all(std::span<Vec3> out, Read&& read, One&& one) const {
 
 void Step::copy_positions(std::span<Vec3> out) const {
   read_all(
-      out, [](const Solver& of, const Run& run, Vec3* to) { of.read_positions(run, to); },
+      out, [&](const Solver& of, std::span<const Run> runs) { of.read_positions(runs, out.data()); },
       [&](Slot slot) { return compiled_.contact->position(slot); });
-  anchors_.for_fixed([&](std::uint32_t particle) { out[particle] = position(particle); });
+  anchors_.for_fixed([&](std::uint32_t particle) {
+    if (compiled_.places.of(particle).empty()) out[particle] = anchors_.position(particle);
+  });
 }
 
 void Step::copy_velocities(std::span<Vec3> out) const {
   read_all(
-      out, [](const Solver& of, const Run& run, Vec3* to) { of.read_velocities(run, to); },
+      out, [&](const Solver& of, std::span<const Run> runs) { of.read_velocities(runs, out.data()); },
       [&](Slot slot) { return compiled_.contact->velocity(slot); });
   anchors_.for_fixed([&](std::uint32_t particle) { out[particle] = {}; });
 }

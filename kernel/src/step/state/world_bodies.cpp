@@ -42,24 +42,16 @@ BodyMotion World::motion(std::uint32_t body) const {
 void World::copy_poses(std::span<Pose> out) const {
   require_bodies(out.size(), body_count(), "poses");
   if (out.empty()) return;
-  std::vector<Vec3>& positions = impl_->positions;
-  impl_->step->copy_positions(positions);
-  const auto position = [&](std::uint32_t particle) { return positions[particle]; };
-  for (std::uint32_t i = 0; i < out.size(); ++i)
-    out[i] = impl_->bodies.pose(i, read_four(impl_->bodies, i, position));
+  impl_->step->copy_positions(impl_->positions);
+  impl_->bodies.copy_poses(impl_->positions, out);
 }
 
 void World::copy_motions(std::span<BodyMotion> out) const {
   require_bodies(out.size(), body_count(), "motions");
   if (out.empty()) return;
-  std::vector<Vec3>&positions = impl_->positions, &velocities = impl_->velocities;
-  impl_->step->copy_positions(positions);
-  impl_->step->copy_velocities(velocities);
-  const auto position = [&](std::uint32_t particle) { return positions[particle]; };
-  const auto velocity = [&](std::uint32_t particle) { return velocities[particle]; };
-  for (std::uint32_t i = 0; i < out.size(); ++i)
-    out[i] =
-        impl_->bodies.motion(i, read_four(impl_->bodies, i, position), read_four(impl_->bodies, i, velocity));
+  impl_->step->copy_positions(impl_->positions);
+  impl_->step->copy_velocities(impl_->velocities);
+  impl_->bodies.copy_motions(impl_->positions, impl_->velocities, out);
 }
 
 }  // namespace plumb
