@@ -15,7 +15,7 @@ TEST(EndVisit, HoldsWithinTheConeAndSlidesBeyond) {
   double p[4] = {};
   const std::uint32_t at[logical_width<double>] = {};
   const EndView<double> view{nullptr, p, fields, at};
-  const OneEnd<double> end(view, 0, 0);
+  const OneEnd<records, double> end(view, 0, 0);
   end(end_fields::normal + 1) = 1;
   end(end_fields::over) = end(end_fields::mass) = 2;
   end(end_fields::moves) = 0.5;

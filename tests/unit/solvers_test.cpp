@@ -220,7 +220,7 @@ TEST(TreeKinds, AreSharedByWhatIsAlike) {
     return *layouts::find_tree(layouts::local_graph(of.sets.graph, of.sets.islands, 0).view());
   };
   const layouts::Tree tree = tree_of(scenes::make_chain(6)), other = tree_of(scenes::make_chain(5));
-  const TreeKind<double>::Rules rules{.gradient = Gradient::mid, .time_order = 2, .threads = 1};
+  const TreeKind<double>::Rules rules{Gradient::mid, 2, false, false, false, 0, Isa::scalar, 1};
   TreeKind<double>::Rules dragged = rules;
   dragged.drag = 1;
   TreeKinds kinds;
@@ -229,7 +229,8 @@ TEST(TreeKinds, AreSharedByWhatIsAlike) {
   EXPECT_NE(kinds.get<double>(tree, 8, rules, {}), kind);
   EXPECT_NE(kinds.get<double>(tree, 1, dragged, {}), kind);
   EXPECT_NE(kinds.get<double>(other, 1, rules, {}), kind);
-  EXPECT_EQ(kinds.get<float>(tree, 1, {.gradient = Gradient::mid, .threads = 1}, {})->lanes, 1u);
+  EXPECT_EQ(kinds.get<float>(tree, 1, {Gradient::mid, 2, false, false, false, 0, Isa::scalar, 1}, {})->lanes,
+            1u);
   std::weak_ptr<TreeKind<double>> gone = kinds.get<double>(tree, 2, rules, {});
   EXPECT_TRUE(gone.expired());
   for (std::uint32_t lanes = 1; lanes < 100; ++lanes) kinds.get<double>(other, lanes, rules, {});
