@@ -13,9 +13,8 @@ struct ColoredRods {
     double length2;  ///< m²
   };
   /// This is how an island lies whose rods join neighbours in rows and columns, all of them and no others, as
-  /// those of a net do. A chain has one
-  /// column. The width is 0 if it is no lattice.
-  struct Lattice {
+  /// those of a net do (layouts::detect_shape()). Others have none.
+  struct Grid {
     std::uint32_t width = 0, height = 0;
     std::vector<std::uint32_t> particles{};  ///< (x, y) is at y·width + x
     /// From (x, y) to (x + 1, y) at y·(width − 1) + x, then to (x, y + 1) at y·width + x after all of those.
@@ -30,7 +29,7 @@ struct ColoredRods {
 
   std::vector<Rod> rods{};  ///< colour by colour
   std::vector<std::uint32_t> begin{0};
-  Lattice lattice{};
+  Grid grid{};
 };
 
 }  // namespace plumb::detail

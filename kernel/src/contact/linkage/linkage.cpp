@@ -101,14 +101,9 @@ void Linkage::color_rods() {
     colored_.begin.push_back(static_cast<std::uint32_t>(colored_.rods.size()));
   }
   layouts::ShapeInfo shape = layouts::detect_shape(graph);
-  // A chain from an anchor back to it has that twice.
-  if (shape.shape == layouts::Shape::graph || shape.vertex_order.size() != particles_) return;
-  ColoredRods::Lattice& lattice = colored_.lattice;
-  const bool is_chain = shape.shape == layouts::Shape::chain;
-  lattice.width = is_chain ? 1 : shape.width;
-  lattice.height = is_chain ? particles_ : shape.height;
-  lattice.particles = std::move(shape.vertex_order);
-  for (const std::uint32_t edge : shape.edge_order) lattice.rods.push_back(colored(edge));
+  if (shape.shape != layouts::Shape::grid) return;
+  colored_.grid = {shape.width, shape.height, std::move(shape.vertex_order), {}};
+  for (const std::uint32_t edge : shape.edge_order) colored_.grid.rods.push_back(colored(edge));
 }
 
 void Linkage::add_rods(const Scene& part, std::uint32_t& row) {

@@ -73,7 +73,7 @@ class Crowd {
 
   /// Returns how far (m) the particle is displaced that is displaced most.
   double most_moved() const;
-  /// Counts how often particles were laid out. What refers to records is good as long as it is the same.
+  /// Counts how often particles were laid out. What refers to places is good as long as it is the same.
   std::uint32_t layout() const { return layout_; }
   /// @{
   /// Numbers of all particles (m), and where they lie. What is no place of a particle is 0.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "direct/loops/loop_vectors.hpp"
 #include "direct/loops/settle.hpp"
 #include "direct/tackles/loop_pulleys.hpp"
 #include "direct/velocities/changes.hpp"
@@ -17,10 +18,6 @@ namespace {
 /// than 2e-9 of its diagonal. A substep of another length makes a velocity of it, which counts as error the
 /// more, the shorter substeps are.
 constexpr double strain_of_accuracy = 0.01, most_strain = 1e-6;
-
-Vec3 three_of(const double* numbers, std::size_t vertex) {
-  return {numbers[3 * vertex], numbers[3 * vertex + 1], numbers[3 * vertex + 2]};
-}
 
 }  // namespace
 
@@ -161,15 +158,15 @@ Vec3 LoopSolver::velocity(Slot slot) const {
 void LoopSolver::read_positions(std::span<const Run> runs, Vec3* out) const {
   if (!state_.reels.empty()) return Solver::read_positions(runs, out);
   for (const Run& run : runs)
-    run.read_slots(out, [x = state_.x.data()](Slot slot) { return three_of(x, slot); });
+    run.read_slots(out, [x = std::span<const double>(state_.x)](Slot slot) { return at(x, slot); });
 }
 
 void LoopSolver::read_velocities(std::span<const Run> runs, Vec3* out) const {
   if (!state_.reels.empty()) return Solver::read_velocities(runs, out);
   find_velocities();
   for (const Run& run : runs)
-    run.read_slots(out, [v = velocity_.data(), nodes = state_.topology->nodes](Slot slot) {
-      return slot < nodes ? three_of(v, slot) : Vec3{};
+    run.read_slots(out, [v = std::span<const double>(velocity_), nodes = state_.topology->nodes](Slot slot) {
+      return slot < nodes ? at(v, slot) : Vec3{};
     });
 }
 

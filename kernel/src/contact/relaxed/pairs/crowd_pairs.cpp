@@ -66,7 +66,7 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
       most_weight_ = std::max(most_weight_, weight);
       return TermRange{first, static_cast<std::uint32_t>(ends_.size())};
     };
-    const auto record_of = [&](const Combination& sum) {
+    const auto place_of = [&](const Combination& sum) {
       const bool is_particle = sum.count == 1 && sum.terms[0].weight == 1;
       return is_particle ? crowd.number_of(i, sum.terms[0].particle) : none;
     };
@@ -78,7 +78,7 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
                          &shape,
                          a,
                          b,
-                         {record_of(shape.a), record_of(shape.b)},
+                         {place_of(shape.a), place_of(shape.b)},
                          shape.radius,
                          shape.turning == Linkage::Shape::Turning::body});
       are_lines_plain_ = are_lines_plain_ && bodies_.back().is_plain();
@@ -89,7 +89,7 @@ void CrowdPairs<T>::list_shapes(std::span<LinkageState* const> cluster, const Cr
     for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
       const Linkage::Ball& ball = linkage.balls()[k];
       const std::uint32_t body = ball.shape < linkage.shapes().size() ? first_body + ball.shape : none;
-      const bool is_plain = body != none && record_of(ball.center) != none &&
+      const bool is_plain = body != none && place_of(ball.center) != none &&
                             crowd.inverse_mass(i, ball.center.terms[0].particle) > 0 &&
                             linkage.shape_of(ball.shape).turning != Linkage::Shape::Turning::body;
       balls_.push_back({i, k, &ball, add_terms(ball.center), body, is_plain});
@@ -123,7 +123,7 @@ void CrowdPairs<T>::find_shapes(std::span<LinkageState* const> cluster, const Cr
   bound_particles(cluster, crowd, dt, follows_lines_ ? 0 : slack_);
   if (!follows_lines_) {
     for (const Ball& each : balls_)
-      ball_bounds_.push_back(grown(particle_bounds(record_of(each)), each.ball->radius));
+      ball_bounds_.push_back(grown(particle_bounds(place_of(each)), each.ball->radius));
     return;
   }
   for (const Body& body : bodies_) {

@@ -30,7 +30,7 @@ class CrowdPairs {
     std::uint32_t island, number;
     const Linkage::Shape* shape;
     TermRange a, b;
-    std::array<std::uint32_t, 2> at;  ///< records of its ends, if each is a particle; else none
+    std::array<std::uint32_t, 2> at;  ///< places of its ends, if each is a particle; else none
     double radius;                    ///< m
     bool turns;                       ///< a solid with what touches it
     bool is_plain() const { return at[0] != none && at[1] != none; }
@@ -42,7 +42,7 @@ class CrowdPairs {
     std::uint32_t body;  ///< whose end it is; none of hulls
     bool is_plain;       ///< see CrowdEnds
   };
-  /// This is a hull of an island, with the numbers at which records of its particles start.
+  /// This is a hull of an island, with the places of its particles.
   struct Hull {
     std::uint32_t island;
     const Linkage::HullShape* shape;
@@ -141,8 +141,8 @@ class CrowdPairs {
   void list_shapes(std::span<LinkageState* const> cluster, const Crowd<T>& crowd);
   void compare_shapes(const Crowd<T>& crowd);
   void bound_particles(std::span<LinkageState* const> cluster, const Crowd<T>& crowd, double dt, double more);
-  /// Returns the record of a ball that is plain.
-  std::uint32_t record_of(const Ball& ball) const { return ends_[ball.center.first].at; }
+  /// Returns the place of a ball that is plain.
+  std::uint32_t place_of(const Ball& ball) const { return ends_[ball.center.first].at; }
   Bounds particle_bounds(std::uint32_t at) const;
   void include_particle(std::uint32_t at, const Bounds& bounds);
   bool are_in_bounds(const Crowd<T>& crowd) const;

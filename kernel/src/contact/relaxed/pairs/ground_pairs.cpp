@@ -27,10 +27,10 @@ void CrowdPairs<T>::follow_ends(std::span<LinkageState* const> cluster, const Cr
                                 const Surroundings& surroundings, const GroundNow& ground) {
   if (are_in_bounds(crowd)) return;
   slack_ = -1;
-  for (const Ball& each : balls_) fastest_ = std::max(fastest_, norm(crowd.velocity(record_of(each))));
+  for (const Ball& each : balls_) fastest_ = std::max(fastest_, norm(crowd.velocity(place_of(each))));
   bound_particles(cluster, crowd, left_, left_ * fastest_);
   for (std::uint32_t i = 0; i < balls_.size(); ++i)
-    include(ball_bounds_[i], grown(particle_bounds(record_of(balls_[i])), balls_[i].ball->radius));
+    include(ball_bounds_[i], grown(particle_bounds(place_of(balls_[i])), balls_[i].ball->radius));
   find_more_plain_ends(crowd, surroundings, ground);
 }
 

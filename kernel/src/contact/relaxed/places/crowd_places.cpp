@@ -7,9 +7,8 @@ namespace plumb::detail {
 void CrowdPlaces::lay_out(std::span<LinkageState* const> cluster, std::span<const std::uint8_t> moves,
                           std::uint32_t lanes) {
   lanes_ = lanes;
-  rows_ = std::all_of(cluster.begin(), cluster.end(), [&](const LinkageState* state) {
-    return fills_rows(state->linkage->colored().lattice);
-  });
+  rows_ = std::all_of(cluster.begin(), cluster.end(),
+                      [&](const LinkageState* state) { return fills_rows(state->linkage->colored().grid); });
   first_.clear();
   begin_.assign(1, 0);
   at_.clear();
@@ -34,9 +33,9 @@ void CrowdPlaces::lay_out(std::span<LinkageState* const> cluster, std::span<cons
 /// Returns whether a net in strips leaves few lanes empty. Rows of one strip alone would be neighbours of
 /// each other in the next. Ropes stay records: sweeps of rows would take a quarter off their time, but in
 /// that order a coil that method direct relaxes at times gained energy.
-bool CrowdPlaces::fills_rows(const Lattice& lattice) const {
-  const std::uint32_t rows = lattice.width > 1 ? rows_of(lattice) : 0;
-  return rows > 1 && 4 * lattice.height >= 3 * rows * lanes_;
+bool CrowdPlaces::fills_rows(const Grid& grid) const {
+  const std::uint32_t rows = rows_of(grid);
+  return rows > 1 && 4 * grid.height >= 3 * rows * lanes_;
 }
 
 void CrowdPlaces::place_records(std::span<LinkageState* const> cluster) {
@@ -49,15 +48,15 @@ void CrowdPlaces::place_records(std::span<LinkageState* const> cluster) {
 
 void CrowdPlaces::place_rows(std::span<LinkageState* const> cluster) {
   for (const LinkageState* const state : cluster) {
-    const Lattice& lattice = state->linkage->colored().lattice;
-    const std::uint32_t rows = rows_of(lattice), begin = begin_.back();
+    const Grid& grid = state->linkage->colored().grid;
+    const std::uint32_t rows = rows_of(grid), begin = begin_.back();
     first_.push_back(particles());
-    at_.resize(at_.size() + lattice.particles.size());
-    for (std::uint32_t y = 0; y < lattice.height; ++y)
-      for (std::uint32_t x = 0; x < lattice.width; ++x)
-        at_[first_.back() + lattice.particles[y * lattice.width + x]] =
+    at_.resize(at_.size() + grid.particles.size());
+    for (std::uint32_t y = 0; y < grid.height; ++y)
+      for (std::uint32_t x = 0; x < grid.width; ++x)
+        at_[first_.back() + grid.particles[y * grid.width + x]] =
             begin + (x * rows + y % rows) * pitch() + y / rows;
-    begin_.push_back(begin + lattice.width * rows * pitch());
+    begin_.push_back(begin + grid.width * rows * pitch());
   }
 }
 
@@ -94,7 +93,7 @@ void CrowdPlaces::add_rows(std::span<LinkageState* const> cluster, std::span<con
   for (const Kind kind : kinds) {
     const auto begin = static_cast<std::uint32_t>(rods_.size() / lanes_);
     for (std::uint32_t i = 0; i < cluster.size(); ++i)
-      if (moves[i] != 0) add_rows(i, cluster[i]->linkage->colored().lattice, kind);
+      if (moves[i] != 0) add_rows(i, cluster[i]->linkage->colored().grid, kind);
     end_color(begin);
   }
 }
@@ -118,8 +117,8 @@ void CrowdPlaces::add_vector(std::uint32_t island, std::uint32_t a, std::uint32_
 
 /// Adds the rods of a kind: between rows of all strips, from the last row of each to the first of the next
 /// one (the seam), and between columns.
-void CrowdPlaces::add_rows(std::uint32_t island, const Lattice& lattice, Kind kind) {
-  const std::uint32_t width = lattice.width, height = lattice.height, rows = rows_of(lattice);
+void CrowdPlaces::add_rows(std::uint32_t island, const Grid& grid, Kind kind) {
+  const std::uint32_t width = grid.width, height = grid.height, rows = rows_of(grid);
   const auto row_at = [&](std::uint32_t x, std::uint32_t row) {
     return begin_[island] + (x * rows + row) * pitch();
   };
@@ -128,14 +127,14 @@ void CrowdPlaces::add_rows(std::uint32_t island, const Lattice& lattice, Kind ki
       for (std::uint32_t row = 0; row < rows; ++row)
         add_vector(island, row_at(x, row), row_at(x + 1, row), [&](std::uint32_t lane) {
           const std::uint32_t y = lane * rows + row;
-          return y < height ? &lattice.rods[y * (width - 1) + x] : nullptr;
+          return y < height ? &grid.rods[y * (width - 1) + x] : nullptr;
         });
     return;
   }
   const auto down = [&](std::uint32_t x, std::uint32_t row) {
-    return [&lattice, x, row, rows, width, height](std::uint32_t lane) {
+    return [&grid, x, row, rows, width, height](std::uint32_t lane) {
       const std::uint32_t y = lane * rows + row;
-      return y + 1 < height ? &lattice.rods[height * (width - 1) + y * width + x] : nullptr;
+      return y + 1 < height ? &grid.rods[height * (width - 1) + y * width + x] : nullptr;
     };
   };
   for (std::uint32_t x = 0; x < width; ++x) {

@@ -60,20 +60,20 @@ class CrowdPlaces {
   /// @}
 
  private:
-  using Lattice = ColoredRods::Lattice;
+  using Grid = ColoredRods::Grid;
   static constexpr std::uint32_t record = 4;
-  /// Names rods of a lattice that join rows of its strips.
+  /// Names rods of a grid that join rows of its strips.
   enum class Kind : std::uint8_t { even_down, odd_down, seam, even_across, odd_across };
   static constexpr Kind kinds[] = {Kind::even_down, Kind::odd_down, Kind::seam, Kind::even_across,
                                    Kind::odd_across};
 
-  bool fills_rows(const Lattice& lattice) const;
-  std::uint32_t rows_of(const Lattice& lattice) const { return (lattice.height + lanes_ - 1) / lanes_; }
+  bool fills_rows(const Grid& grid) const;
+  std::uint32_t rows_of(const Grid& grid) const { return (grid.height + lanes_ - 1) / lanes_; }
   void place_records(std::span<LinkageState* const> cluster);
   void place_rows(std::span<LinkageState* const> cluster);
   void add_records(std::span<LinkageState* const> cluster, std::span<const std::uint8_t> moves);
   void add_rows(std::span<LinkageState* const> cluster, std::span<const std::uint8_t> moves);
-  void add_rows(std::uint32_t island, const Lattice& lattice, Kind kind);
+  void add_rows(std::uint32_t island, const Grid& grid, Kind kind);
   template <class RodOf>
   void add_vector(std::uint32_t island, std::uint32_t a, std::uint32_t b, RodOf&& rod_of);
   void end_color(std::uint32_t begin);
