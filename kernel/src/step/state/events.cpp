@@ -16,6 +16,7 @@ void Events::grow(std::size_t particles, std::size_t rods) {
 
 void Events::set_head(std::uint32_t particle, bool is_asleep) {
   was_asleep_[particle] = is_asleep ? 1 : 0;
+  seen_.reset();
   if (is_head(particle)) return;
   is_head_[particle] = 1;
   heads_.insert(std::lower_bound(heads_.begin(), heads_.end(), particle), particle);

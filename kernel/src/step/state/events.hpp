@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,17 +35,23 @@ class Events {
   void reserve(std::size_t weak_rods, std::size_t tasks);
 
   void clear() { list_.clear(); }
+  /// Returns whether some island may sleep now and not before, or the other way round. `changes` counts how
+  /// often one fell asleep or woke, if that is counted.
+  bool may_list_sleep(std::optional<std::uint64_t> changes) {
+    const bool is_known = seen_ && seen_ == changes;
+    seen_ = changes;
+    return !is_known;
+  }
   /// Appends an event for each head that sleeps now, by is_asleep(head), and did not before, or the other way
-  /// round. First come those that woke.
+  /// round.
   template <class IsAsleep>
   void list_sleep(IsAsleep&& is_asleep) {
-    const auto list = [&](Event::Kind kind, bool now) {
-      for (const std::uint32_t head : heads_)
-        if (was_asleep(head) != now && is_asleep(head) == now) list_.push_back({kind, head});
-    };
-    list(Event::Kind::woke, false);
-    list(Event::Kind::fell_asleep, true);
-    for (const Event& event : list_) was_asleep_[event.particle] = event.kind == Event::Kind::fell_asleep;
+    for (const std::uint32_t head : heads_) {
+      const bool now = is_asleep(head);
+      if (was_asleep(head) == now) continue;
+      list_.push_back({now ? Event::Kind::fell_asleep : Event::Kind::woke, head});
+      was_asleep_[head] = now ? 1 : 0;
+    }
   }
   void add_broken(std::uint32_t rod, std::uint32_t particle, double strength) {
     list_.push_back({Event::Kind::broke, particle, rod, strength});
@@ -61,8 +68,9 @@ class Events {
 
   /// Heads follow from islands, and are listed with how they were.
   void archive(Archive& archive) {
-    auto& [heads, is_head, was_asleep, was_broken, list, troubles] = *this;
+    auto& [heads, is_head, was_asleep, was_broken, list, troubles, seen] = *this;
     archive(was_asleep, was_broken, list);
+    if (archive.restores()) seen.reset();
   }
 
  private:
@@ -70,6 +78,7 @@ class Events {
   std::vector<std::uint8_t> is_head_, was_asleep_, was_broken_;  ///< by particle, and by rod
   std::vector<Event> list_;
   std::vector<Troubles> troubles_;
+  std::optional<std::uint64_t> seen_;  ///< changes of sleep, when it was listed last
 };
 
 void visit_members(Archive& archive, Event& of);

@@ -1,6 +1,7 @@
 // This file says to Events what becomes of a world's islands.
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -54,20 +55,25 @@ std::vector<std::uint8_t> Step::were_asleep(std::span<const std::uint32_t> parti
 /// Lists what became of islands and rods in this step.
 void Step::list_events(StepReport& report) {
   events_.clear();
-  events_.list_sleep([&](std::uint32_t head) { return is_asleep(head); });
+  // What touches sleeps by itself, and nobody counts how often.
+  const std::optional<std::uint64_t> changes =
+      compiled_.contact ? std::nullopt : std::optional(sleep_.changes());
+  if (events_.may_list_sleep(changes))
+    events_.list_sleep([&](std::uint32_t head) { return is_asleep(head); });
   if (report.broken_rods > 0)
     for (const std::uint32_t rod : breaks_.weak())
       if (!events_.was_broken(rod) && is_broken(rod))
         events_.add_broken(rod, rods_.end(rod), breaks_.scene_now().rods[rod].law.strength);
   const std::span<const Task> tasks = std::as_const(sleep_).tasks();
-  if (std::all_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.troubles == 0; })) return;
-  std::vector<Troubles>& troubles = events_.troubles();
-  troubles.clear();
-  for (const Task& task : tasks) troubles.push_back(task.troubles);
-  events_.for_heads([&](std::uint32_t head) {
-    if (const auto task = sleep_.task_of(compiled_.solvers, compiled_.places.of(head).front()))
-      events_.add_troubles(std::exchange(troubles[*task], 0), head);
-  });
+  if (std::any_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.troubles != 0; })) {
+    std::vector<Troubles>& troubles = events_.troubles();
+    troubles.clear();
+    for (const Task& task : tasks) troubles.push_back(task.troubles);
+    events_.for_heads([&](std::uint32_t head) {
+      if (const auto task = sleep_.task_of(compiled_.solvers, compiled_.places.of(head).front()))
+        events_.add_troubles(std::exchange(troubles[*task], 0), head);
+    });
+  }
   events_.sort();
 }
 
