@@ -633,5 +633,32 @@ TEST_F(Allocations, AreNoneInReadingAfterEdits) {
   }
 }
 
+// Figures fall, touch, come to rest and are hit, and ropes rest all at once. Where clusters of what touches
+// grow, that takes memory, and listing it takes no more.
+TEST_F(Allocations, AreNoMoreWhereEventsAreListed) {
+  std::size_t listed = 0;
+  for (const char* const name : {"crowd:humanoids=6,hit=2", "boxes", "ensemble:chains=30,links=4"}) {
+    Scene scene = scenes::load_scene(name);
+    const bool touches = !scene.capsules.empty() || !scene.hulls.empty();
+    if (!touches) scene.drag = 6;
+    const auto allocated = [&](bool events) {
+      World world(scene, {.events = events, .threads = 1});
+      for (int i = 0; i < 30; ++i) world.step(1.0 / 60);
+      return allocations_in([&] {
+        for (int i = 0; i < 900; ++i) {
+          world.step(1.0 / 60);
+          if (events) listed += world.events().size();
+        }
+      });
+    };
+    const std::uint64_t without = allocated(false);
+    EXPECT_EQ(allocated(true), without) << name;
+    if (!touches) {
+      EXPECT_EQ(without, 0u) << name;
+    }
+  }
+  EXPECT_GT(listed, 30u);
+}
+
 }  // namespace
 }  // namespace plumb

@@ -21,7 +21,8 @@ void interrupt(int signal) {
 
 }  // namespace
 
-Checkpoint::Checkpoint(std::string file) : file_(std::move(file)) {
+Checkpoint::Checkpoint(std::string file, std::string run, std::optional<double> every)
+    : file_(std::move(file)), run_(std::move(run)), every_(every) {
   interrupted = 0;
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
@@ -32,9 +33,15 @@ Checkpoint::~Checkpoint() {
   std::signal(SIGTERM, SIG_DFL);
 }
 
+bool Checkpoint::is_due(const World& world) const {
+  if (!every_) return Clock::now() >= next_;
+  // Times are sums of frames, which are rounded.
+  return written_ < 0 || world.time() - written_ >= *every_ * (1 - 1e-9);
+}
+
 bool Checkpoint::see(const World& world) {
   const bool goes_on = interrupted == 0;
-  if (!goes_on || Clock::now() >= next_) write(world);
+  if (!goes_on || is_due(world)) write(world);
   return goes_on;
 }
 
@@ -42,6 +49,7 @@ void Checkpoint::write(const World& world) {
   if (written_ == world.time()) return;
   bytes_.resize(world.snapshot_size());
   world.save(std::as_writable_bytes(std::span(bytes_)));
+  bytes_ += run_;
   scenes::write_file(file_, bytes_);
   written_ = world.time();
   next_ = Clock::now() + period;

@@ -1,18 +1,22 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "plumb/world.hpp"
 
 namespace plumb::tools {
 
-/// Keeps a file with a snapshot of a running world: of its start, of every ten seconds of computing, and of
-/// its end. The file is always a whole one. While a checkpoint lives, the first Ctrl-C (or SIGTERM) ends the
+/// Keeps a file with a snapshot of a running world: of its start, of its end, and of every ten seconds of
+/// computing, or of every so many seconds of its own time. The file is always a whole one. While a checkpoint
+/// lives, the first Ctrl-C (or SIGTERM) ends the
 /// run after its frame, and the second ends the program.
 class Checkpoint {
  public:
-  explicit Checkpoint(std::string file);
+  /// `run` says what was run (scenes::run_text()). `every` (s) is simulated time; none stands for ten seconds
+  /// of computing.
+  explicit Checkpoint(std::string file, std::string run = {}, std::optional<double> every = {});
   ~Checkpoint();
   Checkpoint(const Checkpoint&) = delete;
   Checkpoint& operator=(const Checkpoint&) = delete;
@@ -26,9 +30,12 @@ class Checkpoint {
  private:
   using Clock = std::chrono::steady_clock;
 
-  std::string file_, bytes_;
-  Clock::time_point next_{};  ///< When the world is written again.
-  double written_ = -1;       ///< Time of the world (s) that is in the file.
+  bool is_due(const World& world) const;
+
+  std::string file_, run_, bytes_;
+  std::optional<double> every_;  ///< s, of the world's time
+  Clock::time_point next_{};     ///< When the world is written again without that.
+  double written_ = -1;          ///< Time of the world (s) that is in the file.
 };
 
 }  // namespace plumb::tools

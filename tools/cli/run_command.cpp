@@ -18,6 +18,7 @@
 #include "scenes/files/contacts.hpp"
 #include "scenes/files/trajectory.hpp"
 #include "scenes/runs/report.hpp"
+#include "scenes/runs/saved_run.hpp"
 #include "scenes/spec.hpp"
 
 namespace plumb::tools {
@@ -31,9 +32,10 @@ struct RunOptions {
   std::string tensions, forces, contacts;
   std::string truth, truth_tensions;
   std::string report;
-  std::string vtk;   ///< Folder for VTK files.
-  std::string gltf;  ///< File for the glTF animation.
-  std::string save;  ///< File for snapshots.
+  std::string vtk;        ///< Folder for VTK files.
+  std::string gltf;       ///< File for the glTF animation.
+  std::string save;       ///< File for snapshots.
+  double save_every = 0;  ///< Simulated time between them in s; 0 stands for ten seconds of computing.
   bool quiet = false;
 };
 
@@ -112,6 +114,8 @@ void require_sound(const scenes::RunResult& result) {
 }
 
 int run(const RunOptions& options) {
+  if (options.save_every > 0 && options.save.empty())
+    throw InputError("--save-every says when to write the file of --save, and there is none");
   const Scene scene = scenes::load_scene(options.scene);
   std::vector<Frame> truth;
   if (!options.truth.empty()) truth = scenes::read_trajectory(options.truth);
@@ -132,7 +136,8 @@ int run(const RunOptions& options) {
   if (saved.wanted()) observer.save = [&](const scenes::RunFrame& frame) { saved.add(frame); };
   std::optional<Checkpoint> checkpoint;
   if (!options.save.empty()) {
-    checkpoint.emplace(options.save);
+    checkpoint.emplace(options.save, scenes::run_text(options.scene, options.plan),
+                       options.save_every > 0 ? std::optional(options.save_every) : std::nullopt);
     observer.goes_on = [&](const World& world) { return checkpoint->see(world); };
     observer.ended = [&](const World& world) { checkpoint->write(world); };
   }
@@ -228,6 +233,7 @@ void add_run_command(Command& plumb) {
   add_files(command, o);
   command.add_option("--save", "OUT.snapshot", o.save,
                      "Keep a snapshot in this file: every 10 s of computing, on Ctrl-C and at the end");
+  add_seconds(command, "--save-every", o.save_every, "Keep it after every so much simulated time instead");
   command.add_option("--resume", "IN.snapshot", o.plan.resume,
                      "Go on from a snapshot of the same scene and settings, up to --duration");
   add_clock(command, o.plan);

@@ -175,4 +175,24 @@ struct Problem {
 /// Returns the name of a kind of problem, as reports spell it.
 PLUMB_API std::string_view to_string(Problem::Kind);
 
+/// Says what became of an island or of a rod in the last step of a World (World::events()).
+struct Event {
+  /// `woke` and `fell_asleep`: an island was asleep at the end of one of the last two steps and not of the
+  /// other. What a program adds asleep, or removes, is no event. `broke`: a rod pulled more than its
+  /// strength; those that World::cut() takes out are not listed. The others are as Problem::Kind has them.
+  enum class Kind : std::uint8_t { woke, fell_asleep, broke, frozen, unsolved, inaccurate, capped };
+
+  Kind kind = Kind::woke;
+  /// It is the first movable particle of the island. What went wrong is told of the first of equal islands
+  /// that are solved side by side. For a rod it is the rod's first movable end.
+  std::uint32_t particle = 0;
+  std::uint32_t rod = 0;  ///< The rod, if it broke.
+  double strength = 0;    ///< What the rod held, in N, if it broke: it pulled more.
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const Event&, const Event&) = default;
+};
+/// Returns the name of a kind of event, as files spell it.
+PLUMB_API std::string_view to_string(Event::Kind);
+
 }  // namespace plumb

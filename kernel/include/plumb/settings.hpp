@@ -201,6 +201,8 @@ struct Settings {
   bool tensions = false;
   /// Whether World::contacts() lists the pairs that touch, for 1 to 13 % more time.
   bool contacts = false;
+  /// Whether World::events() lists what fell asleep, woke, broke or went wrong.
+  bool events = false;
   double sleep_time = 0.5;                        ///< Time (s) that an island is at rest before it sleeps.
   ContactSettings contact{};                      ///< Lengths, speeds and shares of contact.
   LayoutChoice layout = LayoutChoice::automatic;  ///< How particles lie in memory.

@@ -269,6 +269,11 @@ class PLUMB_API World {
   /// Settings::contacts.
   std::span<const Contact> contacts() const;
 
+  /// Returns what became of islands and rods in the last step: what woke, fell asleep, broke, froze, and was
+  /// not solved or not accurate. They stay until the next step. They are in the order of their kinds, and
+  /// within a kind in that of their numbers. Throws InputError without Settings::events.
+  std::span<const Event> events() const;
+
   /// Returns what went wrong in the last step, by particle, and which rods that are not elastic are off their
   /// length by more than `most_strain` of it. An empty list means that all is well.
   std::vector<Problem> problems(double most_strain = 0.01) const;

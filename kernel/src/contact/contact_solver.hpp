@@ -43,6 +43,8 @@ class ContactSolver final : public Solver {
   std::vector<PlainIsland> plain_islands() const;
   /// Returns whether this solver moves a particle now, rather than its home.
   bool has(Slot slot) const { return !visitors_[island_of_[slot]].is_at_home(); }
+  /// Returns whether the island of a particle sleeps here.
+  bool is_asleep(Slot slot) const { return state_of(slot).asleep; }
   /// Names an island that went home in begin_step(), by its solver's number and one of its slots there.
   struct Return {
     std::uint32_t solver;
@@ -130,6 +132,7 @@ class ContactSolver final : public Solver {
 
   std::uint32_t pieces() const override { return static_cast<std::uint32_t>(pieces_.size()); }
   std::uint32_t islands(std::uint32_t piece) const override;
+  std::uint32_t island_of(Slot slot) const override { return island_of_[slot]; }
   void begin_step(double dt, Team& team) override;
   /// Replaces begin_step() if no island is awake.
   void clear_pieces() { pieces_.clear(); }

@@ -37,6 +37,7 @@ void Sleep::wake(std::span<const std::unique_ptr<Solver>> solvers, Task& task) {
   if (!task.asleep) return;
   task.asleep = false;
   ++awake_;
+  ++changes_;
   solvers[task.solver]->wake(task.piece);
 }
 
@@ -58,6 +59,7 @@ std::uint32_t Sleep::settle(std::span<const std::unique_ptr<Solver>> solvers, do
     if (task.still_time < sleep_time_) continue;
     task.asleep = true;
     --awake_;
+    ++changes_;
     solvers[task.solver]->rest(task.piece);
     fell_asleep += solvers[task.solver]->islands(task.piece);
   }

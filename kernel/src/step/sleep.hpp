@@ -46,6 +46,8 @@ class Sleep {
   }
   bool all_asleep() const { return awake_ == 0; }
   std::uint32_t awake_tasks() const { return awake_; }
+  /// Counts how often a piece fell asleep or woke, for whoever keeps an eye on it.
+  std::uint64_t changes() const { return changes_; }
 
   /// Returns the speed (m/s) below which a piece's motion is rounding.
   double rounding_speed(const Solver& solver, std::uint32_t piece) const {
@@ -77,6 +79,7 @@ class Sleep {
   std::vector<Task> tasks_, before_;       ///< The latter is room for an exchange.
   std::vector<std::uint32_t> first_task_;  ///< by solver
   std::uint32_t awake_ = 0;
+  std::uint64_t changes_ = 0;
   double relative_speed_ = 0;  ///< 1/s: a piece's speed of rounding per metre of its size
   double sleep_time_ = 0;      ///< time (s) of standing still before a piece sleeps
 };

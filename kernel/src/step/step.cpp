@@ -1,6 +1,7 @@
 #include "step/step.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "scene/bends/twists.hpp"
@@ -20,10 +21,15 @@ namespace plumb::detail {
 //   error asks for. Pieces share nothing and go to whichever thread is free.
 // - sleep: Pieces that have only moved by rounding for long enough stand still from now on.
 // - measure: What was done and what was skipped is added up. Anchors stand where they were sent.
+// - events: What became of islands and rods is listed, if the settings ask for it.
 const Step::Stage Step::all_stages[] = {
-    {&Step::split, &Step::always, "split"},          {&Step::wake, &Step::always, "wake"},
-    {&Step::collide, &Step::has_contact, "collide"}, {&Step::solve, &Step::always, "solve"},
-    {&Step::sleep, &Step::always, "sleep"},          {&Step::measure, &Step::always, "measure"},
+    {&Step::split, &Step::always, "split"},
+    {&Step::wake, &Step::always, "wake"},
+    {&Step::collide, &Step::has_contact, "collide"},
+    {&Step::solve, &Step::always, "solve"},
+    {&Step::sleep, &Step::always, "sleep"},
+    {&Step::measure, &Step::always, "measure"},
+    {&Step::list_events, &Step::has_events, "events"},
 };
 
 namespace {
@@ -68,6 +74,12 @@ Step::Step(const Scene& scene, const Settings& settings)
                                                     [](const auto& solver) { return solver->has_archive(); });
   reserve();
   compiled_.places.find_runs(compiled_.solvers);
+  if (settings.events) {
+    events_.grow(scene.particles.size(), scene.rods.size());
+    std::vector<std::uint32_t> all(scene.particles.size());
+    std::iota(all.begin(), all.end(), 0u);
+    find_heads(all);
+  }
   compiled_.info.parallel = uses_threads();
 }
 

@@ -17,6 +17,7 @@
 #include "step/inputs/loads.hpp"
 #include "step/reactions.hpp"
 #include "step/sleep.hpp"
+#include "step/state/events.hpp"
 #include "threads/sharing.hpp"
 #include "threads/workers.hpp"
 #include "time/advance.hpp"
@@ -120,6 +121,7 @@ class Step {
   void set_twist(std::uint32_t twist, double angle);
 
   std::vector<Problem> problems(double most_strain) const;
+  std::span<const Event> events() const { return events_.all(); }
 
   Vec3 position(std::uint32_t particle) const;
   Vec3 velocity(std::uint32_t particle) const;
@@ -151,6 +153,7 @@ class Step {
 
   bool always() const { return true; }
   bool has_contact() const { return compiled_.contact != nullptr; }
+  bool has_events() const { return settings_.events; }
 
   void split(StepReport& report);
   void wake(StepReport& report);
@@ -158,6 +161,7 @@ class Step {
   void solve(StepReport& report);
   void sleep(StepReport& report);
   void measure(StepReport& report);
+  void list_events(StepReport& report);
 
   void reserve();
   void describe();
@@ -209,6 +213,9 @@ class Step {
   bool is_held_by_contact(std::uint32_t cord) const;
   bool is_held_by_solver(std::uint32_t cord) const;
   const Place* place_of(std::uint32_t particle) const;
+  bool is_asleep(std::uint32_t particle) const;
+  void find_heads(std::span<const std::uint32_t> particles);
+  std::vector<std::uint8_t> were_asleep(std::span<const std::uint32_t> particles) const;
   template <class Read, class One>
   void read_all(std::span<Vec3> out, Read&& read, One&& one) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
@@ -239,6 +246,7 @@ class Step {
   std::vector<Seat> seats_;  ///< by solver; free ones have none
   RodJudge rods_;
   Sleep sleep_;
+  Events events_;
   TimeRules rules_;
   Budget budget_;
   Zones zones_;

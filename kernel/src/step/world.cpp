@@ -42,6 +42,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->precision = settings.precision;
   impl_->tensions = settings.tensions;
   impl_->contacts = settings.contacts;
+  impl_->events = settings.events;
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
   impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());
@@ -268,6 +269,10 @@ Vec3 World::contact_force(ShapeId shape) const {
 std::span<const Contact> World::contacts() const {
   if (!impl_->contacts) refuse("contacts are not known: Settings::contacts asks for them");
   return impl_->step->contacts();
+}
+std::span<const Event> World::events() const {
+  if (!impl_->events) refuse("events are not known: Settings::events asks for them");
+  return impl_->step->events();
 }
 void World::copy_contact_forces(std::span<Vec3> out) const {
   impl_->require_tensions();

@@ -32,7 +32,7 @@ struct PLUMB_HIDDEN World::Impl {
   std::vector<double> chains;            ///< Lengths of the chains of reels, in m.
   detail::BodyPoses bodies;
   std::vector<Vec3> positions, velocities;  ///< Room to read them for bodies; empty without.
-  bool tensions = false, contacts = false;
+  bool tensions = false, contacts = false, events = false;
   double time = 0;
   detail::Fingerprint fingerprint{};  ///< What snapshots must fit to.
 

@@ -91,4 +91,12 @@ void Json::append_to(std::string& out, std::optional<std::size_t> indent) const 
   out += is_object ? '}' : ']';
 }
 
+std::map<std::string, std::string> members_of(std::string_view text) {
+  const nlohmann::json object = nlohmann::json::parse(text, nullptr, false);
+  std::map<std::string, std::string> out;
+  if (!object.is_object()) return out;
+  for (const auto& [key, value] : object.items()) out[key] = value.dump();
+  return out;
+}
+
 }  // namespace plumb::scenes

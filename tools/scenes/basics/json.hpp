@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -76,5 +77,8 @@ struct Json::Member {
   std::string key;
   Json value;
 };
+
+/// Returns the members of an object by their keys, each as Json::dump() spells it. Other text has none.
+std::map<std::string, std::string> members_of(std::string_view text);
 
 }  // namespace plumb::scenes

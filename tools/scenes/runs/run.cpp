@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "plumb/error.hpp"
-#include "scenes/basics/files.hpp"
 #include "scenes/basics/lists.hpp"
 #include "scenes/basics/numbers.hpp"
 #include "scenes/basics/require.hpp"
+#include "scenes/runs/saved_run.hpp"
 
 namespace plumb::scenes {
 namespace {
@@ -199,12 +199,7 @@ class Run {
   /// Returns the number of the frame to go on from, which is 0 without a snapshot.
   std::uint64_t resume() {
     if (plan_.resume.empty()) return 0;
-    const std::string bytes = read_file(plan_.resume);
-    try {
-      world_.restore(std::as_bytes(std::span(bytes)));
-    } catch (const InputError& error) {
-      throw InputError(plan_.resume + ": " + error.what());
-    }
+    restore_run(world_, plan_);
     result_.start = world_.time();
     const auto frame = frame_at(result_.start, plan_.dt);
     const std::string at = plan_.resume + ": the snapshot is of " + seconds(result_.start);

@@ -67,7 +67,10 @@ void Step::repeat(Split split_then) {
 /// Lets new solvers move what fell apart or was edited, if anything did.
 void Step::split(Fallen fallen, Split& now) {
   for (const std::vector<std::uint32_t>* const rods : {&now.rods, &now.edits.cut})
-    for (const std::uint32_t rod : *rods) compiled_.cords.replace(rod, {});
+    for (const std::uint32_t rod : *rods) {
+      compiled_.cords.replace(rod, {});
+      if (settings_.events) events_.set_broken(rod, true);  // a cut is ordered, and no event
+    }
   if (!fallen.any()) return;
   fallen.scene.gravity = gravity_;
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
@@ -103,6 +106,7 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
                                     [&](double each) { return each == longest || each == 0; });
     substeps.assign(substeps.size(), is_one ? longest : 0);
   }
+  const std::vector<std::uint8_t> slept = were_asleep(fallen.particles);
   refix(now.edits);
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
@@ -112,6 +116,8 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   compiled_.info.islands += made.info.islands - islands;
   seat(std::move(made.solvers), now.seats);
   put_places(fallen, made, now.seats);
+  for (std::size_t k = 0; k < fallen.particles.size(); ++k)
+    if (slept[k] != 0 && events_.is_head(fallen.particles[k])) events_.set_head(fallen.particles[k], true);
   hand_over(fallen, now, substeps);
 }
 
@@ -136,6 +142,8 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
     compiled_.places.replace(particle, left);
   }
   compiled_.places.find_runs(compiled_.solvers);
+  if (settings_.events)
+    for (const std::uint32_t particle : leaving) events_.remove_head(particle);
   std::vector<std::uint32_t> solvers;
   for (const auto& [number, island] : gone)
     if (solvers.empty() || solvers.back() != number) solvers.push_back(number);
@@ -191,6 +199,11 @@ void Step::put_places(const Fallen& fallen, const Compiled& made, std::span<cons
     compiled_.places.replace(fallen.particles[k], left);
   }
   compiled_.places.find_runs(compiled_.solvers);
+  if (settings_.events) {
+    events_.grow(compiled_.places.count(), compiled_.cords.rods.count());
+    for (const std::uint32_t rod : fallen.rods) events_.set_broken(rod, false);
+    find_heads(fallen.particles);
+  }
   const auto put = [&](std::uint32_t cord, std::span<const Place> places) {
     left.clear();
     add(places);

@@ -120,10 +120,10 @@ void visit_members(Digest& to, const Scene& of) {
 
 void visit_members(Digest& to, const Settings& of) {
   auto& [method, precision, gradient, mass, weights, order, omega, substeps, time_order, accuracy, most_work,
-         stop, integrator, springs, multipliers, sleep, tensions, contacts, sleep_time, contact, layout, isa,
-         threads, executor] = of;
+         stop, integrator, springs, multipliers, sleep, tensions, contacts, events, sleep_time, contact,
+         layout, isa, threads, executor] = of;
   to(method, precision, gradient, mass, order, omega, substeps, time_order, accuracy, most_work, integrator,
-     springs, multipliers, sleep, tensions, contacts, sleep_time, contact, layout);
+     springs, multipliers, sleep, tensions, contacts, events, sleep_time, contact, layout);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ void Step::archive_rules(Archive& archive) {
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
          breaks, edits, gravity, next_gravity, log, population, has_archive, is_described, has_broken, seats,
-         rods, sleep, rules, budget, zones, stages, dt, reports, visited, active, last_dt] = *this;
+         rods, sleep, events, rules, budget, zones, stages, dt, reports, visited, active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);
@@ -68,6 +68,7 @@ void Step::archive(Archive& archive) {
   archive(edits);
   if (archive.restores()) order(edits, true);
   archive(anchors, lengths, loads, reactions, has_broken, sleep, rules.error_growth, dt);
+  if (settings.events) archive(events);
   for_solvers([&](Solver& solver) { solver.archive(archive); });
 }
 

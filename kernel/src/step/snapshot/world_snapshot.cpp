@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<char, 8> magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
 /// Goes up with any change of what archives list.
-constexpr std::uint32_t format = 5;
+constexpr std::uint32_t format = 6;
 constexpr std::uint32_t library = PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
 
 /// Every snapshot begins with this. The sum is over all bytes behind it.
@@ -64,8 +64,8 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
 
 void World::Impl::archive_own(Archive& archive, Impl& of) {
   auto& [step, fixed, precision, rods, tackles, twists, pins, angles, springs, torsions, shapes, of_kind,
-         platforms, targets, chains, bodies, positions, velocities, tensions, contacts, time, fingerprint] =
-      of;
+         platforms, targets, chains, bodies, positions, velocities, tensions, contacts, events, time,
+         fingerprint] = of;
   archive(time, platforms, targets);
 }
 

@@ -1,0 +1,81 @@
+#include "step/state/events.hpp"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace plumb::detail {
+
+void Events::grow(std::size_t particles, std::size_t rods) {
+  if (particles > is_head_.size()) {
+    is_head_.resize(particles, 0);
+    was_asleep_.resize(particles, 0);
+  }
+  if (rods > was_broken_.size()) was_broken_.resize(rods, 0);
+}
+
+void Events::set_head(std::uint32_t particle, bool is_asleep) {
+  was_asleep_[particle] = is_asleep ? 1 : 0;
+  seen_.reset();
+  if (is_head(particle)) return;
+  is_head_[particle] = 1;
+  heads_.insert(std::lower_bound(heads_.begin(), heads_.end(), particle), particle);
+}
+
+void Events::remove_head(std::uint32_t particle) {
+  was_asleep_[particle] = 0;
+  if (!is_head(particle)) return;
+  is_head_[particle] = 0;
+  heads_.erase(std::lower_bound(heads_.begin(), heads_.end(), particle));
+}
+
+void Events::reserve(std::size_t weak_rods, std::size_t tasks) {
+  constexpr std::size_t kinds_of_trouble = 4;
+  const std::size_t most = heads_.size() + weak_rods + kinds_of_trouble * tasks;
+  if (most > list_.capacity()) list_.reserve(std::max(most, 2 * list_.capacity()));
+  if (tasks > troubles_.capacity()) troubles_.reserve(std::max(tasks, 2 * troubles_.capacity()));
+}
+
+void Events::add_troubles(Troubles troubles, std::uint32_t head) {
+  constexpr std::array kinds{Event::Kind::frozen, Event::Kind::unsolved, Event::Kind::inaccurate,
+                             Event::Kind::capped};
+  for (unsigned i = 0; i < kinds.size(); ++i)
+    if ((troubles & 1u << i) != 0) list_.push_back({kinds[i], head});
+}
+
+void Events::sort() {
+  std::sort(list_.begin(), list_.end(), [](const Event& a, const Event& b) {
+    return std::tie(a.kind, a.rod, a.particle) < std::tie(b.kind, b.rod, b.particle);
+  });
+}
+
+void visit_members(Archive& archive, Event& of) {
+  auto& [kind, particle, rod, strength] = of;
+  archive(kind, particle, rod, strength);
+}
+
+}  // namespace plumb::detail
+
+namespace plumb {
+
+std::string_view to_string(Event::Kind kind) {
+  switch (kind) {
+    case Event::Kind::woke:
+      return "woke";
+    case Event::Kind::fell_asleep:
+      return "fell_asleep";
+    case Event::Kind::broke:
+      return "broke";
+    case Event::Kind::frozen:
+      return "frozen";
+    case Event::Kind::unsolved:
+      return "unsolved";
+    case Event::Kind::inaccurate:
+      return "inaccurate";
+    case Event::Kind::capped:
+      break;
+  }
+  return "capped";
+}
+
+}  // namespace plumb
