@@ -104,9 +104,48 @@ TEST(Substeps, GoWithSnapshots) {
   EXPECT_EQ(other.state_hash(), world.state_hash());
 }
 
+TEST(Accuracies, AreThoseOfAWorldThatHadThemFromTheStart) {
+  for_methods([&](Settings settings) {
+    if (settings.method == Method::relax || settings.precision == Precision::single) return;
+    settings.accuracy = 1e-2;
+    World changed(ropes(3, 8), settings), coarse(ropes(3, 8), settings);
+    changed.set_accuracy(1e-3);
+    settings.accuracy = 1e-3;
+    World own(ropes(3, 8), settings);
+    std::uint64_t substeps = 0, coarser = 0;
+    for (int k = 0; k < 30; ++k) {
+      substeps += changed.step(frame).direct_substeps;
+      coarser += coarse.step(frame).direct_substeps;
+      own.step(frame);
+    }
+    EXPECT_EQ(changed.state_hash(), own.state_hash());
+    EXPECT_GT(substeps, coarser);
+  });
+}
+
+TEST(Accuracies, GoWithSnapshots) {
+  World world(ropes(2, 6), {.accuracy = 1e-2}), other(ropes(2, 6), {.accuracy = 1e-2});
+  world.set_accuracy(1e-4);
+  world.step(frame);
+  std::vector<std::byte> bytes(world.snapshot_size());
+  world.save(bytes);
+  other.restore(bytes);
+  world.step(frame);
+  other.step(frame);
+  EXPECT_EQ(other.state_hash(), world.state_hash());
+}
+
+TEST(Accuracies, AreRefusedWithAReason) {
+  World world(ropes(1, 2), {.accuracy = 1e-2}), without(ropes(1, 2));
+  expect_refusal("accuracy must be positive and finite", [&] { world.set_accuracy(0); });
+  expect_refusal("accuracy must be positive and finite", [&] { world.set_accuracy(std::nan("")); });
+  expect_refusal("began without an accuracy", [&] { without.set_accuracy(1e-2); });
+}
+
 TEST(Substeps, AreRefusedWithAReason) {
   World world(ropes(1, 2));
-  expect_refusal("substeps must be at least 1", [&] { world.set_substeps(0); });
+  expect_refusal("substeps must be from 1 to 1000000, got 0", [&] { world.set_substeps(0); });
+  expect_refusal("substeps must be from 1 to 1000000, got 1000001", [&] { world.set_substeps(1'000'001); });
   expect_refusal("budget must be positive", [&] { world.set_budget(0); });
   expect_refusal("budget must be positive", [&] { world.set_budget(std::nan("")); });
   expect_refusal("budget must be positive",

@@ -99,6 +99,8 @@ TEST(Report, HasEveryField) {
                                                  "inaccurate_steps",
                                                  "capped_steps",
                                                  "broken_rods",
+                                                 "awake_islands",
+                                                 "fell_asleep",
                                                  "budget",
                                                  "problems",
                                                  "contact"}));

@@ -84,7 +84,7 @@ TEST(Sleep, NeedsStillnessWithoutABreak) {
   const Place place = compiled.places.of(1).front();
   EXPECT_TRUE(sleep.is_asleep(compiled.solvers, place));
   sleep.wake(compiled.solvers, place);
-  EXPECT_EQ(sleep.awake_tasks(), 1u);
+  EXPECT_FALSE(sleep.all_asleep());
   EXPECT_EQ(stand(true, 7), 0u);
 }
 

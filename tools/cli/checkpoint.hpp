@@ -10,8 +10,7 @@ namespace plumb::tools {
 
 /// Keeps a file with a snapshot of a running world: of its start, of its end, and of every ten seconds of
 /// computing, or of every so many seconds of its own time. The file is always a whole one. While a checkpoint
-/// lives, the first Ctrl-C (or SIGTERM) ends the
-/// run after its frame, and the second ends the program.
+/// lives, the first Ctrl-C (or SIGTERM) ends the run after its frame, and the second ends the program.
 class Checkpoint {
  public:
   /// `run` says what was run (scenes::run_text()). `every` (s) is simulated time; none stands for ten seconds

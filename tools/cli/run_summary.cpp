@@ -1,6 +1,7 @@
 #include "cli/run_summary.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 
 #include "scenes/basics/lists.hpp"
@@ -80,12 +81,17 @@ void print_relaxation(const RunPlan& plan, const RunResult& result) {
                           std::string(to_string(result.total.stopped_by)) + ")");
 }
 
+/// Returns by what to divide for a mean: a run may be stopped before its first frame.
+double frames_of(const RunResult& result) {
+  return static_cast<double>(std::max<std::uint64_t>(result.frames, 1));
+}
+
 void print_stages(const RunResult& result) {
   std::string list;
   for (const scenes::StageTime& stage : result.stages)
     scenes::append_item(list,
                         std::string(stage.name) + " " +
-                            short_number(1e6 * stage.s / static_cast<double>(result.frames)) + " µs",
+                            short_number(1e6 * stage.s / frames_of(result)) + " µs",
                         ", ");
   if (!list.empty()) print_line("stages", list + " a frame");
 }
@@ -93,7 +99,7 @@ void print_stages(const RunResult& result) {
 /// Prints what a budget of time did.
 void print_budget(const RunPlan& plan, const RunResult& result) {
   if (!plan.step_budget_us) return;
-  const auto frames = static_cast<double>(result.frames);
+  const double frames = frames_of(result);
   std::string text = short_number(*plan.step_budget_us) + " µs a step; " +
                      plural(result.late_frames, "frame") + " took longer, the longest " +
                      short_number(result.longest_step_us) + " µs";
@@ -177,7 +183,7 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   print_problems(result.problems);
   print_start(info);
   std::string time = short_number(1e3 * result.wall_s, 4) + " ms, " +
-                     short_number(1e6 * result.wall_s / static_cast<double>(result.frames), 4) +
+                     short_number(1e6 * result.wall_s / frames_of(result), 4) +
                      " µs a frame";
   if (info.rods > 0) time += ", " + short_number(result.ns_per_rod_frame(), 4) + " ns per rod and frame";
   print_line("time", time);

@@ -21,6 +21,7 @@
 /// - measures.hpp: how wrong it is, by strain, energy, momentum and truth.
 /// - executor.hpp: whose threads do it.
 /// - error.hpp: what is refused.
+/// - vec3.hpp: places, velocities, forces and other vectors.
 /// - joints.hpp: bodies of a scene and the joints between them.
 /// - key_frames.hpp: poses by time, for drives to seek.
 /// - inertia.hpp: what sets of points and solids weigh.

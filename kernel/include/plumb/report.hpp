@@ -109,6 +109,7 @@ struct StepReport {
   std::uint64_t trimmed_energy = 0;
   /// Substeps that ended with something beyond ground it was not to pass, although they were solved again.
   std::uint64_t missed_contacts = 0;
+  // The next two count all islands.
   std::uint32_t awake_islands = 0;  ///< Islands awake at the end of the step.
   std::uint32_t fell_asleep = 0;    ///< Islands that fell asleep in this step.
 

@@ -65,10 +65,11 @@ class PLUMB_API World {
   World& operator=(World&&) noexcept;  ///< Moves the world; views of both become invalid.
 
   /// Advances by `dt` seconds, in Settings::substeps equal substeps; with an accuracy, in as many as it
-  /// takes. Throws InputError if `dt` is not positive and finite, or too short for the precision. Throws what
-  /// the executor throws; the step is then done all the same.
+  /// takes. Throws InputError if `dt` is not positive and finite, or too short for the precision, and what
+  /// a load throws (set_load()); nothing has moved then. Throws what the executor throws; the step is then
+  /// done all the same.
   ///
-  /// Methods relax, direct and auto allocate nothing after the first call, but for these firsts. An island
+  /// Methods relax, direct and automatic allocate nothing after the first call, but for these firsts. An island
   /// freezes, falls back, or its rods give way. An anchor moves. More shapes touch at once than ever before.
   /// A linkage flies with a time order above 2.
   StepReport step(double dt);
@@ -79,8 +80,13 @@ class PLUMB_API World {
   /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
 
-  /// Takes so many equal substeps a step from the next one on (Settings::substeps). Throws InputError on 0.
+  /// Takes so many equal substeps a step from the next one on (Settings::substeps); the fewest if an accuracy
+  /// is set. Throws InputError on 0 and on more than a million.
   void set_substeps(std::uint32_t substeps);
+  /// Changes the accuracy from the next step on (Settings::accuracy). Methods, time orders and how nets are
+  /// solved stay as they were chosen for that of the start. Throws InputError unless it is positive and
+  /// finite, and in a world that began without one.
+  void set_accuracy(double accuracy);
   /// Fits steps into so much wall time from the next one on, or lets them take what they need, if none is
   /// given. Motion then depends on the clock. The first step cannot know what it takes.
   ///
@@ -115,19 +121,19 @@ class PLUMB_API World {
   /// that validate() refuses.
   void move_platform(std::uint32_t platform, const Pose& target);
   /// Returns where a platform is. Throws InputError on an unknown one.
-  Pose platform(std::uint32_t number) const;
+  Pose platform(std::uint32_t platform) const;
 
   /// Changes a spring, a torsion or an angle from the next step on, all but its places, and wakes its island.
   /// They are numbered as in the scene. Throws InputError on an unknown one, on what validate() refuses, and
   /// on a spring whose length becomes or was 0.
-  void set_spring(std::uint32_t number, const Spring& spring);
+  void set_spring(std::uint32_t spring, const Spring& to);
   /// See set_spring().
-  void set_torsion(std::uint32_t number, const Torsion& torsion);
+  void set_torsion(std::uint32_t torsion, const Torsion& to);
   /// See set_spring(). Throws InputError, too, on a drive or damper of an angle that the scene gave neither.
-  void set_angle(std::uint32_t number, const AngleControl& angle);
+  void set_angle(std::uint32_t angle, const AngleControl& to);
   /// Returns phi of a torsion in rad, whole turns since the start included. Throws InputError on an unknown
   /// one.
-  double torsion_angle(std::uint32_t number) const;
+  double torsion_angle(std::uint32_t torsion) const;
 
   /// Lets a rod become `target` (m) long during the next step, at a constant rate, as a winch does. A broken
   /// one ignores it. Throws InputError on an unknown rod, a length that is not positive and finite, and rods
@@ -169,7 +175,8 @@ class PLUMB_API World {
   /// InputError as cut() does, and on particles of bends, tackles, twists and reels.
   void fix(std::uint32_t particle);
   /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. Throws InputError
-  /// as fix() does, and if it has no mass.
+  /// as fix() does, if it has no mass, and if a rigid rod to another fixed one is off its length, unless the
+  /// method is relax.
   void free(std::uint32_t particle);
   /// Changes a particle's own mass (kg) from the next step on; velocities stay. Throws InputError as cut()
   /// does, and on a mass that is not positive and finite.
@@ -178,8 +185,12 @@ class PLUMB_API World {
   /// not finite, and under springs, multipliers and featherstone.
   void set_gravity(Vec3 gravity);
   /// Puts particles elsewhere at once, without a blow: an anchor goes with its rope if all are listed.
-  /// Velocities (m/s) of fixed ones say nothing. Throws InputError on lists of other sizes, and on a rigid
-  /// rod that would be off its length by more than it is, and 10^-6 of it. Joints are not looked at.
+  /// Velocities (m/s) of fixed ones say nothing. What they stretch of rigid rods that are
+  /// solved directly is taken out, as at a start. Joints are not looked at.
+  ///
+  /// Throws InputError on lists of other sizes, on particles that are unknown or listed twice, on places that
+  /// are not finite, on islands with a reel, and on a rigid rod that would be off its length by more than it
+  /// is, and 10^-6 of it.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
 
@@ -275,7 +286,8 @@ class PLUMB_API World {
   std::span<const Event> events() const;
 
   /// Returns what went wrong in the last step, by particle, and which rods that are not elastic are off their
-  /// length by more than `most_strain` of it. An empty list means that all is well.
+  /// length by more than `most_strain` of it. Of islands that touch each other, or have joints, rods alone are
+  /// listed: StepReport counts the rest.
   std::vector<Problem> problems(double most_strain = 0.01) const;
 
   std::uint32_t particle_count() const;  ///< Numbers of particles, with those that were removed.
@@ -293,7 +305,7 @@ class PLUMB_API World {
   void copy_velocities(std::span<Vec3> out) const;
   /// Returns the position of a particle, in m. Throws InputError on an unknown one.
   Vec3 position(std::uint32_t particle) const;
-  /// Returns the velocity of a particle, in m/s. Throws InputError on an unknown one.
+  /// Returns the velocity of a particle, in m/s; zero for a fixed one, also while it moves. Throws InputError on an unknown one.
   Vec3 velocity(std::uint32_t particle) const;
 
   std::uint32_t body_count() const;  ///< Bodies of the scene.
@@ -322,7 +334,7 @@ class PLUMB_API World {
   std::size_t save(std::span<std::byte> out) const;
   /// Goes back, or on, to a snapshot at the beginning of `from`. The future is bit for bit that of the world
   /// that was saved, and everything else that can be read is what it was there. A load (set_load()) is not
-  /// part of it: the world keeps its own.
+  /// part of it: the world keeps its own, which is to be set before.
   ///
   /// The snapshot may be of another world, of the same scene and settings; isa, threads and executor may
   /// differ. Throws InputError with a reason if it is not, or if bytes are cut off or changed; then the world

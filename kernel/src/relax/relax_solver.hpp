@@ -142,7 +142,6 @@ class RelaxSolver final : public Solver {
   void start_displacements(double h);
   void change_step(double h);
   void write_kicks();
-  void set_anchor_speeds(double seconds);
   /// Calls f(slot, particle) for every slot but those of frozen islands and of pieces that rest.
   template <class F>
   void for_slots(F&& f);

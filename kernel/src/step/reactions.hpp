@@ -53,19 +53,23 @@ class Reactions {
   }
 
   void set_gravity(Vec3 gravity) { gravity_ = gravity; }
-  /// Looks again at rods of which an end was fixed or freed.
-  template <class IsFixed>
-  void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods, IsFixed&& is_fixed) {
+  /// Looks again at rods of which an end was fixed or freed. last_velocity(anchor) is that (m/s) of the last
+  /// step.
+  template <class IsFixed, class LastVelocity>
+  void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods, IsFixed&& is_fixed,
+             LastVelocity&& last_velocity) {
     std::erase_if(
         held_, [&](const Held& held) { return std::find(rods.begin(), rods.end(), held.rod) != rods.end(); });
-    for (const std::uint32_t rod : rods) insert_rod(scene, model, rod, is_fixed);
+    for (const std::uint32_t rod : rods) insert_rod(scene, model, rod, is_fixed, last_velocity);
   }
   /// Looks at a rod that is new.
-  template <class IsFixed>
-  void insert_rod(const Scene& scene, MassModel model, std::uint32_t rod, IsFixed&& is_fixed) {
+  template <class IsFixed, class LastVelocity>
+  void insert_rod(const Scene& scene, MassModel model, std::uint32_t rod, IsFixed&& is_fixed,
+                  LastVelocity&& last_velocity) {
     const std::size_t before = held_.size();
     add_rod(scene, model, rod, is_fixed);
     if (held_.size() == before) return;
+    held_.back().anchor_velocity = last_velocity(held_.back().anchor);
     const auto place =
         std::upper_bound(held_.begin(), held_.end() - 1, held_.back(),
                          [](const Held& first, const Held& second) { return first.anchor < second.anchor; });

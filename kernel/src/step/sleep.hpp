@@ -45,7 +45,6 @@ class Sleep {
     return first_task_[place.solver] + solver.piece_of(place.slot);
   }
   bool all_asleep() const { return awake_ == 0; }
-  std::uint32_t awake_tasks() const { return awake_; }
   /// Counts how often a piece fell asleep or woke, for whoever keeps an eye on it.
   std::uint64_t changes() const { return changes_; }
 

@@ -86,9 +86,13 @@ Step::Step(const Scene& scene, const Settings& settings)
 /// Finds how fast errors may grow, relative to the first scene or addition that has more than one place.
 /// Until then there is no length to which errors could be relative, and no accuracy is kept.
 void Step::measure_size(const Scene& scene) {
-  if (!settings_.accuracy || rules_.error_growth) return;
-  if (const double diagonal = bounding_diagonal(scene); diagonal > 0)
-    rules_.error_growth = *settings_.accuracy * diagonal;
+  if (size_ > 0) return;
+  size_ = bounding_diagonal(scene);
+  relate_errors();
+}
+
+void Step::relate_errors() {
+  if (settings_.accuracy && size_ > 0) rules_.error_growth = *settings_.accuracy * size_;
 }
 
 /// Makes the space that steps need, so that they allocate nothing.
@@ -162,6 +166,8 @@ void Step::collide(StepReport&) {
 void Step::solve(StepReport& report) {
   active_.clear();
   visited_.clear();
+  for (Task& task : sleep_.tasks())
+    if (task.asleep) task.troubles = 0;
   if (!sleep_.all_asleep()) {
     const std::span<Task> tasks = sleep_.tasks();
     for (std::uint32_t t = 0; t < tasks.size(); ++t) {
@@ -197,11 +203,17 @@ void Step::solve(StepReport& report) {
   if (contact && contact->any_awake()) contact->end_step(report);
 }
 
+/// Lets a task know what the report says of it.
+void Step::tell(Task& task, const StepReport& before, const StepReport& after) {
+  task.troubles = troubles_between(before, after);
+  task.has_broken = after.broken_rods > before.broken_rods;
+}
+
 void Step::advance_with_team(std::uint32_t number, Solver& solver, Team& team) {
-  const std::uint64_t broken = reports_[0].broken_rods;
+  const StepReport before = reports_[0];
   solver.advance_with_team(dt_ / rules_.substeps, rules_.substeps, team, reports_[0]);
   for (Task& task : sleep_.tasks())
-    if (task.solver == number) task.has_broken = reports_[0].broken_rods > broken;
+    if (task.solver == number) tell(task, before, reports_[0]);
 }
 
 void Step::advance(Solver& solver, std::uint32_t piece, unsigned part) {
@@ -217,8 +229,7 @@ void Step::advance(Task& task, unsigned part) {
   task.dt = dt_;
   const StepReport before = reports_[part];
   advance(solver, task.piece, part);
-  task.troubles = troubles_between(before, reports_[part]);
-  task.has_broken = reports_[part].broken_rods > before.broken_rods;
+  tell(task, before, reports_[part]);
 }
 
 void Step::sleep(StepReport& report) {
@@ -265,6 +276,11 @@ void Step::set_stop_rule(const StopRule& rule) {
   compiled_.info.parallel = uses_threads();
 }
 
+void Step::set_accuracy(double accuracy) {
+  settings_.accuracy = accuracy;
+  relate_errors();
+}
+
 void Step::set_weights(Weights weights) {
   bool is_read = false;
   for_solvers([&](Solver& solver) { is_read = solver.set_weights(weights) || is_read; });
@@ -278,6 +294,7 @@ void Step::describe() {
   WorldInfo& info = compiled_.info;
   info.relaxed_rods = info.direct_rods = info.linkages = 0;
   info.skipped_per_rod_weights = 0;
+  info.changes_gradient = false;
   info.blocks.clear();
   for_solvers([&](const Solver& solver) { solver.describe(info); });
   info.parallel = uses_threads();

@@ -42,7 +42,12 @@ class Step {
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
   std::uint32_t substeps() const { return settings_.substeps; }  ///< those that are asked for
-  void set_substeps(std::uint32_t substeps) { settings_.substeps = substeps; }
+  void set_substeps(std::uint32_t substeps) {
+    settings_.substeps = substeps;
+    is_described_ = false;
+  }
+  std::optional<double> accuracy() const { return settings_.accuracy; }
+  void set_accuracy(double accuracy);
   void set_zones(Zones zones) { zones_ = std::move(zones); }
   /// Gives every step so much wall time (us), or as much as it takes.
   void set_budget(std::optional<double> us) { budget_.set(us); }
@@ -91,7 +96,7 @@ class Step {
   void fix(std::uint32_t particle, bool is_fixed);
   void set_mass(std::uint32_t particle, double mass);
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
-  /// Puts particles elsewhere at once. Throws InputError if rods or pins do not fit then.
+  /// Puts particles elsewhere at once. Throws InputError if rods do not fit then.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
   /// Returns whether a particle is fixed, or will be from the next step on.
@@ -182,6 +187,7 @@ class Step {
   void put(Split& now, Compiled made);
   void grow_tables();
   void measure_size(const Scene& scene);
+  void relate_errors();
   Removed take_away(std::uint32_t particle);
   bool carries_shape(std::uint32_t anchor) const;
   void forget(const Removed& gone);
@@ -192,6 +198,15 @@ class Step {
   void apply_gravity(Vec3 gravity);
   template <class At>
   void require_fit(std::span<const std::uint32_t> particles, At&& at) const;
+  /// Says where a movable particle goes (m), and how fast (m/s).
+  struct Motion {
+    std::uint32_t particle;
+    Vec3 position, velocity;
+  };
+  template <class At>
+  void keep_lengths(std::vector<Motion>& motions, At&& at) const;
+  void require_fit_of_fixed(std::uint32_t particle) const;
+  double off_length(std::uint32_t rod, double distance) const;
   void require_refixable(std::uint32_t particle) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
@@ -201,6 +216,7 @@ class Step {
     for (std::size_t s = 0; s < seats_.size(); ++s)
       if (seats_[s] != Seat::free) f(*compiled_.solvers[s]);
   }
+  void tell(Task& task, const StepReport& before, const StepReport& after);
   void advance_with_team(std::uint32_t number, Solver& solver, Team& team);
   void advance(Solver& solver, std::uint32_t piece, unsigned part);
   void advance(Task& task, unsigned part);
@@ -247,6 +263,7 @@ class Step {
   RodJudge rods_;
   Sleep sleep_;
   Events events_;
+  double size_ = 0;  ///< m, which errors are relative to; 0 until it is known
   TimeRules rules_;
   Budget budget_;
   Zones zones_;

@@ -94,8 +94,15 @@ void World::set_weights(Weights weights) {
 }
 
 void World::set_substeps(std::uint32_t substeps) {
-  if (substeps == 0) refuse("substeps must be at least 1, got 0");
+  validate(Settings{.substeps = substeps});
   impl_->step->set_substeps(substeps);
+}
+
+void World::set_accuracy(double accuracy) {
+  if (!(accuracy > 0 && std::isfinite(accuracy)))
+    refuse("accuracy must be positive and finite, got ", accuracy);
+  if (!impl_->step->accuracy()) refuse("this world began without an accuracy, and what it has cannot keep one");
+  impl_->step->set_accuracy(accuracy);
 }
 
 void World::set_budget(std::optional<double> microseconds) {

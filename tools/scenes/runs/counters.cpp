@@ -34,8 +34,8 @@ constexpr Counter table[] = {
      "contact"},
     {"trimmed_energy", &StepReport::trimmed_energy, "substeps kept from gaining a little energy", "contact"},
     {"missed_contacts", &StepReport::missed_contacts, "substeps that left something in ground", "contact"},
-    {"awake_islands", &StepReport::awake_islands, "islands awake at last", "contact"},
-    {"fell_asleep", &StepReport::fell_asleep, "islands that fell asleep", "contact"},
+    {"awake_islands", &StepReport::awake_islands, "islands awake at last"},
+    {"fell_asleep", &StepReport::fell_asleep, "islands that fell asleep"},
 };
 
 }  // namespace

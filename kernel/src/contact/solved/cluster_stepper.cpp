@@ -258,6 +258,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   bool is_found = find_sound_positions(h, report);
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   if (!is_found) return false;
+  const std::uint64_t held_in_ground = count_held_in_ground();
   double before = energy();
   const Energies held = energies_of_elastics();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
@@ -300,13 +301,20 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
-  report.missed_contacts += gives_up_missed_;
+  report.missed_contacts += gives_up_missed_ || held_in_ground > 0;
   report.contact_points = std::max<std::uint64_t>(
       report.contact_points, count_pushes() + static_cast<std::uint64_t>(std::count_if(
                                                   rows_.begin(), rows_.end(), [](const Row& row) {
                                                     return row.kind == Kind::normal && row.p > 0;
                                                   })));
   return true;
+}
+
+/// Counts contacts that no push can part, as what rods hold along the normal, and that stay closed.
+std::uint64_t ClusterStepper::count_held_in_ground() {
+  return static_cast<std::uint64_t>(std::count_if(rows_.begin(), rows_.end(), [&](Row& row) {
+    return row.kind == Kind::normal && row.over == 0 && row.gap + slide<&Row::p>(row) < -settings_.tolerance;
+  }));
 }
 
 /// Finds the change of a position that no longer matters in a substep of h (s). What sweeps leave of things

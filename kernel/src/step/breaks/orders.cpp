@@ -69,6 +69,7 @@ void Step::fix(std::uint32_t particle, bool is_fixed) {
   if (!is_fixed && !(mass > 0 && std::isfinite(mass)))
     refuse("particle ", particle, ": has no mass to be free with, but ", mass,
            " kg; set_mass() gives it one");
+  if (!is_fixed) require_fit_of_fixed(particle);
   edits_.fixed.emplace_back(particle, is_fixed);
   anchors_.order(particle, is_fixed);
 }
@@ -86,7 +87,7 @@ void Step::refix(const Edits& edits) {
   for (const auto& [particle, is_fixed] : edits.fixed) {
     if (anchors_.is_fixed(particle) == is_fixed) continue;
     if (is_fixed)
-      anchors_.fix(particle, position(particle));
+      anchors_.fix(particle, position(particle), velocity(particle), dt_);
     else
       anchors_.free(particle);
     loads_.fix(particle, is_fixed);
@@ -98,7 +99,8 @@ void Step::refix(const Edits& edits) {
     }
     if (settings_.tensions)
       reactions_.refix(breaks_.scene_now(), mass_model_of(settings_), rods,
-                       [&](std::uint32_t each) { return anchors_.is_fixed(each); });
+                       [&](std::uint32_t each) { return anchors_.is_fixed(each); },
+                       [&](std::uint32_t each) { return anchors_.last_velocity(each); });
   }
 }
 

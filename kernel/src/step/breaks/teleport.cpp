@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <unordered_map>
+#include <vector>
 
+#include "scene/project_velocities.hpp"
 #include "scene/refuse.hpp"
 #include "step/step.hpp"
 
@@ -13,11 +16,66 @@ namespace {
 /// Rods may be off their lengths by this share of them, or by what they were before.
 constexpr double fits = 1e-6;
 
-double off(double distance, double length, const RodLaw& law) {
-  return law.one_sided ? std::max(0.0, distance - length) : std::abs(distance - length);
-}
+/// Knows rods between particles that move, to tell how fast they stretch.
+class Stretching {
+ public:
+  std::uint32_t add(Vec3 position, Vec3 velocity, double mass) {
+    scene_.particles.push_back({.position = position, .velocity = velocity, .mass = mass});
+    return static_cast<std::uint32_t>(scene_.particles.size() - 1);
+  }
+  /// Adds a rod, which has been stretched at `rate` (m/s) so far.
+  void add_rod(std::uint32_t a, std::uint32_t b, double rate) {
+    const Particle &from = scene_.particles[a], &to = scene_.particles[b];
+    const double now = stretching_rate(to.position - from.position, to.velocity - from.velocity);
+    const double speed = std::max(norm(from.velocity), norm(to.velocity));
+    is_worse_ = is_worse_ || std::abs(now) > fits * speed + std::abs(rate);
+    scene_.rods.push_back({.a = a, .b = b});
+  }
+  static double stretching_rate(Vec3 way, Vec3 velocity) {
+    const double length = norm(way);
+    return length > 0 ? dot(way, velocity) / length : 0;
+  }
+  /// Returns velocities (m/s) that stretch nothing, or none if rods stretch no faster than before.
+  std::vector<Vec3> projected() const {
+    std::vector<Vec3> out;
+    if (!is_worse_) return out;
+    std::vector<double> inverse_masses;
+    for (const Particle& particle : scene_.particles) {
+      out.push_back(particle.velocity);
+      inverse_masses.push_back(1 / particle.mass);
+    }
+    project_velocities(scene_, inverse_masses, out);
+    return out;
+  }
+
+ private:
+  Scene scene_;
+  bool is_worse_ = false;
+};
 
 }  // namespace
+
+/// Returns by how much (m) a rod does not fit between ends that are so far apart, or 0 if it need not.
+double Step::off_length(std::uint32_t rod, double distance) const {
+  const Rod& of = breaks_.scene_now().rods[rod];
+  if (of.law.is_elastic() || is_broken(rod)) return 0;
+  const double longer = distance - lengths_.length(rod);
+  return of.law.one_sided ? std::max(0.0, longer) : std::abs(longer);
+}
+
+/// Refuses to free a fixed particle whose rods to others were pulled off their lengths while nobody kept
+/// them: a solver would take the misfit for speed. Relaxation may have left them off, and sweeps it away.
+void Step::require_fit_of_fixed(std::uint32_t particle) const {
+  if (settings_.method == Method::relax) return;
+  for (const std::uint32_t rod : breaks_.rods_at(particle)) {
+    const auto& [a, b] = std::tie(breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b);
+    if (!anchors_.is_fixed(a) || !anchors_.is_fixed(b)) continue;
+    const double distance = norm(position(b) - position(a));
+    if (!(off_length(rod, distance) <= fits * lengths_.length(rod)))
+      refuse("particle ", particle, ": cannot be free, since rod ", rod, " is ", lengths_.length(rod),
+             " m long, and its ends are ", distance, " m apart");
+  }
+}
 
 /// Refuses a move after which something rigid fits worse than before. at(particle) says where one will be.
 template <class At>
@@ -27,14 +85,54 @@ void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const 
     if (const auto reel = breaks_.reel_at(particle))
       refuse("particle ", particle, ": reel ", *reel, " is of its island, which keeps its place");
     for (const std::uint32_t rod : breaks_.rods_at(particle)) {
-      const auto& [a, b, law] = std::tie(scene.rods[rod].a, scene.rods[rod].b, scene.rods[rod].law);
-      if (law.is_elastic() || is_broken(rod) || (anchors_.is_fixed(a) && anchors_.is_fixed(b))) continue;
+      const auto& [a, b] = std::tie(scene.rods[rod].a, scene.rods[rod].b);
+      if (anchors_.is_fixed(a) && anchors_.is_fixed(b)) continue;
       const double length = lengths_.length(rod), distance = norm(at(b) - at(a));
-      const double before = off(norm(position(b) - position(a)), length, law);
-      if (!(off(distance, length, law) <= fits * length + before))
+      const double before = off_length(rod, norm(position(b) - position(a)));
+      if (!(off_length(rod, distance) <= fits * length + before))
         refuse("rod ", rod, ": is ", length, " m long, and its ends would be ", distance, " m apart");
     }
   }
+}
+
+/// Takes out of velocities what stretches rigid rods faster than before, as a start does. at(anchor) says
+/// where a fixed particle will be. Sweeps do that by themselves where they move an island.
+template <class At>
+void Step::keep_lengths(std::vector<Motion>& motions, At&& at) const {
+  constexpr double immovable = 1e12;  // times the mass of what hangs from it: an anchor may move
+  Stretching stretching;
+  std::unordered_map<std::uint32_t, std::uint32_t> number;
+  std::unordered_map<std::uint32_t, bool> seen;
+  double heaviest = 0;
+  for (const auto& [particle, position, velocity] : motions) {
+    double mass = breaks_.own_mass(particle);
+    for (const std::uint32_t rod : breaks_.rods_at(particle)) mass += breaks_.scene_now().rods[rod].mass / 2;
+    heaviest = std::max(heaviest, mass);
+    number[particle] = stretching.add(position, velocity, mass);
+  }
+  const auto number_of = [&](std::uint32_t particle) {
+    const auto found = number.find(particle);
+    if (found != number.end()) return found->second;
+    return number[particle] =
+               stretching.add(at(particle), anchors_.last_velocity(particle), immovable * heaviest);
+  };
+  const auto speed = [&](std::uint32_t particle) {
+    return anchors_.is_fixed(particle) ? anchors_.last_velocity(particle) : velocity(particle);
+  };
+  for (const Motion& motion : motions) {
+    const Place& place = compiled_.places.of(motion.particle).front();
+    if (solver(place).sweeps()) continue;
+    for (const std::uint32_t rod : breaks_.rods_at(motion.particle)) {
+      const Rod& of = breaks_.scene_now().rods[rod];
+      if (of.law.is_elastic() || of.law.one_sided || is_broken(rod)) continue;
+      if (!seen.emplace(rod, true).second) continue;
+      const Vec3 way = position(of.b) - position(of.a);
+      stretching.add_rod(number_of(of.a), number_of(of.b),
+                         Stretching::stretching_rate(way, speed(of.b) - speed(of.a)));
+    }
+  }
+  const std::vector<Vec3> velocities = stretching.projected();
+  for (std::size_t k = 0; k < motions.size() && !velocities.empty(); ++k) motions[k].velocity = velocities[k];
 }
 
 void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
@@ -48,10 +146,6 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
     return found == number.end() ? position(particle) : positions[found->second];
   });
   // All particles of an island get their motion at once, so that those that stay are read before.
-  struct Motion {
-    std::uint32_t particle;
-    Vec3 position, velocity;
-  };
   std::vector<Motion> motions;
   const auto add = [&](std::uint32_t particle) {
     const auto found = number.find(particle);
@@ -64,6 +158,10 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
   for (const std::uint32_t particle : particles)
     for (const std::uint32_t each : breaks_.island_at(particle))
       if (!anchors_.is_fixed(each) && seen.emplace(each, true).second) add(each);
+  keep_lengths(motions, [&](std::uint32_t anchor) {
+    const auto found = number.find(anchor);
+    return found == number.end() ? position(anchor) : positions[found->second];
+  });
   for (std::size_t k = 0; k < particles.size(); ++k) {
     if (!anchors_.is_fixed(particles[k])) continue;
     anchors_.put(particles[k], positions[k]);

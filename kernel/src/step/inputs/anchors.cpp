@@ -34,7 +34,8 @@ void Anchors::set_target(std::uint32_t particle, Vec3 target) {
   moved_.reserve(moving_.capacity());
 }
 
-void Anchors::fix(std::uint32_t particle, Vec3 position) {
+void Anchors::fix(std::uint32_t particle, Vec3 position, Vec3 velocity, double dt) {
+  if (velocity != Vec3{}) moved_.push_back({particle, {position - dt * velocity, position, dt}});
   fixed_[particle] = will_be_fixed_[particle] = 1;
   positions_[particle] = position;
   if (has_target_[particle] == 0) targets_[particle] = position;

@@ -41,7 +41,7 @@ void Step::archive_rules(Archive& archive) {
   StopRule stop = settings_.stop;
   Weights weights = settings_.weights;
   auto& [sweeps, tolerance, budget_us] = stop;
-  archive(sweeps, tolerance, budget_us, weights, settings_.substeps);
+  archive(sweeps, tolerance, budget_us, weights, settings_.substeps, settings_.accuracy);
   if (!archive.restores()) return;
   const StopRule& now = settings_.stop;
   const bool stops = sweeps != now.sweeps || tolerance != now.tolerance || budget_us != now.budget_us;
@@ -59,7 +59,7 @@ void Step::archive_rules(Archive& archive) {
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
          breaks, edits, gravity, next_gravity, log, population, has_archive, is_described, has_broken, seats,
-         rods, sleep, events, rules, budget, zones, stages, dt, reports, visited, active, last_dt] = *this;
+         rods, sleep, events, size, rules, budget, zones, stages, dt, reports, visited, active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);
@@ -67,7 +67,8 @@ void Step::archive(Archive& archive) {
   if (archive.restores()) order(edits, false);
   archive(edits);
   if (archive.restores()) order(edits, true);
-  archive(anchors, lengths, loads, reactions, has_broken, sleep, rules.error_growth, dt);
+  archive(anchors, lengths, loads, reactions, has_broken, sleep, size, dt);
+  relate_errors();
   if (settings.events) archive(events);
   for_solvers([&](Solver& solver) { solver.archive(archive); });
 }

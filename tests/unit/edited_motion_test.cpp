@@ -1,0 +1,161 @@
+// Edits and snapshots of what moves: speeds, reactions and problems are those of the motion that follows.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "plumb/settings.hpp"
+#include "plumb/world.hpp"
+#include "scenes/generators/generators.hpp"
+#include "support/refusals.hpp"
+
+namespace plumb {
+namespace {
+
+constexpr double frame = 1.0 / 60;
+constexpr Gradient gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+
+/// A rod of 1 m that moves along itself at 1 m/s, far from everything and without weight.
+Scene flying_rod() {
+  Scene scene;
+  scene.gravity = {};
+  scene.particles = {{.position = {0, 0, 0}, .velocity = {1, 0, 0}, .mass = 1},
+                     {.position = {1, 0, 0}, .velocity = {1, 0, 0}, .mass = 1}};
+  scene.rods = {{.a = 0, .b = 1}};
+  return scene;
+}
+
+TEST(EditedMotion, StopsAtOnceWhereAParticleIsFixed) {
+  for (const Gradient gradient : gradients) {
+    World world(flying_rod(), {.method = Method::direct, .gradient = gradient});
+    world.step(frame);
+    world.fix(0);
+    world.step(frame);  // gradient new has the mean velocity of this one
+    for (int i = 0; i < 4; ++i) {
+      world.step(frame);
+      EXPECT_LE(norm(world.velocity(1)), 1e-9) << to_string(gradient) << ", step " << i;
+    }
+  }
+}
+
+TEST(EditedMotion, GoesOnWhereAnAnchorGoesOn) {
+  for (const Gradient gradient : gradients) {
+    World world(flying_rod(), {.method = Method::direct, .gradient = gradient});
+    world.step(frame);
+    world.fix(0);
+    for (int i = 1; i < 6; ++i) {
+      world.move_anchor(0, {(i + 1) * frame, 0, 0});
+      world.step(frame);
+      EXPECT_LE(norm(world.velocity(1) - Vec3{1, 0, 0}), 1e-9) << to_string(gradient) << ", step " << i;
+    }
+  }
+}
+
+TEST(EditedMotion, RefusesToFreeWhatWasPulledOffItsRod) {
+  Scene scene = flying_rod();
+  for (Particle& particle : scene.particles) particle.velocity = {};
+  scene.particles[0].fixed = true;
+  World world(scene, {.method = Method::direct});
+  world.fix(1);
+  world.move_anchor(1, {1.01, 0, 0});
+  world.step(frame);
+  EXPECT_EQ(test::refusal([&] { world.free(1); }),
+            "particle 1: cannot be free, since rod 0 is 1 m long, and its ends are 1.01 m apart");
+  world.move_anchor(1, {1, 0, 0});
+  world.step(frame);
+  world.free(1);
+  world.step(frame);
+}
+
+TEST(EditedMotion, TeleportsTakeOutWhatStretchesRods) {
+  for (const Gradient gradient : gradients) {
+    World world(flying_rod(), {.method = Method::direct, .gradient = gradient});
+    world.step(frame);
+    const std::uint32_t particles[] = {0, 1};
+    const Vec3 positions[] = {{5, 0, 0}, {6, 0, 0}};
+    const Vec3 velocities[] = {{0, 1, 0}, {2, -1, 0}};
+    world.teleport(particles, positions, velocities);
+    for (int i = 0; i < 4; ++i) {
+      const Vec3 way = world.position(1) - world.position(0);
+      EXPECT_LE(std::abs(dot(way, world.velocity(1) - world.velocity(0))), 0.04)
+          << to_string(gradient) << ", step " << i;
+      // Equal masses have kept their momentum.
+      EXPECT_LE(norm(world.velocity(0) + world.velocity(1) - Vec3{2, 0, 0}), 1e-9) << to_string(gradient);
+      world.step(frame);
+    }
+  }
+}
+
+TEST(EditedMotion, AnchorsKeepTheirSpeedInReactions) {
+  Scene scene = flying_rod();
+  for (Particle& particle : scene.particles) particle.fixed = true;
+  scene.rods[0].mass = 0.5;
+  World world(scene, {.method = Method::direct, .tensions = true});
+  for (int i = 1; i < 6; ++i) {
+    world.move_anchor(0, {i * frame, 0, 0});
+    if (i < 4) world.move_anchor(1, {1 + i * frame, 0, 0});
+    if (i == 4) world.free(1);
+    world.step(frame);
+    if (i >= 4) {
+      EXPECT_LE(norm(world.reaction(0)), 1e-9) << "step " << i;
+    }
+  }
+}
+
+TEST(Problems, AreListedOfSmallNetsAndOfThoseThatThreadsShare) {
+  for (const std::uint32_t size : {20u, 80u}) {
+    World world(scenes::make_net(size, size), {.method = Method::relax, .events = true, .threads = 2});
+    world.step(frame);
+    EXPECT_TRUE(world.problems(1e9).empty());
+    world.set_force(size * size / 2, {0, 1e300, 0});
+    bool is_told = false;
+    for (int i = 0; i < 3 && !is_told; ++i) {
+      const bool froze = world.step(frame).frozen_islands > 0;
+      ASSERT_EQ(froze, !world.problems(1e9).empty()) << size;
+      ASSERT_EQ(froze, !world.events().empty()) << size;
+      is_told = froze;
+    }
+    EXPECT_TRUE(is_told) << size;
+  }
+}
+
+TEST(Problems, EndWhereAnIslandSleeps) {
+  Scene scene = scenes::make_chain(6, 0.1, 1);
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i) scene.particles[i].position = {0, -0.1 * i, 0};
+  World world(scene, {.method = Method::direct, .accuracy = 1e-9, .most_work = 1});
+  bool had_some = false;
+  int steps = 0;
+  for (; steps < 120; ++steps) {
+    const StepReport report = world.step(frame);
+    if (report.awake_islands == 0) break;
+    had_some = had_some || !world.problems().empty();
+  }
+  EXPECT_TRUE(had_some) << "or this test tests nothing";
+  ASSERT_LT(steps, 120);
+  world.step(frame);
+  EXPECT_TRUE(world.problems().empty());
+}
+
+TEST(RestoredLoads, EndWhereAWorldHasNone) {
+  Scene scene = flying_rod();
+  for (Particle& particle : scene.particles) particle.velocity = {};
+  World with(scene), without(scene);
+  with.set_load([](const LoadState&, std::span<Vec3> forces) {
+    for (Vec3& force : forces) force = {1, 0, 0};
+  });
+  with.step(frame);
+  std::vector<std::byte> bytes(with.snapshot_size());
+  with.save(bytes);
+  without.restore(bytes);
+  without.step(frame);
+  const Vec3 velocity = without.velocity(0);
+  without.step(frame);
+  EXPECT_LE(norm(without.velocity(0) - velocity), 1e-12);
+}
+
+}  // namespace
+}  // namespace plumb
