@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <iterator>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 namespace plumb::detail {
@@ -11,6 +12,8 @@ namespace plumb::detail {
 /// copies or room for half as many again. Chunks stay when it is cleared.
 template <class T>
 class Chunks {
+  static_assert(std::is_trivially_destructible_v<T>, "what is cleared is written over");
+
  public:
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
@@ -18,12 +21,12 @@ class Chunks {
   /// Appends a thing as it is when made, and returns it.
   T& add() {
     if (size_ == in_chunk * chunks_.size()) chunks_.push_back(std::make_unique<T[]>(in_chunk));
-    T& out = at(size_++);
-    out = T{};
-    return out;
+    T* const out = &chunks_[size_ / in_chunk][size_ % in_chunk];
+    ++size_;
+    return *std::construct_at(out);
   }
 
-  template <class Of, class Value>
+  template <class Value>
   class Iterator {
    public:
     using iterator_category = std::forward_iterator_tag;
@@ -32,28 +35,34 @@ class Chunks {
     using pointer = Value*;
     using reference = Value&;
 
-    Iterator(Of* of, std::size_t at) : of_(of), at_(at) {}
-    Value& operator*() const { return of_->at(at_); }
+    Iterator(const std::unique_ptr<T[]>* chunk, std::size_t left) : next_(chunk), left_(left) { enter(); }
+    Value& operator*() const { return *here_; }
     Iterator& operator++() {
-      ++at_;
+      --left_;
+      if (++here_ == end_) enter();
       return *this;
     }
-    bool operator==(const Iterator&) const = default;
+    /// Iterators over one list are compared by how much is left.
+    bool operator==(const Iterator& other) const { return left_ == other.left_; }
 
    private:
-    Of* of_;
-    std::size_t at_;
+    void enter() {
+      if (left_ == 0) return;
+      here_ = next_++->get();
+      end_ = here_ + in_chunk;
+    }
+
+    const std::unique_ptr<T[]>* next_;
+    std::size_t left_;
+    T *here_ = nullptr, *end_ = nullptr;
   };
-  Iterator<Chunks, T> begin() { return {this, 0}; }
-  Iterator<Chunks, T> end() { return {this, size_}; }
-  Iterator<const Chunks, const T> begin() const { return {this, 0}; }
-  Iterator<const Chunks, const T> end() const { return {this, size_}; }
+  Iterator<T> begin() { return {chunks_.data(), size_}; }
+  Iterator<T> end() { return {nullptr, 0}; }
+  Iterator<const T> begin() const { return {chunks_.data(), size_}; }
+  Iterator<const T> end() const { return {nullptr, 0}; }
 
  private:
   static constexpr std::size_t in_chunk = 16;
-
-  T& at(std::size_t i) { return chunks_[i / in_chunk][i % in_chunk]; }
-  const T& at(std::size_t i) const { return chunks_[i / in_chunk][i % in_chunk]; }
 
   std::vector<std::unique_ptr<T[]>> chunks_;
   std::size_t size_ = 0;
