@@ -83,9 +83,7 @@ bool GroundContacts::Row::is_stale() const {
 }
 
 void GroundContacts::add(const GroundContact& contact, double heaviest) {
-  // A row is a kilobyte, so that room for twice as many would be most of what a long rope takes.
-  if (rows_.size() == rows_.capacity()) rows_.reserve(rows_.size() + rows_.size() / 8 + 4);
-  Row& row = rows_.emplace_back();
+  Row& row = rows_.add();
   row.contact = contact;
   row.mass = heaviest;
 }
@@ -106,8 +104,8 @@ void GroundContacts::grip() {
 }
 
 void GroundContacts::begin_grip() {
-  const bool all_held =
-      std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.contact.is_held; });
+  bool all_held = true;
+  for (const Row& row : rows_) all_held = all_held && row.contact.is_held;
   ease_ = all_held && !is_loose_ ? 1 : loose;
   lack_ = 1;
   settlements_ = settles_ ? most_settlements : 0;
@@ -281,8 +279,9 @@ void GroundContacts::take(double share) {
 }
 
 std::size_t GroundContacts::count_pushes() const {
-  return static_cast<std::size_t>(
-      std::count_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.push != Vec3{}; }));
+  std::size_t count = 0;
+  for (const Row& row : rows_) count += row.push != Vec3{} ? 1 : 0;
+  return count;
 }
 
 }  // namespace plumb::detail

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include "contact/chunks.hpp"
 #include "contact/linkage/linkage_state.hpp"
 #include "contact/shapes/touch.hpp"
 
@@ -147,7 +147,7 @@ class GroundContacts {
   template <class Push>
   void add(const Linkage& linkage, std::span<double> right, Push&& push) const;
 
-  std::vector<Row> rows_;
+  Chunks<Row> rows_;  ///< a row is most of a kilobyte
   double lack_ = 0;
   double ease_ = 1;  ///< share of the grip
   bool is_stale_ = false;

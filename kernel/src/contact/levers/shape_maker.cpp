@@ -45,12 +45,11 @@ Linkage::Shape ShapeMaker::make(const Capsule& capsule) const {
     });
     if (!holds) continue;
     shape.turning = Linkage::Shape::Turning::body;
-    shape.body = body;
+    shape.turners = body;
     return shape;
   }
   if (particles.size() != 2 || !keeps_apart(particles[0], particles[1])) return shape;
-  shape.line.add(particles[1], 1);
-  shape.line.add(particles[0], -1);
+  shape.turners = {particles[0], particles[1]};
   shape.turning = Linkage::Shape::Turning::line;
   return shape;
 }

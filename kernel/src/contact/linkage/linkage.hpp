@@ -35,8 +35,12 @@ class Linkage {
     /// Says what the shape turns with: nothing, the line from one place to another, or a body.
     enum class Turning : std::uint8_t { none, line, body };
     Turning turning = Turning::none;
-    std::array<std::uint32_t, 4> body{};  ///< the particles of that body
-    Combination line{};                   ///< the way along that line
+    std::array<std::uint32_t, 4> turners{};  ///< the particles of that body, or the two of that line
+    /// Returns the way along that line, from its first to its second particle.
+    Combination line() const {
+      if (turning != Turning::line) return {};
+      return {.terms = {{{turners[1], 1}, {turners[0], -1}}}, .count = 2};
+    }
   };
   /// This is a hull on the four particles of a body. As a shape it has no line, and friction acts on it where
   /// its core is touched.

@@ -23,7 +23,7 @@ Anchored::Anchored(const Scene& scene) {
     for (const Combination& sum : {shape.a, shape.b})
       for (std::uint32_t i = 0; i < sum.count; ++i) anchors_.push_back(sum.terms[i].particle);
     if (shape.turning == Linkage::Shape::Turning::body)
-      anchors_.insert(anchors_.end(), shape.body.begin(), shape.body.end());
+      anchors_.insert(anchors_.end(), shape.turners.begin(), shape.turners.end());
   }
   std::sort(anchors_.begin(), anchors_.end());
   anchors_.erase(std::unique(anchors_.begin(), anchors_.end()), anchors_.end());

@@ -109,7 +109,7 @@ bool CrowdContacts<T>::wake(std::span<LinkageState* const> cluster) {
 
 template <class T>
 Barycentric CrowdContacts<T>::body_of(const Substep& in, const Side& side) {
-  const auto& particles = shape_of(in, side).body;
+  const auto& particles = shape_of(in, side).turners;
   const auto at = [&](int i) { return in.crowd.position_of(side.island, particles[i]); };
   return Barycentric({at(0), at(1), at(2), at(3)});
 }
@@ -205,7 +205,7 @@ void CrowdContacts<T>::add_sliding(const Substep& in, const std::array<Side, 2>&
       const Vec3 arm = -sign * (shape.radius + apart) * touch.normal;
       const std::array<double, 4> weights = body_of(in, side).weights(middle(in, side) + arm);
       at.count = 4;
-      for (std::uint32_t k = 0; k < 4; ++k) at.terms[k] = {shape.body[k], weights[k]};
+      for (std::uint32_t k = 0; k < 4; ++k) at.terms[k] = {shape.turners[k], weights[k]};
     }
     moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, at, sign, in.to.terms);
   }
@@ -227,7 +227,7 @@ void CrowdContacts<T>::add_turning(const Substep& in, const std::array<Side, 2>&
     if (!turns(in, side)) continue;
     const std::array<Vec3, 4> gradients = body_of(in, side).gradients();
     for (std::uint32_t k = 0; k < 4; ++k) {
-      const std::uint32_t particle = shape_of(in, side).body[k];
+      const std::uint32_t particle = shape_of(in, side).turners[k];
       const double inverse = in.crowd.inverse_mass(side.island, particle);
       const Vec3 g = gradients[k];
       in.to.turn_terms.push_back(

@@ -84,6 +84,9 @@ inline constexpr int most_turning_sweeps = 3;
 /// Where an island has more sides of contacts, pushes are found freely, and else by its responses to each.
 /// Those take the square of this number of responses.
 inline constexpr std::size_t most_responses = 256;
+/// Responses of an island's sides are kept if they are no more than so many lanes of numbers, a megabyte.
+/// Else what pushes do is solved for anew, which costs less than to add up so many.
+inline constexpr std::size_t most_kept_responses = 16384;
 /// So many passes over contacts go before a solve there. One more costs little beside it.
 inline constexpr int free_passes = 2;
 /// Beyond so many rows of contacts some come and go in each correction. Constraints may then get worse for a

@@ -16,22 +16,7 @@ void ClusterStepper::fill_velocities(Island& island) {
   linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
   hold_elastics(island);
   linkage.put(island.impulse, right);
-  const auto add = [&](Sum sum, Vec3 by) {
-    for (std::uint32_t k = sum.first; k < sum.end; ++k) {
-      const auto [particle, weight] = island.terms[k];
-      if (particle >= linkage.movable()) continue;
-      double* const at = &right[linkage.slot(particle)];
-      at[0] += weight * by.x;
-      at[1] += weight * by.y;
-      at[2] += weight * by.z;
-    }
-  };
-  for (std::size_t s = 0; s < island.sides.size(); ++s) {
-    const double by = island.push[s / simd::kkt_lanes].of[s % simd::kkt_lanes];
-    if (by == 0) continue;
-    add(island.sides[s].a, by * island.sides[s].along_a);
-    add(island.sides[s].b, by * island.sides[s].along_b);
-  }
+  add_pushes(island);
 }
 
 // Finds velocities along the constraints where the island is now.

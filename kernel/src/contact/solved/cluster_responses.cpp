@@ -1,7 +1,6 @@
 // This file finds how islands answer to pushes.
 
 #include <algorithm>
-#include <tuple>
 
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
@@ -54,53 +53,115 @@ double ClusterStepper::couple_ends(Row& row) {
   return 2 * row.end[0].coupling[two];
 }
 
+/// Lists a side's unknowns, and the weights that they have in it.
+ClusterStepper::SideUnknowns ClusterStepper::gather(const Island& island, const Side& side) {
+  const Linkage& linkage = *island.state->linkage;
+  SideUnknowns out;
+  const auto add = [&](Sum sum, Vec3 along) {
+    for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+      const auto [particle, weight] = island.terms[k];
+      if (particle >= linkage.movable()) continue;
+      const std::uint32_t slot = linkage.slot(particle);
+      const double by[3] = {weight * along.x, weight * along.y, weight * along.z};
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        out.slots[out.used] = slot + axis;
+        out.factors[out.used++] = by[axis];
+      }
+    }
+  };
+  add(side.a, side.along_a);
+  add(side.b, side.along_b);
+  return out;
+}
+
 /// Finds what every side of the island moves by when one side gets a push of one. Eight sides are solved
 /// at once.
 void ClusterStepper::couple(Island& island) {
   constexpr std::size_t lanes = simd::kkt_lanes;
-  const Linkage& linkage = *island.state->linkage;
-  const std::uint32_t unknowns = linkage.plan().unknowns();
+  const KktPlan& plan = island.state->linkage->plan();
+  const std::uint32_t unknowns = plan.unknowns();
   const std::size_t batches = island.batches(), count = island.sides.size();
-  island.response.assign(batches * unknowns, Lanes{});
+  island.keeps_responses = batches * unknowns <= most_kept_responses;
+  const std::size_t kept = island.keeps_responses ? batches : 1;
   island.coupling.resize(count * batches);
   island.speed.resize(batches);
   island.push.assign(batches, Lanes{});
-
-  // A side is a list of unknowns and of the weights that they have in it.
-  constexpr std::size_t most = 2 * 3 * std::tuple_size_v<decltype(Combination::terms)>;
-  std::uint32_t slots[most];
-  double factors[most];
-  const auto gather = [&](const Side& side) {
-    std::uint32_t used = 0;
-    const auto add = [&](Sum sum, Vec3 along) {
-      for (std::uint32_t k = sum.first; k < sum.end; ++k) {
-        const auto [particle, weight] = island.terms[k];
-        if (particle >= linkage.movable()) continue;
-        const std::uint32_t slot = linkage.slot(particle);
-        const double by[3] = {weight * along.x, weight * along.y, weight * along.z};
-        for (std::uint32_t axis = 0; axis < 3; ++axis) {
-          slots[used] = slot + axis;
-          factors[used++] = by[axis];
-        }
-      }
-    };
-    add(side.a, side.along_a);
-    add(side.b, side.along_b);
-    return used;
-  };
-  for (std::size_t s = 0; s < count; ++s) {
-    const std::uint32_t used = gather(island.sides[s]);
-    for (std::uint32_t k = 0; k < used; ++k)
-      island.response[s / lanes * unknowns + slots[k]].of[s % lanes] += factors[k];
+  for (std::size_t batch = 0; batch < batches; batch += kept) {
+    island.response.assign(kept * unknowns, Lanes{});
+    const std::size_t first = batch * lanes, end = std::min(count, first + kept * lanes);
+    for (std::size_t s = first; s < end; ++s) {
+      const SideUnknowns of = gather(island, island.sides[s]);
+      Lanes* const response = &island.response[(s - first) / lanes * unknowns];
+      for (std::uint32_t k = 0; k < of.used; ++k) response[of.slots[k]].of[s % lanes] += of.factors[k];
+    }
+    kernels_->solve_lanes(plan.pattern(), island.state->factors.data(), kept, island.response.front().of);
+    for (std::size_t s = 0; s < count; ++s) {
+      const SideUnknowns of = gather(island, island.sides[s]);
+      kernels_->combine(island.response.front().of, unknowns, kept,
+                        {of.slots.data(), of.factors.data(), of.used},
+                        island.coupling[s * batches + batch].of);
+    }
   }
-  kernels_->solve_lanes(linkage.plan().pattern(), island.state->factors.data(), batches,
-                        island.response.front().of);
   island.ground.keep_slopes();
-  for (std::size_t s = 0; s < count; ++s) {
-    const std::uint32_t used = gather(island.sides[s]);
-    kernels_->combine(island.response.front().of, unknowns, batches, {slots, factors, used},
-                      island.coupling[s * batches].of);
+}
+
+/// Adds the pushes on an island's sides to the right hand side.
+void ClusterStepper::add_pushes(Island& island) {
+  const Linkage& linkage = *island.state->linkage;
+  const std::span<double> right = island.right();
+  const auto add = [&](Sum sum, Vec3 by) {
+    for (std::uint32_t k = sum.first; k < sum.end; ++k) {
+      const auto [particle, weight] = island.terms[k];
+      if (particle >= linkage.movable()) continue;
+      double* const at = &right[linkage.slot(particle)];
+      at[0] += weight * by.x;
+      at[1] += weight * by.y;
+      at[2] += weight * by.z;
+    }
+  };
+  for (std::size_t s = 0; s < island.sides.size(); ++s) {
+    const double by = island.push[s / simd::kkt_lanes].of[s % simd::kkt_lanes];
+    if (by == 0) continue;
+    add(island.sides[s].a, by * island.sides[s].along_a);
+    add(island.sides[s].b, by * island.sides[s].along_b);
   }
+}
+
+/// Adds up what pushes do by the response of each side.
+void ClusterStepper::add_responses(Island& island) {
+  const std::uint32_t unknowns = island.state->linkage->plan().unknowns();
+  island.sum.assign(unknowns, Lanes{});
+  for (std::size_t batch = 0; batch < island.batches(); ++batch)
+    kernels_->accumulate(island.sum.front().of, island.push[batch].of, island.response[batch * unknowns].of,
+                         unknowns);
+  const std::span<double> right = island.right();
+  for (std::uint32_t slot = 0; slot < unknowns; ++slot) {
+    double total = 0;
+    for (const double each : island.sum[slot].of) total += each;
+    right[slot] = total;
+  }
+}
+
+/// Finds what they do by one solve, where the responses were not kept.
+void ClusterStepper::solve_pushes(Island& island) {
+  const std::span<double> right = island.right();
+  std::fill(right.begin(), right.end(), 0.0);
+  add_pushes(island);
+  island.state->linkage->plan().solve(island.state->factors, island.unknowns);
+  island.ground.keep_slopes();
+}
+
+/// Adds to `motion` what the pushes since the last call have done, and clears them.
+void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
+  const Linkage& linkage = *island.state->linkage;
+  island.keeps_responses ? add_responses(island) : solve_pushes(island);
+  std::fill(island.push.begin(), island.push.end(), Lanes{});
+  const std::span<const double> moved = island.right();
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k) motion[k] += linkage.taken(moved, k);
+  for (std::uint32_t c = 0; c < island.pulls.size(); ++c)
+    island.pulls[c] += moved[linkage.plan().position(3 * linkage.movable() + c)];
+  for (std::size_t k = 0; k < island.elastics.size(); ++k)
+    island.elastics[k].p -= moved[linkage.plan().position(linkage.elastics()[k].row)];
 }
 
 }  // namespace plumb::detail

@@ -68,31 +68,6 @@ void ClusterStepper::push_held() {
   }
 }
 
-/// Adds to `motion` what the pushes since the last call have done, and clears them.
-void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
-  const Linkage& linkage = *island.state->linkage;
-  const std::uint32_t unknowns = linkage.plan().unknowns();
-  island.sum.assign(unknowns, Lanes{});
-  for (std::size_t batch = 0; batch < island.batches(); ++batch) {
-    kernels_->accumulate(island.sum.front().of, island.push[batch].of, island.response[batch * unknowns].of,
-                         unknowns);
-    island.push[batch] = {};
-  }
-  const auto total = [&](std::uint32_t slot) {
-    double out = 0;
-    for (const double each : island.sum[slot].of) out += each;
-    return out;
-  };
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k) {
-    const std::uint32_t slot = linkage.slot(k);
-    motion[k] += {total(slot), total(slot + 1), total(slot + 2)};
-  }
-  for (std::uint32_t c = 0; c < island.pulls.size(); ++c)
-    island.pulls[c] += total(linkage.plan().position(3 * linkage.movable() + c));
-  for (std::size_t k = 0; k < island.elastics.size(); ++k)
-    island.elastics[k].p -= total(linkage.plan().position(linkage.elastics()[k].row));
-}
-
 namespace {
 
 /// Scales (a, b) down to the length `most` if it is longer.

@@ -93,11 +93,12 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
     std::vector<Combination::Term> terms;
     std::vector<Side> sides;
     PlacedHulls hulls;
-    GroundContacts ground;      ///< those with fixed things, if there are many
-    bool is_predicted = false;  ///< d is where it flies, or else a guess
-    std::size_t next_kept = 0;  ///< where the next contact is likely to be found again
+    GroundContacts ground;        ///< those with fixed things, if there are many
+    bool is_predicted = false;    ///< d is where it flies, or else a guess
+    bool keeps_responses = true;  ///< those of all sides are kept, not those of the last eight alone
+    std::size_t next_kept = 0;    ///< where the next contact is likely to be found again
     // Padded to whole lanes, or by lanes:
-    std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown
+    std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown; the last ones if few
     std::vector<Lanes> coupling;  ///< G, a row for every side
     std::vector<Lanes> speed;     ///< what each side sees of d or v
     std::vector<Lanes> push;      ///< on each side, not yet applied
@@ -247,7 +248,18 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static std::uint32_t add_side(Island& island, const Lever::Rate& rate, double sign);
   void find_responses(bool of_elastic_ones_alone);
   static double couple_ends(Row& row);
+  /// The unknowns that a side consists of, and the weight of each.
+  struct SideUnknowns {
+    static constexpr std::size_t most = 2 * 3 * std::tuple_size_v<decltype(Combination::terms)>;
+    std::array<std::uint32_t, most> slots;
+    std::array<double, most> factors;
+    std::uint32_t used = 0;
+  };
+  static SideUnknowns gather(const Island& island, const Side& side);
   void couple(Island& island);
+  static void add_pushes(Island& island);
+  void add_responses(Island& island);
+  static void solve_pushes(Island& island);
   void see(Island& island, std::span<const Vec3> motion);
   double see(const Row& row);
   /// Returns how a row moves against what it touches, in m or m/s.
