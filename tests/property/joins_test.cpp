@@ -70,10 +70,10 @@ TEST(Joins, GoOnAsAWorldOfThatScene) {
       World fresh(then, settings);
       EXPECT_EQ(world.step(frame).awake_islands, 2u);
       EXPECT_EQ(fresh.step(frame).awake_islands, 2u);
-      const double rounding = settings.method == Method::relax              ? 1e-6
-                              : settings.gradient == Gradient::new_           ? 3e-4
+      const double rounding = settings.method == Method::relax          ? 1e-6
+                              : settings.gradient == Gradient::new_     ? 3e-4
                               : settings.precision == Precision::single ? 1e-7
-                                                                            : 1e-14;
+                                                                        : 1e-14;
       for (std::uint32_t i = 0; i < 14; ++i) {
         EXPECT_LE(norm(world.position(i) - fresh.position(i)), rounding) << i;
         EXPECT_LE(norm(world.velocity(i) - fresh.velocity(i)), 100 * rounding) << i;

@@ -166,12 +166,13 @@ class PLUMB_API World {
   /// that does not end.
   void cut(std::uint32_t rod);
   /// Joins two particles, of two islands or of one, by a new rod from the next step on. Its ends are those of
-  /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod: those
-  /// end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest that is
-  /// free, or new; cut() before the next step gives it back.
+  /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod:
+  /// those end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest
+  /// that is free, or new; cut() before the next step gives it back.
   ///
-  /// Throws InputError as cut() does, on rods that validate() refuses, on ends that are both fixed or joined
-  /// already, and on a rigid rod whose ends are not its length apart. Such a message calls a bad rod rod 0.
+  /// Throws InputError as cut() does, on rods that validate() refuses, and on ends that are both fixed or
+  /// joined already. So it does on a rigid rod that does not fit between its ends. Messages of validate()
+  /// call the rod rod 0.
   Handle<Rod> join(const Rod& rod);
   /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.
   Handle<Rod> join(Handle<Particle> a, Handle<Particle> b, Rod rod = {});

@@ -90,8 +90,8 @@ class Step {
   /// Fixes a particle, or frees it. Throws InputError likewise, and if it has no mass to be freed with.
   void fix(std::uint32_t particle, bool is_fixed);
   void set_mass(std::uint32_t particle, double mass);
-  /// Joins particles by a rod whose length is known. `alone` is that rod by itself. Returns its number. Throws
-  /// InputError where an island cannot be made anew, and if the settings cannot move the rod.
+  /// Joins particles by a rod whose length is known. `alone` is that rod by itself. Returns its number.
+  /// Throws InputError where an island cannot be made anew, and if the settings cannot move the rod.
   std::uint32_t join(const Rod& rod, const Scene& alone);
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
   /// Puts particles elsewhere at once. Throws InputError if rods or pins do not fit then.

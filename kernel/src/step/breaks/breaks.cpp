@@ -174,8 +174,7 @@ void Breaks::join(const Edits& edits) {
   joined_.clear();
   for (const auto& [number, rod] : edits.joined) {
     grown_->rods[number] = rod;
-    if (rod.law.strength < never)
-      weak_.insert(std::lower_bound(weak_.begin(), weak_.end(), number), number);
+    if (rod.law.strength < never) weak_.insert(std::lower_bound(weak_.begin(), weak_.end(), number), number);
     for (const std::uint32_t end : {rod.a, rod.b}) {
       Ids rods(rods_at(end).begin(), rods_at(end).end());
       rods.push_back(number);
