@@ -1,5 +1,6 @@
-// bench_edits measures what it costs to add a rope to a world of many, to remove one, and to cut one. Frames
-// go on between the edits, as they do in a game, and edits without frames show what cold caches cost.
+// bench_edits measures what it costs to add a rope to a world of many, to remove one, to cut one and to join
+// two. Frames go on between the edits, as they do in a game, and edits without frames show what cold caches
+// cost.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -70,7 +71,7 @@ void measure(Method method, std::uint32_t ropes) {
   const Settings settings{.method = method, .threads = 1};
   const std::string name = std::to_string(ropes) + " ropes, " + std::string(to_string(method)) + ": ";
   World world(scene, settings), other(scene, settings);
-  Times frames, orders, cut_frames;
+  Times frames, orders, cut_frames, joins, join_frames;
   for (World* const each : {&world, &other}) each->step(frame);
   for (int i = 0; i < 200; ++i) frames.time([&] { world.step(frame); });
   frames.say(name + "frame");
@@ -82,6 +83,13 @@ void measure(Method method, std::uint32_t ropes) {
   }
   orders.say(name + "order a cut");
   cut_frames.say(name + "frame with a cut");
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const std::uint32_t tip = (rods + 1) * (i * ropes / 20 + 1) - 1;
+    joins.time([&] { world.join({.a = tip, .b = tip + rods + 1}); });
+    join_frames.time([&] { world.step(frame); });
+  }
+  joins.say(name + "order a join");
+  join_frames.say(name + "frame with a join");
 }
 
 }  // namespace

@@ -82,6 +82,9 @@ class Player {
     std::mt19937 random(seeds);
     const auto pick = [&](std::size_t count) { return static_cast<std::uint32_t>(random() % count); };
     if (frame % 3 == 0) world.cut(pick(scene_.rods.size()));
+    if (frame % 7 == 3)
+      world.join(
+          {.a = pick(scene_.particles.size()), .b = pick(scene_.particles.size()), .law = {.strength = 90}});
     if (frame % 5 == 1) world.set_mass(pick(scene_.particles.size()), 0.5 + 0.1 * pick(10));
     if (frame % 9 == 2) world.set_gravity({0.1 * pick(10), -9.0 - 0.1 * pick(10), 0});
     if (!scene_.bends.empty()) return;

@@ -171,6 +171,17 @@ class PLUMB_API World {
   /// cannot be made anew. That is one with joints, springs, shapes, air on rods or reels, or with a twist
   /// that does not end.
   void cut(std::uint32_t rod);
+  /// Joins two particles, of two islands or of one, by a new rod from the next step on. Its ends are those of
+  /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod:
+  /// those end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest
+  /// that is free, or new; cut() before the next step gives it back.
+  ///
+  /// Throws InputError as cut() does, on rods that validate() refuses, and on ends that are both fixed or
+  /// joined already. So it does on a rigid rod that does not fit between its ends. Messages of validate()
+  /// call the rod rod 0.
+  Handle<Rod> join(const Rod& rod);
+  /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.
+  Handle<Rod> join(Handle<Particle> a, Handle<Particle> b, Rod rod = {});
   /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end. Throws
   /// InputError as cut() does, and on particles of bends, tackles, twists and reels.
   void fix(std::uint32_t particle);

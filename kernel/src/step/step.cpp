@@ -328,6 +328,7 @@ void Step::move_anchor(std::uint32_t particle, Vec3 target) {
 
 void Step::set_length(std::uint32_t cord, double target) {
   if (!is_line(cord) && is_broken(cord)) return;  // it has no length any more
+  if (waits(cord)) refuse("rod ", cord, ": is joined in the next step, and keeps its length until then");
   const auto places = compiled_.cords.of(cord);
   if (places.empty() || solver(places.front()).sweeps())
     refuse("rod ", cord, ": its length cannot change, since its island is relaxed or has joints");

@@ -95,6 +95,9 @@ class Step {
   /// Fixes a particle, or frees it. Throws InputError likewise, and if it has no mass to be freed with.
   void fix(std::uint32_t particle, bool is_fixed);
   void set_mass(std::uint32_t particle, double mass);
+  /// Joins particles by a rod whose length is known. `alone` is that rod by itself. Returns its number.
+  /// Throws InputError where an island cannot be made anew, and if the settings cannot move the rod.
+  std::uint32_t join(const Rod& rod, const Scene& alone);
   void set_gravity(Vec3 gravity) { next_gravity_ = gravity; }
   /// Puts particles elsewhere at once. Throws InputError if rods do not fit then.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
@@ -194,6 +197,12 @@ class Step {
   void drop_edits(const Removed& of);
   void order(const Edits& edits, bool is_ordered);
   void refix(const Edits& edits);
+  bool waits(std::uint32_t rod) const;
+  void take_back(std::span<const std::uint32_t> rods);
+  void require_joinable(const Rod& rod) const;
+  void put_joined(const Edits& edits);
+  void set_state(Fallen& fallen, const Split& now) const;
+  void settle(Fallen fallen, Split& now) const;
   void change_gravity();
   void apply_gravity(Vec3 gravity);
   template <class At>

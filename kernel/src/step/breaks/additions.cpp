@@ -178,6 +178,10 @@ void Step::drop_edits(const Removed& of) {
   const auto is_gone = [](const std::vector<std::uint32_t>& list, std::uint32_t number) {
     return std::binary_search(list.begin(), list.end(), number);
   };
+  std::vector<std::uint32_t> waiting;
+  for (const auto& [number, rod] : edits_.joined)
+    if (is_gone(of.particles, rod.a) || is_gone(of.particles, rod.b)) waiting.push_back(number);
+  take_back(waiting);
   std::erase_if(edits_.cut, [&](std::uint32_t rod) { return is_gone(of.rods, rod); });
   std::erase_if(edits_.masses, [&](const auto& each) { return is_gone(of.particles, each.first); });
   std::erase_if(edits_.fixed, [&](const auto& each) { return is_gone(of.particles, each.first); });

@@ -121,6 +121,7 @@ bool Breaks::joins_ends(std::uint32_t rod) const {
 Fallen Breaks::take_out(std::span<const std::uint32_t> broken, const Edits& edits) {
   touched_.clear();
   freed_.clear();
+  join(edits);
   for (const std::uint32_t rod : broken) touch_rod(rod, false);
   for (const std::uint32_t rod : edits.cut) touch_rod(rod, true);
   for (const std::uint32_t rod : broken) take_rod(rod);
@@ -168,6 +169,22 @@ std::pair<double, double>& Breaks::mass_at(std::uint32_t particle) {
   return masses_.try_emplace(particle, scene_now().particles[particle].mass, 0.0).first->second;
 }
 
+/// Lets rods join particles. grow() has made room for their numbers.
+void Breaks::join(const Edits& edits) {
+  joined_.clear();
+  for (const auto& [number, rod] : edits.joined) {
+    grown_->rods[number] = rod;
+    if (rod.law.strength < never) weak_.insert(std::lower_bound(weak_.begin(), weak_.end(), number), number);
+    for (const std::uint32_t end : {rod.a, rod.b}) {
+      Ids rods(rods_at(end).begin(), rods_at(end).end());
+      rods.push_back(number);
+      rods_at_.replace(end, rods);
+      touch(whole_[end], true);
+    }
+    joined_.push_back(number);
+  }
+}
+
 /// Does what is ordered of particles.
 void Breaks::edit(const Edits& edits) {
   for (const auto& [particle, mass] : edits.masses) {
@@ -198,13 +215,15 @@ Breaks::Cutout Breaks::cutout() {
     append(out.twists, whole.twists);
     append(out.reels, whole.reels);
   }
+  const auto add_rod = [&](std::uint32_t rod) {
+    if (!joins_ends(rod)) return;
+    out.rods.push_back(rod);
+    append(out.particles, std::array{scene_now().rods[rod].a, scene_now().rods[rod].b});
+  };
+  for (const std::uint32_t rod : joined_) add_rod(rod);
   for (const std::uint32_t particle : freed_) {
     out.particles.push_back(particle);
-    for (const std::uint32_t rod : rods_at(particle)) {
-      if (!joins_ends(rod)) continue;
-      out.rods.push_back(rod);
-      append(out.particles, std::array{scene_now().rods[rod].a, scene_now().rods[rod].b});
-    }
+    for (const std::uint32_t rod : rods_at(particle)) add_rod(rod);
   }
   for (Ids* const list : {&out.particles, &out.rods, &out.bends, &out.tackles, &out.twists, &out.reels})
     sort_once(*list);

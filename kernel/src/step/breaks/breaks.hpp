@@ -118,6 +118,7 @@ class Breaks {
   void touch(std::uint32_t whole, bool is_forced);
   void touch_rod(std::uint32_t rod, bool is_forced);
   void take_rod(std::uint32_t rod);
+  void join(const Edits& edits);
   std::pair<double, double>& mass_at(std::uint32_t particle);
   void edit(const Edits& edits);
   Cutout cutout();
@@ -142,6 +143,7 @@ class Breaks {
   std::vector<std::uint32_t> whole_;    ///< by particle, and none for fixed ones
   std::vector<std::uint32_t> touched_;  ///< wholes
   std::vector<std::uint32_t> freed_;    ///< particles
+  std::vector<std::uint32_t> joined_;   ///< rods
   std::vector<std::uint32_t> spare_;    ///< numbers of wholes that nobody has
   std::vector<std::uint32_t> place_;    ///< by particle: that in a cutout which is made, else none
 };

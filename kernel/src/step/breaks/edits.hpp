@@ -4,22 +4,38 @@
 #include <utility>
 #include <vector>
 
+#include "plumb/scene.hpp"
+
 namespace plumb::detail {
+
+/// Says what a rod is that a program joins to particles that are there, and which number it got.
+struct Joined {
+  std::uint32_t number = 0;
+  Rod rod{};  ///< Its ends are particles of the world, and its length is known.
+
+  friend bool operator==(const Joined&, const Joined&) = default;
+};
+template <class Archive>
+void visit_members(Archive& archive, Joined& of) {
+  auto& [number, rod] = of;
+  archive(number, rod);
+}
 
 /// Lists what a program ordered between two steps that makes islands anew. Of several orders for a particle
 /// the last holds.
 struct Edits {
+  std::vector<Joined> joined;                            ///< They are done before all else.
   std::vector<std::uint32_t> cut;                        ///< rods
   std::vector<std::pair<std::uint32_t, double>> masses;  ///< particles, and their own masses in kg
   std::vector<std::pair<std::uint32_t, bool>> fixed;     ///< particles, and whether they are fixed now
 
-  bool any() const { return !cut.empty() || !masses.empty() || !fixed.empty(); }
+  bool any() const { return !joined.empty() || !cut.empty() || !masses.empty() || !fixed.empty(); }
   friend bool operator==(const Edits&, const Edits&) = default;
 };
 template <class Archive>
 void visit_members(Archive& archive, Edits& of) {
-  auto& [cut, masses, fixed] = of;
-  archive(cut, masses, fixed);
+  auto& [joined, cut, masses, fixed] = of;
+  archive(joined, cut, masses, fixed);
 }
 
 }  // namespace plumb::detail

@@ -25,12 +25,66 @@ void Step::require_editable(const char* what, std::uint32_t number, std::uint32_
 
 void Step::cut(std::uint32_t rod) {
   breaks_.begin();
+  if (waits(rod)) return take_back({&rod, 1});
   if (is_broken(rod)) return;
   require_editable("rod", rod, rods_.end(rod));
   if (const auto twist = breaks_.twist_beside(rod))
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
   edits_.cut.push_back(rod);
   breaks_.order(rod, true);
+}
+
+/// Returns whether a rod is joined in the next step, and nowhere before.
+bool Step::waits(std::uint32_t rod) const {
+  return std::any_of(edits_.joined.begin(), edits_.joined.end(),
+                     [&](const Joined& each) { return each.number == rod; });
+}
+
+/// Lets rods that wait never be joined, and nothing have their numbers.
+void Step::take_back(std::span<const std::uint32_t> rods) {
+  for (const std::uint32_t rod : rods) {
+    std::erase_if(edits_.joined, [&](const Joined& each) { return each.number == rod; });
+    population_.rods.give_back({&rod, 1});
+  }
+}
+
+/// Refuses a rod where an island cannot be made anew with it.
+void Step::require_joinable(const Rod& rod) const {
+  for (const std::uint32_t end : {rod.a, rod.b}) {
+    if (anchors_.is_fixed(end)) continue;  // if it is to be freed, fix() has looked at what hangs from it
+    require_editable("particle", end, end);
+    if (const auto twist = breaks_.twist_at(end))
+      refuse("particle ", end, ": twist ", *twist, " is of its island, which stays one");
+  }
+  const auto require_other = [&](std::uint32_t number, const Rod& other) {
+    if (std::minmax(other.a, other.b) == std::minmax(rod.a, rod.b))
+      refuse("rod ", number, ": joins particles ", rod.a, " and ", rod.b, " already");
+  };
+  for (const std::uint32_t number : breaks_.rods_at(rod.a))
+    if (breaks_.joins_ends(number)) require_other(number, breaks_.scene_now().rods[number]);
+  for (const auto& [number, other] : edits_.joined) require_other(number, other);
+}
+
+std::uint32_t Step::join(const Rod& rod, const Scene& alone) {
+  breaks_.begin();
+  require_joinable(rod);
+  compile_addition(alone);  // which refuses what the settings cannot move
+  const std::uint32_t number = population_.rods.find(1);
+  population_.rods.take(number, 1);
+  grow_tables();
+  edits_.joined.push_back({number, rod});
+  return number;
+}
+
+/// Tells all that know rods of those that are joined. Who is fixed anew is looked at later.
+void Step::put_joined(const Edits& edits) {
+  for (const auto& [number, rod] : edits.joined) {
+    lengths_.add(number, rod.length);
+    rods_.add(number, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
+    if (settings_.tensions)
+      reactions_.insert_rod(breaks_.scene_now(), mass_model_of(settings_), number,
+                            [&](std::uint32_t each) { return anchors_.is_fixed(each); });
+  }
 }
 
 /// Refuses to fix or free a particle of elements that need it as it is.

@@ -33,6 +33,7 @@ void Step::split(StepReport&) {
   if (now.rods.empty() && !now.edits.any()) return;
   const Fallen fallen = breaks_.take_out(now.rods, now.edits);
   log_.keep(fallen.touched, now.edits);
+  put_joined(now.edits);
   for (const std::uint32_t particle : fallen.particles) {
     now.positions.push_back(position(particle));
     now.velocities.push_back(velocity(particle));
@@ -43,6 +44,7 @@ void Step::split(StepReport&) {
   for (const std::uint32_t rod : fallen.rods) now.lengths.push_back(lengths_.length(rod));
   for (const std::uint32_t tackle : fallen.tackles)
     now.lengths.push_back(lengths_.length(tackle_cord(tackle)));
+  if (!now.edits.joined.empty()) settle(fallen, now);
   split(fallen, now);
   log_.push(std::move(now));
 }
@@ -59,6 +61,7 @@ void Step::repeat(Split split_then) {
   } else {
     Fallen fallen = breaks_.take_out(split_then.rods, split_then.edits);
     log_.keep(fallen.touched, split_then.edits);
+    put_joined(split_then.edits);
     split(std::move(fallen), split_then);
   }
   log_.push(std::move(split_then));
@@ -72,6 +75,12 @@ void Step::split(Fallen fallen, Split& now) {
       if (settings_.events) events_.set_broken(rod, true);  // a cut is ordered, and no event
     }
   if (!fallen.any()) return;
+  set_state(fallen, now);
+  exchange(fallen, now, compile_parts(fallen.scene, settings_of_now(), compiled_));
+}
+
+/// Lets the scene of what is made anew begin where that is now, and as fast.
+void Step::set_state(Fallen& fallen, const Split& now) const {
   fallen.scene.gravity = gravity_;
   for (std::size_t k = 0; k < fallen.particles.size(); ++k) {
     Particle& particle = fallen.scene.particles[k];
@@ -81,7 +90,18 @@ void Step::split(Fallen fallen, Split& now) {
   for (std::size_t k = 0; k < fallen.rods.size(); ++k) fallen.scene.rods[k].length = now.lengths[k];
   for (std::size_t k = 0; k < fallen.tackles.size(); ++k)
     fallen.scene.tackles[k].length = now.lengths[fallen.rods.size() + k];
-  exchange(fallen, now, compile_parts(fallen.scene, settings_of_now(), compiled_));
+}
+
+/// Takes from islands that rods have joined what pulls on those: an inelastic blow, which keeps momentum and
+/// angular momentum. A world that is compiled begins so, too.
+void Step::settle(Fallen fallen, Split& now) const {
+  set_state(fallen, now);
+  const Compiled made = compile_addition(fallen.scene);
+  for (std::uint32_t k = 0; k < fallen.particles.size(); ++k) {
+    if (fallen.scene.particles[k].fixed) continue;
+    const Place& place = made.places.of(k).front();
+    now.velocities[k] = made.solvers[place.solver]->velocity(place.slot);
+  }
 }
 
 Settings Step::settings_of_now() const {
@@ -101,8 +121,8 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
     const Place& place = compiled_.places.of(fallen.particles[k]).front();
     substeps[k] = solver(place).last_substep(place.slot);
   }
-  // Those that were freed join islands whose velocities are of one substep, or else of now.
-  if (!now.edits.fixed.empty() && !substeps.empty()) {
+  // Those that were freed or joined go into islands whose velocities are of one substep, or else of now.
+  if ((!now.edits.fixed.empty() || !now.edits.joined.empty()) && !substeps.empty()) {
     const double longest = *std::max_element(substeps.begin(), substeps.end());
     const bool is_one = std::all_of(substeps.begin(), substeps.end(),
                                     [&](double each) { return each == longest || each == 0; });

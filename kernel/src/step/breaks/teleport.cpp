@@ -84,6 +84,11 @@ void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const 
   for (const std::uint32_t particle : particles) {
     if (const auto reel = breaks_.reel_at(particle))
       refuse("particle ", particle, ": reel ", *reel, " is of its island, which keeps its place");
+    for (const auto& [number, rod] : edits_.joined)
+      if ((rod.a == particle || rod.b == particle) && !rod.law.is_elastic() &&
+          !(off(norm(at(rod.b) - at(rod.a)), rod.length, rod.law) <= fits * rod.length))
+        refuse("rod ", number, ": is joined in the next step, ", rod.length,
+               " m long, and its ends would be ", norm(at(rod.b) - at(rod.a)), " m apart");
     for (const std::uint32_t rod : breaks_.rods_at(particle)) {
       const auto& [a, b] = std::tie(scene.rods[rod].a, scene.rods[rod].b);
       if (anchors_.is_fixed(a) && anchors_.is_fixed(b)) continue;
