@@ -200,8 +200,8 @@ class PLUMB_API World {
   /// solved directly is taken out, as at a start. Joints are not looked at.
   ///
   /// Throws InputError on lists of other sizes, on particles that are unknown or listed twice, on places that
-  /// are not finite, on islands with a reel, and on a rigid rod that would be off its length by more than it
-  /// is, and 10^-6 of it.
+  /// are not finite, and on islands with a reel. It also does on a rigid rod that would be off its length by
+  /// more than it is, and 10^-6 of it.
   void teleport(std::span<const std::uint32_t> particles, std::span<const Vec3> positions,
                 std::span<const Vec3> velocities);
 

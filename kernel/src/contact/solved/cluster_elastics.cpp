@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
@@ -144,6 +146,41 @@ bool ClusterStepper::switch_elastics() {
     }
   }
   keeps_slack_ = true;
+  return is_changed && ++switches_ < most_switches;
+}
+
+/// Lets go of cables that are as if rigid where a contact asks them to shorten: what hangs straight above
+/// ground answers to no push while they act. Returns whether there are any, as switch_elastics() does.
+bool ClusterStepper::let_go_of_held() {
+  bool is_changed = false;
+  for (const Row& row : rows_) {
+    if (!is_held_in_ground(row, INFINITY)) continue;
+    for (std::uint32_t k = 0; k < row.ends; ++k) {
+      Island& island = islands_[row.island[k]];
+      const LinkageState& state = *island.state;
+      const Linkage& linkage = *state.linkage;
+      if (!island.awake || state.laws.empty()) continue;
+      std::vector<Vec3>& push = island.impulse;  // which the end of a substep writes anew
+      push.assign(linkage.movable(), Vec3{});
+      const auto add = [&](Sum sum, Vec3 along) {
+        for (std::uint32_t t = sum.first; t < sum.end; ++t)
+          if (const auto [particle, weight] = island.terms[t]; particle < push.size())
+            push[particle] += weight * along;
+      };
+      const Side& side = island.sides[row.side[k]];
+      add(side.a, side.along_a);
+      add(side.b, side.along_b);
+      for (std::size_t i = 0; i < state.laws.size(); ++i) {
+        ElasticStep& step = island.elastics[i];
+        const Elastic& elastic = linkage.elastics()[i];
+        if (!step.acts || !state.laws[i].one_sided) continue;
+        const ElasticSlope slope = linkage.slope(elastic, island.directions());
+        if (Linkage::rate(elastic, slope, push, linkage.movable_ones()) >= 0) continue;
+        step.acts = false;
+        is_changed = true;
+      }
+    }
+  }
   return is_changed && ++switches_ < most_switches;
 }
 

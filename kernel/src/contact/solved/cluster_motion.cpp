@@ -236,4 +236,17 @@ void ClusterStepper::keep_contacts(double h) {
   }
 }
 
+/// Finds the change of a position that no longer matters in a substep of h (s). What sweeps leave of things
+/// that rest is a speed that friction near its bound takes long to stop, and pushes of the last substep need
+/// few sweeps there.
+void ClusterStepper::find_stillness(double h) {
+  const bool rests = std::all_of(islands_.begin(), islands_.begin() + count_, [&](const Island& each) {
+    return !each.awake || top_speed(*each.state) < settings_.sleep_speed;
+  });
+  still_ = least_still * settings_.length_scale;
+  for (std::uint32_t i = 0; i < count_; ++i)
+    still_ = std::max(still_, (tight_ || rests ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
+                                  norm(islands_[i].state->linkage->gravity()));
+}
+
 }  // namespace plumb::detail

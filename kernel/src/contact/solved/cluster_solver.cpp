@@ -32,6 +32,14 @@ double ClusterStepper::slide(const Row& row) {
   return see(row) - (of == &Row::p ? row.given : row.given_at_end);
 }
 
+/// Returns whether no push parts a contact that stays closed, since rods hold it along the normal, and that
+/// parts by less than `parts` (m) in this substep.
+bool ClusterStepper::is_held_in_ground(const Row& row, double parts) {
+  if (row.kind != Kind::normal || row.over != 0) return false;
+  const double slides = slide<&Row::p>(row);
+  return row.gap + slides < -settings_.tolerance && slides < parts;
+}
+
 void ClusterStepper::push(const Row& row, double by) {
   if (by == 0) return;
   if (is_wide_) return push_freely(row, by);

@@ -77,7 +77,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   shortest_ = dt / most_guards;
   shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
-  tight_ = is_fitted_ = false;
+  tight_ = is_fitted_ = is_buckled_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;
@@ -258,7 +258,13 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   bool is_found = find_sound_positions(h, report);
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   if (!is_found) return false;
-  const std::uint64_t held_in_ground = count_held_in_ground();
+  const auto is_held_by = [&](double parts) {
+    return std::any_of(rows_.begin(), rows_.end(),
+                       [&](const Row& row) { return is_held_in_ground(row, parts); });
+  };
+  const bool misses_held = is_held_by(INFINITY);
+  buckles_ = !is_buckled_ && is_held_by(-still_);
+  if (buckles_) return false;
   double before = energy();
   const Energies held = energies_of_elastics();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
@@ -301,33 +307,13 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
-  report.missed_contacts += gives_up_missed_ || held_in_ground > 0;
+  report.missed_contacts += gives_up_missed_ || misses_held;
   report.contact_points = std::max<std::uint64_t>(
       report.contact_points, count_pushes() + static_cast<std::uint64_t>(std::count_if(
                                                   rows_.begin(), rows_.end(), [](const Row& row) {
                                                     return row.kind == Kind::normal && row.p > 0;
                                                   })));
   return true;
-}
-
-/// Counts contacts that no push can part, as what rods hold along the normal, and that stay closed.
-std::uint64_t ClusterStepper::count_held_in_ground() {
-  return static_cast<std::uint64_t>(std::count_if(rows_.begin(), rows_.end(), [&](Row& row) {
-    return row.kind == Kind::normal && row.over == 0 && row.gap + slide<&Row::p>(row) < -settings_.tolerance;
-  }));
-}
-
-/// Finds the change of a position that no longer matters in a substep of h (s). What sweeps leave of things
-/// that rest is a speed that friction near its bound takes long to stop, and pushes of the last substep need
-/// few sweeps there.
-void ClusterStepper::find_stillness(double h) {
-  const bool rests = std::all_of(islands_.begin(), islands_.begin() + count_, [&](const Island& each) {
-    return !each.awake || top_speed(*each.state) < settings_.sleep_speed;
-  });
-  still_ = least_still * settings_.length_scale;
-  for (std::uint32_t i = 0; i < count_; ++i)
-    still_ = std::max(still_, (tight_ || rests ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
-                                  norm(islands_[i].state->linkage->gravity()));
 }
 
 /// Where islands start, nothing is known of how taut their rods are but by a try. Returns whether positions
@@ -358,7 +344,7 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }
-  } while (switch_elastics());
+  } while (switch_elastics() || let_go_of_held());
   return true;
 }
 

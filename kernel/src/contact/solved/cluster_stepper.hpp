@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -156,6 +157,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
+  void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void keep_motion(std::span<LinkageState* const> cluster);
   void return_to_motion(std::span<LinkageState* const> cluster);
   double longest_substep(double most, double turn);
@@ -201,6 +203,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static bool let_go_at_end(Island& island);
   static void hold_elastics(Island& island);
   bool switch_elastics();
+  bool let_go_of_held();
   bool find_sound_positions(double h, Tally& report);
   void find_stillness(double h);
   bool learn_tautness(double h);
@@ -265,6 +268,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// Returns how a row moves against what it touches, in m or m/s.
   template <double Row::*of>
   double slide(const Row& row);
+  bool is_held_in_ground(const Row& row, double parts);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();
@@ -371,13 +375,14 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::vector<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false;  ///< something is in ground still
   bool woken_ = false, all_near_ = false;
-  bool may_touch_ = false;        ///< something pushes in this substep, or is near enough to
-  bool looks_for_crowd_ = false;  ///< what presses in many places is relaxed instead
-  bool found_crowd_ = false;      ///< and does
-  bool is_fitted_ = false;        ///< rods were brought to their lengths in this step
-  bool loose_ = false;            ///< ground grips loosely, since nothing was found with its whole grip
-  bool sweeps_ground_ = false;    ///< contacts with ground are swept, since the matrix found no pushes
-  bool is_wide_ = false;          ///< pushes are found freely
+  bool may_touch_ = false;                     ///< something pushes in this substep, or is near enough to
+  bool looks_for_crowd_ = false;               ///< what presses in many places is relaxed instead
+  bool found_crowd_ = false;                   ///< and does
+  bool is_fitted_ = false;                     ///< rods were brought to their lengths in this step
+  bool is_buckled_ = false, buckles_ = false;  ///< rods were nudged aside in this step, or are to be
+  bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
+  bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
+  bool is_wide_ = false;        ///< pushes are found freely
   std::vector<FreeTerm> free_terms_;
   std::vector<double> last_pushes_, swept_from_;  ///< then, of rows
   bool keeps_slack_ = false;                      ///< which elastics are slack is known from the last try

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/levers/lever.hpp"
 #include "contact/rows.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
@@ -27,6 +28,10 @@ double ClusterStepper::solve(std::span<LinkageState* const> cluster, const Surro
       continue;
     }
     if (std::exchange(tries_again_, false)) continue;
+    if (std::exchange(buckles_, false)) {
+      buckle(cluster, surroundings);
+      continue;
+    }
     if (h == whole && !was_loose) find_overload();
     if (!was_loose && is_on_ground() && (h <= few_cuts * whole || is_landing())) {
       loose_ = was_loose = true;
@@ -163,6 +168,23 @@ bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundi
         moves = moves || norm(cluster[i]->x[k] - before_[i].x[k]) > unfitting * cluster[i]->linkage->size();
   if (!moves) return_to_motion(cluster);
   return moves;
+}
+
+/// Nudges particles of islands aside whose rods stand straight on ground and are driven into it: rods could
+/// buckle, but have no direction to. It is always the same, by turns to both sides, once in a step.
+void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
+  is_buckled_ = true;
+  keep_motion(cluster);
+  for (const Row& row : rows_) {
+    if (!is_held_in_ground(row, -still_)) continue;
+    for (std::uint32_t k = 0; k < row.ends; ++k) {
+      LinkageState& state = *islands_[row.island[k]].state;
+      const Vec3 aside = nudge * state.linkage->size() * across(row.along).front();
+      for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
+        state.x[i] = before_[row.island[k]].x[i] + (i % 2 == 0 ? aside : -1 * aside);
+    }
+  }
+  if (!bring_to_lengths(surroundings)) return_to_motion(cluster);
 }
 
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {

@@ -82,8 +82,10 @@ void Step::put_joined(const Edits& edits) {
     lengths_.add(number, rod.length);
     rods_.add(number, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
     if (settings_.tensions)
-      reactions_.insert_rod(breaks_.scene_now(), mass_model_of(settings_), number,
-                            [&](std::uint32_t each) { return anchors_.is_fixed(each); });
+      reactions_.insert_rod(
+          breaks_.scene_now(), mass_model_of(settings_), number,
+          [&](std::uint32_t each) { return anchors_.is_fixed(each); },
+          [&](std::uint32_t each) { return anchors_.last_velocity(each); });
   }
 }
 
@@ -152,9 +154,10 @@ void Step::refix(const Edits& edits) {
       rods_.set_end(rod, anchors_.is_fixed(a) ? b : a);
     }
     if (settings_.tensions)
-      reactions_.refix(breaks_.scene_now(), mass_model_of(settings_), rods,
-                       [&](std::uint32_t each) { return anchors_.is_fixed(each); },
-                       [&](std::uint32_t each) { return anchors_.last_velocity(each); });
+      reactions_.refix(
+          breaks_.scene_now(), mass_model_of(settings_), rods,
+          [&](std::uint32_t each) { return anchors_.is_fixed(each); },
+          [&](std::uint32_t each) { return anchors_.last_velocity(each); });
   }
 }
 

@@ -16,6 +16,12 @@ namespace {
 /// Rods may be off their lengths by this share of them, or by what they were before.
 constexpr double fits = 1e-6;
 
+/// Returns by how much (m) a rod does not fit between ends that are so far apart, or 0 if it need not.
+double off(double distance, double length, const RodLaw& law) {
+  if (law.is_elastic()) return 0;
+  return law.one_sided ? std::max(0.0, distance - length) : std::abs(distance - length);
+}
+
 /// Knows rods between particles that move, to tell how fast they stretch.
 class Stretching {
  public:
@@ -55,12 +61,9 @@ class Stretching {
 
 }  // namespace
 
-/// Returns by how much (m) a rod does not fit between ends that are so far apart, or 0 if it need not.
+/// Returns that of a rod as it is now.
 double Step::off_length(std::uint32_t rod, double distance) const {
-  const Rod& of = breaks_.scene_now().rods[rod];
-  if (of.law.is_elastic() || is_broken(rod)) return 0;
-  const double longer = distance - lengths_.length(rod);
-  return of.law.one_sided ? std::max(0.0, longer) : std::abs(longer);
+  return is_broken(rod) ? 0 : off(distance, lengths_.length(rod), breaks_.scene_now().rods[rod].law);
 }
 
 /// Refuses to free a fixed particle whose rods to others were pulled off their lengths while nobody kept
@@ -85,7 +88,7 @@ void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const 
     if (const auto reel = breaks_.reel_at(particle))
       refuse("particle ", particle, ": reel ", *reel, " is of its island, which keeps its place");
     for (const auto& [number, rod] : edits_.joined)
-      if ((rod.a == particle || rod.b == particle) && !rod.law.is_elastic() &&
+      if ((rod.a == particle || rod.b == particle) &&
           !(off(norm(at(rod.b) - at(rod.a)), rod.length, rod.law) <= fits * rod.length))
         refuse("rod ", number, ": is joined in the next step, ", rod.length,
                " m long, and its ends would be ", norm(at(rod.b) - at(rod.a)), " m apart");
