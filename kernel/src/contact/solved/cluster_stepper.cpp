@@ -258,13 +258,6 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   bool is_found = find_sound_positions(h, report);
   if (learn_tautness(h)) is_found = find_sound_positions(h, report);
   if (!is_found) return false;
-  const auto is_held_by = [&](double parts) {
-    return std::any_of(rows_.begin(), rows_.end(),
-                       [&](const Row& row) { return is_held_in_ground(row, parts); });
-  };
-  const bool misses_held = is_held_by(INFINITY);
-  buckles_ = !is_buckled_ && is_held_by(-still_);
-  if (buckles_) return false;
   double before = energy();
   const Energies held = energies_of_elastics();
   const bool touched = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.p != 0; }) ||
@@ -307,7 +300,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) report.broken_rods += break_rods(islands_[i], h);
-  report.missed_contacts += gives_up_missed_ || misses_held;
+  report.missed_contacts += gives_up_missed_;
   report.contact_points = std::max<std::uint64_t>(
       report.contact_points, count_pushes() + static_cast<std::uint64_t>(std::count_if(
                                                   rows_.begin(), rows_.end(), [](const Row& row) {
@@ -326,11 +319,12 @@ bool ClusterStepper::learn_tautness(double h) {
   return slows;
 }
 
-/// Finds positions again while something is missed, or elastics are slack that were not.
+/// Finds positions again while something is missed, or elastics are slack that were not. Returns false, too,
+/// where rods are to buckle first.
 bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   missed_ground_.clear();
   missed_pairs_.clear();
-  gives_up_missed_ = false;
+  gives_up_missed_ = buckles_ = false;
   do {
     if (!find_positions(h, report)) return false;
     if (!all_near_ && is_contact_missed()) {
@@ -345,7 +339,13 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       if (!find_positions(h, report)) return false;
     }
   } while (switch_elastics() || let_go_of_held());
-  return true;
+  const auto is_held_by = [&](double parts) {
+    return std::any_of(rows_.begin(), rows_.end(),
+                       [&](const Row& row) { return is_held_in_ground(row, parts); });
+  };
+  gives_up_missed_ = gives_up_missed_ || is_held_by(INFINITY);
+  buckles_ = !is_buckled_ && is_held_by(-still_);
+  return !buckles_;
 }
 
 /// Returns the work (J) that ground which moves does in the substep.
