@@ -89,10 +89,8 @@ double frames_of(const RunResult& result) {
 void print_stages(const RunResult& result) {
   std::string list;
   for (const scenes::StageTime& stage : result.stages)
-    scenes::append_item(list,
-                        std::string(stage.name) + " " +
-                            short_number(1e6 * stage.s / frames_of(result)) + " µs",
-                        ", ");
+    scenes::append_item(
+        list, std::string(stage.name) + " " + short_number(1e6 * stage.s / frames_of(result)) + " µs", ", ");
   if (!list.empty()) print_line("stages", list + " a frame");
 }
 
@@ -183,8 +181,7 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   print_problems(result.problems);
   print_start(info);
   std::string time = short_number(1e3 * result.wall_s, 4) + " ms, " +
-                     short_number(1e6 * result.wall_s / frames_of(result), 4) +
-                     " µs a frame";
+                     short_number(1e6 * result.wall_s / frames_of(result), 4) + " µs a frame";
   if (info.rods > 0) time += ", " + short_number(result.ns_per_rod_frame(), 4) + " ns per rod and frame";
   print_line("time", time);
   print_stages(result);

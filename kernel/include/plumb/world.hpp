@@ -69,9 +69,9 @@ class PLUMB_API World {
   /// a load throws (set_load()); nothing has moved then. Throws what the executor throws; the step is then
   /// done all the same.
   ///
-  /// Methods relax, direct and automatic allocate nothing after the first call, but for these firsts. An island
-  /// freezes, falls back, or its rods give way. An anchor moves. More shapes touch at once than ever before.
-  /// A linkage flies with a time order above 2.
+  /// Methods relax, direct and automatic allocate nothing after the first call, but for these firsts. An
+  /// island freezes, falls back, or its rods give way. An anchor moves. More shapes touch at once than ever
+  /// before. A linkage flies with a time order above 2.
   StepReport step(double dt);
 
   /// Changes the rule from the next step on. Layout, precision, instruction set and threads stay. Throws
@@ -297,8 +297,8 @@ class PLUMB_API World {
   std::span<const Event> events() const;
 
   /// Returns what went wrong in the last step, by particle, and which rods that are not elastic are off their
-  /// length by more than `most_strain` of it. Of islands that touch each other, or have joints, rods alone are
-  /// listed: StepReport counts the rest.
+  /// length by more than `most_strain` of it. Of islands that touch each other, or have joints, rods alone
+  /// are listed: StepReport counts the rest.
   std::vector<Problem> problems(double most_strain = 0.01) const;
 
   std::uint32_t particle_count() const;  ///< Numbers of particles, with those that were removed.
@@ -316,7 +316,8 @@ class PLUMB_API World {
   void copy_velocities(std::span<Vec3> out) const;
   /// Returns the position of a particle, in m. Throws InputError on an unknown one.
   Vec3 position(std::uint32_t particle) const;
-  /// Returns the velocity of a particle, in m/s; zero for a fixed one, also while it moves. Throws InputError on an unknown one.
+  /// Returns the velocity of a particle, in m/s; zero for a fixed one, also while it moves. Throws InputError
+  /// on an unknown one.
   Vec3 velocity(std::uint32_t particle) const;
 
   std::uint32_t body_count() const;  ///< Bodies of the scene.

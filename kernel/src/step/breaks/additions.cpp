@@ -79,9 +79,9 @@ void Step::put(Split& now, Compiled made) {
     lengths_.add(i, rod_length(scene, i));
     rods_.add(i, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
     if (settings_.tensions)
-      reactions_.insert_rod(scene, mass_model_of(settings_), i,
-                            [&](std::uint32_t each) { return anchors_.is_fixed(each); },
-                            [&](std::uint32_t each) { return anchors_.last_velocity(each); });
+      reactions_.insert_rod(
+          scene, mass_model_of(settings_), i, [&](std::uint32_t each) { return anchors_.is_fixed(each); },
+          [&](std::uint32_t each) { return anchors_.last_velocity(each); });
   }
   for (const std::uint32_t i : numbers.tackles) lengths_.add(tackle_cord(i), tackle_length(scene, i));
   WorldInfo& info = compiled_.info;

@@ -31,8 +31,8 @@ class Anchors {
   /// Returns whether it is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return will_be_fixed_[particle] != 0; }
   void order(std::uint32_t particle, bool is_fixed) { will_be_fixed_[particle] = is_fixed ? 1 : 0; }
-  /// Fixes a particle at `position` (m), from where it goes to a target that it may have by now. It came there
-  /// at `velocity` (m/s), as an anchor that moved in a step of `dt` (s).
+  /// Fixes a particle at `position` (m), from where it goes to a target that it may have by now. It came
+  /// there at `velocity` (m/s), as an anchor that moved in a step of `dt` (s).
   void fix(std::uint32_t particle, Vec3 position, Vec3 velocity, double dt);
   /// Puts a fixed particle elsewhere, where it stays in the next step, as fast as it was.
   void put(std::uint32_t particle, Vec3 position);
