@@ -20,6 +20,8 @@ MOST_EQUAL_LINES = 6  # in a row, twice in a folder of UNIQUE; blank lines, brac
 # Tests are left out: a folder there is a kind of test, with a file for each thing tested.
 CHECKED = ["bench", "kernel", "layouts", "tools"]
 UNIQUE = ["kernel"]
+# All files of the top level, but for hidden ones.
+TOP_FILES = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md"}
 # Folders of measured results, which grow with every machine.
 DATA = ["bench/results"]
 
@@ -161,6 +163,13 @@ def check_files(folder, complain):
             complain(f"{subfolder}: {count} files, at most {MOST_FILES}")
 
 
+def check_top(complain):
+    """Whatever a program left behind at the top level, where a commit of all would take it along."""
+    for path in sorted(ROOT.iterdir()):
+        if path.is_file() and not path.name.startswith(".") and path.name not in TOP_FILES:
+            complain(f"{path.name}: no file of the top level")
+
+
 def telling_lines(path):
     """(line number, line without blanks at its ends or twice) of what is not the same everywhere."""
     for number, line in enumerate(path.read_text().split("\n"), 1):
@@ -189,6 +198,7 @@ def check_equal_lines(folder, complain):
 
 def main(folders):
     complaints = []
+    check_top(complaints.append)
     for folder in folders:
         if not (ROOT / folder).is_dir():
             sys.exit(f"structure_test.py: no folder {folder}")
