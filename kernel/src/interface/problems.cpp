@@ -1,27 +1,30 @@
 #include "interface/problems.hpp"
 
-#include <iterator>
-
 namespace plumb::detail {
 namespace {
 
-struct Trouble {
-  Problem::Kind kind;
-  std::uint64_t (*count)(const StepReport&);
-};
-constexpr Trouble all_troubles[] = {
-    {Problem::Kind::frozen, [](const StepReport& r) { return std::uint64_t{r.frozen_islands}; }},
-    {Problem::Kind::unsolved, [](const StepReport& r) { return r.unsolved; }},
-    {Problem::Kind::inaccurate, [](const StepReport& r) { return r.inaccurate_steps; }},
-    {Problem::Kind::capped, [](const StepReport& r) { return r.capped_steps; }},
-};
+std::uint64_t count(Problem::Kind kind, const StepReport& report) {
+  switch (kind) {
+    case Problem::Kind::frozen:
+      return report.frozen_islands;
+    case Problem::Kind::unsolved:
+      return report.unsolved;
+    case Problem::Kind::inaccurate:
+      return report.inaccurate_steps;
+    case Problem::Kind::capped:
+      return report.capped_steps;
+    case Problem::Kind::stretched:
+      break;
+  }
+  return 0;
+}
 
 }  // namespace
 
 Troubles troubles_between(const StepReport& before, const StepReport& after) {
   Troubles out = 0;
-  for (unsigned i = 0; i < std::size(all_troubles); ++i)
-    if (all_troubles[i].count(after) != all_troubles[i].count(before))
+  for (unsigned i = 0; i < trouble_kinds.size(); ++i)
+    if (count(trouble_kinds[i], after) != count(trouble_kinds[i], before))
       out = static_cast<Troubles>(out | 1u << i);
   return out;
 }
@@ -35,8 +38,7 @@ RodJudge::RodJudge(const Scene& scene) {
 }
 
 void append_problems(Troubles troubles, std::uint32_t particle, std::vector<Problem>& out) {
-  for (unsigned i = 0; i < std::size(all_troubles); ++i)
-    if ((troubles & 1u << i) != 0) out.push_back({all_troubles[i].kind, particle});
+  for_troubles(troubles, [&](Problem::Kind kind) { out.push_back({kind, particle}); });
 }
 
 }  // namespace plumb::detail

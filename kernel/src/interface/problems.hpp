@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -13,6 +14,15 @@ namespace plumb::detail {
 /// Names, as bits, what went wrong with a piece in a step, by the counts of that step.
 using Troubles = std::uint8_t;
 Troubles troubles_between(const StepReport& before, const StepReport& after);
+/// Says what the bits stand for.
+inline constexpr std::array trouble_kinds{Problem::Kind::frozen, Problem::Kind::unsolved,
+                                          Problem::Kind::inaccurate, Problem::Kind::capped};
+/// Calls f(kind) for all that went wrong.
+template <class F>
+void for_troubles(Troubles troubles, F&& f) {
+  for (unsigned i = 0; i < trouble_kinds.size(); ++i)
+    if ((troubles & 1u << i) != 0) f(trouble_kinds[i]);
+}
 
 /// Knows what a rod needs to be judged by its length.
 class RodJudge {

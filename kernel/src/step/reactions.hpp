@@ -53,23 +53,21 @@ class Reactions {
   }
 
   void set_gravity(Vec3 gravity) { gravity_ = gravity; }
-  /// Looks again at rods of which an end was fixed or freed. last_velocity(anchor) is that (m/s) of the last
-  /// step.
-  template <class IsFixed, class LastVelocity>
-  void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods, IsFixed&& is_fixed,
-             LastVelocity&& last_velocity) {
+  /// Looks again at rods of which an end was fixed or freed.
+  template <class Anchors>
+  void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods,
+             const Anchors& anchors) {
     std::erase_if(
         held_, [&](const Held& held) { return std::find(rods.begin(), rods.end(), held.rod) != rods.end(); });
-    for (const std::uint32_t rod : rods) insert_rod(scene, model, rod, is_fixed, last_velocity);
+    for (const std::uint32_t rod : rods) insert_rod(scene, model, rod, anchors);
   }
   /// Looks at a rod that is new.
-  template <class IsFixed, class LastVelocity>
-  void insert_rod(const Scene& scene, MassModel model, std::uint32_t rod, IsFixed&& is_fixed,
-                  LastVelocity&& last_velocity) {
+  template <class Anchors>
+  void insert_rod(const Scene& scene, MassModel model, std::uint32_t rod, const Anchors& anchors) {
     const std::size_t before = held_.size();
-    add_rod(scene, model, rod, is_fixed);
+    add_rod(scene, model, rod, [&](std::uint32_t particle) { return anchors.is_fixed(particle); });
     if (held_.size() == before) return;
-    held_.back().anchor_velocity = last_velocity(held_.back().anchor);
+    held_.back().anchor_velocity = anchors.last_velocity(held_.back().anchor);
     const auto place =
         std::upper_bound(held_.begin(), held_.end() - 1, held_.back(),
                          [](const Held& first, const Held& second) { return first.anchor < second.anchor; });

@@ -215,7 +215,7 @@ class Step {
   template <class At>
   void keep_lengths(std::vector<Motion>& motions, At&& at) const;
   void require_fit_of_fixed(std::uint32_t particle) const;
-  double off_length(std::uint32_t rod, double distance) const;
+  double misfit_now(std::uint32_t rod, double distance) const;
   void require_refixable(std::uint32_t particle) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);

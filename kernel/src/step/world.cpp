@@ -99,8 +99,7 @@ void World::set_substeps(std::uint32_t substeps) {
 }
 
 void World::set_accuracy(double accuracy) {
-  if (!(accuracy > 0 && std::isfinite(accuracy)))
-    refuse("accuracy must be positive and finite, got ", accuracy);
+  validate(Settings{.accuracy = accuracy});
   if (!impl_->step->accuracy())
     refuse("this world began without an accuracy, and what it has cannot keep one");
   impl_->step->set_accuracy(accuracy);

@@ -343,8 +343,9 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
     return std::any_of(rows_.begin(), rows_.end(),
                        [&](const Row& row) { return is_held_in_ground(row, parts); });
   };
-  gives_up_missed_ = gives_up_missed_ || is_held_by(INFINITY);
-  buckles_ = !is_buckled_ && is_held_by(-still_);
+  const bool is_held = is_held_by(INFINITY);
+  gives_up_missed_ = gives_up_missed_ || is_held;
+  buckles_ = is_held && !is_buckled_ && is_held_by(-still_);
   return !buckles_;
 }
 

@@ -78,10 +78,7 @@ void Step::put(Split& now, Compiled made) {
     const Rod& rod = scene.rods[i];
     lengths_.add(i, rod_length(scene, i));
     rods_.add(i, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
-    if (settings_.tensions)
-      reactions_.insert_rod(
-          scene, mass_model_of(settings_), i, [&](std::uint32_t each) { return anchors_.is_fixed(each); },
-          [&](std::uint32_t each) { return anchors_.last_velocity(each); });
+    if (settings_.tensions) reactions_.insert_rod(scene, mass_model_of(settings_), i, anchors_);
   }
   for (const std::uint32_t i : numbers.tackles) lengths_.add(tackle_cord(i), tackle_length(scene, i));
   WorldInfo& info = compiled_.info;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -7,6 +9,14 @@
 #include "plumb/scene.hpp"
 
 namespace plumb::detail {
+
+/// Where a program puts the ends of rods, these may be off their lengths by this share of them.
+inline constexpr double fits = 1e-6;
+/// Returns by how much (m) a rod does not fit between ends that are so far apart, or 0 if it need not.
+inline double misfit(double distance, double length, const RodLaw& law) {
+  if (law.is_elastic()) return 0;
+  return law.one_sided ? std::max(0.0, distance - length) : std::abs(distance - length);
+}
 
 /// Says what a rod is that a program joins to particles that are there, and which number it got.
 struct Joined {

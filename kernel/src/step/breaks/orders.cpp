@@ -82,10 +82,7 @@ void Step::put_joined(const Edits& edits) {
     lengths_.add(number, rod.length);
     rods_.add(number, rod, anchors_.is_fixed(rod.a) ? rod.b : rod.a);
     if (settings_.tensions)
-      reactions_.insert_rod(
-          breaks_.scene_now(), mass_model_of(settings_), number,
-          [&](std::uint32_t each) { return anchors_.is_fixed(each); },
-          [&](std::uint32_t each) { return anchors_.last_velocity(each); });
+      reactions_.insert_rod(breaks_.scene_now(), mass_model_of(settings_), number, anchors_);
   }
 }
 
@@ -153,11 +150,7 @@ void Step::refix(const Edits& edits) {
       const auto [a, b] = std::pair{breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b};
       rods_.set_end(rod, anchors_.is_fixed(a) ? b : a);
     }
-    if (settings_.tensions)
-      reactions_.refix(
-          breaks_.scene_now(), mass_model_of(settings_), rods,
-          [&](std::uint32_t each) { return anchors_.is_fixed(each); },
-          [&](std::uint32_t each) { return anchors_.last_velocity(each); });
+    if (settings_.tensions) reactions_.refix(breaks_.scene_now(), mass_model_of(settings_), rods, anchors_);
   }
 }
 

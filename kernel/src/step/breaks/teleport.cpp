@@ -13,15 +13,6 @@
 namespace plumb::detail {
 namespace {
 
-/// Rods may be off their lengths by this share of them, or by what they were before.
-constexpr double fits = 1e-6;
-
-/// Returns by how much (m) a rod does not fit between ends that are so far apart, or 0 if it need not.
-double off(double distance, double length, const RodLaw& law) {
-  if (law.is_elastic()) return 0;
-  return law.one_sided ? std::max(0.0, distance - length) : std::abs(distance - length);
-}
-
 /// Knows rods between particles that move, to tell how fast they stretch.
 class Stretching {
  public:
@@ -61,9 +52,9 @@ class Stretching {
 
 }  // namespace
 
-/// Returns that of a rod as it is now.
-double Step::off_length(std::uint32_t rod, double distance) const {
-  return is_broken(rod) ? 0 : off(distance, lengths_.length(rod), breaks_.scene_now().rods[rod].law);
+/// Returns the misfit (m) of a rod as it is now, with ends so far apart.
+double Step::misfit_now(std::uint32_t rod, double distance) const {
+  return is_broken(rod) ? 0 : misfit(distance, lengths_.length(rod), breaks_.scene_now().rods[rod].law);
 }
 
 /// Refuses to free a fixed particle whose rods to others were pulled off their lengths while nobody kept
@@ -74,7 +65,7 @@ void Step::require_fit_of_fixed(std::uint32_t particle) const {
     const auto& [a, b] = std::tie(breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b);
     if (!anchors_.is_fixed(a) || !anchors_.is_fixed(b)) continue;
     const double distance = norm(position(b) - position(a));
-    if (!(off_length(rod, distance) <= fits * lengths_.length(rod)))
+    if (!(misfit_now(rod, distance) <= fits * lengths_.length(rod)))
       refuse("particle ", particle, ": cannot be free, since rod ", rod, " is ", lengths_.length(rod),
              " m long, and its ends are ", distance, " m apart");
   }
@@ -89,15 +80,15 @@ void Step::require_fit(std::span<const std::uint32_t> particles, At&& at) const 
       refuse("particle ", particle, ": reel ", *reel, " is of its island, which keeps its place");
     for (const auto& [number, rod] : edits_.joined)
       if ((rod.a == particle || rod.b == particle) &&
-          !(off(norm(at(rod.b) - at(rod.a)), rod.length, rod.law) <= fits * rod.length))
+          !(misfit(norm(at(rod.b) - at(rod.a)), rod.length, rod.law) <= fits * rod.length))
         refuse("rod ", number, ": is joined in the next step, ", rod.length,
                " m long, and its ends would be ", norm(at(rod.b) - at(rod.a)), " m apart");
     for (const std::uint32_t rod : breaks_.rods_at(particle)) {
       const auto& [a, b] = std::tie(scene.rods[rod].a, scene.rods[rod].b);
       if (anchors_.is_fixed(a) && anchors_.is_fixed(b)) continue;
       const double length = lengths_.length(rod), distance = norm(at(b) - at(a));
-      const double before = off_length(rod, norm(position(b) - position(a)));
-      if (!(off_length(rod, distance) <= fits * length + before))
+      const double before = misfit_now(rod, norm(position(b) - position(a)));
+      if (!(misfit_now(rod, distance) <= fits * length + before))
         refuse("rod ", rod, ": is ", length, " m long, and its ends would be ", distance, " m apart");
     }
   }
@@ -149,10 +140,11 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
   std::unordered_map<std::uint32_t, std::size_t> number;
   for (std::size_t k = 0; k < particles.size(); ++k)
     if (!number.emplace(particles[k], k).second) refuse("particle ", particles[k], ": is listed twice");
-  require_fit(particles, [&](std::uint32_t particle) {
+  const auto at = [&](std::uint32_t particle) {
     const auto found = number.find(particle);
     return found == number.end() ? position(particle) : positions[found->second];
-  });
+  };
+  require_fit(particles, at);
   // All particles of an island get their motion at once, so that those that stay are read before.
   std::vector<Motion> motions;
   const auto add = [&](std::uint32_t particle) {
@@ -166,10 +158,7 @@ void Step::teleport(std::span<const std::uint32_t> particles, std::span<const Ve
   for (const std::uint32_t particle : particles)
     for (const std::uint32_t each : breaks_.island_at(particle))
       if (!anchors_.is_fixed(each) && seen.emplace(each, true).second) add(each);
-  keep_lengths(motions, [&](std::uint32_t anchor) {
-    const auto found = number.find(anchor);
-    return found == number.end() ? position(anchor) : positions[found->second];
-  });
+  keep_lengths(motions, at);
   for (std::size_t k = 0; k < particles.size(); ++k) {
     if (!anchors_.is_fixed(particles[k])) continue;
     anchors_.put(particles[k], positions[k]);

@@ -92,9 +92,6 @@ void World::teleport(std::span<const std::uint32_t> particles, std::span<const V
 
 namespace {
 
-/// A rigid rod may be off the distance of its ends by this share of it.
-constexpr double fits = 1e-6;
-
 /// Returns a rod by itself, between its ends where they are now. Their masses do not matter to it.
 Scene rod_alone(const Rod& rod, const World& world, bool a_is_fixed, bool b_is_fixed) {
   Scene out;
@@ -123,8 +120,7 @@ Handle<Rod> World::join(const Rod& rod) {
   Rod known = rod;
   known.length = alone.rods[0].length = rod_length(alone, 0);
   const double distance = norm(alone.particles[1].position - alone.particles[0].position);
-  const double off = rod.law.one_sided ? distance - known.length : std::abs(distance - known.length);
-  if (!rod.law.is_elastic() && off > fits * known.length)
+  if (detail::misfit(distance, known.length, rod.law) > detail::fits * known.length)
     refuse("a rod to be joined to particles ", rod.a, " and ", rod.b, ": is ", known.length,
            " m long, and its ends are ", distance, " m apart");
   alone.drag = impl_->step->drag();

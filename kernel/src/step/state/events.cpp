@@ -1,10 +1,27 @@
 #include "step/state/events.hpp"
 
 #include <algorithm>
-#include <array>
 #include <tuple>
 
 namespace plumb::detail {
+namespace {
+
+Event::Kind event_of(Problem::Kind trouble) {
+  switch (trouble) {
+    case Problem::Kind::frozen:
+      return Event::Kind::frozen;
+    case Problem::Kind::unsolved:
+      return Event::Kind::unsolved;
+    case Problem::Kind::inaccurate:
+      return Event::Kind::inaccurate;
+    case Problem::Kind::capped:
+    case Problem::Kind::stretched:  // which is no trouble of a step
+      break;
+  }
+  return Event::Kind::capped;
+}
+
+}  // namespace
 
 void Events::grow(std::size_t particles, std::size_t rods) {
   if (particles > is_head_.size()) {
@@ -30,17 +47,13 @@ void Events::remove_head(std::uint32_t particle) {
 }
 
 void Events::reserve(std::size_t weak_rods, std::size_t tasks) {
-  constexpr std::size_t kinds_of_trouble = 4;
-  const std::size_t most = heads_.size() + weak_rods + kinds_of_trouble * tasks;
+  const std::size_t most = heads_.size() + weak_rods + trouble_kinds.size() * tasks;
   if (most > list_.capacity()) list_.reserve(std::max(most, 2 * list_.capacity()));
   if (tasks > troubles_.capacity()) troubles_.reserve(std::max(tasks, 2 * troubles_.capacity()));
 }
 
 void Events::add_troubles(Troubles troubles, std::uint32_t head) {
-  constexpr std::array kinds{Event::Kind::frozen, Event::Kind::unsolved, Event::Kind::inaccurate,
-                             Event::Kind::capped};
-  for (unsigned i = 0; i < kinds.size(); ++i)
-    if ((troubles & 1u << i) != 0) list_.push_back({kinds[i], head});
+  for_troubles(troubles, [&](Problem::Kind kind) { list_.push_back({event_of(kind), head}); });
 }
 
 void Events::sort() {
