@@ -130,6 +130,33 @@ TEST(DirectAnchors, AtConstantSpeedAreAnInertialFrame) {
   }
 }
 
+// A lane that is left over rests at a velocity. It must not take from its neighbours what the mass of rods
+// passes on from an anchor.
+TEST(DirectAnchors, MoveEqualTreesAsTheyMoveOne) {
+  const auto pendulums = [](std::uint32_t count) {
+    Scene scene;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      scene.particles.insert(scene.particles.end(), {test::fixed({}), test::movable({0.3, -0.2, 0.1}, 0.5),
+                                                     test::movable({0.5, -0.3, 0.3}, 1)});
+      scene.rods.insert(scene.rods.end(), {{.a = 3 * i, .b = 3 * i + 1, .mass = 0.3},
+                                           {.a = 3 * i + 1, .b = 3 * i + 2, .mass = 0.3}});
+    }
+    return scene;
+  };
+  for (const Gradient gradient : {Gradient::old, Gradient::mid, Gradient::new_}) {
+    World one(pendulums(1), test::direct(gradient, 1)), three(pendulums(3), test::direct(gradient, 1));
+    for (int step = 0; step < 10; ++step) {
+      const Vec3 to = 0.01 * std::sin(0.3 * step) * Vec3{0.3, 0.2, -0.2};
+      one.move_anchor(0, to);
+      for (const std::uint32_t anchor : {0u, 3u, 6u}) three.move_anchor(anchor, to);
+      one.step(1.0 / 60);
+      three.step(1.0 / 60);
+      for (const std::uint32_t i : {1u, 2u})
+        EXPECT_EQ(three.position(i + 3), one.position(i)) << to_string(gradient) << ", step " << step;
+    }
+  }
+}
+
 TEST(DirectAnchors, AreExactlyWhereTheyWereSent) {
   World world(scenes::make_chain(5), test::direct(Gradient::mid, 3));
   for (int i = 1; i <= 60; ++i) {

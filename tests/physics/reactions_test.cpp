@@ -85,18 +85,13 @@ TEST(Reactions, MakeTheChangeOfMomentum) {
   scene.particles.back().fixed = false;  // it swings from its first anchor
   scene.particles.back().mass = 0.3;
   const Vec3 push{0.5, 0.2, 0.1};
-  for (const std::uint32_t substeps : {1u, 3u})
-    EXPECT_LT(
-        imbalance(
-            scene,
-            {.method = Method::direct, .gradient = Gradient::mid, .substeps = substeps, .tensions = true},
-            100, push),
-        1e-9);
-  const auto order = [&](const Settings& settings) {
-    return std::log2(imbalance(scene, settings, 200, push) / imbalance(scene, settings, 400, push));
-  };
-  // A substep of gradient old has the pull of its start, which stands for half a substep before and after.
-  EXPECT_NEAR(order({.method = Method::direct, .gradient = Gradient::old, .tensions = true}), 1, 0.1);
+  for (const Gradient gradient : {Gradient::mid, Gradient::old})
+    for (const std::uint32_t substeps : {1u, 3u})
+      EXPECT_LT(
+          imbalance(scene,
+                    {.method = Method::direct, .gradient = gradient, .substeps = substeps, .tensions = true},
+                    100, push),
+          1e-9);
 }
 
 // An anchor that moves by jerks gives blows of some 60 N, which act along rods as a step begins.

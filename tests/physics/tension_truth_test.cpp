@@ -52,22 +52,33 @@ double error(const Scene& scene, const Frame& truth, Settings settings, std::uin
   return scenes::tension_error(now, truth).relative;
 }
 
-// Gradient mid, and linkages, which have both halves of a substep's pull.
+// Gradients mid and old, and linkages, which have both halves of a substep's pull.
 TEST(TrueTensions, AreApproachedWithTheSquareOfTheSubstep) {
   for (const char* spec : {"chain:links=5,end_mass=10", "chain:links=5,end_mass=10,stiffness=1e4"}) {
     const Scene scene = scenes::load_scene(spec);
     const Frame truth = truth::solve(scene, {.save_at = {15 * frame}, .mean_over = frame}).frames[0];
     Scene linkage = scene;  // a spring that does nothing makes it one
     linkage.springs.push_back({.a = {{0}, {1}}, .b = {{1}, {1}}, .stiffness = 1e-12});
-    const Settings mid{.method = Method::direct, .gradient = Gradient::mid};
-    const double order = std::log2(error(scene, truth, mid, 16) / error(scene, truth, mid, 32));
-    EXPECT_NEAR(order, 2, 0.2) << spec;
+    for (const Gradient gradient : {Gradient::mid, Gradient::old}) {
+      const Settings settings{.method = Method::direct, .gradient = gradient};
+      const double order = std::log2(error(scene, truth, settings, 16) / error(scene, truth, settings, 32));
+      EXPECT_NEAR(order, 2, 0.2) << spec << ", gradient " << to_string(gradient);
+    }
     const Settings direct{.method = Method::direct};
     const double of_linkage =
         std::log2(error(linkage, truth, direct, 16) / error(linkage, truth, direct, 32));
     EXPECT_NEAR(of_linkage, 2, 0.2) << spec;
     EXPECT_LT(error(linkage, truth, direct, 32), 1e-3);
   }
+}
+
+// What composed substeps count is composed as they are. Trees with an accuracy take them.
+TEST(TrueTensions, AreApproachedByComposedSubsteps) {
+  const Scene scene = scenes::load_scene("chain:links=5,end_mass=10");
+  const Frame truth = truth::solve(scene, {.save_at = {15 * frame}, .mean_over = frame}).frames[0];
+  const Settings fourth{.method = Method::direct, .gradient = Gradient::old, .time_order = 4};
+  EXPECT_GT(std::log2(error(scene, truth, fourth, 4) / error(scene, truth, fourth, 8)), 4);
+  EXPECT_LT(error(scene, truth, {.accuracy = 1e-7}, 1), 1e-8);
 }
 
 }  // namespace

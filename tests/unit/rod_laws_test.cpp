@@ -10,6 +10,7 @@
 #include "direct/laws/held_rods.hpp"
 #include "direct/laws/law_factors.hpp"
 #include "direct/laws/loop_laws.hpp"
+#include "direct/laws/pulls_ahead.hpp"
 #include "direct/laws/tree_laws.hpp"
 #include "direct/laws/tree_rods.hpp"
 #include "direct/velocities/changes.hpp"
@@ -30,6 +31,13 @@ namespace plumb::detail {
 namespace {
 
 constexpr double h = 0.01;
+
+TEST(PulledTime, IsFromMiddleToMiddleWithGradientOld) {
+  EXPECT_EQ(pulled_time(0, h, 0), h / 2) << "from a velocity on";
+  EXPECT_EQ(pulled_time(0, h, 2 * h), 1.5 * h);
+  EXPECT_EQ(pulled_time(0.5, h, 0), h);
+  EXPECT_EQ(pulled_time(1, h, 2 * h), h);
+}
 
 TEST(LawFactors, ShareAKickBetweenSubsteps) {
   const LawFactors first = LawFactors::of(Gradient::old, h * h / 2, 0, h, 0);
@@ -118,9 +126,9 @@ TEST(LoopLaws, BreakAboveTheirStrength) {
   work.starts.resize(1);
   start_law(laws, 0, 1, 0, work);
   std::vector<double> length2{1};
-  EXPECT_EQ(end_rods(laws, work, {h, 0, 1, 2}, std::vector<double>{-9.0}, length2), 0u);
+  EXPECT_EQ(end_rods(laws, work, {h, 0, 1, 2, h}, std::vector<double>{-9.0}, length2), 0u);
   EXPECT_NEAR(laws.impulse[0], h * 9 * 2, 1e-15) << "a pull of 9 units of 2 kg for a substep";
-  EXPECT_EQ(end_rods(laws, work, {h, 0, 1, 2}, std::vector<double>{-11.0}, length2), 1u);
+  EXPECT_EQ(end_rods(laws, work, {h, 0, 1, 2, h}, std::vector<double>{-11.0}, length2), 1u);
   EXPECT_EQ(laws.rods[0], LoopLaws::Numbers{});
   start_law(laws, 0, 1, 0, work);
   const RodRow row = law_row(laws, work, 0, {0, 0, -3}, 1);

@@ -94,7 +94,7 @@ TEST_P(Solvers, MoveWhatIsMovable) {
     for (std::uint32_t piece = 0; piece < made.solver->pieces(); ++piece) {
       made.solver->begin_piece(piece, 0);
       made.solver->advance(piece, 0.01, 1, 0, counters);
-      made.solver->end_piece(piece, 0.01);
+      made.solver->end_piece(piece, 0.01, 0);
     }
     made.solver->end_step(counters);
     for (const auto& [particle, slot] : made.places) {

@@ -23,6 +23,10 @@ constexpr int looks = 50;
 /// Solutions that differ by this many times the tolerance never come back together.
 constexpr double hopeless = 1e4;
 
+/// A mean is taken in so many equal parts. Tensions of a chain with a heavy end that falls were off by 2e-8
+/// of the largest in one part of 1/60 s.
+constexpr int parts = 4;
+
 /// Gauss's five nodes on [0, 1] and their weights, whose error falls with the tenth power of the time.
 constexpr struct {
   double at, weight;
@@ -144,11 +148,12 @@ class Pair {
   /// the two lie apart.
   std::vector<double> mean_tensions(double t, double& apart) {
     std::vector<Real> pulls(model_.rods.size()), others(pulls.size());
-    for (std::size_t node = 0; node < std::size(gauss); ++node) {
-      go_to(t - plan_.mean_over * (1 - gauss[node].at));
-      two_.add_pulls(gauss[node].weight, pulls);
-      one_.add_pulls(gauss[node].weight, others);
-    }
+    for (int part = 0; part < parts; ++part)
+      for (const auto& [at, weight] : gauss) {
+        go_to(t - plan_.mean_over * (1 - (part + at) / parts));
+        two_.add_pulls(weight / parts, pulls);
+        one_.add_pulls(weight / parts, others);
+      }
     Real most = 0, difference = 0;
     for (std::size_t rod = 0; rod < pulls.size(); ++rod) {
       most = std::max(most, std::abs(pulls[rod]));

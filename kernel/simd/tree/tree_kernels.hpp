@@ -155,7 +155,7 @@ struct TreeView {
   /// fail.
   T* mu_before = nullptr;
   T* tie_mu_before = nullptr;    ///< The same of ties.
-  T* blow = nullptr;             ///< Multipliers that a projection adds up, as mu; null if nobody asks.
+  T* blow = nullptr;             ///< Multipliers of a projection, as mu; null if nobody asks.
   T* tie_blow = nullptr;         ///< The same of ties.
   T* load = nullptr;             ///< M u + kick force, 3 per node.
   T* rod = nullptr;              ///< tree_fields::rod numbers per node.

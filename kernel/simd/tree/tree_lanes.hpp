@@ -61,6 +61,13 @@ PLUMB_INLINE NodeBlock<V> empty_block() {
   return {{none, none, none}, none, zero};
 }
 
+/// Puts the known pull of a rod where its projection adds to it, if anybody asks. Returns it.
+template <class V, class T, class At>
+PLUMB_INLINE V put_known(const At& at, std::size_t i, const V& mu, T* const blow) {
+  if (blow != nullptr) at.put(blow, i, mu);
+  return mu;
+}
+
 /// A node whose ties and everything below it are eliminated has delta_i = q + H f for a force f from above.
 template <class V>
 struct Free {
@@ -86,7 +93,8 @@ PLUMB_INLINE Free<V> free_node(const TreeView<T>& tree, const At& at, std::size_
           block.r + at.get(tree.tie, k * tie) * (at.get3(tree.tie_u, 3 * k) - at.get3(tree.tie_delta, 3 * k));
       if constexpr (laws != Laws::none) {
         const Vec<V> d = at.get3(tree.tie_rod, k * rod);
-        block.r = block.r + known_pull_of<V>(tree, at, tie_laws(tree), k, d, V(0)).mu * d;
+        const V mu = known_pull_of<V>(tree, at, tie_laws(tree), k, d, V(0)).mu;
+        block.r = block.r + put_known(at, k, mu, tree.tie_blow) * d;
       }
     }
   }
@@ -158,7 +166,7 @@ PLUMB_INLINE RodEquation<V> rod_equation(const TreeView<T>& tree, const At& at, 
       own.b = known.row.use * d;
       own.soft = known.row.soft;
       own.c = known.row.c;
-      block.r = block.r + own.mu * d;
+      block.r = block.r + put_known(at, i, own.mu, tree.blow) * d;
     }
   } else {
     own.a = d + theta * e;

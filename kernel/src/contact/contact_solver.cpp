@@ -197,7 +197,7 @@ void ContactSolver::begin_piece(std::uint32_t piece, unsigned) {
   }
 }
 
-void ContactSolver::end_piece(std::uint32_t piece, double dt) {
+void ContactSolver::end_piece(std::uint32_t piece, double dt, unsigned) {
   for (LinkageState* const state : cluster(piece))
     if (!state->asleep) {
       state->pulls.dt = dt;

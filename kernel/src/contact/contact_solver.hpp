@@ -138,7 +138,7 @@ class ContactSolver final : public Solver {
   void clear_pieces() { pieces_.clear(); }
   double advance(std::uint32_t piece, double h, std::uint32_t count, unsigned part, Tally& report) override;
   void begin_piece(std::uint32_t piece, unsigned part) override;
-  void end_piece(std::uint32_t piece, double dt) override;
+  void end_piece(std::uint32_t piece, double dt, unsigned part) override;
   Vec3 hold(Slot slot, double dt) const override;
   void end_step(StepReport& report) override;
 

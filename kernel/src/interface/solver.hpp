@@ -83,7 +83,7 @@ class Solver {
   virtual bool wants_team() const { return false; }
   virtual void advance_with_team(double /*h*/, std::uint32_t /*count*/, Team&, StepReport&) {}
   /// Ends a piece's step. The thread that advanced the piece calls it once.
-  virtual void end_piece(std::uint32_t /*piece*/, double /*dt*/) {}
+  virtual void end_piece(std::uint32_t /*piece*/, double /*dt*/, unsigned /*part*/) {}
   /// Ends a step. It is called once after all pieces, before anchors are put where they went.
   virtual void end_step(StepReport&) {}
 

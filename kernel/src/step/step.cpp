@@ -218,7 +218,7 @@ void Step::advance_with_team(std::uint32_t number, Solver& solver, Team& team) {
 
 void Step::advance(Solver& solver, std::uint32_t piece, unsigned part) {
   advance_piece(solver, piece, dt_, rules_, part, reports_[part]);
-  solver.end_piece(piece, dt_);
+  solver.end_piece(piece, dt_, part);
 }
 
 void Step::advance(Task& task, unsigned part) {

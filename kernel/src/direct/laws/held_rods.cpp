@@ -1,5 +1,6 @@
 #include "direct/laws/held_rods.hpp"
 
+#include "direct/laws/pulls_ahead.hpp"
 #include "direct/loops/loop_vectors.hpp"
 
 namespace plumb::detail {
@@ -27,7 +28,8 @@ void hold_rods(TreeState<T>& state, double h, double theta, const TreeWorkspace<
   for_ties(state, [&](std::uint32_t tie, std::uint32_t node) {
     for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
       if (work.active[lane] == 0) continue;
-      const double scale = h / static_cast<double>(work.kick[lane]) * state.mass_unit[lane];
+      const double pulled = pulled_time(theta, h, state.u_step_before[lane]);
+      const double scale = pulled / static_cast<double>(work.kick[lane]) * state.mass_unit[lane];
       const std::size_t at = state.at(tie, lane);
       const Vec3 change = state.read(work.delta, 3 * node, lane) - state.read(state.tie_delta, 3 * tie, lane);
       state.hold[at] +=
@@ -50,7 +52,7 @@ void hold_rod_blows(TreeState<T>& state, const TreeWorkspace<T>& work) {
 void hold_rods(LoopState& state, const SubstepEnd& end, const LoopWorkspace& work) {
   if (!state.laws.pulls) return;
   const LoopTopology& shape = *state.topology;
-  const double scale = end.h / end.kick * end.mass_unit;
+  const double scale = end.pulled / end.kick * end.mass_unit;
   for (const std::uint32_t k : shape.anchored) {
     const auto [a, b] = shape.rods[k];
     const Vec3 d = state.position(a) - state.position(b), e = at(work.delta, a) - at(work.delta, b);

@@ -39,7 +39,7 @@ double paid_out(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k)
 void LoopLaws::make(std::span<const double> length2) {
   if (any()) return;
   rods.assign(length2.size(), Numbers{0, 0, 1});
-  half_kick = rate = jump = impulse = bent = std::vector<double>(length2.size());
+  half_kick = rate = jump = impulse = ahead = bent = std::vector<double>(length2.size());
   for (const double square : length2) length.push_back(std::sqrt(square));
 }
 
@@ -108,7 +108,7 @@ std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEn
     }
     const double length = length_along(laws, k, mu[k], end, work);
     const double pull = -mu[k] * length / end.kick + laws.bent[k], strength = laws.rods[k][5];
-    laws.impulse[k] += end.h * pull * end.mass_unit;
+    laws.impulse[k] += end.pulled * pull * end.mass_unit;
     if (!(strength > 0 && pull > strength)) continue;
     laws.rods[k] = {};
     ++broken;

@@ -20,6 +20,7 @@ struct LoopLaws {
   std::vector<double> rate;       ///< Lengths change by so much, in m/s.
   std::vector<double> jump;       ///< Rates changed by so much as the step began, in m/s.
   std::vector<double> impulse;    ///< Pulls times substeps, of this step, in N s.
+  std::vector<double> ahead;      ///< Of it, what the next step takes back, see pulls_ahead.hpp.
   std::vector<double> bent;       ///< Bends pull along rods so in a substep, over the unit of mass.
   bool moves = false;             ///< Some rod changes its length.
   bool pulls = false;             ///< Pulls are added up.
@@ -78,6 +79,7 @@ void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> lengt
 /// `mass_unit` (kg).
 struct SubstepEnd {
   double h, theta, kick, mass_unit;
+  double pulled;  ///< Rods pull for so long, in s, see pulled_time().
 };
 std::uint32_t end_rods(LoopLaws& laws, const LawWorkspace& work, const SubstepEnd& end,
                        std::span<const double> mu, std::span<double> length2);
@@ -103,8 +105,8 @@ LawPull law_pull(const LoopLaws& laws, const LawWorkspace& work, std::uint32_t k
 
 template <class Archive>
 void visit_members(Archive& archive, LoopLaws& of) {
-  auto& [rods, half_kick, length, rate, jump, impulse, bent, moves, pulls] = of;  // bent: of a substep
-  archive(rods, half_kick, length, rate, jump, impulse, moves, pulls);
+  auto& [rods, half_kick, length, rate, jump, impulse, ahead, bent, moves, pulls] = of;  // bent: of a substep
+  archive(rods, half_kick, length, rate, jump, impulse, ahead, moves, pulls);
 }
 
 }  // namespace plumb::detail

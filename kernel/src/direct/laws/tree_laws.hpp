@@ -36,6 +36,7 @@ struct TreeLaws {
   Of<double> rate;                           ///< Lengths change by so much, in m/s.
   Of<double> jump;                           ///< Rates changed by so much as the step began, in m/s.
   Of<double> impulse;                        ///< Pulls times substeps, of this step, in N s.
+  Of<double> ahead;                          ///< Of it, what the next step takes back, see pulls_ahead.hpp.
   Of<double> blow;                           ///< Of it, what came as the step began. Only while rods move.
   Of<T> step;                                ///< They have tree_fields::law_step numbers per rod.
   std::vector<LawFactors> factors;           ///< Steps are made of them, per lane.
@@ -52,6 +53,7 @@ struct TreeLaws {
     rate.make(nodes, ties);
     jump.make(nodes, ties);
     impulse.make(nodes, ties);
+    ahead.make(nodes, ties);
     make_steps(lanes);
     for (auto* const buffer : {&law.rods, &law.ties})
       for (std::size_t i = 0; i * simd::tree_fields::law * lanes < buffer->size(); ++i)
@@ -109,13 +111,14 @@ void for_laws(Laws& laws, Other& other, F&& f) {
   visit(laws.rate, 1, other.rate);
   visit(laws.jump, 1, other.jump);
   visit(laws.impulse, 1, other.impulse);
+  visit(laws.ahead, 1, other.ahead);
 }
 
 /// Steps are made anew.
 template <class Archive, class T>
 void visit_members(Archive& archive, TreeLaws<T>& of) {
-  auto& [any, gives, cables, breaks, moves, pulls, law, half_kick, length, rate, jump, impulse, blow, step,
-         factors, factor_numbers, steps_are_old] = of;
+  auto& [any, gives, cables, breaks, moves, pulls, law, half_kick, length, rate, jump, impulse, ahead, blow,
+         step, factors, factor_numbers, steps_are_old] = of;
   archive(any, gives, cables, breaks, moves, pulls);
   for_laws(of, of, [&](auto& rods, auto& ties, std::uint32_t, auto&, auto&) { archive(rods, ties); });
   archive(blow.rods, blow.ties);

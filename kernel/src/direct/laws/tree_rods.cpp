@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "direct/laws/loop_laws.hpp"
+#include "direct/laws/pulls_ahead.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -150,7 +151,7 @@ std::uint32_t end_rods(TreeState<T>& state, double h, double theta, const TreeWo
   OfLanes over_kick, weight;  // lanes that stand still have zeros
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     over_kick[lane] = work.active[lane] == 0 ? 0 : -1 / static_cast<double>(work.kick[lane]);
-    weight[lane] = h * state.mass_unit[lane];
+    weight[lane] = pulled_time(theta, h, state.u_step_before[lane]) * state.mass_unit[lane];
   }
   std::uint32_t broken = 0;
   for_parts([&](auto part, bool ties) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "direct/laws/pulls_ahead.hpp"
 #include "direct/trees/tree_solver.hpp"
 #include "direct/velocities/changes.hpp"
 
@@ -43,11 +44,14 @@ void TreeSolver<T>::count_pulls() {
     if (saved) saved->hold = state_.hold;
 }
 
+/// Velocities are known then, too.
 template <class T>
-void TreeSolver<T>::clear_pulls() {
-  for (auto* const each : {&state_.laws.impulse.rods, &state_.laws.impulse.ties})
-    std::fill_n(each->data(), each->size(), 0.0);
-  std::fill(state_.hold.begin(), state_.hold.end(), Vec3{});
+void TreeSolver<T>::end_piece(std::uint32_t, double, unsigned part) {
+  if (!state_.laws.pulls || kind_->rules.gradient != Gradient::old) return;
+  TreeWorkspace<T>& work = kind_->crews[part].work;
+  find_velocities(work);
+  count_pulls_ahead(line_ ? line_->whole : state_, kind_->rules.drag, work);
+  if (line_) line_->segments.scatter(line_->whole, state_);
 }
 
 template <class T>
@@ -127,7 +131,7 @@ void TreeSolver<T>::set_gravity(Vec3 gravity, Vec3) {
   template void TreeSolver<T>::set_gravity(Vec3, Vec3);                                   \
   template Slot TreeSolver<T>::rod_slot(std::uint32_t, std::uint32_t) const;              \
   template void TreeSolver<T>::make_laws();                                               \
-  template void TreeSolver<T>::clear_pulls();                                             \
+  template void TreeSolver<T>::end_piece(std::uint32_t, double, unsigned);                \
   template void TreeSolver<T>::count_pulls();                                             \
   template void TreeSolver<T>::take_blow(unsigned);                                       \
   template void TreeSolver<T>::keep_blows();                                              \

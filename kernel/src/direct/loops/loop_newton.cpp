@@ -266,6 +266,7 @@ void project_delta(const LoopState& state, const Projected& acts, LoopWorkspace&
       double& right = factor.right[analysis.position(shape.nodes + k)];
       right = -(row.c + (again ? row.soft * right : 0));  // it was the pull that the first time found
       if (known == 0 || force == 0) continue;
+      work.blows[k] += known;
       const Vec3 pull = known * at(work.d, k);
       add(factor.right.data() + analysis.position(a), pull);
       if (b < shape.nodes) add(factor.right.data() + analysis.position(b), -1.0 * pull);

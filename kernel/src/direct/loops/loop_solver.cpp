@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "direct/laws/pulls_ahead.hpp"
 #include "direct/loops/loop_vectors.hpp"
 #include "direct/loops/settle.hpp"
 #include "direct/tackles/loop_pulleys.hpp"
@@ -70,10 +71,9 @@ void LoopSolver::lock(Locks locks) {
 
 void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   velocity_known_ = false;
-  if (state_.laws.pulls) std::fill(state_.laws.impulse.begin(), state_.laws.impulse.end(), 0.0);
+  begin_pulls(state_);
   for (LoopTackleMotion& tackle : state_.tackles) tackle.impulse = 0;
   std::fill(state_.pulley_impulses.begin(), state_.pulley_impulses.end(), 0.0);
-  std::fill(state_.hold.begin(), state_.hold.end(), Vec3{});
   if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
   if (anchors_changed(0) && state_.u_step == 0) take_blow();
   if (state_.laws.pulls && (state_.laws.moves || !state_.tackles.empty())) keep_blows();
@@ -91,6 +91,12 @@ void LoopSolver::take_blow() {
   count_blows(state_, work_);
   end_blow(work_.tackles);
   state_.fixed_last_velocity = state_.fixed_velocity;  // rods have passed on how they changed
+}
+
+void LoopSolver::end_piece(std::uint32_t, double, unsigned) {
+  if (!state_.laws.pulls || rules_->gradient != Gradient::old) return;
+  find_velocities();
+  count_pulls_ahead(state_, rules_->drag, work_);
 }
 
 double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) {

@@ -13,14 +13,15 @@ namespace plumb::detail {
 
 /// All islands with loops share these rules.
 struct LoopRules {
-  /// `drag` is in 1/s. Without an accuracy nothing is estimated.
-  LoopRules(Gradient of, std::uint32_t order, double drag, std::optional<double> share, Isa instructions)
+  /// Without an accuracy nothing is estimated.
+  LoopRules(Gradient of, std::uint32_t order, double air, std::optional<double> share, Isa instructions)
       : gradient(of),
         time_order(order),
         accuracy(share),
         estimates(share && order == 2 && of != Gradient::new_),
         isa(instructions),
-        stepper(of, drag, order) {}
+        drag(air),
+        stepper(of, air, order) {}
 
   /// Sets the strain that islands solved by their lines may keep.
   void set_stop_rule(const StopRule& rule);
@@ -30,6 +31,7 @@ struct LoopRules {
   std::optional<double> accuracy;
   bool estimates;  ///< Errors are estimated from accelerations, which islands then keep.
   Isa isa;
+  double drag;  ///< It is in 1/s.
   LoopStepper stepper;
 };
 
@@ -48,6 +50,7 @@ class LoopSolver final : public Solver {
 
   std::uint32_t islands(std::uint32_t) const override { return 1; }
   void begin_piece(std::uint32_t, unsigned) override;
+  void end_piece(std::uint32_t, double dt, unsigned part) override;
   double advance(std::uint32_t, double h, std::uint32_t count, unsigned, Tally& report) override;
 
   ErrorModel error_model() const override;

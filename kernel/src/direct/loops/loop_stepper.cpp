@@ -8,6 +8,7 @@
 #include "direct/displacements/elastic_rods.hpp"
 #include "direct/laws/change_share.hpp"
 #include "direct/laws/held_rods.hpp"
+#include "direct/laws/pulls_ahead.hpp"
 #include "direct/loops/loop_newton.hpp"
 #include "direct/loops/loop_vectors.hpp"
 #include "direct/tackles/loop_pulleys.hpp"
@@ -265,7 +266,8 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   const double error = state.known == 2 ? h * h / 24 * std::sqrt(jolt / state.topology->nodes) : 0;
   state.known = gradient == gradient_ ? std::min(state.known + 1, 2u) : 0;
   const double decay = detail::exp(-drag_ * h / 2);
-  const SubstepEnd end{h, theta_of(gradient), kick, state.mass_unit};
+  const double theta = theta_of(gradient);
+  const SubstepEnd end{h, theta, kick, state.mass_unit, pulled_time(theta, h, state.u_step)};
   end_twists(state, end, work);
   hold_rods(state, end, work);
   for (std::size_t i = 0; i < state.x.size(); ++i) state.x[i] += work.delta[i];

@@ -217,7 +217,8 @@ bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) 
     for (std::size_t k = 3 * std::size_t{i}; k < 3 * std::size_t{i} + 3; ++k)
       work.delta[k] += kick * solver.inverse_mass(i) * state.force[k];
   // The second time takes out what rounding left in the first.
-  for (int turn = 0; turn < 2; ++turn) {
+  bool solved = true;
+  for (int turn = 0; turn < 2 && solved; ++turn) {
     double square = 0;
     for (std::size_t s = 0; s < shape.slots(); ++s) {
       const auto [a, b] = shape.ends[s];
@@ -225,11 +226,11 @@ bool project_by_lines(const LoopState& state, double kick, LoopWorkspace& work) 
       square += lines.wanted[s] * lines.wanted[s];
     }
     const double goal = projected * std::sqrt(square);
-    if (!solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta) && turn == 0) return false;
+    solved = solver.solve(lines.wanted, goal, most_gradients, lines.mu, work.delta) || turn > 0;
   }
   for (std::size_t s = 0; s < shape.slots(); ++s)
     if (shape.numbers[s] != RodLines::none) work.blows[shape.numbers[s]] = lines.mu[s];
-  return true;
+  return solved;
 }
 
 }  // namespace plumb::detail

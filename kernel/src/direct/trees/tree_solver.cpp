@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "direct/laws/pulls_ahead.hpp"
 #include "direct/loops/settle.hpp"
 #include "direct/velocities/changes.hpp"
 #include "time/accuracy.hpp"
@@ -115,7 +116,7 @@ void TreeSolver<T>::project_velocities() {
 template <class T>
 void TreeSolver<T>::begin_piece(std::uint32_t, unsigned part) {
   velocities_known_ = false;
-  if (state_.laws.pulls) clear_pulls();
+  if (state_.laws.pulls) begin_pulls(state_);
   if (anchors_changed(0)) take_blow(part);
   if (state_.laws.moves && state_.laws.pulls) keep_blows();
 }
@@ -213,6 +214,7 @@ void TreeSolver<T>::end_controlled_step(std::uint32_t, double error, double h, d
   is_calm_ = true;
   TreeWorkspace<T>& work = kind_->crews[part].work;
   kind_->stepper.find_velocities(state_, work);
+  if (state_.laws.pulls) count_pulls_ahead(state_, kind_->rules.drag, work);
   for (std::uint32_t lane = 0; lane < state_.lanes; ++lane) state_.restart(lane, work.velocity);
 }
 
@@ -251,8 +253,7 @@ template <class T>
 Vec3 TreeSolver<T>::position(Slot slot) const {
   const Entry place = place_of(slot);
   if (!is_tie(slot)) return state_.position(place.node, place.lane);
-  const auto at = [&](std::uint32_t c) { return state_.tie_x[state_.at(3 * place.node + c, place.lane)]; };
-  return {at(0), at(1), at(2)};
+  return state_.read(state_.tie_x, 3 * std::size_t{place.node}, place.lane);
 }
 
 template <class T>
@@ -260,10 +261,7 @@ Vec3 TreeSolver<T>::velocity(Slot slot) const {
   if (is_tie(slot)) return {};
   find_velocities();
   const Entry place = place_of(slot);
-  const auto at = [&](std::uint32_t c) {
-    return static_cast<double>(velocity_[state_.at(3 * place.node + c, place.lane)]);
-  };
-  return {at(0), at(1), at(2)};
+  return state_.read(velocity_, 3 * std::size_t{place.node}, place.lane);
 }
 
 template <class T>
@@ -276,19 +274,21 @@ void TreeSolver<T>::add_to_hash(Slot slot, StateHash& hash) const {
 }
 
 template <class T>
-void TreeSolver<T>::find_velocities() const {
-  if (velocities_known_) return;
+void TreeSolver<T>::find_velocities(TreeWorkspace<T>& work) const {
   if (line_) {
-    TreeWorkspace<T>& work = kind_->crews[0].work;
     line_->segments.gather(state_, line_->whole);
     kind_->stepper.find_velocities(line_->whole, work);
     line_->segments.scatter_nodes(work.velocity, velocity_);
   } else {
-    TreeWorkspace<T>& work = kind_->crews[0].work;
     kind_->stepper.find_velocities(state_, work);
     std::copy_n(work.velocity.data(), velocity_.size(), velocity_.data());
   }
   velocities_known_ = true;
+}
+
+template <class T>
+void TreeSolver<T>::find_velocities() const {
+  if (!velocities_known_) find_velocities(kind_->crews[0].work);
 }
 
 /// A displacement stands for the velocity of now under the force that made it. Before that force changes, it

@@ -44,9 +44,13 @@ class TreeSolver final : public Solver {
   std::uint32_t island_of(Slot slot) const override { return line_ ? 0 : place_of(slot).lane; }
   void begin_piece(std::uint32_t, unsigned part) override;
   double advance(std::uint32_t, double h, std::uint32_t count, unsigned part, Tally& report) override;
-  void begin_step(double dt, Team&) override { begin_twists(state_.twists.numbers, dt); }
+  void end_piece(std::uint32_t, double dt, unsigned part) override;
+  void begin_step(double dt, Team&) override {
+    velocities_known_ = false;
+    begin_twists(state_.twists.numbers, dt);
+  }
   void end_step(StepReport&) override {
-    velocities_known_ = lengths_changed_ = false;
+    lengths_changed_ = false;
     finish_twists(state_.twists.numbers);
   }
 
@@ -133,13 +137,13 @@ class TreeSolver final : public Solver {
   };
   void make_laws();
   void take_blow(unsigned part);
-  void clear_pulls();
   void keep_blows();
 
   Entry place_of(Slot slot) const;
   bool is_tie(Slot slot) const { return slot >= ties_begin_; }
   double advance_one(double h, unsigned part, Tally& report);
   void find_velocities() const;
+  void find_velocities(TreeWorkspace<T>& work) const;
   void keep_velocities(std::uint32_t lane);
 
   std::shared_ptr<TreeKind<T>> kind_;

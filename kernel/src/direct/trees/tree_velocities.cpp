@@ -159,7 +159,9 @@ void TreeStepper<T>::take_blow(TreeState<T>& state, TreeWorkspace<T>& work) cons
   take_sound(state, drive, work, work.velocity);
   for (std::size_t i = 0; i < state.u.size(); ++i) state.u[i] += work.velocity[i];
   count_blows(state, work);
-  state.tie_last_velocity = state.tie_velocity;
+  // Where u is a displacement, the next substep passes on how ties change their velocity.
+  for (std::size_t i = 0; i < state.tie_velocity.size(); ++i)
+    if (state.u_step[i % state.lanes] == 0) state.tie_last_velocity[i] = state.tie_velocity[i];
 }
 
 template <class T>

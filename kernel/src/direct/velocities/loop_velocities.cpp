@@ -169,6 +169,7 @@ void LoopStepper::take_blow(LoopState& state, LoopWorkspace& work) const {
 
 void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   const double step = state.u_step;
+  std::fill(work.blows.begin(), work.blows.end(), 0.0);
   const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
   const auto take_displacements = [&] {
     for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
