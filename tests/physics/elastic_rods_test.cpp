@@ -373,13 +373,30 @@ TEST(Problems, NameRodsThatDoNotFit) {
   World world(scene, {});
   for (int i = 0; i < 10; ++i) world.step(frame);
   const std::vector<Problem> problems = world.problems();
-  ASSERT_EQ(problems.size(), 10u);
+  ASSERT_EQ(problems.size(), 11u);
+  EXPECT_EQ(problems[0].kind, Problem::Kind::elastic);
   for (std::uint32_t i = 0; i < 10; ++i) {
-    EXPECT_EQ(problems[i].kind, Problem::Kind::stretched);
-    EXPECT_EQ(problems[i].rod, i);
-    EXPECT_NEAR(problems[i].strain, 1 / 0.9 - 1, 1e-4);
+    EXPECT_EQ(problems[i + 1].kind, Problem::Kind::stretched);
+    EXPECT_EQ(problems[i + 1].rod, i);
+    EXPECT_NEAR(problems[i + 1].strain, 1 / 0.9 - 1, 1e-4);
   }
-  EXPECT_TRUE(world.problems(0.2).empty());
+  EXPECT_EQ(world.problems(0.2).size(), 1u) << "all rods are within that";
+}
+
+// Rods that lack too little to be named by themselves, and one that gives as it is meant to.
+TEST(Problems, NameIslandsWhoseRodsLackLittle) {
+  for (const double lacks : {1e-6, 1e-4, 5e-3}) {
+    Scene scene = scenes::load_scene("line:links=10,span=10,slack=0");
+    for (Rod& rod : scene.rods) rod.length = 1 - lacks;
+    World world(scene, {});
+    world.step(frame);
+    ASSERT_EQ(world.problems().size(), 1u) << lacks;
+    EXPECT_EQ(world.problems()[0].kind, Problem::Kind::elastic);
+    for (Rod& rod : scene.rods) rod.law.stiffness = 1e5;
+    World elastic(scene, {});
+    elastic.step(frame);
+    EXPECT_TRUE(elastic.problems().empty()) << lacks;
+  }
 }
 
 }  // namespace

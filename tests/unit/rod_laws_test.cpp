@@ -230,13 +230,15 @@ TEST(Problems, AreWhatCountsSay) {
   before.unsolved = after.unsolved = 4;
   EXPECT_EQ(troubles_between(before, after), 0);
   ++after.unsolved;
+  ++after.elastic_substeps;
   ++after.capped_steps;
   std::vector<Problem> found;
   append_problems(troubles_between(before, after), 7, found);
-  ASSERT_EQ(found.size(), 2u);
+  ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(to_string(found[0].kind), "unsolved");
-  EXPECT_EQ(to_string(found[1].kind), "capped");
-  EXPECT_EQ(found[1].particle, 7u);
+  EXPECT_EQ(to_string(found[1].kind), "elastic");
+  EXPECT_EQ(to_string(found[2].kind), "capped");
+  EXPECT_EQ(found[2].particle, 7u);
 }
 
 TEST(RodJudge, LeavesOutWhatMayBeOffItsLength) {

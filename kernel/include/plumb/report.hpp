@@ -162,9 +162,10 @@ struct WorldInfo {
 /// Says what went wrong in the last step of a World (World::problems()).
 struct Problem {
   /// `frozen`: numbers of an island went non-finite, and it stands still. `unsolved`: a substep was not
-  /// solved. `inaccurate`: a step was taken though not accurate enough. `capped`: an island spent
+  /// solved. `elastic`: a substep had no place for rods at their lengths, or none was found. Rods share what
+  /// they lack. `inaccurate`: a step was taken though not accurate enough. `capped`: an island spent
   /// Settings::most_work. `stretched`: a rod that is not elastic is off its length.
-  enum class Kind : std::uint8_t { frozen, unsolved, inaccurate, capped, stretched };
+  enum class Kind : std::uint8_t { frozen, unsolved, elastic, inaccurate, capped, stretched };
 
   Kind kind = Kind::unsolved;
   /// It is the first movable particle of the island, or of the first of equal islands that are solved side by
@@ -181,7 +182,7 @@ struct Event {
   /// `woke` and `fell_asleep`: an island was asleep at the end of one of the last two steps and not of the
   /// other. What a program adds asleep, or removes, is no event. `broke`: a rod pulled more than its
   /// strength; those that World::cut() takes out are not listed. The others are as Problem::Kind has them.
-  enum class Kind : std::uint8_t { woke, fell_asleep, broke, frozen, unsolved, inaccurate, capped };
+  enum class Kind : std::uint8_t { woke, fell_asleep, broke, frozen, unsolved, elastic, inaccurate, capped };
 
   Kind kind = Kind::woke;
   /// It is the first movable particle of the island. What went wrong is told of the first of equal islands

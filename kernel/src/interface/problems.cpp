@@ -9,6 +9,8 @@ std::uint64_t count(Problem::Kind kind, const StepReport& report) {
       return report.frozen_islands;
     case Problem::Kind::unsolved:
       return report.unsolved;
+    case Problem::Kind::elastic:
+      return report.elastic_substeps;
     case Problem::Kind::inaccurate:
       return report.inaccurate_steps;
     case Problem::Kind::capped:
@@ -51,6 +53,8 @@ std::string_view to_string(Problem::Kind kind) {
       return "frozen";
     case Problem::Kind::unsolved:
       return "unsolved";
+    case Problem::Kind::elastic:
+      return "elastic";
     case Problem::Kind::inaccurate:
       return "inaccurate";
     case Problem::Kind::capped:

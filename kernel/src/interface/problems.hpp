@@ -16,7 +16,8 @@ using Troubles = std::uint8_t;
 Troubles troubles_between(const StepReport& before, const StepReport& after);
 /// Says what the bits stand for.
 inline constexpr std::array trouble_kinds{Problem::Kind::frozen, Problem::Kind::unsolved,
-                                          Problem::Kind::inaccurate, Problem::Kind::capped};
+                                          Problem::Kind::elastic, Problem::Kind::inaccurate,
+                                          Problem::Kind::capped};
 /// Calls f(kind) for all that went wrong.
 template <class F>
 void for_troubles(Troubles troubles, F&& f) {

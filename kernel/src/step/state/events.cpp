@@ -12,6 +12,8 @@ Event::Kind event_of(Problem::Kind trouble) {
       return Event::Kind::frozen;
     case Problem::Kind::unsolved:
       return Event::Kind::unsolved;
+    case Problem::Kind::elastic:
+      return Event::Kind::elastic;
     case Problem::Kind::inaccurate:
       return Event::Kind::inaccurate;
     case Problem::Kind::capped:
@@ -83,6 +85,8 @@ std::string_view to_string(Event::Kind kind) {
       return "frozen";
     case Event::Kind::unsolved:
       return "unsolved";
+    case Event::Kind::elastic:
+      return "elastic";
     case Event::Kind::inaccurate:
       return "inaccurate";
     case Event::Kind::capped:
