@@ -4,8 +4,10 @@
 
 #include "contact/clusters.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
+#include "plumb/shapes/queries.hpp"
 #include "support/bodies.hpp"
 #include "support/linkages.hpp"
+#include "support/refusals.hpp"
 
 namespace plumb {
 namespace {
@@ -38,6 +40,79 @@ TEST(Filters, LetThingsFallThroughWhatTheyDoNotTouch) {
   EXPECT_NEAR(world.position(through_box).y, 0.1, 1e-3);
   EXPECT_NEAR(world.position(through_all).y, 1.5 - test::earth * 2, 1e-9);
   EXPECT_NEAR(world.position(through_balls).y, 1.1, 1e-3);
+}
+
+/// A scene with ground of one kind below the origin, 1 m high, in a category of its own.
+Scene ground_of(std::size_t kind) {
+  constexpr Filter furniture{.category = 2};
+  Scene scene;
+  std::vector<Vec3> corners;
+  for (const double x : {-9.0, 9.0})
+    for (const double y : {0.0, 1.0})
+      for (const double z : {-9.0, 9.0}) corners.push_back({x, y, z});
+  switch (kind) {
+    case 0:
+      scene.ground_capsules = {{.a = {-9, 0, 0}, .b = {9, 0, 0}, .radius = 1, .filter = furniture}};
+      break;
+    case 1:
+      scene.ground_hulls = {{.points = corners, .filter = furniture}};
+      break;
+    case 2:
+      scene.meshes = {{.vertices = {corners[2], corners[3], corners[6], corners[7]},
+                       .triangles = {{0, 1, 2}, {1, 3, 2}},
+                       .filter = furniture}};
+      break;
+    default:
+      scene.height_fields = {{.corner = {-9, 1, -9},
+                              .cell_x = 18,
+                              .cell_z = 18,
+                              .columns = 2,
+                              .heights = {0, 0, 0, 0},
+                              .filter = furniture}};
+  }
+  return scene;
+}
+
+// Each ground holds a ball and a cube that may touch it, and lets those fall that may not. Rays see it so.
+TEST(Filters, OfGroundOfEveryKindAndOfHulls) {
+  for (const Method method : {Method::automatic, Method::relax})
+    for (std::size_t kind = 0; kind < 4; ++kind) {
+      Scene scene = ground_of(kind);
+      const std::uint32_t held = add_ball(scene, 0, 1.3, {});
+      const std::uint32_t falls = add_ball(scene, 2, 1.3, {.mask = 1});
+      for (const double x : {4.0, 6.0}) {
+        MassProperties cube = solid_box(1, {0.2, 0.2, 0.2});
+        cube.center = {x, 1.3, 0};
+        scene.hulls.push_back(box_on_body(
+            add_body(scene, cube),
+            {.center = cube.center, .half_size = {0.1, 0.1, 0.1}, .filter = {.mask = x > 5 ? 1u : 3u}}));
+      }
+      World world(scene, {.method = method, .substeps = 4});
+      test::run(world, frame, 60);
+      EXPECT_NEAR(world.position(held).y, 1.1, 5e-3) << kind;
+      EXPECT_LT(world.position(falls).y, 0) << kind;
+      const auto height = [&](std::size_t body) { return world.position(scene.bodies[body].particles[0]).y; };
+      EXPECT_GT(height(0), 1) << kind;
+      EXPECT_LT(height(1), 0) << kind;
+      const Queries queries(scene);
+      const Ray down{.origin = {-3, 3, 0}, .direction = {0, -1, 0}, .length = 5};
+      EXPECT_TRUE(queries.cast_ray(down)) << kind;
+      EXPECT_FALSE(queries.cast_ray(down, {.filter = {.mask = 1}})) << kind;
+    }
+}
+
+TEST(Filters, OfAnIslandAreForCapsules) {
+  for (std::size_t kind = 0; kind < 4; ++kind) {
+    Scene scene = ground_of(kind);
+    const auto refused = [&](auto& shapes) {
+      if (shapes.empty()) return false;
+      shapes[0].filter.own_island = true;
+      return test::refusal([&] { validate(scene); }).find("own_island is for capsules") != std::string::npos;
+    };
+    EXPECT_TRUE(refused(scene.ground_capsules) || refused(scene.ground_hulls) || refused(scene.meshes) ||
+                refused(scene.height_fields))
+        << kind;
+  }
 }
 
 // Where two shapes end at one particle, the larger end counts, but only of those that touch the same.

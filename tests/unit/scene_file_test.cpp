@@ -123,13 +123,19 @@ Scene bodies_and_joints() {
   scene.boxes = {{.center = {1, 2, 3}, .half_size = {0.1, 0.2, 0.3}},
                  {.half_size = {1, 1, 1}, .orientation = {0.6, 0, 0.8, 0}, .surface = {.restitution = 1}}};
   const std::vector<Vec3> points{{0.1, 0, 0}, {1, 1.0 / 3, 0}, {0, 1, 0}, {0, 0, 1}};
-  scene.hulls = {{.body = 0, .points = points, .radius = 0.01, .surface = {.friction = 0.7}}};
-  scene.ground_capsules = {{{0, 1, 2}, {0, 1, 2}, 0.1, {}}, {{0, 1, 2}, {3, 1, 2}, 0.1, {.friction = 0.1}}};
-  scene.ground_hulls = {{.points = points}, {.points = points, .radius = 0.2}};
-  scene.meshes = {{points, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, true, {.restitution = 0.5}},
-                  {points, {{0, 2, 1}}, false, {}}};
-  scene.height_fields = {
-      {.corner = {-1, 2, 0}, .cell_x = 0.5, .cell_z = 0.25, .columns = 2, .heights = {0, 0.1, 1.0 / 3, 0}}};
+  scene.hulls = {
+      {.body = 0, .points = points, .radius = 0.01, .surface = {.friction = 0.7}, .filter = {.category = 6}}};
+  scene.ground_capsules = {{{0, 1, 2}, {0, 1, 2}, 0.1, {}, {.mask = 5}},
+                           {{0, 1, 2}, {3, 1, 2}, 0.1, {.friction = 0.1}, {}}};
+  scene.ground_hulls = {{.points = points}, {.points = points, .radius = 0.2, .filter = {.group = -3}}};
+  scene.meshes = {{points, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, true, {.restitution = 0.5}, {}},
+                  {points, {{0, 2, 1}}, false, {}, {.category = 2}}};
+  scene.height_fields = {{.corner = {-1, 2, 0},
+                          .cell_x = 0.5,
+                          .cell_z = 0.25,
+                          .columns = 2,
+                          .heights = {0, 0.1, 1.0 / 3, 0},
+                          .filter = {.mask = 3}}};
   return scene;
 }
 
@@ -209,40 +215,47 @@ void expect_same(const Capsule& a, const Capsule& b) {
   expect_same(a.b, b.b);
   EXPECT_EQ(a.radius, b.radius);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 void expect_same(const Plane& a, const Plane& b) {
   EXPECT_EQ(a.normal, b.normal);
   EXPECT_EQ(a.offset, b.offset);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 void expect_same(const Box& a, const Box& b) {
   EXPECT_EQ(a.center, b.center);
   EXPECT_EQ(a.half_size, b.half_size);
   EXPECT_EQ(a.orientation, b.orientation);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 void expect_same(const Hull& a, const Hull& b) {
   EXPECT_EQ(a.body, b.body);
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.radius, b.radius);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 void expect_same(const GroundCapsule& a, const GroundCapsule& b) {
   EXPECT_EQ(a.a, b.a);
   EXPECT_EQ(a.b, b.b);
   EXPECT_EQ(a.radius, b.radius);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 void expect_same(const GroundHull& a, const GroundHull& b) {
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.radius, b.radius);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 void expect_same(const GroundMesh& a, const GroundMesh& b) {
   EXPECT_EQ(a.vertices, b.vertices);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.solid, b.solid);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 void expect_same(const HeightField& a, const HeightField& b) {
   EXPECT_EQ(a.corner, b.corner);
@@ -251,6 +264,7 @@ void expect_same(const HeightField& a, const HeightField& b) {
   EXPECT_EQ(a.columns, b.columns);
   EXPECT_EQ(a.heights, b.heights);
   expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.filter, b.filter);
 }
 template <class Item>
 void expect_same(const std::vector<Item>& a, const std::vector<Item>& b) {

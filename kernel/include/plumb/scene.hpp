@@ -236,7 +236,6 @@ struct Torsion {
 
 /// This is a shape: all that is within `radius` of the line between two places. It is a sphere if they are
 /// the same. If all its particles are fixed, it is ground that goes where they are moved.
-///
 /// Friction turns it if both places are on one body or along one rod. A sphere on one particle does not turn.
 struct Capsule {
   Point a{};          ///< One end of the line.
@@ -252,6 +251,7 @@ struct Hull {
   std::vector<Vec3> points{};  ///< Points, in m, as the scene stands, which do not lie in one plane.
   double radius = 0;           ///< Radius of its edges and corners, in m.
   Surface surface{};           ///< How it feels.
+  Filter filter{};             ///< What it may touch; its own island it never does.
 };
 
 /// This is solid ground: everything with normal·x < offset.

@@ -96,7 +96,7 @@ bool Surroundings::any_ground(const Bounds& bounds, std::span<const Filter> filt
 bool Surroundings::reach_into(const Bounds& bounds, std::span<const Filter> filters) const {
   bool any = false;
   tree.find(bounds, [&](std::uint32_t i) {
-    any = any || (detail::may_touch(filters, filter_of(i)) && shapes[i].reaches_into(bounds));
+    any = any || (detail::may_touch(filters, shapes[i].filter()) && shapes[i].reaches_into(bounds));
   });
   return any || any_ground(bounds, filters, [&](double speed, Vec3, auto&& reaches) {
            return reaches(speed > 0 ? grown(bounds, speed * dt_) : bounds);

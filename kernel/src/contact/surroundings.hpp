@@ -47,11 +47,6 @@ struct Surroundings {
   /// Returns whether some does in this step.
   bool any_moves() const { return moves_; }
 
-  /// Returns what may touch a shape: as a box says, or anything.
-  const Filter& filter_of(std::uint32_t shape) const {
-    static constexpr Filter any{};
-    return shapes[shape].box() == GroundShape::none ? any : boxes[shapes[shape].box()].filter;
-  }
   /// Returns the number of a shape among all ground.
   std::uint32_t number_of(std::uint32_t shape) const {
     if (const std::uint32_t box = shapes[shape].box(); box != GroundShape::none) return numbers.of_box(box);

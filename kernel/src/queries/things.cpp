@@ -100,7 +100,7 @@ void Things::add_shapes(const Scene& scene) {
 void Things::add_hull(const Scene& scene, std::size_t i) {
   const Hull& each = scene.hulls[i];
   const ConvexHull& hull = hulls_.emplace_back(each.points);
-  add_solid(ShapeKind::hull, i, {}, each.radius);
+  add_solid(ShapeKind::hull, i, each.filter, each.radius);
   Carried& out = carried_.emplace_back();
   out.particles = scene.bodies[each.body].particles;
   std::array<Vec3, 4> places;
@@ -131,12 +131,12 @@ void Things::add_ground(const Scene& scene) {
   for (const SolidBox& box : boxes_) solids_[first_box_ + (&box - boxes_.data())] = box.shape();
   for (std::size_t i = 0; i < scene.ground_capsules.size(); ++i) {
     const GroundCapsule& each = scene.ground_capsules[i];
-    add_thing(shape_of(ShapeKind::ground_capsule, i), {},
+    add_thing(shape_of(ShapeKind::ground_capsule, i), each.filter,
               {.p = each.a, .q = each.b, .radius = each.radius, .form = Thing::Form::capsule});
   }
   for (std::size_t i = 0; i < scene.ground_hulls.size(); ++i) {
     const GroundHull& each = scene.ground_hulls[i];
-    add_solid(ShapeKind::ground_hull, i, {}, each.radius);
+    add_solid(ShapeKind::ground_hull, i, each.filter, each.radius);
     solids_.back() = hulls_.emplace_back(each.points).shape(each.radius);
   }
   for (std::size_t i = 0; i < scene.meshes.size(); ++i)
@@ -150,7 +150,7 @@ void Things::add_ground(const Scene& scene) {
 
 void Things::add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, MeshSides sides) {
   meshes_.emplace_back(mesh.vertices, mesh.triangles, sides);
-  add_thing(shape_of(list, i), {}, {.form = Thing::Form::mesh}, meshes_.size() - 1);
+  add_thing(shape_of(list, i), mesh.filter, {.form = Thing::Form::mesh}, meshes_.size() - 1);
 }
 
 void Things::add_bare(const Scene& scene, const QuerySettings& settings) {

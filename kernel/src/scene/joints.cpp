@@ -135,7 +135,7 @@ std::array<Vec3, 3> axes_of(const std::array<double, 4>& orientation) {
 Hull box_on_body(std::uint32_t body, const Box& box) {
   const std::array<Vec3, 3> axes = axes_of(box.orientation);
   const Vec3 half = box.half_size, u = axes[0], v = axes[1], n = cross(u, v);
-  Hull out{.body = body, .surface = box.surface};
+  Hull out{.body = body, .surface = box.surface, .filter = box.filter};
   for (const double i : {-half.x, half.x})
     for (const double j : {-half.y, half.y})
       for (const double k : {-half.z, half.z}) out.points.push_back(box.center + i * u + j * v + k * n);

@@ -120,7 +120,7 @@ void validate_plane(const Scene& scene, std::size_t i) {
   const double length = norm(plane.normal);
   if (!(std::abs(length - 1) <= rounding)) refuse(name, ": normal must be of length 1, not ", length);
   if (!std::isfinite(plane.offset)) refuse(name, ": offset is not finite: ", plane.offset);
-  validate_surface(plane.surface, name);
+  validate_touch(plane, name);
   validate_motion(scene, plane.motion, name);
 }
 
@@ -132,7 +132,7 @@ void validate_box(const Scene& scene, std::size_t i) {
     if (!(half > 0 && std::isfinite(half)))
       refuse(name, ": half size must be positive and finite, got ", half, " m");
   require_unit(box.orientation, name);
-  validate_surface(box.surface, name);
+  validate_touch(box, name);
   validate_motion(scene, box.motion, name);
 }
 

@@ -205,31 +205,40 @@ Vec3 place(const json& value, const std::string& path) {
 
 Hull hull(const json& value, const std::string& path) {
   const Object item(value, path,
-                    {"body", "points", "radius", "friction", "restitution", "rolling", "spinning"});
+                    {"body", "points", "radius", "friction", "restitution", "rolling", "spinning", "category",
+                     "mask", "group"});
   return {.body = id_of("body", item.at("body"), item.path_of("body")),
           .points = list_of(item, "points", place),
           .radius = number_or(item, "radius", 0),
-          .surface = surface(item)};
+          .surface = surface(item),
+          .filter = filter(item)};
 }
 
 GroundCapsule ground_capsule(const json& value, const std::string& path) {
-  const Object item(value, path, {"a", "b", "radius", "friction", "restitution", "rolling", "spinning"});
+  const Object item(
+      value, path,
+      {"a", "b", "radius", "friction", "restitution", "rolling", "spinning", "category", "mask", "group"});
   return {.a = vector(item, "a"),
           .b = vector(item, item.find("b") ? "b" : "a"),
           .radius = number(item, "radius"),
-          .surface = surface(item)};
+          .surface = surface(item),
+          .filter = filter(item)};
 }
 
 GroundHull ground_hull(const json& value, const std::string& path) {
-  const Object item(value, path, {"points", "radius", "friction", "restitution", "rolling", "spinning"});
+  const Object item(
+      value, path,
+      {"points", "radius", "friction", "restitution", "rolling", "spinning", "category", "mask", "group"});
   return {.points = list_of(item, "points", place),
           .radius = number_or(item, "radius", 0),
-          .surface = surface(item)};
+          .surface = surface(item),
+          .filter = filter(item)};
 }
 
 GroundMesh mesh(const json& value, const std::string& path) {
   const Object item(value, path,
-                    {"vertices", "triangles", "solid", "friction", "restitution", "rolling", "spinning"});
+                    {"vertices", "triangles", "solid", "friction", "restitution", "rolling", "spinning",
+                     "category", "mask", "group"});
   const auto corners = [](const json& v, const std::string& p) {
     return numbers<3, std::uint32_t>(
         v, p, [](const json& id, const std::string& at) { return id_of("vertex", id, at); });
@@ -237,20 +246,22 @@ GroundMesh mesh(const json& value, const std::string& path) {
   return {.vertices = list_of(item, "vertices", place),
           .triangles = list_of(item, "triangles", corners),
           .solid = truth_or(item, "solid", false),
-          .surface = surface(item)};
+          .surface = surface(item),
+          .filter = filter(item)};
 }
 
 HeightField height_field(const json& value, const std::string& path) {
-  const Object item(
-      value, path,
-      {"corner", "cell_x", "cell_z", "columns", "heights", "friction", "restitution", "rolling", "spinning"});
+  const Object item(value, path,
+                    {"corner", "cell_x", "cell_z", "columns", "heights", "friction", "restitution", "rolling",
+                     "spinning", "category", "mask", "group"});
   const auto height = [](const json& v, const std::string& p) { return number(v, p); };
   return {.corner = vector_or(item, "corner", {}),
           .cell_x = number(item, "cell_x"),
           .cell_z = number(item, "cell_z"),
           .columns = static_cast<std::uint32_t>(std::min<std::uint64_t>(count(item, "columns"), ~0u)),
           .heights = list_of(item, "heights", height),
-          .surface = surface(item)};
+          .surface = surface(item),
+          .filter = filter(item)};
 }
 
 template <class Item>

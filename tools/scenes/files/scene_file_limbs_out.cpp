@@ -84,7 +84,7 @@ Json to_json(const Torsion& t) {
       {{"angle", t.angle}, {"stiffness", t.stiffness}, {"damping", t.damping}, {"torque", t.torque}});
 }
 
-Json with_surface(Json object, const Surface& s, const Filter& f = {}) {
+Json with_surface(Json object, const Surface& s, const Filter& f) {
   if (s.friction != Surface{}.friction) object["friction"] = s.friction;
   object = with_numbers(std::move(object),
                         {{"restitution", s.restitution}, {"rolling", s.rolling}, {"spinning", s.spinning}});
@@ -139,18 +139,19 @@ Json with_radius(Json object, double radius) {
 }
 
 Json to_json(const Hull& h) {
-  return with_surface(with_radius({{"body", h.body}, {"points", to_json(h.points)}}, h.radius), h.surface);
+  return with_surface(with_radius({{"body", h.body}, {"points", to_json(h.points)}}, h.radius), h.surface,
+                      h.filter);
 }
 
 Json to_json(const GroundCapsule& c) {
   Json object{{"a", to_json(c.a)}};
   if (c.b != c.a) object["b"] = to_json(c.b);
   object["radius"] = c.radius;
-  return with_surface(object, c.surface);
+  return with_surface(object, c.surface, c.filter);
 }
 
 Json to_json(const GroundHull& h) {
-  return with_surface(with_radius({{"points", to_json(h.points)}}, h.radius), h.surface);
+  return with_surface(with_radius({{"points", to_json(h.points)}}, h.radius), h.surface, h.filter);
 }
 
 Json to_json(const GroundMesh& m) {
@@ -158,7 +159,7 @@ Json to_json(const GroundMesh& m) {
   for (const auto& corners : m.triangles) triangles.push_back(Json::array_of(corners));
   Json object{{"vertices", to_json(m.vertices)}, {"triangles", triangles}};
   if (m.solid) object["solid"] = true;
-  return with_surface(object, m.surface);
+  return with_surface(object, m.surface, m.filter);
 }
 
 Json to_json(const HeightField& f) {
@@ -167,7 +168,7 @@ Json to_json(const HeightField& f) {
               {"cell_z", f.cell_z},
               {"columns", f.columns},
               {"heights", Json::array_of(f.heights)}};
-  return with_surface(object, f.surface);
+  return with_surface(object, f.surface, f.filter);
 }
 
 template <class Item>

@@ -19,6 +19,7 @@ struct GroundCapsule {
   Vec3 b{};           ///< The other end, in m.
   double radius = 0;  ///< Radius, in m.
   Surface surface{};  ///< How it feels.
+  Filter filter{};    ///< What it may touch.
 };
 
 /// This is a rounded convex solid: all that is within `radius` of the convex hull of points.
@@ -26,6 +27,7 @@ struct GroundHull {
   std::vector<Vec3> points{};  ///< Points, in m, which do not lie in one plane. Some may lie within the hull.
   double radius = 0;           ///< Radius of its edges and corners, in m.
   Surface surface{};           ///< How it feels.
+  Filter filter{};             ///< What it may touch.
 };
 
 /// This is a surface of triangles, or the solid that it encloses.
@@ -40,6 +42,7 @@ struct GroundMesh {
   /// from outside.
   bool solid = false;
   Surface surface{};  ///< How it feels.
+  Filter filter{};    ///< What it may touch.
 };
 
 /// This is a landscape: heights over a rectangular grid along x and z, and all below is solid, 1000 km deep.
@@ -53,6 +56,7 @@ struct HeightField {
   std::uint32_t columns = 0;      ///< Heights in a row, at least 2.
   std::vector<double> heights{};  ///< Heights above the corner, along y, in m, one row after the other.
   Surface surface{};              ///< How it feels.
+  Filter filter{};                ///< What it may touch.
 };
 
 }  // namespace plumb

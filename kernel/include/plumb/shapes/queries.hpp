@@ -35,8 +35,7 @@ struct QueryTarget {
 
 /// Says what a query may find.
 struct QueryFilter {
-  /// What may touch a shape with this filter is found. Hulls, bare rods and particles, and ground without a
-  /// filter have the default one.
+  /// What may touch a shape with this filter is found. Bare rods and particles have the default one.
   Filter filter{};
   bool shapes = true;  ///< Whether capsules and hulls are found; one on anchors is a shape, too.
   bool ground = true;  ///< Whether ground is found.

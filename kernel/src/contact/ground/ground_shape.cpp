@@ -5,7 +5,7 @@
 namespace plumb::detail {
 
 GroundMesh mesh_of(const HeightField& field) {
-  GroundMesh out{.solid = true, .surface = field.surface};
+  GroundMesh out{.solid = true, .surface = field.surface, .filter = field.filter};
   const std::uint32_t columns = field.columns;
   const auto rows = static_cast<std::uint32_t>(field.heights.size() / columns);
   for (std::uint32_t k = 0; k < rows; ++k)
@@ -42,16 +42,28 @@ std::optional<Touch> unless_at_start(const std::optional<Touch>& touch) {
 }  // namespace
 
 GroundShape::GroundShape(const Box& box, std::uint32_t number)
-    : hull_(hull_of(box)), bounds_(hull_.bounds()), surface_(box.surface), box_(number) {}
+    : hull_(hull_of(box)),
+      bounds_(hull_.bounds()),
+      surface_(box.surface),
+      filter_(box.filter),
+      box_(number) {}
 
 GroundShape::GroundShape(const GroundCapsule& capsule)
-    : line_{capsule.a}, radius_(capsule.radius), bounds_(nowhere), surface_(capsule.surface) {
+    : line_{capsule.a},
+      radius_(capsule.radius),
+      bounds_(nowhere),
+      surface_(capsule.surface),
+      filter_(capsule.filter) {
   if (capsule.b != capsule.a) line_.push_back(capsule.b);
   for (const Vec3 end : line_) include(bounds_, end, radius_);
 }
 
 GroundShape::GroundShape(const GroundHull& hull)
-    : hull_(hull.points), radius_(hull.radius), bounds_(nowhere), surface_(hull.surface) {
+    : hull_(hull.points),
+      radius_(hull.radius),
+      bounds_(nowhere),
+      surface_(hull.surface),
+      filter_(hull.filter) {
   for (const Vec3 v : hull_.vertices()) include(bounds_, v, radius_);
 }
 
@@ -61,7 +73,8 @@ GroundShape::GroundShape(const GroundMesh& mesh)
 GroundShape::GroundShape(const GroundMesh& mesh, MeshSides sides)
     : mesh_(std::in_place, mesh.vertices, mesh.triangles, sides),
       bounds_(mesh_->bounds()),
-      surface_(mesh.surface) {}
+      surface_(mesh.surface),
+      filter_(mesh.filter) {}
 
 GroundShape::GroundShape(const HeightField& field) : GroundShape(mesh_of(field), MeshSides::upward) {
   bounds_.low.y -= depth_of_fields;

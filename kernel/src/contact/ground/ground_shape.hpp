@@ -26,6 +26,7 @@ class GroundShape {
   std::uint32_t box() const { return box_; }
   const Bounds& bounds() const { return bounds_; }
   const Surface& surface() const { return surface_; }
+  const Filter& filter() const { return filter_; }
   /// Returns whether it may reach into a box. A solid reaches into all of its bounds.
   bool reaches_into(const Bounds& bounds) const;
   bool is_convex() const { return !mesh_; }
@@ -93,6 +94,7 @@ class GroundShape {
   std::optional<TriangleMesh> mesh_;
   Bounds bounds_{};
   Surface surface_;
+  Filter filter_;
   std::uint32_t box_ = none;
 };
 

@@ -42,6 +42,7 @@ void Linkage::add_hulls(const Scene& part, std::span<const Vec3> x) {
     const ConvexHull hull(each.points);
     const Convex shape = hull.shape(each.radius);
     HullShape& out = hulls_.emplace_back();
+    out.filter = each.filter;
     add_filter(out.filter);
     out.particles = part.bodies[each.body].particles;
     out.parts = hull.parts();
@@ -51,7 +52,7 @@ void Linkage::add_hulls(const Scene& part, std::span<const Vec3> x) {
     out.half_width = half_width(shape) + each.radius;
     for (const Vec3 v : hull.vertices()) {
       out.corners.push_back(out.weights(out.of(x), v));
-      balls_.push_back({out.sum(out.corners.back()), each.radius, each.surface, out.number});
+      balls_.push_back({out.sum(out.corners.back()), each.radius, each.surface, out.number, each.filter});
       size_ = std::max(size_, norm(v - hull.vertices()[0]) + 2 * each.radius);
     }
   }

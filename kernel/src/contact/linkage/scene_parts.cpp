@@ -103,9 +103,7 @@ class Likeness {
     add(part.hulls.size());
     for (const Hull& each : part.hulls) add_hull(part, each);
     add(part.capsules.size());
-    for (const Capsule& each : part.capsules)
-      add(each.a, each.b, each.radius, each.surface, each.filter.category, each.filter.mask,
-          each.filter.group, each.filter.own_island);
+    for (const Capsule& each : part.capsules) add(each.a, each.b, each.radius, each.surface, each.filter);
   }
 
   const std::vector<double>& numbers() const { return numbers_; }
@@ -117,13 +115,14 @@ class Likeness {
 
   /// Places of points on the body are the same wherever it is, to rounding.
   void add_hull(const Scene& part, const Hull& hull) {
-    add(hull.body, hull.radius, hull.surface, hull.points.size());
+    add(hull.body, hull.radius, hull.surface, hull.filter, hull.points.size());
     for (const Vec3 point : hull.points) add(point_on_body(part, hull.body, point));
   }
   void add(const Vec3& v) { add(v.x, v.y, v.z); }
   void add(const Surface& surface) {
     add(surface.friction, surface.restitution, surface.rolling, surface.spinning);
   }
+  void add(const Filter& filter) { add(filter.category, filter.mask, filter.group, filter.own_island); }
   void add(const Point& point) {
     for (std::size_t i = 0; i < 4; ++i)
       add(point.weights[i] == 0 ? 0u : point.particles[i], point.weights[i]);

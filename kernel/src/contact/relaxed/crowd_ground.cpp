@@ -143,7 +143,7 @@ void CrowdContacts<T>::touch_in_passing(const Substep& in) {
     const MovingSegment moving = motion_of(in.crowd, each);
     for_ground_near(in, moving, [&](std::uint32_t ground, const GroundShape& shape) {
       if (!near_.is_kept_out_by_ends(in.crowd, each, shape) ||
-          !plumb::may_touch(each.shape->filter, in.surroundings.filter_of(ground)))
+          !plumb::may_touch(each.shape->filter, in.surroundings.shapes[ground].filter()))
         return;
       const Side other = ground_side(in, ground);
       for_first_touches(in.surroundings, ground, moving, search.close,
@@ -278,7 +278,7 @@ void CrowdContacts<T>::miss(const Substep& in, const Side& side, std::uint32_t g
   // What sweeps leave may be a share of a shape.
   constexpr double harmless = 0.25;
   if (is_missed(plane, time, std::max(settings_.tolerance, std::min(settings_.margin, harmless * width))) &&
-      plumb::may_touch(shape_of(in, side).filter, in.surroundings.filter_of(ground)))
+      plumb::may_touch(shape_of(in, side).filter, in.surroundings.shapes[ground].filter()))
     add(in, side, ground_side(in, ground), plane,
         ground_key(GroundPart::missed, side.shape, ground, count_contacts()));
 }

@@ -44,7 +44,7 @@ void ClusterStepper::touch_ground(std::uint32_t i, double h) {
     const Place other = place_on(ground);
     const Place on_line{none,        no_particles, other.surface,
                         other.shape, other.rate,   surroundings.shapes[ground].capsule()};
-    const Filter& filter = surroundings.filter_of(ground);
+    const Filter& filter = surroundings.shapes[ground].filter();
     touch_ends(i, ground, h);
     for (std::uint32_t k = 0; k < linkage.shapes().size(); ++k) {
       const Linkage::Shape& shape = linkage.shapes()[k];
@@ -78,7 +78,7 @@ void ClusterStepper::touch_ends(std::uint32_t i, std::uint32_t ground, double h)
   for (std::uint32_t k = 0; k < linkage.balls().size(); ++k) {
     const Linkage::Ball& ball = linkage.balls()[k];
     if (ball.shape >= linkage.shapes().size()) break;  // corners of hulls
-    if (!plumb::may_touch(ball.filter, surroundings.filter_of(ground))) continue;
+    if (!plumb::may_touch(ball.filter, surroundings.shapes[ground].filter())) continue;
     const Linkage::Shape& shape = linkage.shapes()[ball.shape];
     const MovingEnd end{ball.center.of(x), 0.5 * (shape.a.of(x) + shape.b.of(x)), ball.radius,
                         norm(ball.center.of(island.d))};
@@ -99,7 +99,7 @@ bool ClusterStepper::passes_ground(const Island& island, const Surroundings& sur
   const auto meets = [&](const auto& moving, const Filter& filter) {
     surroundings.find(bounds_of(moving), near_ground_);
     return std::any_of(near_ground_.begin(), near_ground_.end(), [&](std::uint32_t ground) {
-      return plumb::may_touch(filter, surroundings.filter_of(ground)) &&
+      return plumb::may_touch(filter, surroundings.shapes[ground].filter()) &&
              surroundings.shapes[ground].first_touch(moving, search.close);
     });
   };
@@ -134,7 +134,7 @@ bool ClusterStepper::find_missed_ground() {
     const Linkage& linkage = *island.state->linkage;
     const auto miss = [&](std::uint32_t shape, std::uint32_t ground, const Combination& at,
                           const Touch& plane, double time) {
-      if (plumb::may_touch(linkage.shape_of(shape).filter, surroundings.filter_of(ground)) &&
+      if (plumb::may_touch(linkage.shape_of(shape).filter, surroundings.shapes[ground].filter()) &&
           is_missed(plane, time, settings_.tolerance))
         missed_ground_.push_back(
             {i, shape, ground, static_cast<std::uint32_t>(missed_ground_.size()), at, plane});

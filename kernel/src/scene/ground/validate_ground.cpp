@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "scene/ground/weld.hpp"
-#include "scene/refuse.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -84,7 +83,7 @@ void require_edges(const GroundMesh& mesh, const std::string& name) {
 
 void validate_mesh(const GroundMesh& mesh, std::size_t i) {
   const std::string name = "mesh " + std::to_string(i);
-  validate_surface(mesh.surface, name);
+  validate_touch(mesh, name);
   if (mesh.triangles.empty()) refuse(name, ": has no triangles");
   for (std::size_t k = 0; k < mesh.vertices.size(); ++k)
     if (!is_finite(mesh.vertices[k])) refuse(name, ": vertex ", k, " is not finite: ", mesh.vertices[k]);
@@ -107,7 +106,7 @@ void validate_mesh(const GroundMesh& mesh, std::size_t i) {
 
 void validate_height_field(const HeightField& field, std::size_t i) {
   const std::string name = "height field " + std::to_string(i);
-  validate_surface(field.surface, name);
+  validate_touch(field, name);
   if (!is_finite(field.corner)) refuse(name, ": corner is not finite: ", field.corner);
   for (const double cell : {field.cell_x, field.cell_z})
     if (!(cell > 0 && std::isfinite(cell)))
@@ -139,7 +138,7 @@ void validate_hulls(const Scene& scene) {
       refuse(name, ": body ", hull.body, " does not exist (the scene has ", scene.bodies.size(), " bodies)");
     require_amount(hull.radius, "radius", name);
     require_volume(hull.points, name);
-    validate_surface(hull.surface, name);
+    validate_touch(hull, name);
   }
 }
 
@@ -150,14 +149,14 @@ void validate_ground(const Scene& scene) {
     for (const Vec3 end : {capsule.a, capsule.b})
       if (!is_finite(end)) refuse(name, ": an end is not finite: ", end);
     require_amount(capsule.radius, "radius", name);
-    validate_surface(capsule.surface, name);
+    validate_touch(capsule, name);
   }
   for (std::size_t i = 0; i < scene.ground_hulls.size(); ++i) {
     const GroundHull& hull = scene.ground_hulls[i];
     const std::string name = "ground hull " + std::to_string(i);
     require_amount(hull.radius, "radius", name);
     require_volume(hull.points, name);
-    validate_surface(hull.surface, name);
+    validate_touch(hull, name);
   }
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) validate_mesh(scene.meshes[i], i);
   for (std::size_t i = 0; i < scene.height_fields.size(); ++i)

@@ -90,17 +90,20 @@ void visit_members(Digest& to, const Surface& of) { auto& [a, b, c, d] = of; to(
 void visit_members(Digest& to, const Filter& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
 void visit_members(Digest& to, const Capsule& of) { auto& [a, b, c, d, e] = of; to(a, b, c, d, e); }
 void visit_members(Digest& to, const Hull& of) {
-  auto& [body, points, radius, surface] = of;
-  to(body, points, radius, surface);
+  auto& [body, points, radius, surface, filter] = of;
+  to(body, points, radius, surface, filter);
 }
 void visit_members(Digest& to, const GroundMotion& of) { auto& [a, b] = of; to(a, b); }
 void visit_members(Digest& to, const Plane& of) { auto& [a, b, c, d, e] = of; to(a, b, c, d, e); }
 void visit_members(Digest& to, const Box& of) { auto& [a, b, c, d, e, f] = of; to(a, b, c, d, e, f); }
 void visit_members(Digest& to, const Pose& of) { auto& [a, b] = of; to(a, b); }
-void visit_members(Digest& to, const GroundCapsule& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
-void visit_members(Digest& to, const GroundHull& of) { auto& [a, b, c] = of; to(a, b, c); }
-void visit_members(Digest& to, const GroundMesh& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
-void visit_members(Digest& to, const HeightField& of) { auto& [a, b, c, d, e, f] = of; to(a, b, c, d, e, f); }
+void visit_members(Digest& to, const GroundCapsule& of) { auto& [a, b, c, d, e] = of; to(a, b, c, d, e); }
+void visit_members(Digest& to, const GroundHull& of) { auto& [a, b, c, d] = of; to(a, b, c, d); }
+void visit_members(Digest& to, const GroundMesh& of) { auto& [a, b, c, d, e] = of; to(a, b, c, d, e); }
+void visit_members(Digest& to, const HeightField& of) {
+  auto& [a, b, c, d, e, f, g] = of;
+  to(a, b, c, d, e, f, g);
+}
 void visit_members(Digest& to, const SpringSettings& of) { auto& [a, b, c] = of; to(a, b, c); }
 void visit_members(Digest& to, const MultiplierSettings& of) { auto& [a, b] = of; to(a, b); }
 void visit_members(Digest& to, const ContactSettings& of) {

@@ -92,7 +92,8 @@ void CrowdPairs<T>::find_plain_ends(const Crowd<T>& crowd, const Surroundings& s
       add(p, plane.filter, [&](const Bounds& at) { return height(at, plane) <= 0; });
   for (std::uint32_t k = 0; k < surroundings.shapes.size(); ++k)
     if (const GroundShape& shape = surroundings.shapes[k]; shape.capsule())
-      add(planes + k, surroundings.filter_of(k), [&](const Bounds& at) { return shape.reaches_into(at); });
+      add(planes + k, surroundings.shapes[k].filter(),
+          [&](const Bounds& at) { return shape.reaches_into(at); });
 }
 
 /// Returns whether a line, as long as it is now, cannot go deeper than its ends by more than the slop.
@@ -173,7 +174,7 @@ void CrowdPairs<T>::find_on_ground(const Crowd<T>& crowd, const Surroundings& su
   surroundings.find(at, near_);
   for (const std::uint32_t shape : near_)
     if (surroundings.shapes[shape].reaches_into(at) &&
-        plumb::may_touch(filter, surroundings.filter_of(shape)))
+        plumb::may_touch(filter, surroundings.shapes[shape].filter()))
       add(shape);
 }
 
