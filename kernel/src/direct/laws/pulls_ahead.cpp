@@ -8,22 +8,16 @@
 namespace plumb::detail {
 namespace {
 
-/// Calls f(part, entry, way) for all rods of a lane: part(numbers) has those of rods to parents or to
-/// anchors, and `way` (m) leads from there to the node.
+/// Calls f(is_tie, number, way) for all rods of a lane, where `way` (m) leads to the node from its parent, or
+/// from the anchor of a tie. `number` counts rods to parents or ties, lanes included.
 template <class T, class F>
 void for_rods(const TreeState<T>& state, std::uint32_t lane, F&& f) {
   const TreeTopology& tree = *state.topology;
-  const auto rods = [](auto& of) -> auto& {
-    return of.rods;
-  };
-  const auto ties = [](auto& of) -> auto& {
-    return of.ties;
-  };
   for (std::uint32_t i = 0; i < tree.nodes; ++i) {
     const Vec3 place = state.position(i, lane);
-    if (i > 0) f(rods, i, place - state.position(tree.parent[i], lane));
+    if (i > 0) f(false, state.at(i, lane), place - state.position(tree.parent[i], lane));
     for (std::uint32_t k = tree.tie_begin[i]; k < tree.tie_begin[i + 1]; ++k)
-      f(ties, k, place - state.read(state.tie_x, 3 * std::size_t{k}, lane));
+      f(true, state.at(k, lane), place - state.read(state.tie_x, 3 * std::size_t{k}, lane));
   }
 }
 
@@ -36,29 +30,29 @@ Vec3 held(double impulse, Vec3 way) {
 
 template <class T>
 void begin_pulls(TreeState<T>& state) {
-  TreeLaws<T>& laws = state.laws;
+  auto& impulse = state.laws.impulse;
+  const auto& ahead = state.laws.ahead;
   std::fill(state.hold.begin(), state.hold.end(), Vec3{});
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane)
-    for_rods(state, lane, [&](auto part, std::uint32_t entry, Vec3 way) {
-      const std::size_t at = state.at(entry, lane);
-      part(laws.impulse)[at] = state.u_step[lane] != 0 ? -part(laws.ahead)[at] : 0;
-      if (&part(laws.impulse) == &laws.impulse.ties) state.hold[at] = held(laws.impulse.ties[at], way);
+    for_rods(state, lane, [&](bool is_tie, std::size_t i, Vec3 way) {
+      const double back = state.u_step[lane] != 0 ? -(is_tie ? ahead.ties : ahead.rods)[i] : 0;
+      (is_tie ? impulse.ties : impulse.rods)[i] = back;
+      if (is_tie) state.hold[i] = held(back, way);
     });
 }
 
 template <class T>
 void count_pulls_ahead(TreeState<T>& state, double drag, const TreeWorkspace<T>& work) {
-  TreeLaws<T>& laws = state.laws;
+  auto& impulse = state.laws.impulse;
+  auto& ahead = state.laws.ahead;
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) {
     const bool counts = work.active[lane] != 0;
     const double unit = counts ? state.mass_unit[lane] / mean_decay(drag * state.u_step[lane] / 2) : 0;
-    for_rods(state, lane, [&](auto part, std::uint32_t entry, Vec3 way) {
-      const std::size_t at = state.at(entry, lane);
-      const bool is_tie = &part(laws.ahead) == &laws.ahead.ties;
-      const double ahead = counts ? -unit * double{(is_tie ? work.tie_blow : work.blow)[at]} * norm(way) : 0;
-      part(laws.ahead)[at] = ahead;
-      part(laws.impulse)[at] += ahead;
-      if (is_tie) state.hold[at] += held(ahead, way);
+    for_rods(state, lane, [&](bool is_tie, std::size_t i, Vec3 way) {
+      const double pull = counts ? -unit * double{(is_tie ? work.tie_blow : work.blow)[i]} * norm(way) : 0;
+      (is_tie ? ahead.ties : ahead.rods)[i] = pull;
+      (is_tie ? impulse.ties : impulse.rods)[i] += pull;
+      if (is_tie) state.hold[i] += held(pull, way);
     });
   }
 }
