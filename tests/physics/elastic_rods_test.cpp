@@ -383,6 +383,17 @@ TEST(Problems, NameRodsThatDoNotFit) {
   EXPECT_EQ(world.problems(0.2).size(), 1u) << "all rods are within that";
 }
 
+// A line that does not fit stands still, and does not fit any better for it. It is no event of every step.
+TEST(Problems, NameIslandsThatSleepAsTheyDoNotFit) {
+  const Scene scene = scenes::load_scene("line:links=20,span=20,slack=-0.001");
+  World world(scene, {.events = true});
+  test::run(world, frame, 240);
+  ASSERT_EQ(world.step(frame).awake_islands, 0u);
+  ASSERT_EQ(world.problems().size(), 1u);
+  EXPECT_EQ(world.problems()[0].kind, Problem::Kind::elastic);
+  EXPECT_TRUE(world.events().empty());
+}
+
 // Rods that lack too little to be named by themselves, and one that gives as it is meant to.
 TEST(Problems, NameIslandsWhoseRodsLackLittle) {
   for (const double lacks : {1e-6, 1e-4, 5e-3}) {

@@ -18,6 +18,8 @@ Troubles troubles_between(const StepReport& before, const StepReport& after);
 inline constexpr std::array trouble_kinds{Problem::Kind::frozen, Problem::Kind::unsolved,
                                           Problem::Kind::elastic, Problem::Kind::inaccurate,
                                           Problem::Kind::capped};
+/// Returns those that go on while a piece sleeps: it stands as they left it.
+Troubles lasting(Troubles troubles);
 /// Calls f(kind) for all that went wrong.
 template <class F>
 void for_troubles(Troubles troubles, F&& f) {

@@ -133,6 +133,10 @@ void Step::begin_budget() {
 // --- Stages
 
 void Step::wake(StepReport&) {
+  // Velocities are those of the last step, with its lengths.
+  reactions_.begin_step([&](std::uint32_t particle) { return position(particle); },
+                        [&](std::uint32_t particle) { return velocity(particle); },
+                        [&](std::uint32_t anchor) { return anchors_.velocity(anchor, dt_); });
   for (const std::uint32_t rod : lengths_.moving())
     for (const Place place : compiled_.cords.of(rod)) sleep_.wake(compiled_.solvers, place);
   lengths_.begin_step(dt_, compiled_.cords, compiled_.solvers);
@@ -142,9 +146,6 @@ void Step::wake(StepReport&) {
     });
     for (const auto& [home, slot] : compiled_.contact->woken()) sleep_.wake(compiled_.solvers, {home, slot});
   }
-  reactions_.begin_step([&](std::uint32_t particle) { return position(particle); },
-                        [&](std::uint32_t particle) { return velocity(particle); },
-                        [&](std::uint32_t anchor) { return anchors_.velocity(anchor, dt_); });
   if (!anchors_.any_paths()) return;
   anchors_.for_moving_places(compiled_.places,
                              [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
@@ -167,7 +168,7 @@ void Step::solve(StepReport& report) {
   active_.clear();
   visited_.clear();
   for (Task& task : sleep_.tasks())
-    if (task.asleep) task.troubles = 0;
+    if (task.asleep) task.troubles = lasting(task.troubles);
   if (!sleep_.all_asleep()) {
     const std::span<Task> tasks = sleep_.tasks();
     for (std::uint32_t t = 0; t < tasks.size(); ++t) {

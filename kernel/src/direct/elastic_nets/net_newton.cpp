@@ -111,10 +111,8 @@ bool project_net(const LoopState& state, double kick, LoopWorkspace& work) {
   for (std::uint32_t i = 0; i < shape.nodes; ++i)
     put(work.delta.data() + 3 * std::size_t{i}, at(work.delta, i) + net.change[i]);
   for (std::uint32_t k = 0; k < shape.rods.size(); ++k) {
-    const auto [a, b] = shape.rods[k];
-    const auto [known, row] = projected_row(state, k, work);
-    const Vec3 grows = b < shape.nodes ? net.change[a] - net.change[b] : net.change[a];
-    work.blows[k] = known - (row.c + row.use * dot(at(work.d, k), grows)) / row.soft;
+    const auto [known, row] = projected_row(state, k, work);  // of velocities that have changed
+    work.blows[k] = known - row.c / row.soft;
   }
   return true;
 }

@@ -62,6 +62,10 @@ void TreeStepper<T>::take_sound(const TreeState<T>& state, const Drive& drive, T
       for (std::size_t i = lane; i < to.size(); i += state.lanes) to[i] = work.delta[i];
       continue;
     }
+    const double kick = double{work.kick[lane]} * state.mass_unit[lane];
+    for (std::size_t i = lane; kick != 0 && i < to.size(); i += state.lanes)
+      to[i] += static_cast<T>(kick * double{state.force[i]} /
+                              state.weighs[state.at(static_cast<std::uint32_t>(i / state.lanes / 3), lane)]);
     for (auto* const blow : {&work.blow, &work.tie_blow})
       for (std::size_t i = lane; i < blow->size(); i += state.lanes) (*blow)[i] = 0;
   }

@@ -171,10 +171,13 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   const double step = state.u_step;
   std::fill(work.blows.begin(), work.blows.end(), 0.0);
   const double scale = step > 0 ? detail::exp(-drag_ * step / 2) / step : 1;
-  const auto take_displacements = [&] {
-    for (std::size_t i = 0; i < state.u.size(); ++i) work.delta[i] = scale * state.u[i];
+  const auto take_displacements = [&](double kick) {
+    for (std::size_t i = 0; i < state.u.size(); ++i) {
+      const bool falls = kick != 0 && !state.locks.has(static_cast<std::uint32_t>(i / 3));
+      work.delta[i] = scale * state.u[i] + (falls ? kick * state.force[i] / state.weighs[i / 3] : 0);
+    }
   };
-  take_displacements();
+  take_displacements(0);
   // The displacement of gradient new is the velocity at the end of its substep, and that of old is half a
   // substep earlier. Rods that gave do not say which velocities fit.
   if (step == 0 || state.gave) return;
@@ -182,7 +185,7 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   std::swap(state.fixed_velocity, state.fixed_last_velocity);  // fixed vertices went like that
   const bool sound = project_soundly(state, {.kick = kick}, work);
   std::swap(state.fixed_velocity, state.fixed_last_velocity);
-  if (!sound) take_displacements();
+  if (!sound) take_displacements(kick);
 }
 
 void count_blows(LoopState& state, const LoopWorkspace& work) {
