@@ -75,6 +75,7 @@ double project_velocities(LinkageState& state, ProjectionWork& work) {
   work.momentum.resize(linkage.movable());
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);
+  linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
   linkage.momenta(state.v, work.momentum);
   linkage.put(work.momentum, right);
   state.solve(work.unknowns);
