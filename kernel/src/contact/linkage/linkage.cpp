@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "contact/levers/shape_maker.hpp"
@@ -312,6 +313,7 @@ void Linkage::hold_constraints(std::span<const Vec3> x) {
       fixed[plan_.place(row, row)] = -share * pivots[c];
     }
     if (share != tiny) break;
+    softness_ = share * std::accumulate(pivots.begin(), pivots.end(), 0.0);
     assemble(x, matrix);
     plan_.factor(matrix);
     for (std::uint32_t c = 0; c < constraints_; ++c) {

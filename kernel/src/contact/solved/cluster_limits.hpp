@@ -101,6 +101,8 @@ inline constexpr int most_rounds = 4;
 /// A place counts as held if a push moves it by less than this share of what it would move a free linkage by.
 /// Held places are not pushed, because their response is rounding.
 inline constexpr double held_response = 1e-8;
+/// So it does if it moves by no more than this many times what the matrix lets all rods give.
+inline constexpr double rounding = 2;
 /// An island that touches ground in more places than these holds them in its own matrix. With fewer,
 /// responses of each place cost less.
 inline constexpr std::size_t few_on_ground = 16;
