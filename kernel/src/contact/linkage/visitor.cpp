@@ -17,7 +17,10 @@ constexpr double good_progress = 0.2;
 }  // namespace
 
 double Visitor::look(LinkageState& state) const {
-  return home_->read(slots_, std::span(state.x).first(slots_.size()));
+  double fastest = home_->read(slots_, std::span(state.x).first(slots_.size()));
+  for (const Vec3 anchor : std::span(state.v).subspan(slots_.size()))
+    fastest = std::max(fastest, norm(anchor));
+  return fastest;
 }
 
 void Visitor::come(LinkageState& state, ProjectionWork* work) {

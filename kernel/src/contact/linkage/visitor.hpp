@@ -27,7 +27,8 @@ class Visitor {
   bool has_home() const { return home_ != nullptr; }
   bool is_at_home() const { return home_ != nullptr && !is_visiting_; }
 
-  /// Reads the positions of an island at home. Returns about the speed of the fastest particle, m/s.
+  /// Reads the positions of an island at home. Returns about the speed of the fastest particle, m/s,
+  /// anchors that move in this step among them.
   double look(LinkageState& state) const;
   /// Takes the island from its home: reads positions and velocities. With `work` it makes them fit the rods,
   /// which a home may leave stretched; velocities do not change by that.

@@ -179,7 +179,9 @@ void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surrou
     if (!is_held_in_ground(row, -still_)) continue;
     for (std::uint32_t k = 0; k < row.ends; ++k) {
       LinkageState& state = *islands_[row.island[k]].state;
-      const Vec3 aside = nudge * state.linkage->size() * across(row.along).front();
+      const double size = state.linkage->size(), all = state.linkage->rods() * size;
+      const double wanted = std::sqrt(std::max(0.0, -(row.gap + slide<&Row::p>(row))) / (2 * all));
+      const Vec3 aside = std::clamp(wanted, nudge, 0.4) * size * across(row.along).front();
       for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
         state.x[i] = before_[row.island[k]].x[i] + (i % 2 == 0 ? aside : -1 * aside);
     }
