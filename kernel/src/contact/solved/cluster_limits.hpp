@@ -31,9 +31,9 @@ inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
 inline constexpr double most_left = 1e-2;
 /// Rods that bringing them to their lengths moves by no more than this share of their sizes fitted before.
 inline constexpr double unfitting = 1e-6;
-/// Rods that stand straight on ground buckle to this share of their sizes. The response to a push is its
-/// square, and well above what counts as held.
-inline constexpr double nudge = 1e-2;
+/// Rods that stand straight on ground buckle to a share of their sizes between these, which is made wider by
+/// a factor until they have room. The response to a push is its square, and well above what counts as held.
+inline constexpr double least_nudge = 1e-2, most_nudge = 0.4, wider = 1.3;
 /// Islands that touched each other in more places than these are a crowd, and so are nets that touched
 /// anything. They take longer to solve than to relax.
 inline constexpr std::size_t few_touching = 24;

@@ -159,6 +159,8 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool bring_to_lengths(const Surroundings& surroundings);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
+  void nudge(const Row& row, double share);
+  double rise(const Row& row) const;
   void keep_motion(std::span<LinkageState* const> cluster);
   void return_to_motion(std::span<LinkageState* const> cluster);
   double longest_substep(double most, double turn);

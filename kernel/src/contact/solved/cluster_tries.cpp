@@ -171,22 +171,44 @@ bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundi
 }
 
 /// Nudges particles of islands aside whose rods stand straight on ground and are driven into it: rods could
-/// buckle, but have no direction to. It is always the same, by turns to both sides, once in a step.
+/// buckle, but have no direction to. It is always the same, by turns to both sides, once in a step. It goes
+/// so far that rods are as much shorter along the line as the substep asks for, or as far as they may.
 void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
   is_buckled_ = true;
   keep_motion(cluster);
-  for (const Row& row : rows_) {
-    if (!is_held_in_ground(row, -still_)) continue;
-    for (std::uint32_t k = 0; k < row.ends; ++k) {
-      LinkageState& state = *islands_[row.island[k]].state;
-      const double size = state.linkage->size(), all = state.linkage->rods() * size;
-      const double wanted = std::sqrt(std::max(0.0, -(row.gap + slide<&Row::p>(row))) / (2 * all));
-      const Vec3 aside = std::clamp(wanted, nudge, 0.4) * size * across(row.along).front();
-      for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
-        state.x[i] = before_[row.island[k]].x[i] + (i % 2 == 0 ? aside : -1 * aside);
-    }
+  for (double share = least_nudge; share <= most_nudge; share *= wider) {
+    return_to_motion(cluster);
+    for (const Row& row : rows_)
+      if (is_held_in_ground(row, -still_)) nudge(row, share);
+    if (!bring_to_lengths(surroundings)) return return_to_motion(cluster);
+    const bool has_room = std::all_of(rows_.begin(), rows_.end(), [&](const Row& row) {
+      return !is_held_in_ground(row, -still_) ||
+             rise(row) + slide<&Row::p>(row) + std::min(0.0, row.gap) >= 0;
+    });
+    if (has_room) return;
   }
-  if (!bring_to_lengths(surroundings)) return_to_motion(cluster);
+}
+
+/// Nudges the particles of a row's islands aside by a share of their largest rod.
+void ClusterStepper::nudge(const Row& row, double share) {
+  for (std::uint32_t k = 0; k < row.ends; ++k) {
+    LinkageState& state = *islands_[row.island[k]].state;
+    const Vec3 aside = share * state.linkage->size() * across(row.along).front();
+    for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
+      state.x[i] = before_[row.island[k]].x[i] + (i % 2 == 0 ? aside : -1 * aside);
+  }
+}
+
+/// Returns by how much that has moved what touches out of ground, m.
+double ClusterStepper::rise(const Row& row) const {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < row.ends; ++k) {
+    const Island& island = islands_[row.island[k]];
+    const Side& side = island.sides[row.side[k]];
+    const std::vector<Vec3>& before = before_[row.island[k]].x;
+    sum += dot(side.along_a, island.of(side.a, island.state->x) - island.of(side.a, before));
+  }
+  return sum;
 }
 
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
