@@ -9,10 +9,18 @@
 
 namespace plumb::detail {
 
+/// Ground holds a place of an island: no closer to it along a unit vector than so many m.
+struct Hold {
+  Combination at;
+  Vec3 along;
+  double least;
+};
+
 /// Holds numbers that projections need. They are kept, so that steps allocate nothing.
 struct ProjectionWork {
   std::vector<Vec3> before, momentum;
   std::vector<simd::Quad> unknowns;
+  std::vector<Hold> holds;  ///< by which positions are pushed out of ground
 };
 
 /// An island of particles and rods that has a solver of its own, its home, and visits the contact solver
@@ -52,7 +60,8 @@ class Visitor {
   bool is_visiting_ = false;
 };
 
-/// Moves an island's particles, by mass, so that its constraints hold: Newton's method without velocities.
+/// Moves an island's particles, by mass, so that its constraints hold, and places that ground holds are where
+/// it lets them be: Newton's method without velocities.
 /// Where that does not converge nothing moves, and the largest violation is returned; else 0.
 double project_positions(LinkageState& state, ProjectionWork& work);
 /// Takes from the velocities what constraints forbid. Returns the largest change, m/s.

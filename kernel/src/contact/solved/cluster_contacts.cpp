@@ -109,25 +109,22 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
   }
 }
 
-/// Finds a box around every island within the substep, and how far the ends of its shapes move (m).
-void ClusterStepper::find_bounds() {
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    place_hulls(island);
-    if (!island.awake) {
-      island.bounds = bounds_of(*island.state->linkage, island.state->x, settings_.margin);
-      continue;
-    }
-    island.bounds = nowhere;
-    double square = 0;
-    for (const Linkage::Ball& ball : island.state->linkage->balls()) {
-      const Vec3 at = ball.center.of(island.state->x), by = ball.center.of(island.d);
-      include(island.bounds, at, ball.radius + settings_.margin);
-      include(island.bounds, at + 1.25 * by, ball.radius + settings_.margin);
-      square = std::max(square, dot(by, by));
-    }
-    island.moves = std::sqrt(square);
+/// Finds a box around an island within the substep, and how far the ends of its shapes move (m).
+void ClusterStepper::find_bounds(Island& island) const {
+  place_hulls(island);
+  if (!island.awake) {
+    island.bounds = bounds_of(*island.state->linkage, island.state->x, settings_.margin);
+    return;
   }
+  island.bounds = nowhere;
+  double square = 0;
+  for (const Linkage::Ball& ball : island.state->linkage->balls()) {
+    const Vec3 at = ball.center.of(island.state->x), by = ball.center.of(island.d);
+    include(island.bounds, at, ball.radius + settings_.margin);
+    include(island.bounds, at + 1.25 * by, ball.radius + settings_.margin);
+    square = std::max(square, dot(by, by));
+  }
+  island.moves = std::sqrt(square);
 }
 
 /// Finds the boxes beyond which capsules cannot be in sight of others, see add_contact().
@@ -158,7 +155,7 @@ void ClusterStepper::find_contacts(double h) {
     islands_[i].ground.clear();
     islands_[i].next_kept = 0;
   }
-  find_bounds();
+  for (std::uint32_t i = 0; i < count_; ++i) find_bounds(islands_[i]);
   island_bounds_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
     island_bounds_.push_back(islands_[i].bounds);

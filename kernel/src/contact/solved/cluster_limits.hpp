@@ -29,6 +29,10 @@ inline constexpr double few_cuts = 0.25;
 inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
 /// Where rods cannot be brought to their lengths after that, they may keep this strain.
 inline constexpr double most_left = 1e-2;
+/// Where that brings them into ground, it is tried so often to hold them out of it.
+inline constexpr int most_holds = 4;
+/// What is looked for at an instant is looked for in a substep of this length (s).
+inline constexpr double instant = 1e-9;
 /// Rods that bringing them to their lengths moves by no more than this share of their sizes fitted before.
 inline constexpr double unfitting = 1e-6;
 /// Rods that stand straight on ground buckle to a share of their sizes between these, which is made wider by

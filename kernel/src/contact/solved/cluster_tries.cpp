@@ -138,16 +138,47 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
 }
 
-/// Brings the rods of what is awake to their lengths. Returns false where they are too far from them, or
-/// where something passed ground on its way there.
+/// Lists where an island is in ground, among what is to be held out of it. Returns whether it is.
+bool ClusterStepper::find_depths(std::uint32_t i) {
+  Island& island = islands_[i];
+  const double h = instant, rate = std::exchange(recovery_rate_, 1 / h);
+  island.d.assign(island.state->x.size(), Vec3{});
+  island.v = island.state->v;
+  island.ground.clear();
+  missed_ground_.clear();
+  find_bounds(island);
+  touch_planes(i, h);
+  touch_ground(i, h);
+  touch_boxes(i, h);
+  touch_anchored(i, h);
+  recovery_rate_ = rate;
+  left_out_.clear();
+  bool is_in_ground = false;
+  island.ground.for_all([&](const GroundContact& contact) {
+    if (contact.gap >= 0) return;
+    const double now = dot(contact.normal, contact.at.of(island.state->x));
+    projection_.holds.push_back({contact.at, contact.normal, now - contact.gap});
+    is_in_ground = true;
+  });
+  island.ground.clear();
+  return is_in_ground;
+}
+
+/// Brings the rods of what is awake to their lengths, and out of ground that they come into by that. Returns
+/// false where they are too far from them, or where something passed ground on its way there.
 bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
     LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
     if (!islands_[i].awake) continue;
     islands_[i].there = state.x;
-    if (!(project_positions(state, projection_) <= most_left) || passes_ground(islands_[i], surroundings))
-      return false;
+    projection_.holds.clear();
+    int tries = 0;
+    do {
+      state.x = islands_[i].there;
+      if (!(project_positions(state, projection_) <= most_left)) return false;
+    } while (find_depths(i) && ++tries < most_holds);
+    if (passes_ground(islands_[i], surroundings)) return false;
     project_velocities(state, projection_);
     std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
     state.energy.reset();
