@@ -220,13 +220,17 @@ void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surrou
   }
 }
 
-/// Nudges the particles of a row's islands aside by a share of their largest rod.
+/// Nudges the particles of a row's islands aside by a share of their largest rod, and nearer to an anchor, or
+/// to each other, by as much as that would make rods longer.
 void ClusterStepper::nudge(const Row& row, double share) {
+  const double nearer = 1 - std::sqrt(1 - 4 * share * share);
   for (std::uint32_t k = 0; k < row.ends; ++k) {
     LinkageState& state = *islands_[row.island[k]].state;
+    const std::vector<Vec3>& before = before_[row.island[k]].x;
     const Vec3 aside = share * state.linkage->size() * across(row.along).front();
     for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
-      state.x[i] = before_[row.island[k]].x[i] + (i % 2 == 0 ? aside : -1 * aside);
+      state.x[i] = before[i] + (i % 2 == 0 ? aside : -1 * aside) -
+                   (nearer * dot(row.along, before[i] - before.back())) * row.along;
   }
 }
 
