@@ -326,7 +326,8 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   missed_pairs_.clear();
   gives_up_missed_ = buckles_ = false;
   do {
-    if (!find_positions(h, report)) return false;
+    while (!find_positions(h, report))
+      if (!let_go_of_held(false)) return false;
     if (!all_near_ && is_contact_missed()) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
@@ -338,7 +339,7 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }
-  } while (switch_elastics() || let_go_of_held());
+  } while (switch_elastics() || let_go_of_held(true));
   const auto is_held_by = [&](double parts) {
     return std::any_of(rows_.begin(), rows_.end(),
                        [&](const Row& row) { return is_held_in_ground(row, parts); });

@@ -151,7 +151,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static bool let_go_at_end(Island& island);
   static void hold_elastics(Island& island);
   bool switch_elastics();
-  bool let_go_of_held();
+  bool let_go_of_held(bool is_found);
+  bool hardly_answers(const Row& row) const;
+  static bool let_go(Island& island, const Side& side);
   bool find_sound_positions(double h, Tally& report);
   void find_stillness(double h);
   bool learn_tautness(double h);
