@@ -31,11 +31,13 @@ struct ClusterRows {
   };
   struct Row {
     Kind kind = Kind::normal;
-    bool held = false;  ///< in the last substep: p and q are what did
+    bool held = false;     ///< in the last substep: p and q are what did
+    bool buckles = false;  ///< rods stand straight on what it pushes
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};
     double gap = 0;           ///< m or rad, what may be lost
+    double closes = 0;        ///< m, of normals, by how much that would become less without pushes
     double given = 0;         ///< m, what the ground moves by
     double given_at_end = 0;  ///< m/s, how fast it moves
     /// Of brakes; of normals the coefficient of friction, of rolling and spinning a length (m).

@@ -46,6 +46,7 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
   const GroundContact contact{.at = a.at,
                               .normal = touch.normal,
                               .gap = recovered(touch.gap, settings_.slop, h * recovery_rate_),
+                              .closes = -closing,
                               .friction = std::sqrt(a.surface.friction * b.surface.friction),
                               .rolling = std::max(a.surface.rolling, b.surface.rolling),
                               .spinning = std::max(a.surface.spinning, b.surface.spinning),

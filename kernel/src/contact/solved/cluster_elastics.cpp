@@ -156,7 +156,7 @@ bool ClusterStepper::let_go_of_held(bool is_found) {
   bool is_changed = false;
   for (const Row& row : rows_)
     for (std::uint32_t k = 0; k < row.ends; ++k)
-      if (is_found ? is_held_in_ground(row, INFINITY) : hardly_answers(row)) {
+      if (is_found ? is_held_in_ground(row) : hardly_answers(row, nearly_straight)) {
         Island& island = islands_[row.island[k]];
         is_changed = (island.awake && let_go(island, island.sides[row.side[k]])) || is_changed;
       }
@@ -164,8 +164,9 @@ bool ClusterStepper::let_go_of_held(bool is_found) {
   return is_changed && ++switches_ < most_switches;
 }
 
-/// Returns whether a contact pushes, and is answered by little of what free particles would answer with.
-bool ClusterStepper::hardly_answers(const Row& row) const {
+/// Returns whether a contact pushes, and is answered by less than a share of what free particles would
+/// answer.
+bool ClusterStepper::hardly_answers(const Row& row, double share) const {
   if (row.kind != Kind::normal || is_wide_) return false;
   double free = 0;
   for (std::uint32_t k = 0; k < row.ends; ++k) {
@@ -175,7 +176,7 @@ bool ClusterStepper::hardly_answers(const Row& row) const {
       if (const auto [particle, weight] = island.terms[t]; particle < island.state->linkage->movable())
         free += weight * weight * dot(side.along_a, side.along_a) / island.state->linkage->mass_of(particle);
   }
-  return (row.over == 0 || row.p > 0) && row.own < hardly * free;
+  return (row.over == 0 || row.p > 0) && row.own < share * free;
 }
 
 /// Lets go of an island's acting cables that a push on a side shortens. Returns whether there are any.

@@ -105,9 +105,10 @@ inline constexpr int most_rounds = 4;
 /// A place counts as held if a push moves it by less than this share of what it would move a free linkage by.
 /// Held places are not pushed, because their response is rounding.
 inline constexpr double held_response = 1e-8;
-/// Cables above ground are nearly straight if a push there moves it by less than this share of what it would
-/// move free particles by.
-inline constexpr double hardly = 0.1;
+/// What stands on ground is straight, or nearly straight, if a push there moves it by less than this share of
+/// what it would move free particles by. Where no positions are found straight rods buckle, and cables let go
+/// that are nearly so.
+inline constexpr double straight = 1e-3, nearly_straight = 0.1;
 /// A place counts as held, too, if it moves by no more than this many times what the matrix lets all rods
 /// give.
 inline constexpr double rounding = 2;

@@ -327,7 +327,10 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   gives_up_missed_ = buckles_ = false;
   do {
     while (!find_positions(h, report))
-      if (!let_go_of_held(false)) return false;
+      if (!let_go_of_held(false)) {
+        find_buckling(false);
+        return false;
+      }
     if (!all_near_ && is_contact_missed()) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
@@ -340,14 +343,23 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       if (!find_positions(h, report)) return false;
     }
   } while (switch_elastics() || let_go_of_held(true));
-  const auto is_held_by = [&](double parts) {
-    return std::any_of(rows_.begin(), rows_.end(),
-                       [&](const Row& row) { return is_held_in_ground(row, parts); });
-  };
-  const bool is_held = is_held_by(INFINITY);
-  gives_up_missed_ = gives_up_missed_ || is_held;
-  buckles_ = is_held && !is_buckled_ && is_held_by(-still_);
-  return !buckles_;
+  gives_up_missed_ = gives_up_missed_ || std::any_of(rows_.begin(), rows_.end(),
+                                                     [&](const Row& row) { return is_held_in_ground(row); });
+  return !find_buckling(true);
+}
+
+/// Looks for rods that stand straight on ground and are driven into it, so that they are to buckle, once in a
+/// step. Where no positions were found, rods of what is anchored may lean a little. Returns whether there are
+/// any.
+bool ClusterStepper::find_buckling(bool is_found) {
+  if (is_buckled_) return false;
+  for (Row& row : rows_) {
+    const bool is_anchored = row.ends == 1 && islands_[row.island[0]].state->linkage->is_grounded();
+    row.buckles = row.closes > still_ &&
+                  (is_held_in_ground(row) || (!is_found && is_anchored && hardly_answers(row, straight)));
+    buckles_ = buckles_ || row.buckles;
+  }
+  return buckles_;
 }
 
 /// Returns the work (J) that ground which moves does in the substep.

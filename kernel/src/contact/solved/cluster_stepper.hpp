@@ -104,6 +104,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool find_depths(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
+  bool find_buckling(bool is_found);
   void nudge(const Row& row, double share);
   double rise(const Row& row) const;
   void keep_motion(std::span<LinkageState* const> cluster);
@@ -152,7 +153,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static void hold_elastics(Island& island);
   bool switch_elastics();
   bool let_go_of_held(bool is_found);
-  bool hardly_answers(const Row& row) const;
+  bool hardly_answers(const Row& row, double share) const;
   static bool let_go(Island& island, const Side& side);
   bool find_sound_positions(double h, Tally& report);
   void find_stillness(double h);
@@ -218,7 +219,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// Returns how a row moves against what it touches, in m or m/s.
   template <double Row::*of>
   double slide(const Row& row);
-  bool is_held_in_ground(const Row& row, double parts);
+  bool is_held_in_ground(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();

@@ -210,11 +210,10 @@ void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surrou
   for (double share = least_nudge; share <= most_nudge; share *= wider) {
     return_to_motion(cluster);
     for (const Row& row : rows_)
-      if (is_held_in_ground(row, -still_)) nudge(row, share);
+      if (row.buckles) nudge(row, share);
     if (!bring_to_lengths(surroundings)) return return_to_motion(cluster);
     const bool has_room = std::all_of(rows_.begin(), rows_.end(), [&](const Row& row) {
-      return !is_held_in_ground(row, -still_) ||
-             rise(row) + slide<&Row::p>(row) + std::min(0.0, row.gap) >= 0;
+      return !row.buckles || rise(row) >= row.closes - std::min(0.0, row.gap);
     });
     if (has_room) return;
   }
