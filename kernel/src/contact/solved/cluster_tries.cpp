@@ -138,7 +138,8 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
 }
 
-/// Lists where an island is in ground, among what is to be held out of it. Returns whether it is.
+/// Lists where an island is deeper in ground than it may be and was at Island::there, among what is to be
+/// held out of it. Returns whether it is.
 bool ClusterStepper::find_depths(std::uint32_t i) {
   Island& island = islands_[i];
   const double h = instant, rate = std::exchange(recovery_rate_, 1 / h);
@@ -153,15 +154,16 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
   touch_anchored(i, h);
   recovery_rate_ = rate;
   left_out_.clear();
-  bool is_in_ground = false;
+  bool is_deeper = false;
   island.ground.for_all([&](const GroundContact& contact) {
-    if (contact.gap >= 0) return;
     const double now = dot(contact.normal, contact.at.of(island.state->x));
-    projection_.holds.push_back({contact.at, contact.normal, now - contact.gap});
-    is_in_ground = true;
+    const double least = std::min(now - contact.gap, dot(contact.normal, contact.at.of(island.there)));
+    if (least <= now + settings_.tolerance) return;
+    projection_.holds.push_back({contact.at, contact.normal, least});
+    is_deeper = true;
   });
   island.ground.clear();
-  return is_in_ground;
+  return is_deeper;
 }
 
 /// Brings the rods of what is awake to their lengths, and out of ground that they come into by that. Returns
@@ -173,11 +175,14 @@ bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
     if (!islands_[i].awake) continue;
     islands_[i].there = state.x;
     projection_.holds.clear();
-    int tries = 0;
-    do {
+    if (!(project_positions(state, projection_) <= most_left)) return false;
+    for (int tries = 0; tries < most_holds && find_depths(i); ++tries) {
+      islands_[i].step = state.x;
       state.x = islands_[i].there;
-      if (!(project_positions(state, projection_) <= most_left)) return false;
-    } while (find_depths(i) && ++tries < most_holds);
+      if (project_positions(state, projection_) == 0) continue;
+      state.x = islands_[i].step;
+      break;
+    }
     if (passes_ground(islands_[i], surroundings)) return false;
     project_velocities(state, projection_);
     std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
