@@ -27,6 +27,11 @@ bool factor_with_holds(LinkageState& state, std::span<const Hold> holds) {
   return state.linkage->plan().factor(state.factors);
 }
 
+/// Returns whether some velocity is not zero.
+bool moves(std::span<const Vec3> velocities) {
+  return std::any_of(velocities.begin(), velocities.end(), [](Vec3 v) { return v != Vec3{}; });
+}
+
 }  // namespace
 
 double Visitor::look(LinkageState& state) const {
@@ -95,7 +100,8 @@ double project_velocities(LinkageState& state, ProjectionWork& work) {
   work.momentum.resize(linkage.movable());
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);
-  linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
+  if (moves(std::span(state.v).subspan(linkage.movable())))
+    linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
   linkage.momenta(state.v, work.momentum);
   linkage.put(work.momentum, right);
   state.solve(work.unknowns);

@@ -24,7 +24,7 @@ void ClusterStepper::find_responses(bool of_elastic_ones_alone) {
       couple(each);
   for (std::size_t r = rows_.size(); r-- > 0;) {
     Row& row = rows_[r];
-    double own = 0, held = 0;
+    double own = 0, heaviest = 0, held = 0;
     row.across[0] = row.across[1] = 0;
     for (std::uint32_t i = 0; i < row.ends; ++i) {
       Island& island = islands_[row.island[i]];
@@ -32,13 +32,14 @@ void ClusterStepper::find_responses(bool of_elastic_ones_alone) {
       row.end[i] = {island.speed.front().of, island.push.front().of, island.row(side), side,
                     padded(island.batches())};
       own += row.end[i].coupling[side];
-      held = std::max(held, island.held);
+      heaviest = std::max(heaviest, island.state->linkage->mass());
+      if (row.kind == Kind::normal || row.kind == Kind::sliding) held = std::max(held, island.held);
       if (row.kind != Kind::normal) continue;
       for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] += row.end[i].coupling[side + 1 + axis];
     }
     if (row.ends == 2 && row.island[0] == row.island[1]) own += couple_ends(row);
     row.own = own;
-    row.over = own > held ? 1 / own : 0;
+    row.over = own > std::max(held, held_response / heaviest) ? 1 / own : 0;
     if (row.kind != Kind::normal) continue;
     for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] *= rows_[r + 1 + axis].over;
   }
@@ -81,7 +82,7 @@ void ClusterStepper::couple(Island& island) {
   const KktPlan& plan = island.state->linkage->plan();
   const std::uint32_t unknowns = plan.unknowns();
   const std::size_t batches = island.batches(), count = island.sides.size();
-  island.held = std::max(held_response / island.state->linkage->mass(), rounding * island.state->softness());
+  island.held = rounding * island.state->softness();
   island.keeps_responses = batches * unknowns <= most_kept_responses;
   const std::size_t kept = island.keeps_responses ? batches : 1;
   island.coupling.resize(count * batches);

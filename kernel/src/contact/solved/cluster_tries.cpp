@@ -143,6 +143,7 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
 bool ClusterStepper::find_depths(std::uint32_t i) {
   Island& island = islands_[i];
   const double h = instant, rate = std::exchange(recovery_rate_, 1 / h);
+  const std::size_t terms = island.terms.size();
   island.d.assign(island.state->x.size(), Vec3{});
   island.v = island.state->v;
   island.ground.clear();
@@ -154,6 +155,7 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
   touch_anchored(i, h);
   recovery_rate_ = rate;
   left_out_.clear();
+  island.terms.resize(terms);
   bool is_deeper = false;
   island.ground.for_all([&](const GroundContact& contact) {
     const double now = dot(contact.normal, contact.at.of(island.state->x));
