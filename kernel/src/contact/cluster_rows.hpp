@@ -31,8 +31,7 @@ struct ClusterRows {
   };
   struct Row {
     Kind kind = Kind::normal;
-    bool held = false;     ///< in the last substep: p and q are what did
-    bool buckles = false;  ///< rods stand straight on what it pushes
+    bool held = false;  ///< in the last substep: p and q are what did
     std::uint32_t island[2] = {none, none}, side[2] = {0, 0};
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};

@@ -101,12 +101,12 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
+  bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
   bool find_depths(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   bool find_buckling(bool is_found);
-  void nudge(const Row& row, double share);
-  double rise(const Row& row) const;
+  bool make_room(std::uint32_t i, double share, const Surroundings& surroundings);
   void keep_motion(std::span<LinkageState* const> cluster);
   void return_to_motion(std::span<LinkageState* const> cluster);
   double longest_substep(double most, double turn);
@@ -153,7 +153,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static void hold_elastics(Island& island);
   bool switch_elastics();
   bool let_go_of_held(bool is_found);
-  bool hardly_answers(const Row& row, double share) const;
+  bool hardly_answers(const Row& row) const;
+  bool hardly_answers(std::uint32_t i);
+  static void add_push(const Island& island, const Side& side, double by, std::span<Vec3> pushes);
   static bool let_go(Island& island, const Side& side);
   bool find_sound_positions(double h, Tally& report);
   void find_stillness(double h);

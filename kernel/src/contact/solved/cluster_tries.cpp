@@ -168,27 +168,40 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
   return is_deeper;
 }
 
-/// Brings the rods of what is awake to their lengths, and out of ground that they come into by that. Returns
-/// false where they are too far from them, or where something passed ground on its way there.
+/// Brings the rods of an island to their lengths from where it is, which may leave a violation of `most`, and
+/// out of ground that it is in more than at Island::there. What is to be held is among holds already. Returns
+/// false where rods are too far from their lengths, or something passed ground on its way.
+bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings) {
+  Island& island = islands_[i];
+  LinkageState& state = *island.state;
+  island.step = state.x;
+  if (!(project_positions(state, projection_) <= most)) return false;
+  for (int tries = 0; tries < most_holds && find_depths(i); ++tries) {
+    std::swap(state.x, island.step);  // which has what to return to, and is where it started from next time
+    island.momentum = state.x;
+    if (project_positions(state, projection_) == 0) {
+      island.step = island.momentum;
+      continue;
+    }
+    std::swap(state.x, island.step);
+    break;
+  }
+  if (passes_ground(island, surroundings)) return false;
+  project_velocities(state, projection_);
+  std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
+  state.energy.reset();
+  return true;
+}
+
+/// Brings the rods of what is awake to their lengths.
 bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
-    LinkageState& state = *islands_[i].state;
+    const LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
     if (!islands_[i].awake) continue;
     islands_[i].there = state.x;
     projection_.holds.clear();
-    if (!(project_positions(state, projection_) <= most_left)) return false;
-    for (int tries = 0; tries < most_holds && find_depths(i); ++tries) {
-      islands_[i].step = state.x;
-      state.x = islands_[i].there;
-      if (project_positions(state, projection_) == 0) continue;
-      state.x = islands_[i].step;
-      break;
-    }
-    if (passes_ground(islands_[i], surroundings)) return false;
-    project_velocities(state, projection_);
-    std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
-    state.energy.reset();
+    if (!bring_to_lengths(i, most_left, surroundings)) return false;
   }
   return true;
 }
@@ -208,48 +221,49 @@ bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundi
   return moves;
 }
 
-/// Nudges particles of islands aside whose rods stand straight on ground and are driven into it: rods could
-/// buckle, but have no direction to. It is always the same, by turns to both sides, once in a step. It goes
-/// so far that rods are as much shorter along the line as the substep asks for, or as far as they may.
+/// Makes room below rods that stand straight on ground and are driven into it: they could buckle, but have no
+/// direction to. Particles are nudged aside, always alike, by turns to both sides, and far enough for rods to
+/// be as much shorter along the line as the substep asks for. That is done once in a step.
 void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
   is_buckled_ = true;
   keep_motion(cluster);
-  for (double share = least_nudge; share <= most_nudge; share *= wider) {
-    return_to_motion(cluster);
-    for (const Row& row : rows_)
-      if (row.buckles) nudge(row, share);
-    if (!bring_to_lengths(surroundings)) return return_to_motion(cluster);
-    const bool has_room = std::all_of(rows_.begin(), rows_.end(), [&](const Row& row) {
-      return !row.buckles || rise(row) >= row.closes - std::min(0.0, row.gap);
-    });
-    if (has_room) return;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    bool has_room = !islands_[i].buckles;
+    for (double share = least_nudge; !has_room && share <= most_nudge; share *= wider)
+      has_room = make_room(i, share, surroundings);
+    if (!has_room) return return_to_motion(cluster);
   }
 }
 
-/// Nudges the particles of a row's islands aside by a share of their largest rod, and nearer to an anchor, or
-/// to each other, by as much as that would make rods longer.
-void ClusterStepper::nudge(const Row& row, double share) {
-  const double nearer = 1 - std::sqrt(1 - 4 * share * share);
-  for (std::uint32_t k = 0; k < row.ends; ++k) {
-    LinkageState& state = *islands_[row.island[k]].state;
-    const std::vector<Vec3>& before = before_[row.island[k]].x;
-    const Vec3 aside = share * state.linkage->size() * across(row.along).front();
-    for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
-      state.x[i] = before[i] + (i % 2 == 0 ? aside : -1 * aside) -
-                   (nearer * dot(row.along, before[i] - before.back())) * row.along;
-  }
-}
-
-/// Returns by how much that has moved what touches out of ground, m.
-double ClusterStepper::rise(const Row& row) const {
-  double sum = 0;
-  for (std::uint32_t k = 0; k < row.ends; ++k) {
-    const Island& island = islands_[row.island[k]];
-    const Side& side = island.sides[row.side[k]];
-    const std::vector<Vec3>& before = before_[row.island[k]].x;
-    sum += dot(side.along_a, island.of(side.a, island.state->x) - island.of(side.a, before));
-  }
-  return sum;
+/// Nudges an island's particles aside by this share of its largest rod, if it is to buckle, or as far as all
+/// its rods have to lean alike, and lifts what touches. Returns whether its rods fit to that.
+bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings& surroundings) {
+  Island& island = islands_[i];
+  LinkageState& state = *island.state;
+  state.return_to(before_[i]);
+  island.there = state.x;
+  projection_.holds.clear();
+  Vec3 along{};
+  double lean = 2 * share;  // the sine of the angle
+  for (const Row& row : rows_)
+    for (std::uint32_t k = 0; row.kind == Kind::normal && row.closes > still_ && k < row.ends; ++k) {
+      if (row.island[k] != i || (row.over != 0 && row.p <= 0)) continue;
+      const Side& side = island.sides[row.side[k]];
+      Combination at;
+      for (std::uint32_t t = side.a.first; t < side.a.end; ++t)
+        at.add(island.terms[t].particle, island.terms[t].weight);
+      const double lift = (row.closes - std::min(0.0, row.gap)) / row.ends;
+      projection_.holds.push_back({at, side.along_a, dot(side.along_a, at.of(state.x)) + lift});
+      const double below = dot(side.along_a, state.x.back() - at.of(state.x));
+      if (lift < below) lean = std::max(lean, std::sqrt(1 - (1 - lift / below) * (1 - lift / below)));
+      along = side.along_a;
+    }
+  lean = std::min(lean, 2 * most_nudge);
+  const Vec3 aside = (0.5 * lean * state.linkage->size()) * across(along).front(), last = state.x.back();
+  const double nearer = 1 - std::sqrt(1 - lean * lean);
+  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
+    state.x[k] += (k % 2 == 0 ? aside : -1 * aside) - (nearer * dot(along, state.x[k] - last)) * along;
+  return bring_to_lengths(i, 0, surroundings);
 }
 
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
