@@ -45,6 +45,7 @@ struct ClusterIsland {
   PlacedHulls hulls;
   GroundContacts ground;        ///< those with fixed things, if there are many
   bool is_predicted = false;    ///< d is where it flies, or else a guess
+  bool squeezed = false;        ///< it hangs somewhere and hardly answers to what pushes it
   bool buckles = false;         ///< its rods stand straight on what it touches, and are to have room
   double held = 0;              ///< 1/kg, a response that is no more is rounding
   bool keeps_responses = true;  ///< those of all sides are kept, not those of the last eight alone

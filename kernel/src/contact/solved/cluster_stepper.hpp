@@ -154,7 +154,12 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool switch_elastics();
   bool let_go_of_held(bool is_found);
   bool hardly_answers(const Row& row) const;
-  bool hardly_answers(std::uint32_t i);
+  /// Squares of pushes times what they move an island by, and would move free particles by, kg m².
+  struct Answer {
+    double given = 0, free = 0;
+    bool is_little() const { return given < contact_limits::straight * free; }
+  };
+  Answer answer(Island& island, std::uint32_t i) const;
   static void add_push(const Island& island, const Side& side, double by, std::span<Vec3> pushes);
   static bool let_go(Island& island, const Side& side);
   bool find_sound_positions(double h, Tally& report);
