@@ -38,6 +38,9 @@ inline constexpr double unfitting = 1e-6;
 /// Rods that stand straight on ground buckle to a share of their sizes between these, which is made wider by
 /// a factor until they have room. The response to a push is its square, and well above what counts as held.
 inline constexpr double least_nudge = 1e-2, most_nudge = 0.4, wider = 1.3;
+/// What stands upright answers by no more than this share above what it would answer with as one. Rods then
+/// lean to this share of their sizes, which changes their lengths by less than what counts as solved.
+inline constexpr double balanced = 1e-9, faint = 1e-6;
 /// Islands that touched each other in more places than these are a crowd, and so are nets that touched
 /// anything. They take longer to solve than to relax.
 inline constexpr std::size_t few_touching = 24;
@@ -48,7 +51,7 @@ inline constexpr double most_guards = 64;
 /// A step is cut into at most this many substeps because something is in ground still. With 64 corners of
 /// thin boxes at 100 m/s stayed 6 mm deep, and with 256 none did.
 inline constexpr double most_missed_cuts = 1024;
-/// Islands at rest may gain this share of the energy that lifts them by their size. Larger values repeat
+/// Islands at rest may gain this share of the energy that lifts them by their height. Larger values repeat
 /// fewer substeps and let resting things creep.
 inline constexpr double unnoticed = 3e-9;
 /// Contact that would gain more than this share of the energy of motion is counted as such. Less is what the

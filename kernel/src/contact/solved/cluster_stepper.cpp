@@ -296,6 +296,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   }
   if (touched) count_pushes(h);
   keep_contacts(h);
+  if (touched) unbalance();
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)

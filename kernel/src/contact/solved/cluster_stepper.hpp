@@ -106,6 +106,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   bool find_buckling(bool is_found);
+  void unbalance();
   bool make_room(std::uint32_t i, double share, const Surroundings& surroundings);
   void keep_motion(std::span<LinkageState* const> cluster);
   void return_to_motion(std::span<LinkageState* const> cluster);
@@ -286,6 +287,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static void make_room_to_damp(Island& island);
   void slow_down(double excess, double kinetic);
   bool guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report);
+  static double height_of(const Island& island);
   double find_rigid_motion();
   void scale_loose_motion(double by);
   void keep_contacts(double h);

@@ -266,6 +266,23 @@ bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings
   return bring_to_lengths(i, 0, surroundings);
 }
 
+/// Leans trees of rods faintly that have just landed exactly upright, so that a push moves them as one. They
+/// stand as long as no rod leans, and have no direction to fall to.
+void ClusterStepper::unbalance() {
+  for (const Row& row : rows_) {
+    if (row.kind != Kind::normal || row.p <= 0 || row.held || row.ends != 1 || is_wide_) continue;
+    const Island& island = islands_[row.island[0]];
+    LinkageState& state = *island.state;
+    const Linkage& linkage = *state.linkage;
+    const bool is_tree = linkage.rods() > 1 && linkage.rods() == linkage.constraints() &&
+                         linkage.rods() + 1 == linkage.movable() && state.laws.empty();
+    if (!is_tree || row.own > (1 + balanced) / linkage.mass() + island.held) continue;
+    const Vec3 aside = faint * linkage.size() * across(row.along).front();
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += k % 2 == 0 ? aside : -1 * aside;
+    state.factored = false;
+  }
+}
+
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
   if (before_.size() < cluster.size()) before_.resize(cluster.size());
   for (std::size_t i = 0; i < cluster.size(); ++i) before_[i] = cluster[i]->motion();
