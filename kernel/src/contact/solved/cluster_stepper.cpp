@@ -72,6 +72,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
   for (LinkageState* const state : cluster) state->is_relaxed = false;
+  now_ = cluster.front()->elapsed;
   if (relaxes_crowds_ && relax_crowd(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;
   shortest_ = dt / most_guards;
@@ -88,7 +89,8 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
     const double longest = std::max(std::min(dt / substeps, cut), least);
     double h = left / std::ceil(left / std::min(longest, likely) - 1e-9);
-    ground_.find(surroundings, start + dt - left);
+    now_ = start + dt - left;
+    ground_.find(surroundings, now_);
     if (may_fly) {
       // A step of twice the length is cut alike, so that comparing tells no error: is_blind reads halvings.
       report.halvings += rules.is_watched && cut < dt / substeps;

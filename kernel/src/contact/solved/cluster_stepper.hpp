@@ -334,6 +334,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::vector<MissedGround> missed_ground_;
   std::vector<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false;  ///< something is in ground still
+  double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;                     ///< something pushes in this substep, or is near enough to
   bool looks_for_crowd_ = false;               ///< what presses in many places is relaxed instead
@@ -350,6 +351,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   int switches_ = 0;                              ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
+  double now_ = 0;                            ///< s, since the beginning of the step
   double shortest_ = 0;                       ///< s
   double shortest_if_missed_ = 0;             ///< s, where something is in ground still
   Team* team_ = nullptr;                      ///< that may help what is relaxed

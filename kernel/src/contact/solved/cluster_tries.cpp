@@ -157,7 +157,9 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
   left_out_.clear();
   island.terms.resize(terms);
   bool is_deeper = false;
+  deepest_ = 0;
   island.ground.for_all([&](const GroundContact& contact) {
+    deepest_ = std::max(deepest_, -contact.gap);
     const double now = dot(contact.normal, contact.at.of(island.state->x));
     const double least = std::min(now - contact.gap, dot(contact.normal, contact.at.of(island.there)));
     if (least <= now + settings_.tolerance) return;
@@ -174,18 +176,20 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
 bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings) {
   Island& island = islands_[i];
   LinkageState& state = *island.state;
-  island.step = state.x;
+  projection_.start = state.x;
   if (!(project_positions(state, projection_) <= most)) return false;
-  for (int tries = 0; tries < most_holds && find_depths(i); ++tries) {
-    std::swap(state.x, island.step);  // which has what to return to, and is where it started from next time
-    island.momentum = state.x;
+  bool is_deeper = find_depths(i);
+  for (int tries = 0; is_deeper && tries < most_holds; ++tries) {
+    projection_.last = state.x;
+    state.x = projection_.start;
     if (project_positions(state, projection_) == 0) {
-      island.step = island.momentum;
+      is_deeper = find_depths(i);
       continue;
     }
-    std::swap(state.x, island.step);
+    state.x = projection_.last;
     break;
   }
+  gives_up_missed_ = gives_up_missed_ || (is_deeper && deepest_ > settings_.slop);
   if (passes_ground(island, surroundings)) return false;
   project_velocities(state, projection_);
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
@@ -323,18 +327,25 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   keep_motion(cluster);
   Tally tried = report;
   const ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)), .team = team_};
+  const double elapsed = cluster.front()->elapsed;
+  for (LinkageState* const state : cluster) state->elapsed = now_;
   relaxed_->step(cluster, surroundings, rules, dt, tried);
+  ground_.find(surroundings, now_ + dt);
+  gives_up_missed_ = false;
   if (bring_to_lengths(surroundings)) {
     for (LinkageState* const state : cluster) {
       state->forget_tautness();
       state->is_relaxed = true;
+      state->elapsed = std::max(elapsed, now_ + dt);
     }
     report = tried;
+    report.missed_contacts += gives_up_missed_;
     if (!surroundings.any_moves()) hold_energy(report);
     return true;
   }
   report.block_sweeps = tried.block_sweeps;
   return_to_motion(cluster);
+  ground_.find(surroundings, now_);
   return false;
 }
 
