@@ -162,7 +162,7 @@ bool ClusterStepper::find_depths(std::uint32_t i) {
     deepest_ = std::max(deepest_, -contact.gap);
     const double now = dot(contact.normal, contact.at.of(island.state->x));
     const double least = std::min(now - contact.gap, dot(contact.normal, contact.at.of(island.there)));
-    if (least <= now + settings_.tolerance) return;
+    if (least <= now + settings_.slop) return;
     projection_.holds.push_back({contact.at, contact.normal, least});
     is_deeper = true;
   });
@@ -189,7 +189,7 @@ bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surrou
     state.x = projection_.last;
     break;
   }
-  gives_up_missed_ = gives_up_missed_ || (is_deeper && deepest_ > settings_.slop);
+  gives_up_missed_ = gives_up_missed_ || deepest_ > settings_.slop;
   if (passes_ground(island, surroundings)) return false;
   project_velocities(state, projection_);
   std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
