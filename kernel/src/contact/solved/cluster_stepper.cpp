@@ -351,48 +351,6 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   return !find_buckling(true);
 }
 
-/// Looks for islands whose rods stand straight on what they touch and are driven into it, so that they are to
-/// buckle, once in a step. Where no positions were found, rods of what is anchored may lean a little, and all
-/// that touch are squeezed. Returns whether there are any.
-bool ClusterStepper::find_buckling(bool is_found) {
-  for (std::uint32_t i = 0; i < count_; ++i) islands_[i].buckles = false;
-  if (is_buckled_) return false;
-  for (const Row& row : rows_)
-    if (row.closes > still_ && is_held_in_ground(row))
-      for (std::uint32_t k = 0; k < row.ends; ++k) islands_[row.island[k]].buckles = buckles_ = true;
-  if (is_found || is_wide_) return buckles_;
-  Answer all;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    const Answer one = answer(islands_[i], i);
-    islands_[i].squeezed = islands_[i].state->linkage->is_grounded() && one.is_little();
-    all.given += one.given;
-    all.free += one.free;
-  }
-  for (std::uint32_t i = 0; i < count_ && all.is_little(); ++i)
-    if (islands_[i].squeezed) islands_[i].buckles = buckles_ = true;
-  return buckles_;
-}
-
-/// Returns what an island answers to all that pushes it where it touches, and free particles would answer.
-ClusterStepper::Answer ClusterStepper::answer(Island& island, std::uint32_t i) const {
-  const Linkage& linkage = *island.state->linkage;
-  std::vector<Vec3>& push = island.impulse;  // which the end of a substep writes anew
-  push.assign(linkage.movable(), Vec3{});
-  Answer out;
-  const auto for_sides = [&](auto&& f) {
-    for (const Row& row : rows_)
-      for (std::uint32_t k = 0; row.kind == Kind::normal && row.p > 0 && k < row.ends; ++k)
-        if (row.island[k] == i) f(row.side[k], row.p);
-  };
-  for_sides([&](std::uint32_t one, double p) {
-    add_push(island, island.sides[one], p, push);
-    for_sides([&](std::uint32_t two, double q) { out.given += p * q * island.row(one)[two]; });
-  });
-  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
-    out.free += push[k] == Vec3{} ? 0 : dot(push[k], push[k]) / linkage.mass_of(k);
-  return out;
-}
-
 /// Returns the work (J) that ground which moves does in the substep.
 double ClusterStepper::work_of_ground(double h) const {
   double sum = 0;
