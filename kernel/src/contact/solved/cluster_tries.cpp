@@ -262,6 +262,7 @@ bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings
       if (lift < below) lean = std::max(lean, std::sqrt(1 - (1 - lift / below) * (1 - lift / below)));
       along = side.along_a;
     }
+  if (projection_.holds.empty()) return true;
   lean = std::min(lean, 2 * most_nudge);
   const Vec3 aside = (0.5 * lean * state.linkage->size()) * across(along).front(), last = state.x.back();
   const double nearer = 1 - std::sqrt(1 - lean * lean);
