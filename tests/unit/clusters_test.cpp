@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "contact/cluster_island.hpp"
 #include "contact/cluster_rows.hpp"
 #include "contact/contact_solver.hpp"
 #include "contact/linkage/linkage_bounds.hpp"
 #include "contact/linkage/scene_parts.hpp"
+#include "contact/linkage/visitor.hpp"
 #include "contact/solved/cluster_limits.hpp"
 #include "contact/solved/cluster_stepper.hpp"
 #include "contact/solved/missed.hpp"
@@ -183,6 +185,52 @@ TEST(ClusterRows, KnowWhatActsThroughANormal) {
   EXPECT_EQ(row.island[1], 4u);
   EXPECT_EQ(row.side[1], 6u);
   EXPECT_EQ(row.of[1], 8u);
+}
+
+TEST(ClusterIsland, AddsUpParticlesByWeight) {
+  ClusterIsland island;
+  island.terms = {{0, 0.25}, {1, 0.75}};
+  const std::vector<Vec3> values{{4, 0, 0}, {0, 4, 0}};
+  EXPECT_EQ(island.of({0, 2}, values), (Vec3{1, 3, 0}));
+  island.sides.resize(simd::kkt_lanes + 1);
+  EXPECT_EQ(island.batches(), 2u);
+}
+
+/// Two rods of a metre that hang from an anchor at the height of 2 m, folded a little.
+Scene folded_rods() {
+  Scene scene;
+  scene.particles = {{.position = {0, 2, 0}, .fixed = true},
+                     {.position = {0.28, 1.04, 0}, .mass = 1},
+                     {.position = {0, 0.08, 0}, .mass = 1}};
+  scene.rods = {{.a = 0, .b = 1}, {.a = 1, .b = 2}};
+  return scene;
+}
+
+// A place that ground holds is where it lets it be, and rods keep their lengths by folding on.
+TEST(ProjectPositions, HoldPlacesOutOfGround) {
+  test::Linkages islands(folded_rods());
+  LinkageState& state = islands.states.front();
+  ProjectionWork work;
+  const std::uint32_t low = state.x[0].y < state.x[1].y ? 0 : 1;
+  work.holds.push_back({.at = {}, .along = {0, 1, 0}, .least = 0.3});
+  work.holds[0].at.add(low, 1);
+  EXPECT_EQ(project_positions(state, work), 0);
+  EXPECT_NEAR(state.x[low].y, 0.3, 1e-5);
+  EXPECT_NEAR(norm(state.x[low] - state.x[1 - low]), 1, 1e-8);
+  EXPECT_NEAR(norm(state.x[1 - low] - state.x[2]), 1, 1e-8);
+}
+
+// What hangs from an anchor goes along with it.
+TEST(ProjectVelocities, FollowAnchorsThatMove) {
+  Scene scene = folded_rods();
+  scene.particles[1].position = {0, 1, 0};
+  scene.particles[2].position = {0, 0, 0};
+  test::Linkages islands(scene);
+  LinkageState& state = islands.states.front();
+  state.v[2] = {0, -1, 0};
+  ProjectionWork work;
+  project_velocities(state, work);
+  for (const Vec3 v : state.v) EXPECT_NEAR(norm(v - Vec3{0, -1, 0}), 0, 1e-9);
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ struct ClusterRows {
     std::uint32_t ends = 0;  ///< islands that it acts on
     End end[2]{};
     double gap = 0;           ///< m or rad, what may be lost
+    double closes = 0;        ///< m, of normals, by how much that would become less without pushes
     double given = 0;         ///< m, what the ground moves by
     double given_at_end = 0;  ///< m/s, how fast it moves
     /// Of brakes; of normals the coefficient of friction, of rolling and spinning a length (m).

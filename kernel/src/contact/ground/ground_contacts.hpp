@@ -15,6 +15,7 @@ struct GroundContact {
   Combination at{};
   Vec3 normal{};                     ///< unit vector out of the ground
   double gap = 0;                    ///< m, what may be lost in the substep
+  double closes = 0;                 ///< m, by how much the gap would become smaller in it
   double friction = 0;               ///< Coulomb's coefficient
   double rolling = 0, spinning = 0;  ///< m, see Surface
   double bounce = 0;                 ///< m/s, what it leaves with

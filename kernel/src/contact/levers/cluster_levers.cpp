@@ -48,6 +48,7 @@ void ClusterStepper::add_contact_rows(const GroundContact& contact, std::span<co
   }
   Row& normal = rows_[first];
   normal.gap = contact.gap;
+  normal.closes = contact.closes;
   normal.bound = contact.friction;
   normal.bounce = contact.bounce;
   normal.p = std::max(normal.p, 0.0);

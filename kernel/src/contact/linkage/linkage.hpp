@@ -186,6 +186,8 @@ class Linkage {
   bool is_grounded() const { return movable_ < particles_; }
   /// Returns whether constraints forbid some motion more than once.
   bool is_redundant() const { return is_redundant_; }
+  /// Returns what the matrix lets constraints give to a push along all of them, 1/kg.
+  double softness() const { return softness_; }
   /// Returns whether anything but contact takes energy: air, drag or joint drag.
   bool has_air() const { return has_air_; }
   double size() const { return size_; }  ///< largest rod or shape in m, to which errors are relative
@@ -388,7 +390,7 @@ class Linkage {
   std::vector<FlatRod> flat_rods_;
   ColoredRods colored_;
   Vec3 gravity_{};
-  double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0;
+  double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0, softness_ = 0;
   bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false;
 };
 

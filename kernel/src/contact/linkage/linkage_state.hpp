@@ -177,12 +177,21 @@ struct LinkageState : LinkageMotion {
       linkage->count_pull(i, where, h * law.force, pulls);
     }
   }
+  /// Returns what the matrix lets rods give to a push along all of them, 1/kg: those that are as if rigid,
+  /// too.
+  double softness() const {
+    double sum = linkage->softness();
+    for (std::size_t i = 0; i < laws.size(); ++i)
+      if (std::isinf(laws[i].stiffness)) sum += softest * gives[i];
+    return sum;
+  }
   /// Returns whether a step of h (s) that is not implicit can follow all elastics.
   bool can_follow_elastics(double h);
 
  private:
+  static constexpr double softest = 1e-11;
   /// What is rigid has this share of its particles' response on the diagonal, or something where none moves.
-  double least_soft(std::size_t i) const { return gives[i] > 0 ? 1e-11 * gives[i] : 1; }
+  double least_soft(std::size_t i) const { return gives[i] > 0 ? softest * gives[i] : 1; }
   void assemble(std::span<const Vec3> at) {
     factors.resize(linkage->plan().blocks());
     linkage->assemble(at, factors);

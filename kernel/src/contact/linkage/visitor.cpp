@@ -13,11 +13,32 @@ constexpr int most_corrections = 20;
 /// Where a correction leaves no more than this share of what was violated, the next one is along the same
 /// gradients: to factorise a net's matrix takes fifteen times as long as to solve with it.
 constexpr double good_progress = 0.2;
+/// Ground holds places by so many times the mass of their heaviest particle. What it leaves is that share of
+/// what they would go without it.
+constexpr double firm = 1e6;
+
+/// Factorises the matrix where the island is, with what ground holds.
+bool factor_with_holds(LinkageState& state, std::span<const Hold> holds) {
+  if (holds.empty()) return state.factor();
+  state.assemble_with_elastics(state.x, [](std::size_t) { return -1.0; });
+  for (const Hold& hold : holds)
+    state.linkage->stiffen(hold.at, outer(firm * state.linkage->heaviest(hold.at), hold.along),
+                           state.factors);
+  return state.linkage->plan().factor(state.factors);
+}
+
+/// Returns whether some velocity is not zero.
+bool moves(std::span<const Vec3> velocities) {
+  return std::any_of(velocities.begin(), velocities.end(), [](Vec3 v) { return v != Vec3{}; });
+}
 
 }  // namespace
 
 double Visitor::look(LinkageState& state) const {
-  return home_->read(slots_, std::span(state.x).first(slots_.size()));
+  double fastest = home_->read(slots_, std::span(state.x).first(slots_.size()));
+  for (const Vec3 anchor : std::span(state.v).subspan(slots_.size()))
+    fastest = std::max(fastest, norm(anchor));
+  return fastest;
 }
 
 void Visitor::come(LinkageState& state, ProjectionWork* work) {
@@ -52,10 +73,14 @@ double project_positions(LinkageState& state, ProjectionWork& work) {
     std::fill(right.begin(), right.end(), 0.0);
     const double violation = linkage.violations(state.x, right);
     if (i == 0) first = violation;
-    fits = violation <= unnoticed;
+    fits = violation <= unnoticed && (i > 0 || work.holds.empty());
     if (fits || !std::isfinite(violation)) break;
-    if (violation > good_progress * last && !state.factor()) break;
+    if (violation > good_progress * last && !factor_with_holds(state, work.holds)) break;
     last = violation;
+    for (const Hold& hold : work.holds) {
+      const double lack = hold.least - dot(hold.along, hold.at.of(state.x));
+      linkage.add(hold.at, (firm * linkage.heaviest(hold.at) * lack) * hold.along, right);
+    }
     state.solve(work.unknowns);
     for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += linkage.taken(right, k);
   }
@@ -75,6 +100,8 @@ double project_velocities(LinkageState& state, ProjectionWork& work) {
   work.momentum.resize(linkage.movable());
   work.unknowns.assign(linkage.plan().columns(), simd::Quad{});
   const std::span<double> right = numbers(work.unknowns);
+  if (moves(std::span(state.v).subspan(linkage.movable())))
+    linkage.rates(state.x, state.v, linkage.fixed_ones(), right);
   linkage.momenta(state.v, work.momentum);
   linkage.put(work.momentum, right);
   state.solve(work.unknowns);

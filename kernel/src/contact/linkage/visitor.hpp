@@ -9,10 +9,19 @@
 
 namespace plumb::detail {
 
+/// Ground holds a place of an island: no closer to it along a unit vector than so many m.
+struct Hold {
+  Combination at;
+  Vec3 along;
+  double least;
+};
+
 /// Holds numbers that projections need. They are kept, so that steps allocate nothing.
 struct ProjectionWork {
   std::vector<Vec3> before, momentum;
   std::vector<simd::Quad> unknowns;
+  std::vector<Hold> holds;        ///< by which positions are pushed out of ground
+  std::vector<Vec3> start, last;  ///< m, where a projection starts from, and the last one went
 };
 
 /// An island of particles and rods that has a solver of its own, its home, and visits the contact solver
@@ -27,7 +36,8 @@ class Visitor {
   bool has_home() const { return home_ != nullptr; }
   bool is_at_home() const { return home_ != nullptr && !is_visiting_; }
 
-  /// Reads the positions of an island at home. Returns about the speed of the fastest particle, m/s.
+  /// Reads the positions of an island at home. Returns about the speed of the fastest particle, m/s,
+  /// anchors that move in this step among them.
   double look(LinkageState& state) const;
   /// Takes the island from its home: reads positions and velocities. With `work` it makes them fit the rods,
   /// which a home may leave stretched; velocities do not change by that.
@@ -51,7 +61,8 @@ class Visitor {
   bool is_visiting_ = false;
 };
 
-/// Moves an island's particles, by mass, so that its constraints hold: Newton's method without velocities.
+/// Moves an island's particles, by mass, so that its constraints hold, and places that ground holds are where
+/// it lets them be: Newton's method without velocities.
 /// Where that does not converge nothing moves, and the largest violation is returned; else 0.
 double project_positions(LinkageState& state, ProjectionWork& work);
 /// Takes from the velocities what constraints forbid. Returns the largest change, m/s.

@@ -153,6 +153,9 @@ void Crowd<T>::scatter(LinkageState& state, std::uint32_t island) const {
     state.x[k] = origin_ + at(x_.data(), number_of(island, k));
     state.v[k] = at(v_.data(), number_of(island, k));
   }
+  // Anchors that stand keep their place to the last bit.
+  for (std::uint32_t k = state.linkage->movable(); k < state.x.size(); ++k)
+    if (state.v[k] != Vec3{}) state.x[k] = origin_ + at(x_.data(), number_of(island, k));
 }
 
 template <class T>

@@ -9,6 +9,20 @@
 namespace plumb::detail {
 using namespace contact_limits;
 
+namespace {
+
+/// How ground that moves carries what touches it.
+struct Carried {
+  Vec3 by{}, now{}, at_end{};  ///< m in a substep, and m/s at its start and its end
+};
+
+/// Returns how ground carries a place that moves by `by` (m) itself in a substep of h (s).
+Carried carried_by(const GroundRate& rate, Vec3 place, Vec3 normal, Vec3 by, double h) {
+  return {rate.moved(place, normal, h), rate.at(place, normal), rate.later(h).at(place + by, normal)};
+}
+
+}  // namespace
+
 void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& touch, std::uint64_t key,
                                  double h) {
   Island* const one = &islands_[a.island];
@@ -17,20 +31,17 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
     return island && island->awake ? sum.of(of) : Vec3{};
   };
   const double radius = one->state->linkage->shape_of(a.shape).radius;
-  Vec3 carried{}, carried_now{}, carried_at_end{};  // by ground that moves
-  if (b.rate) {
-    const Vec3 place = a.at.of(one->state->x) - radius * touch.normal;
-    carried = b.rate->moved(place, touch.normal, h);
-    carried_now = b.rate->at(place, touch.normal);
-    carried_at_end = b.rate->later(h).at(place + motion(one, a.at, one->d), touch.normal);
-  }
-  const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : carried);
+  Carried carried;
+  if (b.rate)
+    carried = carried_by(*b.rate, a.at.of(one->state->x) - radius * touch.normal, touch.normal,
+                         motion(one, a.at, one->d), h);
+  const Vec3 shift = motion(one, a.at, one->d) - (two ? motion(two, b.at, two->d) : carried.by);
   const double closing = dot(touch.normal, shift);
   if (touch.gap + closing > settings_.margin + 0.25 * norm(shift)) {
     if (touch.gap >= in_sight(norm(shift), settings_.length_scale)) return;
     if (!all_near_)
       return left_out_.push_back({a.island, b.island, add_sum(*one, a.at), two ? add_sum(*two, b.at) : Sum{},
-                                  touch.gap, touch.normal, carried});
+                                  touch.gap, touch.normal, carried.by});
   }
   for (Island* island : {one, two})
     if (island && !island->awake) {
@@ -41,11 +52,12 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
       return;
     }
   const KeptContact held = kept_at(*one->state, key, one->next_kept);
-  const double arriving = dot(touch.normal, a.at.of(one->v) - (two ? b.at.of(two->v) : carried_now));
+  const double arriving = dot(touch.normal, a.at.of(one->v) - (two ? b.at.of(two->v) : carried.now));
   const double approach = approach_of(touch.gap, closing, arriving, h);
   const GroundContact contact{.at = a.at,
                               .normal = touch.normal,
                               .gap = recovered(touch.gap, settings_.slop, h * recovery_rate_),
+                              .closes = -closing,
                               .friction = std::sqrt(a.surface.friction * b.surface.friction),
                               .rolling = std::max(a.surface.rolling, b.surface.rolling),
                               .spinning = std::max(a.surface.spinning, b.surface.spinning),
@@ -58,8 +70,8 @@ void ClusterStepper::add_contact(const Place& a, const Place& b, const Touch& to
                               .is_held = held.key == key,
                               .held = (h * h) * held.force,
                               .held_end = (0.5 * h) * held.end_force,
-                              .carried = carried,
-                              .carried_at_end = carried_at_end,
+                              .carried = carried.by,
+                              .carried_at_end = carried.at_end,
                               .spin = b.rate ? b.rate->spin : Vec3{},
                               .round = b.round};
   if (!two) return one->ground.add(contact, one->state->heaviest(contact.at));
@@ -109,25 +121,22 @@ void ClusterStepper::add_angles(std::uint32_t i, double h) {
   }
 }
 
-/// Finds a box around every island within the substep, and how far the ends of its shapes move (m).
-void ClusterStepper::find_bounds() {
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    Island& island = islands_[i];
-    place_hulls(island);
-    if (!island.awake) {
-      island.bounds = bounds_of(*island.state->linkage, island.state->x, settings_.margin);
-      continue;
-    }
-    island.bounds = nowhere;
-    double square = 0;
-    for (const Linkage::Ball& ball : island.state->linkage->balls()) {
-      const Vec3 at = ball.center.of(island.state->x), by = ball.center.of(island.d);
-      include(island.bounds, at, ball.radius + settings_.margin);
-      include(island.bounds, at + 1.25 * by, ball.radius + settings_.margin);
-      square = std::max(square, dot(by, by));
-    }
-    island.moves = std::sqrt(square);
+/// Finds a box around an island within the substep, and how far the ends of its shapes move (m).
+void ClusterStepper::find_bounds(Island& island) const {
+  place_hulls(island);
+  if (!island.awake) {
+    island.bounds = bounds_of(*island.state->linkage, island.state->x, settings_.margin);
+    return;
   }
+  island.bounds = nowhere;
+  double square = 0;
+  for (const Linkage::Ball& ball : island.state->linkage->balls()) {
+    const Vec3 at = ball.center.of(island.state->x), by = ball.center.of(island.d);
+    include(island.bounds, at, ball.radius + settings_.margin);
+    include(island.bounds, at + 1.25 * by, ball.radius + settings_.margin);
+    square = std::max(square, dot(by, by));
+  }
+  island.moves = std::sqrt(square);
 }
 
 /// Finds the boxes beyond which capsules cannot be in sight of others, see add_contact().
@@ -158,7 +167,7 @@ void ClusterStepper::find_contacts(double h) {
     islands_[i].ground.clear();
     islands_[i].next_kept = 0;
   }
-  find_bounds();
+  for (std::uint32_t i = 0; i < count_; ++i) find_bounds(islands_[i]);
   island_bounds_.clear();
   for (std::uint32_t i = 0; i < count_; ++i) {
     island_bounds_.push_back(islands_[i].bounds);

@@ -150,38 +150,64 @@ bool ClusterStepper::switch_elastics() {
 }
 
 /// Lets go of cables that are as if rigid where a contact asks them to shorten: what hangs straight above
-/// ground answers to no push while they act. Returns whether there are any, as switch_elastics() does.
-bool ClusterStepper::let_go_of_held() {
+/// ground answers to no push while they act, and what hangs nearly straight hardly does. The latter matters
+/// where no positions were found. Returns whether there are any, as switch_elastics() does.
+bool ClusterStepper::let_go_of_held(bool is_found) {
   bool is_changed = false;
-  for (const Row& row : rows_) {
-    if (!is_held_in_ground(row, INFINITY)) continue;
-    for (std::uint32_t k = 0; k < row.ends; ++k) {
-      Island& island = islands_[row.island[k]];
-      const LinkageState& state = *island.state;
-      const Linkage& linkage = *state.linkage;
-      if (!island.awake || state.laws.empty()) continue;
-      std::vector<Vec3>& push = island.impulse;  // which the end of a substep writes anew
-      push.assign(linkage.movable(), Vec3{});
-      const auto add = [&](Sum sum, Vec3 along) {
-        for (std::uint32_t t = sum.first; t < sum.end; ++t)
-          if (const auto [particle, weight] = island.terms[t]; particle < push.size())
-            push[particle] += weight * along;
-      };
-      const Side& side = island.sides[row.side[k]];
-      add(side.a, side.along_a);
-      add(side.b, side.along_b);
-      for (std::size_t i = 0; i < state.laws.size(); ++i) {
-        ElasticStep& step = island.elastics[i];
-        const Elastic& elastic = linkage.elastics()[i];
-        if (!step.acts || !state.laws[i].one_sided) continue;
-        const ElasticSlope slope = linkage.slope(elastic, island.directions());
-        if (Linkage::rate(elastic, slope, push, linkage.movable_ones()) >= 0) continue;
-        step.acts = false;
-        is_changed = true;
+  for (const Row& row : rows_)
+    for (std::uint32_t k = 0; k < row.ends; ++k)
+      if (is_found ? is_held_in_ground(row) : hardly_answers(row)) {
+        Island& island = islands_[row.island[k]];
+        is_changed = (island.awake && let_go(island, island.sides[row.side[k]])) || is_changed;
       }
-    }
-  }
+  keeps_slack_ = keeps_slack_ || is_changed;
   return is_changed && ++switches_ < most_switches;
+}
+
+/// Returns whether a contact pushes, and is answered by little of what free particles would answer with.
+bool ClusterStepper::hardly_answers(const Row& row) const {
+  if (row.kind != Kind::normal || is_wide_) return false;
+  double free = 0;
+  for (std::uint32_t k = 0; k < row.ends; ++k) {
+    const Island& island = islands_[row.island[k]];
+    const Side& side = island.sides[row.side[k]];
+    for (std::uint32_t t = side.a.first; t < side.a.end; ++t)
+      if (const auto [particle, weight] = island.terms[t]; particle < island.state->linkage->movable())
+        free += weight * weight * dot(side.along_a, side.along_a) / island.state->linkage->mass_of(particle);
+  }
+  return (row.over == 0 || row.p > 0) && row.own < nearly_straight * free;
+}
+
+/// Adds what a side's push by so much is on particles.
+void ClusterStepper::add_push(const Island& island, const Side& side, double by, std::span<Vec3> pushes) {
+  const auto add = [&](Sum sum, Vec3 along) {
+    for (std::uint32_t t = sum.first; t < sum.end; ++t)
+      if (const auto [particle, weight] = island.terms[t]; particle < pushes.size())
+        pushes[particle] += (by * weight) * along;
+  };
+  add(side.a, side.along_a);
+  add(side.b, side.along_b);
+}
+
+/// Lets go of an island's acting cables that a push on a side shortens. Returns whether there are any.
+bool ClusterStepper::let_go(Island& island, const Side& side) {
+  const LinkageState& state = *island.state;
+  const Linkage& linkage = *state.linkage;
+  if (state.laws.empty()) return false;
+  std::vector<Vec3>& push = island.impulse;  // which the end of a substep writes anew
+  push.assign(linkage.movable(), Vec3{});
+  add_push(island, side, 1, push);
+  bool is_changed = false;
+  for (std::size_t i = 0; i < state.laws.size(); ++i) {
+    ElasticStep& step = island.elastics[i];
+    const Elastic& elastic = linkage.elastics()[i];
+    if (!step.acts || !state.laws[i].one_sided) continue;
+    const ElasticSlope slope = linkage.slope(elastic, island.directions());
+    if (Linkage::rate(elastic, slope, push, linkage.movable_ones()) >= 0) continue;
+    step.acts = false;
+    is_changed = true;
+  }
+  return is_changed;
 }
 
 }  // namespace plumb::detail

@@ -29,11 +29,18 @@ inline constexpr double few_cuts = 0.25;
 inline constexpr std::uint32_t few_relaxed = 4, most_relaxed = 16;
 /// Where rods cannot be brought to their lengths after that, they may keep this strain.
 inline constexpr double most_left = 1e-2;
+/// Where that brings them into ground, it is tried so often to hold them out of it.
+inline constexpr int most_holds = 4;
+/// What is looked for at an instant is looked for in a substep of this length (s).
+inline constexpr double instant = 1e-9;
 /// Rods that bringing them to their lengths moves by no more than this share of their sizes fitted before.
 inline constexpr double unfitting = 1e-6;
-/// Rods that stand straight on ground buckle to this share of their sizes. The response to a push is its
-/// square, and well above what counts as held.
-inline constexpr double nudge = 1e-2;
+/// Rods that stand straight on ground buckle to a share of their sizes between these, which is made wider by
+/// a factor until they have room. The response to a push is its square, and well above what counts as held.
+inline constexpr double least_nudge = 1e-2, most_nudge = 0.4, wider = 1.3;
+/// What stands upright answers by no more than this share above what it would answer with as one. Rods then
+/// lean to this share of their sizes, which changes their lengths by less than what counts as solved.
+inline constexpr double balanced = 1e-9, faint = 1e-6;
 /// Islands that touched each other in more places than these are a crowd, and so are nets that touched
 /// anything. They take longer to solve than to relax.
 inline constexpr std::size_t few_touching = 24;
@@ -44,7 +51,7 @@ inline constexpr double most_guards = 64;
 /// A step is cut into at most this many substeps because something is in ground still. With 64 corners of
 /// thin boxes at 100 m/s stayed 6 mm deep, and with 256 none did.
 inline constexpr double most_missed_cuts = 1024;
-/// Islands at rest may gain this share of the energy that lifts them by their size. Larger values repeat
+/// Islands at rest may gain this share of the energy that lifts them by their height. Larger values repeat
 /// fewer substeps and let resting things creep.
 inline constexpr double unnoticed = 3e-9;
 /// Contact that would gain more than this share of the energy of motion is counted as such. Less is what the
@@ -101,6 +108,13 @@ inline constexpr int most_rounds = 4;
 /// A place counts as held if a push moves it by less than this share of what it would move a free linkage by.
 /// Held places are not pushed, because their response is rounding.
 inline constexpr double held_response = 1e-8;
+/// What stands on ground is straight, or nearly straight, if a push there moves it by less than this share of
+/// what it would move free particles by. Where no positions are found straight rods buckle, and cables let go
+/// that are nearly so.
+inline constexpr double straight = 1e-3, nearly_straight = 0.1;
+/// A place counts as held, too, if it moves by no more than this many times what the matrix lets all rods
+/// give.
+inline constexpr double rounding = 2;
 /// An island that touches ground in more places than these holds them in its own matrix. With fewer,
 /// responses of each place cost less.
 inline constexpr std::size_t few_on_ground = 16;

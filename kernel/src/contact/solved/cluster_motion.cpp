@@ -157,6 +157,14 @@ void ClusterStepper::scale_loose_motion(double by) {
   }
 }
 
+/// Returns the height (m) of an island that is as high as its largest rod at least. What is left of lengths
+/// adds up along it.
+double ClusterStepper::height_of(const Island& island) {
+  const Vec3 g = island.state->linkage->gravity(), size = island.bounds.high - island.bounds.low;
+  const double high = std::abs(g.x) * size.x + std::abs(g.y) * size.y + std::abs(g.z) * size.z;
+  return std::max(island.state->linkage->size(), high / norm(g));
+}
+
 // Returns whether the substep may stand as it is or with less motion. Energy is that of the states with their
 // new velocities still apart, in Island::v.
 //
@@ -164,7 +172,7 @@ void ClusterStepper::scale_loose_motion(double by) {
 // shorter substep is to be tried, all motion stops instead.
 bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten, Tally& report) {
   if (keeps_energy()) return true;
-  double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its size
+  double now = 0, moving = 0, weight = 0;  // J; weight: what it takes to lift all by its height
   bool free = count_ == 1 && !touched, driven = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
     const Island& island = islands_[i];
@@ -174,7 +182,7 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
     moving += kinetic;
     double pull = state.linkage->mass() * norm(state.linkage->gravity());
     for (const Vec3 force : state.force) pull += norm(force);
-    weight += pull * state.linkage->size();
+    weight += pull * height_of(island);
     now += kinetic + state.linkage->potential(state.x, state.force);
     free = free && !state.linkage->has_air() && island.theta == 0;
     driven = driven || !state.laws.empty();

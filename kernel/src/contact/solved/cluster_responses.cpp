@@ -24,7 +24,7 @@ void ClusterStepper::find_responses(bool of_elastic_ones_alone) {
       couple(each);
   for (std::size_t r = rows_.size(); r-- > 0;) {
     Row& row = rows_[r];
-    double own = 0, heaviest = 0;
+    double own = 0, heaviest = 0, held = 0;
     row.across[0] = row.across[1] = 0;
     for (std::uint32_t i = 0; i < row.ends; ++i) {
       Island& island = islands_[row.island[i]];
@@ -33,12 +33,13 @@ void ClusterStepper::find_responses(bool of_elastic_ones_alone) {
                     padded(island.batches())};
       own += row.end[i].coupling[side];
       heaviest = std::max(heaviest, island.state->linkage->mass());
+      if (row.kind == Kind::normal || row.kind == Kind::sliding) held = std::max(held, island.held);
       if (row.kind != Kind::normal) continue;
       for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] += row.end[i].coupling[side + 1 + axis];
     }
     if (row.ends == 2 && row.island[0] == row.island[1]) own += couple_ends(row);
     row.own = own;
-    row.over = own * heaviest > held_response ? 1 / own : 0;
+    row.over = own > std::max(held, held_response / heaviest) ? 1 / own : 0;
     if (row.kind != Kind::normal) continue;
     for (std::uint32_t axis = 0; axis < 2; ++axis) row.across[axis] *= rows_[r + 1 + axis].over;
   }
@@ -81,6 +82,7 @@ void ClusterStepper::couple(Island& island) {
   const KktPlan& plan = island.state->linkage->plan();
   const std::uint32_t unknowns = plan.unknowns();
   const std::size_t batches = island.batches(), count = island.sides.size();
+  island.held = rounding * island.state->softness();
   island.keeps_responses = batches * unknowns <= most_kept_responses;
   const std::size_t kept = island.keeps_responses ? batches : 1;
   island.coupling.resize(count * batches);
@@ -162,6 +164,48 @@ void ClusterStepper::apply(Island& island, std::span<Vec3> motion) {
     island.pulls[c] += moved[linkage.plan().position(3 * linkage.movable() + c)];
   for (std::size_t k = 0; k < island.elastics.size(); ++k)
     island.elastics[k].p -= moved[linkage.plan().position(linkage.elastics()[k].row)];
+}
+
+/// Looks for islands whose rods stand straight on what they touch and are driven into it, so that they are to
+/// buckle, once in a step. Where no positions were found, rods of what is anchored may lean a little, and all
+/// that touch are squeezed. Returns whether there are any.
+bool ClusterStepper::find_buckling(bool is_found) {
+  for (std::uint32_t i = 0; i < count_; ++i) islands_[i].buckles = false;
+  if (is_buckled_) return false;
+  for (const Row& row : rows_)
+    if (row.closes > still_ && is_held_in_ground(row))
+      for (std::uint32_t k = 0; k < row.ends; ++k) islands_[row.island[k]].buckles = buckles_ = true;
+  if (is_found || is_wide_) return buckles_;
+  Answer all;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const Answer one = answer(islands_[i], i);
+    islands_[i].squeezed = islands_[i].state->linkage->is_grounded() && one.is_little();
+    all.given += one.given;
+    all.free += one.free;
+  }
+  for (std::uint32_t i = 0; i < count_ && all.is_little(); ++i)
+    if (islands_[i].squeezed) islands_[i].buckles = buckles_ = true;
+  return buckles_;
+}
+
+/// Returns what an island answers to all that pushes it where it touches, and free particles would answer.
+ClusterStepper::Answer ClusterStepper::answer(Island& island, std::uint32_t i) const {
+  const Linkage& linkage = *island.state->linkage;
+  std::vector<Vec3>& push = island.impulse;  // which the end of a substep writes anew
+  push.assign(linkage.movable(), Vec3{});
+  Answer out;
+  const auto for_sides = [&](auto&& f) {
+    for (const Row& row : rows_)
+      for (std::uint32_t k = 0; row.kind == Kind::normal && row.p > 0 && k < row.ends; ++k)
+        if (row.island[k] == i) f(row.side[k], row.p);
+  };
+  for_sides([&](std::uint32_t one, double p) {
+    add_push(island, island.sides[one], p, push);
+    for_sides([&](std::uint32_t two, double q) { out.given += p * q * island.row(one)[two]; });
+  });
+  for (std::uint32_t k = 0; k < linkage.movable(); ++k)
+    out.free += push[k] == Vec3{} ? 0 : dot(push[k], push[k]) / linkage.mass_of(k);
+  return out;
 }
 
 }  // namespace plumb::detail

@@ -32,12 +32,9 @@ double ClusterStepper::slide(const Row& row) {
   return see(row) - (of == &Row::p ? row.given : row.given_at_end);
 }
 
-/// Returns whether no push parts a contact that stays closed, since rods hold it along the normal, and that
-/// parts by less than `parts` (m) in this substep.
-bool ClusterStepper::is_held_in_ground(const Row& row, double parts) {
-  if (row.kind != Kind::normal || row.over != 0) return false;
-  const double slides = slide<&Row::p>(row);
-  return row.gap + slides < -settings_.tolerance && slides < parts;
+/// Returns whether no push parts a contact that stays closed, since rods hold it along the normal.
+bool ClusterStepper::is_held_in_ground(const Row& row) {
+  return row.kind == Kind::normal && row.over == 0 && row.gap + slide<&Row::p>(row) < -settings_.tolerance;
 }
 
 void ClusterStepper::push(const Row& row, double by) {

@@ -72,6 +72,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     islands_[i].awake = !cluster[i]->asleep && !cluster[i]->frozen;
   }
   for (LinkageState* const state : cluster) state->is_relaxed = false;
+  now_ = cluster.front()->elapsed;
   if (relaxes_crowds_ && relax_crowd(cluster, surroundings, substeps, dt, report)) return;
   double left = dt;
   shortest_ = dt / most_guards;
@@ -88,7 +89,8 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
     const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
     const double longest = std::max(std::min(dt / substeps, cut), least);
     double h = left / std::ceil(left / std::min(longest, likely) - 1e-9);
-    ground_.find(surroundings, start + dt - left);
+    now_ = start + dt - left;
+    ground_.find(surroundings, now_);
     if (may_fly) {
       // A step of twice the length is cut alike, so that comparing tells no error: is_blind reads halvings.
       report.halvings += rules.is_watched && cut < dt / substeps;
@@ -296,6 +298,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   }
   if (touched) count_pushes(h);
   keep_contacts(h);
+  if (touched) unbalance();
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake && !is_finite(*islands_[i].state)) freeze(islands_[i], report);
   for (std::uint32_t i = 0; i < count_; ++i)
@@ -326,7 +329,11 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   missed_pairs_.clear();
   gives_up_missed_ = buckles_ = false;
   do {
-    if (!find_positions(h, report)) return false;
+    while (!find_positions(h, report))
+      if (!let_go_of_held(false)) {
+        find_buckling(false);
+        return false;
+      }
     if (!all_near_ && is_contact_missed()) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
@@ -338,15 +345,10 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
       keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
     }
-  } while (switch_elastics() || let_go_of_held());
-  const auto is_held_by = [&](double parts) {
-    return std::any_of(rows_.begin(), rows_.end(),
-                       [&](const Row& row) { return is_held_in_ground(row, parts); });
-  };
-  const bool is_held = is_held_by(INFINITY);
-  gives_up_missed_ = gives_up_missed_ || is_held;
-  buckles_ = is_held && !is_buckled_ && is_held_by(-still_);
-  return !buckles_;
+  } while (switch_elastics() || let_go_of_held(true));
+  gives_up_missed_ = gives_up_missed_ || std::any_of(rows_.begin(), rows_.end(),
+                                                     [&](const Row& row) { return is_held_in_ground(row); });
+  return !find_buckling(true);
 }
 
 /// Returns the work (J) that ground which moves does in the substep.

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/cluster_island.hpp"
 #include "contact/cluster_mover.hpp"
 #include "contact/cluster_rows.hpp"
 #include "contact/ground/ground_contacts.hpp"
@@ -69,63 +70,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
 
  private:
   using Lanes = simd::Lanes;
-  struct Island {
-    LinkageState* state = nullptr;
-    bool awake = false;
-    Bounds bounds{};
-    double moves = 0;  ///< m, the ends of its shapes in the substep, at most
-    /// Boxes around its capsules, and around all of them. Contacts of capsules are in sight only where such
-    /// boxes of two islands overlap.
-    std::vector<Bounds> sights;
-    Bounds sight{};
-    std::vector<Vec3> d, there, v, momentum, force, impulse, rigid, step;
-    /// Where on the way from the start of a substep (0) to its end (1) constraints' directions are taken.
-    double theta = 0;
-    double h = 0, kick = 0;            ///< s and s², by which forces count in that substep
-    std::vector<Vec3> at;              ///< m, where directions of the factors are, if theta is not 0
-    std::vector<Vec3> along;           ///< m, where they are to be
-    std::vector<Vec3> bent;            ///< kg m, by how much they pull otherwise there, as far as d has it
-    std::vector<Vec3> lag;             ///< kg m, what d lacks of that
-    std::vector<simd::Quad> unknowns;  ///< of a solve: right hand sides, then the solution
-    /// Multipliers of constraints and elastics, kg m and kg m/s or without the metre, if pulls count.
-    std::vector<double> pulls, end_pulls;
-    std::vector<ElasticStep> elastics;
-    std::vector<double> by_bends;  ///< N s, what bends add to the pulls of rods that give, if any may break
-    std::vector<Combination::Term> terms;
-    std::vector<Side> sides;
-    PlacedHulls hulls;
-    GroundContacts ground;        ///< those with fixed things, if there are many
-    bool is_predicted = false;    ///< d is where it flies, or else a guess
-    bool keeps_responses = true;  ///< those of all sides are kept, not those of the last eight alone
-    std::size_t next_kept = 0;    ///< where the next contact is likely to be found again
-    // Padded to whole lanes, or by lanes:
-    std::vector<Lanes> response;  ///< of eight sides after the other, of every unknown; the last ones if few
-    std::vector<Lanes> coupling;  ///< G, a row for every side
-    std::vector<Lanes> speed;     ///< what each side sees of d or v
-    std::vector<Lanes> push;      ///< on each side, not yet applied
-    std::vector<Lanes> sum;       ///< of responses
-    // Where pushes are found freely:
-    std::vector<Vec3> free;         ///< m or m/s, how particles would move if they were free
-    std::vector<Vec3> last_motion;  ///< m or m/s, after the last sweep
-    std::vector<double> last_pulls;
-
-    std::span<double> right() { return numbers(unknowns); }
-    /// Returns where the directions of the factors of positions are.
-    std::span<const Vec3> directions() const { return theta > 0 ? at : state->x; }
-    /// Keeps a share of multipliers and adds another of those that a solve has found.
-    void take_pulls(std::vector<double>& to, double keep, double by) {
-      for (double& each : to) each *= keep;
-      state->linkage->take_multipliers(right(), by, to);
-    }
-    std::size_t batches() const { return (sides.size() + simd::kkt_lanes - 1) / simd::kkt_lanes; }
-    Vec3 of(Sum which, std::span<const Vec3> values) const {
-      Vec3 out{};
-      for (std::uint32_t k = which.first; k < which.end; ++k)
-        out += terms[k].weight * values[terms[k].particle];
-      return out;
-    }
-    const double* row(std::uint32_t side) const { return coupling[side * batches()].of; }
-  };
+  using Island = ClusterIsland;
 
   /// One side of a contact is on an island or, if that is `none`, on something fixed.
   struct Place {
@@ -156,8 +101,13 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   void hold_energy(Tally& report);
   std::uint32_t relaxed_substeps(double dt) const;
   bool bring_to_lengths(const Surroundings& surroundings);
+  bool bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings);
+  bool find_depths(std::uint32_t i);
   bool fit(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
   void buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings);
+  bool find_buckling(bool is_found);
+  void unbalance();
+  bool make_room(std::uint32_t i, double share, const Surroundings& surroundings);
   void keep_motion(std::span<LinkageState* const> cluster);
   void return_to_motion(std::span<LinkageState* const> cluster);
   double longest_substep(double most, double turn);
@@ -203,14 +153,23 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static bool let_go_at_end(Island& island);
   static void hold_elastics(Island& island);
   bool switch_elastics();
-  bool let_go_of_held();
+  bool let_go_of_held(bool is_found);
+  bool hardly_answers(const Row& row) const;
+  /// Squares of pushes times what they move an island by, and would move free particles by, kg m².
+  struct Answer {
+    double given = 0, free = 0;
+    bool is_little() const { return given < contact_limits::straight * free; }
+  };
+  Answer answer(Island& island, std::uint32_t i) const;
+  static void add_push(const Island& island, const Side& side, double by, std::span<Vec3> pushes);
+  static bool let_go(Island& island, const Side& side);
   bool find_sound_positions(double h, Tally& report);
   void find_stillness(double h);
   bool learn_tautness(double h);
   bool find_positions(double h, Tally& report);
   bool is_contact_missed() const;
   void find_contacts(double h);
-  void find_bounds();
+  void find_bounds(Island& island) const;
   void find_sights(Island& island) const;
   double work_of_ground(double h) const;
   void touch_planes(std::uint32_t i, double h);
@@ -268,7 +227,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   /// Returns how a row moves against what it touches, in m or m/s.
   template <double Row::*of>
   double slide(const Row& row);
-  bool is_held_in_ground(const Row& row, double parts);
+  bool is_held_in_ground(const Row& row);
   void push(const Row& row, double by);
   void push(const Row& first, double by0, double by1, double by2);
   void push_held();
@@ -328,6 +287,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   static void make_room_to_damp(Island& island);
   void slow_down(double excess, double kinetic);
   bool guard_elastics(const Energies& before, bool touched, bool can_shorten, Tally& report);
+  static double height_of(const Island& island);
   double find_rigid_motion();
   void scale_loose_motion(double by);
   void keep_contacts(double h);
@@ -374,6 +334,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   std::vector<MissedGround> missed_ground_;
   std::vector<MissedPair> missed_pairs_;
   bool gives_up_missed_ = false;  ///< something is in ground still
+  double deepest_ = 0;            ///< m, beyond the slop, as find_depths() found it
   bool woken_ = false, all_near_ = false;
   bool may_touch_ = false;                     ///< something pushes in this substep, or is near enough to
   bool looks_for_crowd_ = false;               ///< what presses in many places is relaxed instead
@@ -390,6 +351,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   int switches_ = 0;                              ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
+  double now_ = 0;                            ///< s, since the beginning of the step
   double shortest_ = 0;                       ///< s
   double shortest_if_missed_ = 0;             ///< s, where something is in ground still
   Team* team_ = nullptr;                      ///< that may help what is relaxed

@@ -138,19 +138,74 @@ std::uint32_t ClusterStepper::relaxed_substeps(double dt) const {
       std::clamp(wanted, static_cast<double>(few_relaxed), static_cast<double>(most_relaxed)));
 }
 
-/// Brings the rods of what is awake to their lengths. Returns false where they are too far from them, or
-/// where something passed ground on its way there.
+/// Lists where an island is deeper in ground than it may be and was at Island::there, among what is to be
+/// held out of it. Returns whether it is.
+bool ClusterStepper::find_depths(std::uint32_t i) {
+  Island& island = islands_[i];
+  const double h = instant, rate = std::exchange(recovery_rate_, 1 / h);
+  const std::size_t terms = island.terms.size();
+  island.d.assign(island.state->x.size(), Vec3{});
+  island.v = island.state->v;
+  island.ground.clear();
+  missed_ground_.clear();
+  find_bounds(island);
+  touch_planes(i, h);
+  touch_ground(i, h);
+  touch_boxes(i, h);
+  touch_anchored(i, h);
+  recovery_rate_ = rate;
+  left_out_.clear();
+  island.terms.resize(terms);
+  bool is_deeper = false;
+  deepest_ = 0;
+  island.ground.for_all([&](const GroundContact& contact) {
+    deepest_ = std::max(deepest_, -contact.gap);
+    const double now = dot(contact.normal, contact.at.of(island.state->x));
+    const double least = std::min(now - contact.gap, dot(contact.normal, contact.at.of(island.there)));
+    if (least <= now + settings_.slop) return;
+    projection_.holds.push_back({contact.at, contact.normal, least});
+    is_deeper = true;
+  });
+  island.ground.clear();
+  return is_deeper;
+}
+
+/// Brings the rods of an island to their lengths from where it is, which may leave a violation of `most`, and
+/// out of ground that it is in more than at Island::there. What is to be held is among holds already. Returns
+/// false where rods are too far from their lengths, or something passed ground on its way.
+bool ClusterStepper::bring_to_lengths(std::uint32_t i, double most, const Surroundings& surroundings) {
+  Island& island = islands_[i];
+  LinkageState& state = *island.state;
+  projection_.start = state.x;
+  if (!(project_positions(state, projection_) <= most)) return false;
+  bool is_deeper = find_depths(i);
+  for (int tries = 0; is_deeper && tries < most_holds; ++tries) {
+    projection_.last = state.x;
+    state.x = projection_.start;
+    if (project_positions(state, projection_) == 0) {
+      is_deeper = find_depths(i);
+      continue;
+    }
+    state.x = projection_.last;
+    break;
+  }
+  gives_up_missed_ = gives_up_missed_ || deepest_ > settings_.slop;
+  if (passes_ground(island, surroundings)) return false;
+  project_velocities(state, projection_);
+  std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
+  state.energy.reset();
+  return true;
+}
+
+/// Brings the rods of what is awake to their lengths.
 bool ClusterStepper::bring_to_lengths(const Surroundings& surroundings) {
   for (std::uint32_t i = 0; i < count_; ++i) {
-    LinkageState& state = *islands_[i].state;
+    const LinkageState& state = *islands_[i].state;
     islands_[i].awake = !state.asleep && !state.frozen;
     if (!islands_[i].awake) continue;
     islands_[i].there = state.x;
-    if (!(project_positions(state, projection_) <= most_left) || passes_ground(islands_[i], surroundings))
-      return false;
-    project_velocities(state, projection_);
-    std::fill(state.acceleration.begin(), state.acceleration.end(), Vec3{});
-    state.energy.reset();
+    projection_.holds.clear();
+    if (!bring_to_lengths(i, most_left, surroundings)) return false;
   }
   return true;
 }
@@ -170,21 +225,67 @@ bool ClusterStepper::fit(std::span<LinkageState* const> cluster, const Surroundi
   return moves;
 }
 
-/// Nudges particles of islands aside whose rods stand straight on ground and are driven into it: rods could
-/// buckle, but have no direction to. It is always the same, by turns to both sides, once in a step.
+/// Makes room below rods that stand straight on ground and are driven into it: they could buckle, but have no
+/// direction to. Particles are nudged aside, always alike, by turns to both sides, and far enough for rods to
+/// be as much shorter along the line as the substep asks for. That is done once in a step.
 void ClusterStepper::buckle(std::span<LinkageState* const> cluster, const Surroundings& surroundings) {
   is_buckled_ = true;
   keep_motion(cluster);
-  for (const Row& row : rows_) {
-    if (!is_held_in_ground(row, -still_)) continue;
-    for (std::uint32_t k = 0; k < row.ends; ++k) {
-      LinkageState& state = *islands_[row.island[k]].state;
-      const Vec3 aside = nudge * state.linkage->size() * across(row.along).front();
-      for (std::uint32_t i = 0; i < state.linkage->movable(); ++i)
-        state.x[i] = before_[row.island[k]].x[i] + (i % 2 == 0 ? aside : -1 * aside);
-    }
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    bool has_room = !islands_[i].buckles;
+    for (double share = least_nudge; !has_room && share <= most_nudge; share *= wider)
+      has_room = make_room(i, share, surroundings);
+    if (!has_room) return return_to_motion(cluster);
   }
-  if (!bring_to_lengths(surroundings)) return_to_motion(cluster);
+}
+
+/// Nudges an island's particles aside by this share of its largest rod, if it is to buckle, or as far as all
+/// its rods have to lean alike, and lifts what touches. Returns whether its rods fit to that.
+bool ClusterStepper::make_room(std::uint32_t i, double share, const Surroundings& surroundings) {
+  Island& island = islands_[i];
+  LinkageState& state = *island.state;
+  state.return_to(before_[i]);
+  island.there = state.x;
+  projection_.holds.clear();
+  Vec3 along{};
+  double lean = 2 * share;  // the sine of the angle
+  for (const Row& row : rows_)
+    for (std::uint32_t k = 0; row.kind == Kind::normal && row.closes > still_ && k < row.ends; ++k) {
+      if (row.island[k] != i || (row.over != 0 && row.p <= 0)) continue;
+      const Side& side = island.sides[row.side[k]];
+      Combination at;
+      for (std::uint32_t t = side.a.first; t < side.a.end; ++t)
+        at.add(island.terms[t].particle, island.terms[t].weight);
+      const double lift = (row.closes - std::min(0.0, row.gap)) / row.ends;
+      projection_.holds.push_back({at, side.along_a, dot(side.along_a, at.of(state.x)) + lift});
+      const double below = dot(side.along_a, state.x.back() - at.of(state.x));
+      if (lift < below) lean = std::max(lean, std::sqrt(1 - (1 - lift / below) * (1 - lift / below)));
+      along = side.along_a;
+    }
+  if (projection_.holds.empty()) return true;
+  lean = std::min(lean, 2 * most_nudge);
+  const Vec3 aside = (0.5 * lean * state.linkage->size()) * across(along).front(), last = state.x.back();
+  const double nearer = 1 - std::sqrt(1 - lean * lean);
+  for (std::uint32_t k = 0; k < state.linkage->movable(); ++k)
+    state.x[k] += (k % 2 == 0 ? aside : -1 * aside) - (nearer * dot(along, state.x[k] - last)) * along;
+  return bring_to_lengths(i, 0, surroundings);
+}
+
+/// Leans trees of rods faintly that have just landed exactly upright, so that a push moves them as one. They
+/// stand as long as no rod leans, and have no direction to fall to.
+void ClusterStepper::unbalance() {
+  for (const Row& row : rows_) {
+    if (row.kind != Kind::normal || row.p <= 0 || row.held || row.ends != 1 || is_wide_) continue;
+    const Island& island = islands_[row.island[0]];
+    LinkageState& state = *island.state;
+    const Linkage& linkage = *state.linkage;
+    const bool is_tree = linkage.rods() > 1 && linkage.rods() == linkage.constraints() &&
+                         linkage.rods() + 1 == linkage.movable() && state.laws.empty();
+    if (!is_tree || row.own > (1 + balanced) / linkage.mass() + island.held) continue;
+    const Vec3 aside = faint * linkage.size() * across(row.along).front();
+    for (std::uint32_t k = 0; k < linkage.movable(); ++k) state.x[k] += k % 2 == 0 ? aside : -1 * aside;
+    state.factored = false;
+  }
 }
 
 void ClusterStepper::keep_motion(std::span<LinkageState* const> cluster) {
@@ -227,18 +328,25 @@ bool ClusterStepper::relax(std::span<LinkageState* const> cluster, const Surroun
   keep_motion(cluster);
   Tally tried = report;
   const ClusterRules rules{.substeps = std::max(substeps, relaxed_substeps(dt)), .team = team_};
+  const double elapsed = cluster.front()->elapsed;
+  for (LinkageState* const state : cluster) state->elapsed = now_;
   relaxed_->step(cluster, surroundings, rules, dt, tried);
+  ground_.find(surroundings, now_ + dt);
+  gives_up_missed_ = false;
   if (bring_to_lengths(surroundings)) {
     for (LinkageState* const state : cluster) {
       state->forget_tautness();
       state->is_relaxed = true;
+      state->elapsed = std::max(elapsed, now_ + dt);
     }
     report = tried;
+    report.missed_contacts += gives_up_missed_;
     if (!surroundings.any_moves()) hold_energy(report);
     return true;
   }
   report.block_sweeps = tried.block_sweeps;
   return_to_motion(cluster);
+  ground_.find(surroundings, now_);
   return false;
 }
 
