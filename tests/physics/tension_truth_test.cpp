@@ -34,6 +34,17 @@ TEST(TrueTensions, OfAPendulumHoldItsWeightOnItsCircle) {
   EXPECT_LT(about.tension, 1e-12);
 }
 
+// What is hauled straight up at one speed weighs what it weighs, however short its rod has become.
+TEST(TrueTensions, OfAWinchHoldTheWeight) {
+  Scene scene;
+  scene.particles = {test::fixed({}), test::movable({0, -1, 0}, 2)};
+  scene.particles[1].velocity = {0, 0.5, 0};
+  scene.rods = {{.a = 0, .b = 1}};
+  const truth::Truth truth =
+      truth::solve(scene, {.save_at = {0.5, 1}, .mean_over = frame, .rates = {{.rod = 0, .rate = -0.5}}});
+  for (const Frame& at : truth.frames) EXPECT_NEAR(at.tensions[0], 2 * 9.81, 1e-12);
+}
+
 TEST(TrueTensions, OfMeansThatOverlapOrOfRedundantRodsAreRefused) {
   const Scene chain = scenes::load_scene("chain:links=2");
   EXPECT_NE(test::refusal([&] { truth::solve(chain, {.save_at = {0.1, 0.105}, .mean_over = 0.01}); }), "");

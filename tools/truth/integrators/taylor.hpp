@@ -49,7 +49,7 @@ class TaylorSeries {
   /// Returns how a rod pulls at the state, in N; negative if it pushes.
   Real pull(std::size_t rod) const {
     const std::size_t first = rod * powers_;
-    return -mu_[first] * (model_.rods[rod].elastic ? length_[first] : model_.rods[rod].length);
+    return -mu_[first] * (model_.rods[rod].elastic ? length_[first] : model_.rods[rod].length_at(time_));
   }
 
   /// Returns whether the series of the elastic rods' lengths hold up to `t`. Their ends may not meet before.
