@@ -83,6 +83,28 @@ TEST(TrueTensions, AreApproachedWithTheSquareOfTheSubstep) {
   }
 }
 
+TEST(TrueTensions, OfAWinchAreApproachedWithTheSquareOfTheSubstep) {
+  Scene scene = scenes::load_scene("chain:links=3,end_mass=5");
+  constexpr double rate = -0.1;
+  const Frame truth =
+      truth::solve(scene, {.save_at = {15 * frame}, .mean_over = frame, .rates = {{.rod = 0, .rate = rate}}})
+          .frames[0];
+  const auto error_of = [&](Gradient gradient, std::uint32_t substeps) {
+    World world(scene,
+                {.method = Method::direct, .gradient = gradient, .substeps = substeps, .tensions = true});
+    for (int i = 1; i <= 15; ++i) {
+      world.set_length(0, rod_length(scene, 0) + i * frame * rate);
+      world.step(frame);
+    }
+    Frame now;
+    now.tensions.resize(world.rod_count());
+    world.copy_tensions(now.tensions);
+    return scenes::tension_error(now, truth).relative;
+  };
+  for (const Gradient gradient : {Gradient::mid, Gradient::old})
+    EXPECT_NEAR(std::log2(error_of(gradient, 16) / error_of(gradient, 32)), 2, 0.2) << to_string(gradient);
+}
+
 // What composed substeps count is composed as they are. Trees with an accuracy take them.
 TEST(TrueTensions, AreApproachedByComposedSubsteps) {
   const Scene scene = scenes::load_scene("chain:links=5,end_mass=10");

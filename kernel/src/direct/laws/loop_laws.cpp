@@ -83,11 +83,11 @@ void set_substep_lengths(const LoopLaws& laws, double h, std::span<double> lengt
 namespace {
 
 /// Returns the length (m) along which a rod has pulled with the multiplier `mu` in a substep. A rigid one
-/// does its work along the mean of its lengths. What a cable pulls with does not tell how long it is where it
-/// comes tight.
+/// does its work along the mean of its lengths, but with gradient old it pulls where the substep starts. What
+/// a cable pulls with does not tell how long it is where it comes tight.
 double length_along(const LoopLaws& laws, std::uint32_t k, double mu, const SubstepEnd& end,
                     const LawWorkspace& work) {
-  if (laws.is_rigid(k)) return laws.length[k] - end.h / 2 * laws.rate[k];
+  if (laws.is_rigid(k)) return laws.length[k] - (end.theta == 0 ? end.h : end.h / 2) * laws.rate[k];
   if (!laws.is_one_sided(k)) return pulled_length(work.starts[k], mu, end.theta);
   const double start = work.starts[k].start[0];
   return start + end.theta * (simd::end_length(start, work.growth[k]) - start);

@@ -83,7 +83,8 @@ struct EndedSubstep {
 };
 
 /// Puts the lengths (m) along which the rods of an entry, which may give, have pulled. `first` is the number
-/// of its first lane. That of a rigid rod does its work along the mean of its lengths.
+/// of its first lane. A rigid rod does its work along the mean of its
+/// lengths, but with gradient old it pulls where the substep starts.
 template <class T, class Part>
 void put_pulled_lengths(const TreeLaws<T>& laws, Part part, std::size_t first, const EndedSubstep<T>& ended,
                         OfLanes& to) {
@@ -93,14 +94,14 @@ void put_pulled_lengths(const TreeLaws<T>& laws, Part part, std::size_t first, c
   const T* const step = part(laws.step).data() + simd::tree_fields::law_step * first;
   const double* const length = part(laws.length).data() + first;
   const double* const rate = part(laws.rate).data() + first;
-  const double half = ended.h / 2;
+  const double back = ended.theta == 0 ? ended.h : ended.h / 2;
   for (std::size_t lane = 0; lane < lanes; ++lane) to[lane] = static_cast<double>(start[lane]);
   for (std::size_t lane = 0; ended.theta != 0 && lane < lanes; ++lane)
     to[lane] = pulled_length(static_cast<double>(step[lane]), static_cast<double>(step[lanes + lane]),
                              to[lane], static_cast<double>(start[lanes + lane]),
                              static_cast<double>(ended.mu[first + lane]), ended.theta);
   for (std::size_t lane = 0; lane < lanes; ++lane)
-    to[lane] = rigid[lane] != 0 ? length[lane] - half * rate[lane] : to[lane];
+    to[lane] = rigid[lane] != 0 ? length[lane] - back * rate[lane] : to[lane];
 }
 
 /// Puts those of elastic cables: what they pull with does not tell how long they are where they come tight.
