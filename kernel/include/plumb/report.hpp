@@ -159,7 +159,8 @@ struct WorldInfo {
   std::vector<BlockInfo> blocks;          ///< Blocks; equal ones are listed once, with their sums.
 };
 
-/// Says what went wrong in the last step of a World (World::problems()).
+/// Says what went wrong in the last step of a World (World::problems()), or in the last one before its island
+/// fell asleep as it froze or did not fit.
 struct Problem {
   /// `frozen`: numbers of an island went non-finite, and it stands still. `unsolved`: a substep was not
   /// solved. `elastic`: a substep had no place for rods at their lengths, or none was found. Rods share what

@@ -304,12 +304,6 @@ void Linkage::hold_constraints(std::span<const Vec3> x) {
   };
   for (const RodRow& rod : rods_) add(rod.row, rod.places, std::array{rod.a, rod.b});
   for (const DotRow& each : dots_) add(each.row, each.places, each.touched);
-  const auto soften = [&](std::uint32_t row, double square) {
-    softness_ += tiny * square * pivots[row - 3 * movable_];
-  };
-  for (const RodRow& rod : rods_) soften(rod.row, 1 / rod.over2);
-  for (const DotRow& each : dots_) soften(each.row, size_ * size_);
-  for (const PinRow& pin : pins_) soften(pin.rows[0], 1);
 
   const std::span<double> fixed = numbers(template_);
   for (const double share : {tiny, tiny_if_redundant}) {
@@ -328,6 +322,13 @@ void Linkage::hold_constraints(std::span<const Vec3> x) {
     }
     if (!is_redundant_) break;
   }
+  const double share = is_redundant_ ? tiny_if_redundant : tiny;
+  const auto soften = [&](std::uint32_t row, double square) {
+    softness_ += share * square * pivots[row - 3 * movable_];
+  };
+  for (const RodRow& rod : rods_) soften(rod.row, 1 / rod.over2);
+  for (const DotRow& each : dots_) soften(each.row, size_ * size_);
+  for (const PinRow& pin : pins_) soften(pin.rows[0], 1);
 }
 
 void Linkage::place_constraints() {

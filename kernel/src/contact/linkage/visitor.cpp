@@ -75,7 +75,7 @@ double project_positions(LinkageState& state, ProjectionWork& work) {
     if (i == 0) first = violation;
     fits = violation <= unnoticed && (i > 0 || work.holds.empty());
     if (fits || !std::isfinite(violation)) break;
-    if (violation > good_progress * last && !factor_with_holds(state, work.holds)) break;
+    if ((i == 0 || violation > good_progress * last) && !factor_with_holds(state, work.holds)) break;
     last = violation;
     for (const Hold& hold : work.holds) {
       const double lack = hold.least - dot(hold.along, hold.at.of(state.x));

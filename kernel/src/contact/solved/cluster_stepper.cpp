@@ -329,11 +329,12 @@ bool ClusterStepper::find_sound_positions(double h, Tally& report) {
   missed_pairs_.clear();
   gives_up_missed_ = buckles_ = false;
   do {
-    while (!find_positions(h, report))
-      if (!let_go_of_held(false)) {
-        find_buckling(false);
-        return false;
-      }
+    while (!find_positions(h, report)) {
+      if (!knows_answers_) return false;
+      if (let_go_of_held(false)) continue;
+      find_buckling(false);
+      return false;
+    }
     if (!all_near_ && is_contact_missed()) {
       all_near_ = keeps_slack_ = true;
       if (!find_positions(h, report)) return false;
@@ -384,10 +385,12 @@ bool ClusterStepper::find_positions(double h, Tally& report) {
       }
   } while (woken_);
   if (leaves_middle()) return find_positions(h, report);
+  knows_answers_ = false;
   for (std::uint32_t i = 0; i < count_; ++i)
     if (!islands_[i].ground.is_empty() && !start_on_ground(islands_[i])) return false;
   is_wide_ = is_wide();
   if (!rows_.empty()) find_responses(false);
+  knows_answers_ = true;
   return solve_positions(report);
 }
 

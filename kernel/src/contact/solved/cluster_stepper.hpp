@@ -344,6 +344,7 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   bool loose_ = false;          ///< ground grips loosely, since nothing was found with its whole grip
   bool sweeps_ground_ = false;  ///< contacts with ground are swept, since the matrix found no pushes
   bool is_wide_ = false;        ///< pushes are found freely
+  bool knows_answers_ = false;  ///< responses are those of the rows of now
   std::vector<FreeTerm> free_terms_;
   std::vector<double> last_pushes_, swept_from_;  ///< then, of rows
   bool keeps_slack_ = false;                      ///< which elastics are slack is known from the last try

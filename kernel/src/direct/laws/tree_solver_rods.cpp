@@ -63,15 +63,18 @@ void TreeSolver<T>::take_blow(unsigned part) {
   line_->segments.scatter(line_->whole, state_);
 }
 
-/// Keeps what was pulled as the step began.
+/// Keeps what was pulled as the step began. What is taken back then is none of it.
 template <class T>
 void TreeSolver<T>::keep_blows() {
-  const auto keep = [](const layouts::AlignedBuffer<double>& from, layouts::AlignedBuffer<double>& to) {
-    if (to.size() != from.size()) to = layouts::AlignedBuffer<double>(from.size());
-    std::copy_n(from.data(), from.size(), to.data());
+  using Numbers = layouts::AlignedBuffer<double>;
+  const auto keep = [&](const Numbers& from, const Numbers& ahead, Numbers& to) {
+    if (to.size() != from.size()) to = Numbers(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i)
+      to[i] = from[i] + (state_.u_step[i % state_.lanes] != 0 ? ahead[i] : 0);
   };
-  keep(state_.laws.impulse.rods, state_.laws.blow.rods);
-  keep(state_.laws.impulse.ties, state_.laws.blow.ties);
+  const TreeLaws<T>& laws = state_.laws;
+  keep(laws.impulse.rods, laws.ahead.rods, state_.laws.blow.rods);
+  keep(laws.impulse.ties, laws.ahead.ties, state_.laws.blow.ties);
 }
 
 template <class T>

@@ -282,9 +282,10 @@ Vec3 LoopSolver::hold(Slot slot, double dt) const {
   return 1 / dt * state_.hold[slot - state_.topology->nodes];
 }
 
-/// Keeps what was pulled as the step began.
+/// Keeps what was pulled as the step began. What is taken back then is none of it.
 void LoopSolver::keep_blows() {
   blows_ = state_.laws.impulse;
+  for (std::size_t k = 0; k < blows_.size() && state_.u_step != 0; ++k) blows_[k] += state_.laws.ahead[k];
   for (const LoopTackleMotion& tackle : state_.tackles) blows_.push_back(tackle.impulse);
 }
 

@@ -68,7 +68,9 @@ void Step::list_events(StepReport& report) {
   if (std::any_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.troubles != 0; })) {
     std::vector<Troubles>& troubles = events_.troubles();
     troubles.clear();
-    for (const Task& task : tasks) troubles.push_back(task.asleep ? Troubles{0} : task.troubles);
+    // What lasts through sleep is told while its island is awake.
+    for (const Task& task : tasks)
+      troubles.push_back(static_cast<Troubles>(task.troubles & ~(task.asleep ? lasting(task.troubles) : 0u)));
     events_.for_heads([&](std::uint32_t head) {
       if (const auto task = sleep_.task_of(compiled_.solvers, compiled_.places.of(head).front()))
         events_.add_troubles(std::exchange(troubles[*task], 0), head);
