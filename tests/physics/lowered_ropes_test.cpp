@@ -20,17 +20,22 @@ namespace {
 constexpr double frame = 1.0 / 60, radius = 0.02, rod = 0.1;
 constexpr std::uint32_t rods = 10;
 
+/// Joins particles that stand in line, one to the next, by rods with capsules along them.
+void add_rods(Scene& scene, bool is_cable) {
+  for (std::uint32_t i = 0; i + 1 < scene.particles.size(); ++i) {
+    scene.rods.push_back({.a = i, .b = i + 1});
+    scene.rods[i].law.one_sided = is_cable;
+    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = radius});
+  }
+}
+
 /// A rope from an anchor at the height of 2 m, with capsules along its rods, above a plane at 0.
 Scene hanging_rope(bool is_cable) {
   Scene scene;
   scene.planes.push_back({});
   for (std::uint32_t i = 0; i <= rods; ++i)
     scene.particles.push_back({.position = {0, 2 - rod * i, 0}, .mass = 0.1, .fixed = i == 0});
-  for (std::uint32_t i = 0; i < rods; ++i) {
-    scene.rods.push_back({.a = i, .b = i + 1});
-    scene.rods[i].law.one_sided = is_cable;
-    scene.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = radius});
-  }
+  add_rods(scene, is_cable);
   return scene;
 }
 
@@ -123,11 +128,7 @@ Scene StraightRope::scene() const {
                              .mass = i == rods ? end_mass : 1,
                              .fixed = i == 0 && !is_free});
   }
-  for (std::uint32_t i = 0; i < rods; ++i) {
-    out.rods.push_back({.a = i, .b = i + 1});
-    out.rods[i].law.one_sided = is_cable;
-    out.capsules.push_back({.a = point_at(i), .b = point_at(i + 1), .radius = radius});
-  }
+  add_rods(out, is_cable);
   return out;
 }
 

@@ -177,8 +177,8 @@ struct LinkageState : LinkageMotion {
       linkage->count_pull(i, where, h * law.force, pulls);
     }
   }
-  /// Returns what the matrix lets rods give to a push along all of them, 1/kg: those that are as if rigid,
-  /// too.
+  /// Returns what the matrix lets constraints give to a push along all of them, 1/kg. Elastics that are as if
+  /// rigid count as constraints.
   double softness() const {
     double sum = linkage->softness();
     for (std::size_t i = 0; i < laws.size(); ++i)
