@@ -121,6 +121,24 @@ struct GatherAccess {
   using Kept = NoEnds<T>;
 
   template <class T>
+  static PLUMB_INLINE Triple<T> load(const T* data, const std::uint32_t* addresses, std::size_t stride) {
+    alignas(64) T out[3][width<T>];
+    for (std::uint32_t lane = 0; lane < width<T>; ++lane)
+      for (std::size_t c = 0; c < 3; ++c) out[c][lane] = data[addresses[lane] + c * stride];
+    return {Batch<T>::load_aligned(out[0]), Batch<T>::load_aligned(out[1]), Batch<T>::load_aligned(out[2])};
+  }
+  template <class T>
+  static PLUMB_INLINE void store(const Triple<T>& value, T* data, const std::uint32_t* addresses,
+                                 std::size_t stride) {
+    alignas(64) T in[3][width<T>];
+    value.x.store_aligned(in[0]);
+    value.y.store_aligned(in[1]);
+    value.z.store_aligned(in[2]);
+    for (std::uint32_t lane = 0; lane < width<T>; ++lane)
+      for (std::size_t c = 0; c < 3; ++c) data[addresses[lane] + c * stride] = in[c][lane];
+  }
+
+  template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {
     alignas(64) T e[3][width<T>];
     const std::uint32_t* a = block.address_a + at.v * logical_width<T> + at.first;

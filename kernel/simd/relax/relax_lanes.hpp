@@ -4,7 +4,8 @@
 //
 // relax_scalar.cpp says what is computed and why. The operations and their order are the same here.
 
-#include "simd/relax/end_lanes.hpp"
+#include "simd/relax/contacts/contact_lanes.hpp"
+#include "simd/relax/contacts/end_lanes.hpp"
 #include "simd/relax/law_lanes.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
@@ -182,6 +183,8 @@ constexpr Kernels<T> table = {
     {access_kernels<RowAccess, T>, access_kernels<GatherAccess, T>, access_kernels<RecordAccess, T>},
     end_kernels<RecordAccess, T>,
     end_kernels<RowAccess, T>,
+    contact_kernels<RecordAccess, T>,
+    contact_kernels<GatherAccess, T>,
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "simd/relax/least_distance.hpp"
+#include "simd/relax/contacts/least_distance.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
 namespace plumb::simd {
