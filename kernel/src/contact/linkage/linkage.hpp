@@ -93,8 +93,11 @@ class Linkage {
 
   /// Says what will move islands of a kind. Those that are relaxed need no matrix.
   enum class Use : std::uint8_t { solved, relaxed };
-  /// `part` is one island of `scene`, with its particles' numbers; the movable ones first.
-  Linkage(const Scene& part, Isa isa, Use use = Use::solved);
+  /// A place that is grabbed, as a sum that is to be nothing: the place less a fixed particle, its target.
+  using GrabSum = Combination;
+  /// `part` is one island of `scene`, with its particles' numbers; the movable ones first. Grabs have the last
+  /// elastics, three each.
+  Linkage(const Scene& part, Isa isa, Use use = Use::solved, std::span<const GrabSum> grabs = {});
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }
@@ -153,8 +156,13 @@ class Linkage {
   ElasticRange elastics_of_torsion(std::uint32_t i) const { return of_torsions_[i]; }
   std::span<const BendElastics> bends() const { return bends_; }
   /// Returns whether no elastic but those of bends is there, if any.
-  bool gives_by_bends_alone() const { return elastics_.empty() || is_of_bend(0); }
-  bool is_of_bend(std::size_t elastic) const { return !bends_.empty() && elastic >= bends_.front().first; }
+  bool gives_by_bends_alone() const {
+    return elastics_.empty() || (is_of_bend(0) && first_grab_ == elastics_.size());
+  }
+  bool is_of_bend(std::size_t elastic) const {
+    return !bends_.empty() && elastic >= bends_.front().first && elastic < first_grab_;
+  }
+  std::size_t first_grab() const { return first_grab_; }  ///< the first of the elastics that grabs are
   /// Returns whether some rod may break.
   bool breaks() const { return breaks_; }
   /// Returns how many rods give, the first elastics, and which of them the part's rod `number` is, or none.
@@ -385,6 +393,7 @@ class Linkage {
   std::vector<ElasticLaw> elastic_laws_;
   std::vector<ElasticRange> of_angles_, of_springs_, of_torsions_;
   std::vector<BendElastics> bends_;
+  std::size_t first_grab_ = 0;
   std::vector<RodRow> giving_rods_;
   std::vector<TautRod> taut_rods_;
   std::vector<FlatRod> flat_rods_;
