@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "plumb/export.hpp"
-#include "plumb/grab.hpp"
 #include "plumb/loads.hpp"
 #include "plumb/measures.hpp"
 #include "plumb/report.hpp"

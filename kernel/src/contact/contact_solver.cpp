@@ -296,12 +296,6 @@ void ContactSolver::set_force(Slot slot, Vec3 newton) {
   clusters_.wake(state.number);
 }
 
-void ContactSolver::set_gravity(Vec3 gravity, Vec3) {
-  for (const auto& linkage : linkages_) linkage->set_gravity(gravity);
-  for (const IslandGrabs& of : grabs_) of.linkage->set_gravity(gravity);
-  for (LinkageState& state : states_) wake_with_laws(state);
-}
-
 void ContactSolver::wake_with_laws(LinkageState& state) {
   state.energy.reset();
   clusters_.wake(state.number);

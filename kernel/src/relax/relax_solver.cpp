@@ -192,14 +192,6 @@ void RelaxSolver<T>::end_step(StepReport&) {
 }
 
 template <class T>
-Vec3 RelaxSolver<T>::acceleration(Slot slot) const {
-  const std::uint32_t particle = particle_of(slot);
-  if (!is_movable(particle)) return {};
-  if (forces_.empty()) return rules_->gravity;
-  return rules_->gravity + rules_->constants.inverse_mass[particle] * forces_[slot];
-}
-
-template <class T>
 template <class F>
 void RelaxSolver<T>::for_slots(F&& f) {
   const auto& vertices = block_.packing().slot_vertex;

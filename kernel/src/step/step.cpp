@@ -146,11 +146,7 @@ void Step::wake(StepReport&) {
     });
     for (const auto& [home, slot] : compiled_.contact->woken()) sleep_.wake(compiled_.solvers, {home, slot});
   }
-  if (grabs_.any()) {
-    grabs_.for_moving_places(compiled_.places,
-                             [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
-    grabs_.begin_step(dt_, compiled_.places, compiled_.solvers);
-  }
+  begin_grabs();
   if (!anchors_.any_paths()) return;
   anchors_.for_moving_places(compiled_.places,
                              [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
@@ -255,9 +251,7 @@ void Step::measure(StepReport& report) {
     if (!task.asleep && !solver.is_away(task.piece)) report.awake_islands += solver.islands(task.piece);
   }
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
-  if (grabs_.any())
-    grabs_.end_step(dt_, compiled_.places, compiled_.solvers,
-                    [&](std::uint32_t particle) { return is_asleep(particle); });
+  end_grabs();
   lengths_.end_step(compiled_.cords, compiled_.solvers);
   if (compiled_.contact) compiled_.contact->after_step();
 }

@@ -237,6 +237,8 @@ class Step {
   void advance(Task& task, unsigned part);
   bool uses_threads() const;
   void put_force(std::uint32_t particle, Vec3 force);
+  void begin_grabs();
+  void end_grabs();
   void wake_grabbed(std::uint32_t number);
   std::vector<std::uint32_t> take_grabs(std::span<const std::uint32_t> particles);
   void put_grabs(std::span<const std::uint32_t> numbers);

@@ -32,6 +32,12 @@ const char* ContactSolver::refuses_grab(std::span<const Slot> slots) const {
   return is_one ? nullptr : "is of more than one island";
 }
 
+void ContactSolver::set_gravity(Vec3 gravity, Vec3) {
+  for (const auto& linkage : linkages_) linkage->set_gravity(gravity);
+  for (const IslandGrabs& of : grabs_) of.linkage->set_gravity(gravity);
+  for (LinkageState& state : states_) wake_with_laws(state);
+}
+
 /// Returns the kind that an island has when nothing grabs it.
 const Linkage* ContactSolver::kind_of(const LinkageState& state) const {
   for (const IslandGrabs& of : grabs_)
@@ -52,9 +58,9 @@ void ContactSolver::make_kind(IslandGrabs& of) {
   LinkageState& state = states_[of.island];
   Scene part = parts_[of.kind];
   part.gravity = linkages_[of.kind]->gravity();
-  std::vector<Linkage::GrabSum> sums;
+  std::vector<Combination> sums;
   for (const IslandGrabs::One& each : of.all) {
-    Linkage::GrabSum& sum = sums.emplace_back(each.at);
+    Combination& sum = sums.emplace_back(each.at);
     sum.add(static_cast<std::uint32_t>(part.particles.size()), -1);
     part.particles.push_back({.position = each.target, .fixed = true});
   }

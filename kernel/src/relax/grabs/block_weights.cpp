@@ -96,6 +96,7 @@ void Block<T>::weigh_rod(std::size_t i, std::uint32_t slot_a, std::uint32_t slot
   template void Block<T>::remove_grabbed(std::uint32_t);                                            \
   template void Block<T>::set_grabbed(std::uint32_t, double, const Weighing&);                      \
   template double Block<T>::grabbed_inverse_mass(std::uint32_t) const;                              \
+  template double Block<T>::inverse_mass_of(std::uint32_t, const Constants&) const;                 \
   template void Block<T>::weigh_grabbed(const Grabbed&, const Weighing&);                           \
   template void Block<T>::weigh_rod(std::size_t, std::uint32_t, std::uint32_t, const Weighing&);
 PLUMB_INSTANTIATE(float)

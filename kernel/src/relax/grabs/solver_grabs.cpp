@@ -40,6 +40,14 @@ void RelaxSolver<T>::weigh_grabs(double h) {
   }
 }
 
+template <class T>
+Vec3 RelaxSolver<T>::acceleration(Slot slot) const {
+  const std::uint32_t particle = particle_of(slot);
+  if (!is_movable(particle)) return {};
+  if (forces_.empty()) return rules_->gravity;
+  return rules_->gravity + rules_->constants.inverse_mass[particle] * forces_[slot];
+}
+
 /// Returns the acceleration of a particle that goes by `before` (m) in a substep of `h` (s), grabs included.
 template <class T>
 Vec3 RelaxSolver<T>::acceleration(Slot slot, Vec3 before, double h) const {
@@ -130,6 +138,7 @@ const HeldGrab* RelaxSolver<T>::held_grab(std::uint32_t number) const {
   template typename Block<T>::Weighing RelaxSolver<T>::weighing() const;                       \
   template void RelaxSolver<T>::weigh();                                                       \
   template void RelaxSolver<T>::weigh_grabs(double);                                           \
+  template Vec3 RelaxSolver<T>::acceleration(Slot) const;                                      \
   template Vec3 RelaxSolver<T>::acceleration(Slot, Vec3, double) const;                        \
   template void RelaxSolver<T>::put_grab(const HeldGrab&, std::span<const GrabShare>);         \
   template void RelaxSolver<T>::end_grab(std::uint32_t);                                       \

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "interface/solver.hpp"
-#include "plumb/grab.hpp"
+#include "plumb/loads.hpp"
 #include "step/breaks/numbers.hpp"
 #include "step/places.hpp"
 

@@ -17,6 +17,20 @@ void Step::release(std::uint32_t number) {
   grabs_.end(number, compiled_.places, compiled_.solvers);
 }
 
+/// Sends targets on their ways, which wakes what they pull.
+void Step::begin_grabs() {
+  if (!grabs_.any()) return;
+  grabs_.for_moving_places(compiled_.places,
+                           [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
+  grabs_.begin_step(dt_, compiled_.places, compiled_.solvers);
+}
+
+void Step::end_grabs() {
+  if (grabs_.any())
+    grabs_.end_step(dt_, compiled_.places, compiled_.solvers,
+                    [&](std::uint32_t particle) { return is_asleep(particle); });
+}
+
 void Step::wake_grabbed(std::uint32_t number) {
   grabs_.for_places(number, compiled_.places,
                     [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
