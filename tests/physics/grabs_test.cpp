@@ -251,6 +251,61 @@ TEST(Grabs, OfLoopsPullThem) {
   }
 }
 
+// A figure that stands on the ground is pulled by a hand through a circle, without damping.
+TEST(Grabs, OfWhatTouchesPullItByAnyStiffness) {
+  const Scene scene = scenes::make_humanoid({.body = scenes::BodyType::medium, .arms = 1});
+  std::uint32_t hand = 0;
+  for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
+    if (std::abs(scene.particles[i].position.z) > std::abs(scene.particles[hand].position.z)) hand = i;
+  constexpr double radius = 0.1, turn = 3, speed = radius * turn;
+  for (const Method method : {Method::relax, Method::direct, Method::automatic})
+    for (const double k : {2e3, 1e5, 1e7, 1e9}) {
+      World world(scene, {.method = method, .substeps = 4, .threads = 1});
+      const Vec3 start = world.position(hand);
+      const Handle<Grab> grab = world.grab(Grab::particle(hand, start, k));
+      double fastest = 0, apart = 0;
+      for (int i = 1; i <= 180; ++i) {
+        const double angle = turn * i / 60;
+        const Vec3 target = start + radius * Vec3{std::sin(angle), 1 - std::cos(angle), 0};
+        world.move_grab(grab, target);
+        world.step(1.0 / 60);
+        fastest = std::max(fastest, norm(world.velocity(hand)));
+        apart = std::max(apart, norm(world.position(hand) - target));
+      }
+      EXPECT_LE(fastest, (k > 1e4 ? 3 : 8) * speed) << k << ' ' << to_string(method);
+      EXPECT_LE(apart, 5000 / k + 1e-4) << k << ' ' << to_string(method);
+    }
+}
+
+// A figure of rods visits the contact solver while it is near the ground, and goes home as it is lifted. Both
+// hold its weight. Let go, it falls, and comes to rest.
+TEST(Grabs, LiftAFigureAndDropIt) {
+  const Scene scene = scenes::make_humanoid({.body = scenes::BodyType::medium});
+  double weight = 0;
+  for (const double mass : lumped_masses(scene)) weight += 9.81 * mass;
+  for (const Method method : {Method::relax, Method::direct}) {
+    World world(scene, {.method = method, .substeps = 4, .tensions = true, .threads = 1});
+    const Vec3 start = world.position(0);
+    const Handle<Grab> grab = world.grab(Grab::particle(0, start, 2e4, 500));
+    for (int i = 1; i <= 240; ++i) {
+      world.move_grab(grab, start + Vec3{0, i / 120.0, 0});
+      world.step(1.0 / 60);
+    }
+    Vec3 force{};
+    for (int i = 0; i < 600; ++i) {
+      world.step(1.0 / 60);
+      if (i >= 300) force += 1.0 / 300 * world.grab_force(grab);
+    }
+    EXPECT_NEAR(force.y, weight, 0.01 * weight) << to_string(method);
+    EXPECT_NEAR(world.position(0).y, start.y + 2 - weight / 2e4, 0.05);
+    world.release(grab);
+    test::run(world, 1.0 / 60, 30);
+    EXPECT_NEAR(start.y + 2 - world.position(0).y, 9.81 / 8, 0.1) << to_string(method);
+    test::run(world, 1.0 / 60, 900);
+    EXPECT_EQ(world.step(1.0 / 60).awake_islands, 0u) << to_string(method);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Grabs, Methods,
                          testing::Combine(testing::Values(Method::relax, Method::direct),
                                           testing::Values(Gradient::new_, Gradient::old, Gradient::mid)),

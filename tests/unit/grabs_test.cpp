@@ -1,5 +1,7 @@
 // Handles of grabs, what refuses them, what ends them, and what they leave alone.
 
+#include "step/inputs/grabs.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +14,6 @@
 #include "plumb/plumb.hpp"
 #include "scenes/generators/generators.hpp"
 #include "scenes/humanoid/humanoid.hpp"
-#include "step/inputs/grabs.hpp"
 #include "support/executors.hpp"
 #include "support/refusals.hpp"
 #include "support/snapshots.hpp"
@@ -67,7 +68,8 @@ TEST(Grabs, AreRefusedWithTheReason) {
             "grab: its place is fixed, and a grab cannot move it; move_anchor() does");
   EXPECT_EQ(said(Grab::particle(1, {}, -2)), "grab: stiffness must be finite and not negative, got -2 N/m");
   EXPECT_EQ(said(Grab::particle(1, {}, nan)), "grab: stiffness must be finite and not negative, got nan N/m");
-  EXPECT_EQ(said(Grab::particle(1, {}, 2, -1)), "grab: damping must be finite and not negative, got -1 N s/m");
+  EXPECT_EQ(said(Grab::particle(1, {}, 2, -1)),
+            "grab: damping must be finite and not negative, got -1 N s/m");
   EXPECT_EQ(said(Grab::particle(1, {0, nan, 0}, 2)), "grab: target is not finite");
   EXPECT_EQ(said({{{1, 2}, {0.5, 0.6}}, {}, 1}), "grab: weights of its place must add up to 1, and make 1.1");
   EXPECT_EQ(said({{{1, 1}, {0.5, 0.5}}, {}, 1}), "grab: its place lists particle 1 twice");
@@ -76,7 +78,10 @@ TEST(Grabs, AreRefusedWithTheReason) {
             "grab 0: its place is between particles, and the masses of its island are all in these; grab one "
             "of them");
   EXPECT_EQ(refusal([&] { world.move_grab({}, {}); }), "grab: the handle names none");
-  EXPECT_EQ(refusal([&] { world.release({0, 1}); }), "grab 0: the handle, of generation 1, is not of this world");
+  EXPECT_EQ(refusal([&] {
+              world.release({0, 1});
+            }),
+            "grab 0: the handle, of generation 1, is not of this world");
   EXPECT_EQ(world.state_hash(), before);
   World relaxed(scene, {.method = Method::relax});
   EXPECT_EQ(refusal([&] { relaxed.grab(Grab::rod(scene.rods[1], 0.5, {}, 1)); }),
@@ -84,10 +89,11 @@ TEST(Grabs, AreRefusedWithTheReason) {
             "solve directly");
   World springs(scene, {.method = Method::springs});
   EXPECT_EQ(refusal([&] { springs.grab(Grab::particle(1, {}, 1)); }),
-            "grab 0: its place its method takes no grabs; relax, direct and auto do");
+            "grab 0: its place is moved by a method that takes no grabs; relax, direct and auto do");
   const Handle<Grab> grab = world.grab(Grab::particle(1, {}, 1));
   EXPECT_EQ(refusal([&] { world.move_grab(grab, {nan, 0, 0}); }), "grab: target is not finite");
-  EXPECT_EQ(refusal([&] { world.grab_force(grab); }), "tensions are not known: Settings::tensions asks for them");
+  EXPECT_EQ(refusal([&] { world.grab_force(grab); }),
+            "tensions are not known: Settings::tensions asks for them");
   world.release(grab);
   EXPECT_FALSE(world.has(grab));
   EXPECT_EQ(refusal([&] { world.release(grab); }),
@@ -186,7 +192,8 @@ TEST(Grabs, LeaveNeighborsTheirBitsAndLanes) {
   for (const Method method : {Method::relax, Method::direct})
     for (const Gradient gradient : {Gradient::new_, Gradient::old, Gradient::mid})
       for (const Precision precision : {Precision::single, Precision::double_}) {
-        const Settings settings{.method = method, .precision = precision, .gradient = gradient, .substeps = 2};
+        const Settings settings{
+            .method = method, .precision = precision, .gradient = gradient, .substeps = 2};
         World world(crowd, settings), free(crowd, settings);
         const Handle<Grab> grab =
             world.grab(Grab::particle(held * size + 6, world.position(held * size + 6), 3000, 10));
@@ -208,7 +215,8 @@ TEST(Grabs, LeaveNeighborsTheirBitsAndLanes) {
 
 // What a player does with grabs, by the frame alone.
 void play(World& world, std::uint32_t particle, std::vector<Handle<Grab>>& grabs, int frame) {
-  if (frame % 20 == 5) grabs.push_back(world.grab(Grab::particle(particle, world.position(particle), 500, 5)));
+  if (frame % 20 == 5)
+    grabs.push_back(world.grab(Grab::particle(particle, world.position(particle), 500, 5)));
   if (!grabs.empty() && frame % 20 < 15)
     world.move_grab(grabs.back(), world.position(particle) + Vec3{0.01, 0.02, 0.003 * (frame % 7)});
   if (frame % 20 == 15 && !grabs.empty()) {

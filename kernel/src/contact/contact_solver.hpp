@@ -183,10 +183,10 @@ class ContactSolver final : public Solver {
   bool is_away(std::uint32_t) const override { return false; }
   /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, grabs, states, visitors,
-           is_plain, histories, first_slot, island_of, springs, torsions, angles, rods, pins, shapes,
-           shape_ids, first_shape, ground_pushes, contacts, counts_touches, lists_contacts, is_listed,
-           clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
+    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, grabs,
+           states, visitors, is_plain, histories, first_slot, island_of, springs, torsions, angles, rods,
+           pins, shapes, shape_ids, first_shape, ground_pushes, contacts, counts_touches, lists_contacts,
+           is_listed, clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
     archive(surroundings);
     for (LinkageState& state : states) archive(state);
     for (History& history : histories) archive(history.best_substep);

@@ -43,10 +43,10 @@ void visit_members(Archive& archive, HeldGrab& of) {
 /// swing at any step. The less is resolved, the more it pulls as the end alone does, which is what new has
 /// always.
 struct GrabSubstep {
-  Vec3 force{};       ///< N
-  double stiff = 0;   ///< N/m
-  double held = 0;    ///< 0 if it is resolved, and 1 if the end alone counts
-  Vec3 before{};      ///< m
+  Vec3 force{};      ///< N
+  double stiff = 0;  ///< N/m
+  double held = 0;   ///< 0 if it is resolved, and 1 if the end alone counts
+  Vec3 before{};     ///< m
   bool is_mid = false;
 
   /// Begins a substep of `h` (s) of a particle of `mass` (kg) at `x` (m).

@@ -183,7 +183,7 @@ class Solver {
 
   /// Returns why a place can not be grabbed that `slots` of this solver make up, or null if it can.
   virtual const char* refuses_grab(std::span<const Slot> /*slots*/) const {
-    return "its method takes no grabs; relax, direct and auto do";
+    return "is moved by a method that takes no grabs; relax, direct and auto do";
   }
   /// Pulls a place from now on, by shares of its slots that add up to 1.
   virtual void put_grab(const HeldGrab&, std::span<const GrabShare>) {}

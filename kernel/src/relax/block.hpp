@@ -120,8 +120,8 @@ class Block {
   void archive(Archive& archive) {
     auto& [packing, x, displacements, kick, accumulator, rod, weight, law, law_start, shift, half_kick, gives,
            moved, pulls, mass_of_move, strengths, square_bounds, broken, omega, newest, uniform,
-           uniform_length2, uniform_share, uniform_rods, rods_before, moving_anchors, settling,
-           frozen_slots, grabbed] = *this;
+           uniform_length2, uniform_share, uniform_rods, rods_before, moving_anchors, settling, frozen_slots,
+           grabbed] = *this;
     archive(x, displacements[newest & 1], displacements[(newest + 1) & 1], kick, half_kick, pulls,
             moving_anchors, settling);
   }

@@ -106,8 +106,8 @@ class RelaxSolver final : public Solver {
     auto& [rules, kernels, block, pieces, islands, away, slots_of, rests, size, h, last_h, parts, has_moved,
            kicks_stale, starts_off_length, forces, grabs, anchors, saved, mark, best_substep] = *this;
     if (block.archive_rods(archive)) weigh();
-    archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, forces,
-            grabs, best_substep);
+    archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, forces, grabs,
+            best_substep);
     if (archive.restores() && h > 0) weigh_grabs(h);
     if (has_moved) return;
     for (const std::uint32_t particle : block.packing().slot_vertex)

@@ -27,8 +27,8 @@ void LinkageState::take_kind(const Linkage& kind) {
 
 const char* ContactSolver::refuses_grab(std::span<const Slot> slots) const {
   const std::uint32_t island = island_of_[slots.front()];
-  const bool is_one = std::all_of(slots.begin(), slots.end(),
-                                  [&](Slot slot) { return island_of_[slot] == island; });
+  const bool is_one =
+      std::all_of(slots.begin(), slots.end(), [&](Slot slot) { return island_of_[slot] == island; });
   return is_one ? nullptr : "is of more than one island";
 }
 

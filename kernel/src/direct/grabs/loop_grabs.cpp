@@ -32,8 +32,7 @@ void begin(LoopState& state, LoopGrab& grab, const GrabBegin& substep, Gradient 
     state.changed.change(state.mass[vertex], share * share * added);
     const Vec3 push = (share / state.mass_unit) * grab.substep.force;
     const double by[3] = {push.x, push.y, push.z};
-    for (std::size_t c = 0; c < 3; ++c)
-      state.changed.change(state.force[3 * std::size_t{vertex} + c], by[c]);
+    for (std::size_t c = 0; c < 3; ++c) state.changed.change(state.force[3 * std::size_t{vertex} + c], by[c]);
   }
   if (grab.count == 2)
     state.changed.change(state.coupling[grab.rod], grab.parts[0].share * grab.parts[1].share * added);

@@ -21,8 +21,8 @@ struct LoopGrab : HeldGrab {
   };
   std::uint32_t count = 0;
   std::array<Part, 2> parts{};
-  std::uint32_t rod = 0;   ///< on which the place is, if it has two parts
-  GrabSubstep substep{};   ///< the one under way
+  std::uint32_t rod = 0;  ///< on which the place is, if it has two parts
+  GrabSubstep substep{};  ///< the one under way
 
   std::span<const Part> all() const { return {parts.data(), count}; }
 };

@@ -18,7 +18,8 @@ std::size_t rod_between(const LoopState& state, Slot a, Slot b) {
 }  // namespace
 
 const char* LoopSolver::refuses_grab(std::span<const Slot> slots) const {
-  if (!state_.reels.empty()) return "is of an island with a reel, whose drum changes what its particles weigh";
+  if (!state_.reels.empty())
+    return "is of an island with a reel, whose drum changes what its particles weigh";
   if (slots.size() == 1) return nullptr;
   if (slots.size() > 2) return "is of more than a rod; rods and bodies have places that can be grabbed";
   const std::size_t rod = rod_between(state_, slots[0], slots[1]);

@@ -21,7 +21,8 @@ void TreeGrabs<T>::copy_lane(std::uint32_t lane, const TreeGrabs& from, std::uin
   };
   if (count(all, lane) != count(from.all, from_lane)) {
     std::erase_if(all, is_of(lane));
-    const auto at = std::find_if(all.begin(), all.end(), [&](const TreeGrab& each) { return each.lane > lane; });
+    const auto at =
+        std::find_if(all.begin(), all.end(), [&](const TreeGrab& each) { return each.lane > lane; });
     TreeGrab added;
     added.lane = lane;
     all.insert(at, static_cast<std::size_t>(count(from.all, from_lane)), added);
@@ -76,8 +77,8 @@ double mass_of(const TreeState<T>& state, const TreeGrab& grab) {
   double gives = 0;
   for (const auto& [entry, share, is_tie, line] : grab.all())
     if (!is_tie)
-      gives += share * share /
-               static_cast<double>(state.node[state.at(tree_fields::node * entry, grab.lane)]);
+      gives +=
+          share * share / static_cast<double>(state.node[state.at(tree_fields::node * entry, grab.lane)]);
   return state.mass_unit[grab.lane] / gives;
 }
 
@@ -118,8 +119,7 @@ void end_grabs(TreeState<T>& state, double h, Gradient gradient, double drag, Tr
     Vec3 stop{};
     if (gradient == Gradient::mid) {
       const Vec3 past_mean = sum_of(
-          grab,
-          [&](std::size_t i) { return state.read(state.u, i, lane) - (decay / h) * moved(i); },
+          grab, [&](std::size_t i) { return state.read(state.u, i, lane) - (decay / h) * moved(i); },
           [](std::size_t) { return Vec3{}; });
       const Vec3 change = grab.substep.velocity_change(past_mean);
       double squares = 0;
@@ -146,10 +146,10 @@ void hold_at_end(TreeState<T>& state, TreeWorkspace<T>& work) {
   }
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                   \
-  template struct TreeGrabs<T>;                                                                \
-  template void begin_grabs(TreeState<T>&, double, Gradient, TreeWorkspace<T>&);               \
-  template void end_grabs(TreeState<T>&, double, Gradient, double, TreeWorkspace<T>&);         \
+#define PLUMB_INSTANTIATE(T)                                                           \
+  template struct TreeGrabs<T>;                                                        \
+  template void begin_grabs(TreeState<T>&, double, Gradient, TreeWorkspace<T>&);       \
+  template void end_grabs(TreeState<T>&, double, Gradient, double, TreeWorkspace<T>&); \
   template void hold_at_end(TreeState<T>&, TreeWorkspace<T>&);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

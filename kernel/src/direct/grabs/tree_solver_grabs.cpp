@@ -44,8 +44,9 @@ void TreeSolver<T>::put_grab(const HeldGrab& held, std::span<const GrabShare> sh
   if (is_turned) std::swap(first, second);
   if (kind_->rules.gradient == Gradient::old) keep_velocities(grab.lane);
   std::vector<TreeGrab>& all = state_.grabs.all;
-  all.insert(std::find_if(all.begin(), all.end(), [&](const TreeGrab& each) { return each.lane > grab.lane; }),
-             grab);
+  all.insert(
+      std::find_if(all.begin(), all.end(), [&](const TreeGrab& each) { return each.lane > grab.lane; }),
+      grab);
   constexpr std::size_t changed_by_one = 12;  // numbers of a state
   const std::size_t room = changed_by_one * all.size();
   state_.grabs.changed.reserve(room);
@@ -93,12 +94,12 @@ const HeldGrab* TreeSolver<T>::held_grab(std::uint32_t number) const {
   return nullptr;
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                   \
-  template const char* TreeSolver<T>::refuses_grab(std::span<const Slot>) const;               \
-  template void TreeSolver<T>::put_grab(const HeldGrab&, std::span<const GrabShare>);          \
-  template void TreeSolver<T>::end_grab(std::uint32_t);                                        \
-  template void TreeSolver<T>::aim_grab(std::uint32_t, Vec3);                                  \
-  template void TreeSolver<T>::place_grab(std::uint32_t, Vec3);                                \
+#define PLUMB_INSTANTIATE(T)                                                          \
+  template const char* TreeSolver<T>::refuses_grab(std::span<const Slot>) const;      \
+  template void TreeSolver<T>::put_grab(const HeldGrab&, std::span<const GrabShare>); \
+  template void TreeSolver<T>::end_grab(std::uint32_t);                               \
+  template void TreeSolver<T>::aim_grab(std::uint32_t, Vec3);                         \
+  template void TreeSolver<T>::place_grab(std::uint32_t, Vec3);                       \
   template const HeldGrab* TreeSolver<T>::held_grab(std::uint32_t) const;
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

@@ -111,7 +111,9 @@ double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigne
 // --- Accuracy
 
 ErrorModel LoopSolver::error_model() const {
-  return {.order = rules_->gradient == Gradient::new_ ? 1u : state_.grabs.empty() ? rules_->time_order : 2u,
+  return {.order = rules_->gradient == Gradient::new_ ? 1u
+                   : state_.grabs.empty()             ? rules_->time_order
+                                                      : 2u,
           .by_comparison = !rules_->estimates};
 }
 

@@ -116,8 +116,8 @@ class LoopSolver final : public Solver {
 
   /// Velocities are found when they are asked for. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [rules, state, work, velocity, velocity_known, anchors_changed, lengths_changed, grabs_changed, away,
-           locks_known, blows, saved, mark, best_substep] = *this;
+    auto& [rules, state, work, velocity, velocity_known, anchors_changed, lengths_changed, grabs_changed,
+           away, locks_known, blows, saved, mark, best_substep] = *this;
     archive(state, anchors_changed, lengths_changed, grabs_changed, away, locks_known, blows, best_substep);
     work.archive(archive, state);
     if (archive.restores()) velocity_known = false;

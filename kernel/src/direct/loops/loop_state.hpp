@@ -147,8 +147,7 @@ struct LoopState : LoopMotion {
 template <class Archive>
 void visit_members(Archive& archive, LoopMotion& of) {
   auto& [x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
-         effort, twisted, laws, tackles, pulley_impulses, reels, grabs, hold, u_step, mu_kick,
-         gave] = of;
+         effort, twisted, laws, tackles, pulley_impulses, reels, grabs, hold, u_step, mu_kick, gave] = of;
   archive(x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
           effort, twisted, laws, tackles, pulley_impulses, reels, grabs, hold, u_step, mu_kick, gave);
 }

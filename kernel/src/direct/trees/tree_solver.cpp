@@ -144,7 +144,9 @@ double TreeSolver<T>::advance(std::uint32_t, double h, std::uint32_t count, unsi
 template <class T>
 ErrorModel TreeSolver<T>::error_model() const {
   const auto& rules = kind_->rules;
-  return {.order = rules.gradient == Gradient::new_ ? 1u : state_.grabs.any() ? 2u : rules.time_order,
+  return {.order = rules.gradient == Gradient::new_ ? 1u
+                   : state_.grabs.any()             ? 2u
+                                                    : rules.time_order,
           .by_comparison = !kind_->estimates(),
           .most_substeps = most_substeps<T>,
           .fallback_is_final = true};

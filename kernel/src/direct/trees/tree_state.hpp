@@ -215,8 +215,8 @@ void visit_members(Archive& archive, TreeState<T>& of) {
   auto& [topology, lanes, trees, idle, node, tie, u, acceleration, acceleration_before, force, tie_delta,
          tie_u, mu, tie_mu, mu_before, tie_mu_before, length2, tie_length2, x, tie_x, weight, weighs,
          mass_unit, scale2, u_step, u_step_before, mu_kick, mu_kick_before, tie_velocity, tie_last_velocity,
-         known, gave, laws, bends, twists, grabs, hold, ties_move, is_coupled, frequency2, elastic, next_elastic,
-         effort, smooth] = of;
+         known, gave, laws, bends, twists, grabs, hold, ties_move, is_coupled, frequency2, elastic,
+         next_elastic, effort, smooth] = of;
   archive(trees, idle);
   for_motion(of, of, [&](auto& field, auto&) { archive(field); });
   archive(force, tie_delta, tie_u, length2, tie_length2, tie_x, tie_velocity, tie_last_velocity, laws, bends,

@@ -280,7 +280,8 @@ double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>&
   double error = 0;
   const std::uint32_t count = bounded_cuts(state, h, counters);
   for (std::uint32_t i = 0; i < count; ++i)
-    for (const double share : shares_of(state)) error += advance_piece(state, share * h / count, crew, counters);
+    for (const double share : shares_of(state))
+      error += advance_piece(state, share * h / count, crew, counters);
   return error;
 }
 

@@ -82,7 +82,8 @@ class TreeStepper {
   std::uint32_t cuts(const TreeState<T>& state, double h) const;
 
  private:
-  /// Returns the shares of a substep. What is grabbed takes it whole: a step back would let a stiff grab push.
+  /// Returns the shares of a substep. What is grabbed takes it whole: a step back would let a stiff grab
+  /// push.
   std::span<const double> shares_of(const TreeState<T>& state) const {
     return state.grabs.any() ? composition(2) : shares_;
   }

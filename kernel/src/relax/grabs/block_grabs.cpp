@@ -9,7 +9,8 @@ namespace {
 template <class T, class F>
 void for_grabs(std::span<BlockGrab> all, const Block<T>& block, std::uint32_t q0, std::uint32_t q1, F&& f) {
   for (BlockGrab& grab : all)
-    if (const std::uint32_t q = block.position_of(grab.slot); q >= q0 && q < q1 && !block.is_frozen(grab.slot))
+    if (const std::uint32_t q = block.position_of(grab.slot);
+        q >= q0 && q < q1 && !block.is_frozen(grab.slot))
       f(grab);
 }
 
@@ -20,8 +21,7 @@ void BlockGrabs::begin(Block<T>& block, Gradient gradient, const T* last, std::u
                        std::uint32_t q1) const {
   for_grabs(all, block, q0, q1, [&](BlockGrab& grab) {
     const Vec3 before = decay * block.read(last, grab.slot);
-    grab.substep =
-        GrabSubstep::begin(grab, gradient, grab.mass, block.read(block.x(), grab.slot), before, h);
+    grab.substep = GrabSubstep::begin(grab, gradient, grab.mass, block.read(block.x(), grab.slot), before, h);
     const double inverse_mass = block.grabbed_inverse_mass(grab.slot);
     const Vec3 others =
         grab.is_first ? grab.mass * inverse_mass * grab.kick : block.read(block.kick(), grab.slot);
@@ -50,9 +50,9 @@ void BlockGrabs::end(Block<T>& block, Gradient gradient, bool is_guarded, T* own
   });
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                             \
-  template void BlockGrabs::begin(Block<T>&, Gradient, const T*, std::uint32_t, std::uint32_t) const;    \
-  template void BlockGrabs::see(const Block<T>&, const T*, std::uint32_t, std::uint32_t) const;          \
+#define PLUMB_INSTANTIATE(T)                                                                          \
+  template void BlockGrabs::begin(Block<T>&, Gradient, const T*, std::uint32_t, std::uint32_t) const; \
+  template void BlockGrabs::see(const Block<T>&, const T*, std::uint32_t, std::uint32_t) const;       \
   template void BlockGrabs::end(Block<T>&, Gradient, bool, T*, std::uint32_t, std::uint32_t) const;
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

@@ -36,7 +36,8 @@ void Block<T>::set_grabbed(std::uint32_t slot, double inverse_mass, const Weighi
 
 template <class T>
 double Block<T>::grabbed_inverse_mass(std::uint32_t slot) const {
-  return std::find_if(grabbed_.begin(), grabbed_.end(), [&](const Grabbed& each) { return each.slot == slot; })
+  return std::find_if(grabbed_.begin(), grabbed_.end(),
+                      [&](const Grabbed& each) { return each.slot == slot; })
       ->inverse_mass;
 }
 
@@ -91,13 +92,13 @@ void Block<T>::weigh_rod(std::size_t i, std::uint32_t slot_a, std::uint32_t slot
   if (gives_) write_law(i, constants.laws[edge], std::sqrt(constants.length2[edge]), give, sum / (wa + wb));
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                        \
-  template void Block<T>::add_grabbed(std::uint32_t, double);                                       \
-  template void Block<T>::remove_grabbed(std::uint32_t);                                            \
-  template void Block<T>::set_grabbed(std::uint32_t, double, const Weighing&);                      \
-  template double Block<T>::grabbed_inverse_mass(std::uint32_t) const;                              \
-  template double Block<T>::inverse_mass_of(std::uint32_t, const Constants&) const;                 \
-  template void Block<T>::weigh_grabbed(const Grabbed&, const Weighing&);                           \
+#define PLUMB_INSTANTIATE(T)                                                        \
+  template void Block<T>::add_grabbed(std::uint32_t, double);                       \
+  template void Block<T>::remove_grabbed(std::uint32_t);                            \
+  template void Block<T>::set_grabbed(std::uint32_t, double, const Weighing&);      \
+  template double Block<T>::grabbed_inverse_mass(std::uint32_t) const;              \
+  template double Block<T>::inverse_mass_of(std::uint32_t, const Constants&) const; \
+  template void Block<T>::weigh_grabbed(const Grabbed&, const Weighing&);           \
   template void Block<T>::weigh_rod(std::size_t, std::uint32_t, std::uint32_t, const Weighing&);
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

@@ -87,8 +87,8 @@ void RelaxSolver<T>::put_grab(const HeldGrab& held, std::span<const GrabShare> s
   BlockGrab grab{held};
   grab.slot = shares.front().slot;
   grab.mass = 1 / rules_->constants.inverse_mass[particle_of(grab.slot)];
-  grab.is_first =
-      std::none_of(grabs_.begin(), grabs_.end(), [&](const BlockGrab& each) { return each.slot == grab.slot; });
+  grab.is_first = std::none_of(grabs_.begin(), grabs_.end(),
+                               [&](const BlockGrab& each) { return each.slot == grab.slot; });
   change_grabs(grab.slot, [&] {
     if (grab.is_first) block_.add_grabbed(grab.slot, 1 / grab.mass);
     grabs_.push_back(grab);
@@ -103,8 +103,8 @@ void RelaxSolver<T>::end_grab(std::uint32_t number) {
     const Slot slot = grabs_[i].slot;
     change_grabs(slot, [&] {
       grabs_.erase(grabs_.begin() + static_cast<std::ptrdiff_t>(i));
-      const auto next =
-          std::find_if(grabs_.begin(), grabs_.end(), [&](const BlockGrab& each) { return each.slot == slot; });
+      const auto next = std::find_if(grabs_.begin(), grabs_.end(),
+                                     [&](const BlockGrab& each) { return each.slot == slot; });
       if (next == grabs_.end())
         block_.remove_grabbed(slot);
       else
@@ -133,17 +133,17 @@ const HeldGrab* RelaxSolver<T>::held_grab(std::uint32_t number) const {
   return nullptr;
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                   \
-  template const char* RelaxSolver<T>::refuses_grab(std::span<const Slot>) const;              \
-  template typename Block<T>::Weighing RelaxSolver<T>::weighing() const;                       \
-  template void RelaxSolver<T>::weigh();                                                       \
-  template void RelaxSolver<T>::weigh_grabs(double);                                           \
-  template Vec3 RelaxSolver<T>::acceleration(Slot) const;                                      \
-  template Vec3 RelaxSolver<T>::acceleration(Slot, Vec3, double) const;                        \
-  template void RelaxSolver<T>::put_grab(const HeldGrab&, std::span<const GrabShare>);         \
-  template void RelaxSolver<T>::end_grab(std::uint32_t);                                       \
-  template void RelaxSolver<T>::aim_grab(std::uint32_t, Vec3);                                 \
-  template void RelaxSolver<T>::place_grab(std::uint32_t, Vec3);                               \
+#define PLUMB_INSTANTIATE(T)                                                           \
+  template const char* RelaxSolver<T>::refuses_grab(std::span<const Slot>) const;      \
+  template typename Block<T>::Weighing RelaxSolver<T>::weighing() const;               \
+  template void RelaxSolver<T>::weigh();                                               \
+  template void RelaxSolver<T>::weigh_grabs(double);                                   \
+  template Vec3 RelaxSolver<T>::acceleration(Slot) const;                              \
+  template Vec3 RelaxSolver<T>::acceleration(Slot, Vec3, double) const;                \
+  template void RelaxSolver<T>::put_grab(const HeldGrab&, std::span<const GrabShare>); \
+  template void RelaxSolver<T>::end_grab(std::uint32_t);                               \
+  template void RelaxSolver<T>::aim_grab(std::uint32_t, Vec3);                         \
+  template void RelaxSolver<T>::place_grab(std::uint32_t, Vec3);                       \
   template const HeldGrab* RelaxSolver<T>::held_grab(std::uint32_t) const;
 PLUMB_INSTANTIATE(float)
 PLUMB_INSTANTIATE(double)

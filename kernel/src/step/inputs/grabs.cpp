@@ -33,10 +33,10 @@ void Grabs::for_shares(const Entry& entry, const Places& places, Solvers solvers
       if (at.weights[k] == 0) continue;
       ++count;
       for (const Place& place : places.of(at.particles[k])) {
-        const bool is_here = at.particles[k] == leader
-                                 ? place == home
-                                 : place.solver == home.solver &&
-                                       solver.island_of(place.slot) == solver.island_of(home.slot);
+        const bool is_here =
+            at.particles[k] == leader
+                ? place == home
+                : place.solver == home.solver && solver.island_of(place.slot) == solver.island_of(home.slot);
         if (!is_here) continue;
         shares[found++] = {place.slot, at.weights[k]};
         break;

@@ -92,8 +92,8 @@ class Grabs {
 
  private:
   struct Entry {
-    Grab grab{};         ///< with its target where the next step starts
-    Vec3 goal{};         ///< m, where that is sent
+    Grab grab{};  ///< with its target where the next step starts
+    Vec3 goal{};  ///< m, where that is sent
     bool is_sent = false, moves = false;
     Vec3 force{};
     double power = 0;
@@ -101,8 +101,8 @@ class Grabs {
   template <class Archive>
   friend void visit_members(Archive& archive, Entry& of) {
     auto& [grab, goal, is_sent, moves, force, power] = of;
-    archive(grab.at.particles, grab.at.weights, grab.target, grab.stiffness, grab.damping, goal, is_sent, moves,
-            force, power);
+    archive(grab.at.particles, grab.at.weights, grab.target, grab.stiffness, grab.damping, goal, is_sent,
+            moves, force, power);
   }
   template <class F>
   static void for_places(const Entry& entry, const Places& places, F&& f) {
