@@ -70,7 +70,7 @@ class Player {
     std::seed_seq seeds{seed_, frame, 3u};
     std::mt19937 random(seeds);
     const auto particle = static_cast<std::uint32_t>(random() % scene_.particles.size());
-    const double stiffness = std::array{1e2, 1e4, 1e7}[random() % 3];
+    const double stiffness = std::array{1e2, 1e3, 1e4}[random() % 3];
     const Vec3 way{0.01 * (random() % 5), 0.01 * (random() % 5), 0.01};
     if (frame % 13 == 9)
       for (const Handle<Grab> grab : grabs) world.release(grab);

@@ -68,8 +68,11 @@ void LoopSolver::aim_grab(std::uint32_t number, Vec3 velocity) {
 }
 
 void LoopSolver::place_grab(std::uint32_t number, Vec3 target) {
-  for (LoopGrab& grab : state_.grabs)
-    if (grab.number == number) grab.target = target;
+  for (LoopGrab& grab : state_.grabs) {
+    if (grab.number != number || grab.target == target) continue;
+    grab.target = target;
+    velocity_known_ = false;  // or a snapshot, which does not hold them, would find others
+  }
 }
 
 const HeldGrab* LoopSolver::held_grab(std::uint32_t number) const {

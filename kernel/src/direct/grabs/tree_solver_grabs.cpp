@@ -83,8 +83,11 @@ void TreeSolver<T>::aim_grab(std::uint32_t number, Vec3 velocity) {
 
 template <class T>
 void TreeSolver<T>::place_grab(std::uint32_t number, Vec3 target) {
-  for (TreeGrab& grab : state_.grabs.all)
-    if (grab.number == number) grab.target = target;
+  for (TreeGrab& grab : state_.grabs.all) {
+    if (grab.number != number || grab.target == target) continue;
+    grab.target = target;
+    velocities_known_ = false;  // or a snapshot, which does not hold them, would find others
+  }
 }
 
 template <class T>
