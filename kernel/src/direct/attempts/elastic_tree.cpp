@@ -97,6 +97,9 @@ void load_grabs(const TreeState<T>& tree, LoopState& island) {
   island.changed.all.clear();
   island.grabs.clear();
   const std::uint32_t nodes = tree.topology->nodes;
+  if (tree.grabs.any()) island.weighs.resize(nodes);
+  for (std::size_t i = 0; i < nodes && tree.grabs.any(); ++i)
+    island.weighs[i] = tree.weighs[i] / tree.mass_unit[0];
   for (const TreeGrab& from : tree.grabs.all) {
     LoopGrab& to = island.grabs.emplace_back(LoopGrab{from});
     to.count = from.count;
