@@ -16,10 +16,12 @@ namespace {
 void pull(World& world, const Scene& scene, int steps) {
   std::vector<Handle<Grab>> grabs;
   std::vector<std::uint32_t> held;
-  for (std::uint32_t i = 3; i < scene.particles.size(); i += 1 + static_cast<std::uint32_t>(scene.particles.size() / 7))
+  for (std::uint32_t i = 3; i < scene.particles.size();
+       i += 1 + static_cast<std::uint32_t>(scene.particles.size() / 7))
     if (!scene.particles[i].fixed) held.push_back(i);
   for (const std::uint32_t particle : held)
-    grabs.push_back(world.grab(Grab::particle(particle, world.position(particle), 1e3 * (1 + particle % 3), 3)));
+    grabs.push_back(
+        world.grab(Grab::particle(particle, world.position(particle), 1e3 * (1 + particle % 3), 3)));
   for (int frame = 0; frame < steps; ++frame) {
     for (std::size_t k = 0; k < grabs.size(); ++k)
       world.move_grab(grabs[k], world.position(held[k]) + Vec3{0.01, 0.02 * (frame % 3), -0.005});
