@@ -29,11 +29,11 @@ void BlockMatrix::set_pattern(Index blocks, Index size,
 // Finds where a block's entries are. All columns of a block have the same rows, so that one place and a
 // stride say it.
 BlockMatrix::Block BlockMatrix::find(std::uint32_t row, std::uint32_t column) const {
-  const Index first_column = size_ * Index{column};
+  const Index first_column = size_ * Index(column);
   const auto* const outer = matrix_.outerIndexPtr();
   const auto* const inner = matrix_.innerIndexPtr();
   const auto* const at =
-      std::lower_bound(inner + outer[first_column], inner + outer[first_column + 1], size_ * Index{row});
+      std::lower_bound(inner + outer[first_column], inner + outer[first_column + 1], size_ * Index(row));
   return {at - inner, Index{outer[first_column + 1]} - outer[first_column]};
 }
 
