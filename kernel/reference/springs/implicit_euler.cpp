@@ -64,7 +64,7 @@ void ImplicitEuler::analyze(const SpringSystem& system) {
     if (spring.b != no_body) pairs.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b));
   const Index bodies = system.masses().size() / system.body_size();
   matrix_.set_pattern(bodies, system.body_size(), pairs);
-  for (std::uint32_t i = 0; i < bodies; ++i) diagonal_.push_back(matrix_.find(i, i));
+  for (std::uint32_t i = 0; Index(i) < bodies; ++i) diagonal_.push_back(matrix_.find(i, i));
   for (const LinearSpring& spring : linear_.springs) {
     Places places{diagonal_[spring.a], {}, {}};
     if (spring.b != no_body) {
