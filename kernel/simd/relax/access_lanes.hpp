@@ -2,8 +2,8 @@
 // alone includes this one.
 
 #include <type_traits>
-#include <xsimd/xsimd.hpp>
 
+#include "simd/batch.hpp"
 #include "simd/inline.hpp"
 #include "simd/relax/records.hpp"
 #include "simd/relax/relax_kernels.hpp"
@@ -12,7 +12,7 @@ namespace plumb::simd {
 namespace {
 
 template <class T>
-using Batch = xsimd::batch<T, PLUMB_ARCH>;
+using Batch = BatchOf<T>;
 
 template <class T>
 constexpr std::uint32_t width = Batch<T>::size;

@@ -238,11 +238,20 @@ struct Kernels {
   ContactKernels<T> contacts, row_contacts;
 };
 
-/// Every instruction set, slowest first, and what a processor must have for it (`cpu` is xsimd's list). The
-/// files of that name define its tables, and CMakeLists.txt gives those files its flags; Isa names it.
+/// Every instruction set of this family of processors, slowest first, and what one must have for it (`cpu` is
+/// xsimd's list). The files of that name define its tables, and CMakeLists.txt gives those files its flags;
+/// Isa names it. WebAssembly is asked for vectors when it is compiled, and then has them wherever it runs.
+#if defined(__x86_64__) || defined(__i386__)
 #define PLUMB_FOR_EACH_ISA(row)                                             \
   row(scalar, true) row(sse2, cpu.sse2) row(avx2, cpu.avx2&& cpu.fma3_avx2) \
       row(avx512, cpu.avx512bw&& cpu.avx512dq&& cpu.avx512cd&& __builtin_cpu_supports("avx512vl"))
+#elif defined(__aarch64__)
+#define PLUMB_FOR_EACH_ISA(row) row(scalar, true) row(neon, true)
+#elif defined(__wasm_simd128__)
+#define PLUMB_FOR_EACH_ISA(row) row(scalar, true) row(simd128, true)
+#else
+#define PLUMB_FOR_EACH_ISA(row) row(scalar, true)
+#endif
 
 #define PLUMB_DECLARE_TABLES(isa, supported)       \
   extern const Kernels<float> relax_##isa##_float; \
