@@ -57,16 +57,16 @@ PLUMB_INLINE Triple<T> visit_contacts(const ContactView<T>& view, const ContactL
   moved = moved - contacts.load3(f::carried);
   const Triple<T> n = contacts.load3(f::normal), across_before = contacts.load3(f::across);
   const Batch<T> over = contacts.load(f::over), along = dot(n, moved), before = contacts.load(f::push);
-  const Batch<T> push = xsimd::max(before - over * (contacts.load(f::gap) + along), zero);
+  const Batch<T> push = lanes::max(before - over * (contacts.load(f::gap) + along), zero);
   Triple<T> across = across_before - over * (moved - along * n);
   across = across - dot(across, n) * n;
   const Batch<T> bound = contacts.load(f::friction) * push, square = dot(across, across);
   // What lies takes no root, nor does what is not pressed.
-  if (const auto slides = square > bound * bound; xsimd::any(slides)) {
+  if (const auto slides = square > bound * bound; lanes::any(slides)) {
     const Batch<T> one(T(1));
-    Batch<T> share = xsimd::select(slides, zero, one);
-    if (const auto presses = slides && (bound > zero); xsimd::any(presses))
-      share = xsimd::select(presses, bound / xsimd::sqrt(square), share);
+    Batch<T> share = lanes::select(slides, zero, one);
+    if (const auto presses = slides && (bound > zero); lanes::any(presses))
+      share = lanes::select(presses, bound / lanes::sqrt(square), share);
     across = share * across;
   }
   const Triple<T> by = (push - before) * n + (across - across_before);
@@ -105,7 +105,7 @@ T measure_contacts(const ContactView<T>& shared, const ContactRange* ranges, std
   const ContactView<T> view = shared;
   Batch<T> largest(T(0));
   const auto visited = [&](const ContactLanes<Access, T>& contacts, const Triple<T>& by) {
-    largest = xsimd::max(contacts.load(contact_fields::moves) * xsimd::sqrt(dot(by, by)), largest);
+    largest = lanes::max(contacts.load(contact_fields::moves) * lanes::sqrt(dot(by, by)), largest);
   };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (ranges[i].terms == 2)
