@@ -116,7 +116,7 @@ class PLUMB_API World {
   /// InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
   /// Pulls a place to a target from the next step on, until it is released, and wakes its island. A grab ends
-  /// by itself where its particles are removed, all fixed, or no longer of one island.
+  /// by itself where its particles are removed, all fixed, or no longer of one island or rod.
   ///
   /// Throws InputError on an unknown particle, weights that do not add up to 1, fixed particles alone,
   /// numbers that are not finite, and negative stiffness or damping. So it does where a solver cannot:

@@ -28,14 +28,15 @@ class Block {
 
   const layouts::Packing& packing() const { return packing_; }
 
-  /// Writes shares of a correction and squared lengths for every rod, and finds which ranges need none of
-  /// them.
+  /// Says by what rods share a correction.
   struct Weighing {
     const Constants& constants;
     Weights weights;
     SweepOrder order;
     double omega;
   };
+  /// Writes shares of a correction and squared lengths for every rod, and finds which ranges need none of
+  /// them.
   void set_weights(const Weighing& by);
 
   /// Lets rods see a slot with another inverse mass (1/kg) than its particle has, since something grabs it.

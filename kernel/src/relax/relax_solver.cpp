@@ -77,12 +77,12 @@ void RelaxSolver<T>::begin_step(double dt, Team& team) {
 /// Makes displacements and kicks fit substeps of `h` seconds.
 template <class T>
 void RelaxSolver<T>::take_substeps_of(double h) {
-  if (!grabs_.empty()) weigh_grabs(h);
-  if (!has_moved_) {
-    start_displacements(h);
-  } else if (h != h_) {
+  if (has_moved_ && h != h_) {
+    weigh_grabs(h_);
     change_step(h);
   }
+  weigh_grabs(h);
+  if (!has_moved_) start_displacements(h);
   if (!has_moved_ || h != h_) kicks_stale_ = true;
   last_h_ = has_moved_ ? h_ : 0;
   h_ = h;
@@ -336,8 +336,7 @@ double RelaxSolver<T>::read(std::span<const Slot> slots, std::span<Vec3> out) co
 template <class T>
 void RelaxSolver<T>::set_force(Slot slot, Vec3 newton) {
   if (forces_.empty()) forces_.resize(block_.packing().slot_vertex.size());
-  const double inverse_mass = rules_->constants.inverse_mass[particle_of(slot)];
-  const Vec3 change = (h_ * h_ * inverse_mass) * (newton - forces_[slot]);
+  const Vec3 change = (h_ * h_ * inverse_mass(slot)) * (newton - forces_[slot]);
   forces_[slot] = newton;
   kicks_stale_ = true;
   if (!has_moved_ || rules_->verlet.gradient == Gradient::mid || block_.is_frozen(slot)) return;

@@ -138,11 +138,14 @@ class RelaxSolver final : public Solver {
   bool is_controlled() const { return rules_->settings.accuracy.has_value(); }
   bool is_movable(std::uint32_t particle) const { return rules_->constants.inverse_mass[particle] > 0; }
   std::uint32_t particle_of(Slot slot) const { return block_.packing().slot_vertex[slot]; }
+  double inverse_mass(Slot slot) const;
   Vec3 acceleration(Slot slot) const;
   Vec3 acceleration(Slot slot, Vec3 before, double h) const;
   typename Block<T>::Weighing weighing() const;
   void weigh();
   void weigh_grabs(double h);
+  template <class Change>
+  void keep_velocity(Slot slot, Change&& change);
   template <class Change>
   void change_grabs(Slot slot, Change&& change);
   RelaxSettings<T> settings_for(double rods, double share);

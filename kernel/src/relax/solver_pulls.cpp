@@ -37,8 +37,9 @@ void RelaxSolver<T>::set_gravity(Vec3 gravity, Vec3 change) {
   const auto& vertices = block_.packing().slot_vertex;
   for (Slot slot = 0; slot < vertices.size(); ++slot) {
     if (!is_movable(vertices[slot]) || block_.is_frozen(slot)) continue;
+    const double share = inverse_mass(slot) / rules_->constants.inverse_mass[vertices[slot]];
     const auto changed = rules_->verlet.change_acceleration(
-        {block_.read(last, slot), block_.read(before, slot)}, h_ * h_ * change);
+        {block_.read(last, slot), block_.read(before, slot)}, (h_ * h_ * share) * change);
     block_.write(last, slot, changed.last);
     block_.write(before, slot, changed.before);
   }

@@ -110,6 +110,7 @@ class Step {
                 std::span<const Vec3> velocities);
   /// Returns whether a particle is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return anchors_.will_be_fixed(particle); }
+  bool is_fixed(std::uint32_t particle) const { return anchors_.is_fixed(particle); }
 
   // --- What is added and removed at once (breaks/additions.cpp)
 

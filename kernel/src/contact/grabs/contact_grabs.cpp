@@ -45,12 +45,14 @@ const Linkage* ContactSolver::kind_of(const LinkageState& state) const {
   return state.linkage;
 }
 
+/// Islands are in the order of their numbers, so that snapshots have one.
 IslandGrabs& ContactSolver::grabs_of(std::uint32_t island) {
-  for (IslandGrabs& of : grabs_)
-    if (of.island == island) return of;
+  const auto at =
+      std::find_if(grabs_.begin(), grabs_.end(), [&](const IslandGrabs& of) { return of.island >= island; });
+  if (at != grabs_.end() && at->island == island) return *at;
   std::size_t kind = 0;
   while (linkages_[kind].get() != states_[island].linkage) ++kind;
-  return grabs_.emplace_back(IslandGrabs{island, kind});
+  return *grabs_.insert(at, IslandGrabs{island, kind});
 }
 
 /// Makes a kind of its own for an island with these grabs, and lets it go on as one.
@@ -83,7 +85,9 @@ void ContactSolver::make_kind(IslandGrabs& of) {
 
 void ContactSolver::put_grab(const HeldGrab& held, std::span<const GrabShare> shares) {
   IslandGrabs& of = grabs_of(island_of_[shares.front().slot]);
-  IslandGrabs::One& added = of.all.emplace_back(IslandGrabs::One{held});
+  const auto later = std::find_if(of.all.begin(), of.all.end(),
+                                  [&](const IslandGrabs::One& each) { return each.number > held.number; });
+  IslandGrabs::One& added = *of.all.insert(later, IslandGrabs::One{held});
   for (const auto& [slot, share] : shares) added.at.add(local(slot), share);
   make_kind(of);
 }

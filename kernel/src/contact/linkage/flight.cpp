@@ -10,7 +10,8 @@ namespace {
 /// Whether nothing turns an island as a whole.
 bool keeps_spin(const LinkageState& state) {
   const Linkage& linkage = *state.linkage;
-  return !linkage.is_grounded() && linkage.movable() > 1 && !linkage.has_air() &&
+  const bool is_grabbed = linkage.first_grab() < linkage.elastics().size();
+  return !linkage.is_grounded() && !is_grabbed && linkage.movable() > 1 && !linkage.has_air() &&
          std::all_of(state.force.begin(), state.force.end(), [](Vec3 force) { return force == Vec3{}; });
 }
 

@@ -74,6 +74,7 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combinatio
   add_angles(part, x);
   add_elastics(part);
   first_grab_ = elastics_.size();
+  targets_ = grabs.size();
   for (const Combination& apart : grabs)
     for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
       add_elastic({.kind = Elastic::Kind::along, .sums = {apart}, .axis = axis}, {});

@@ -185,7 +185,7 @@ class Linkage {
   void count_pull(std::size_t elastic, std::span<const Vec3> x, double pull, LinkagePulls& pulls) const;
   /// Adds the share of a push on a place that its fixed particles get.
   void push_fixed(const Combination& at, Vec3 impulse, LinkagePulls& pulls) const;
-  bool is_grounded() const { return movable_ < particles_; }
+  bool is_grounded() const { return movable_ + targets_ < particles_; }  ///< by more than targets of grabs
   /// Returns whether constraints forbid some motion more than once.
   bool is_redundant() const { return is_redundant_; }
   /// Returns what the matrix lets constraints give to a push along all of them, 1/kg.
@@ -392,7 +392,7 @@ class Linkage {
   std::vector<FlatRod> flat_rods_;
   ColoredRods colored_;
   Vec3 gravity_{};
-  std::size_t first_grab_ = 0;
+  std::size_t first_grab_ = 0, targets_ = 0;
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0, softness_ = 0;
   bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false;
 };

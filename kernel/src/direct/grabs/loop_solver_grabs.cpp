@@ -7,12 +7,17 @@
 namespace plumb::detail {
 namespace {
 
-/// Returns the rod between two vertices whose mass couples them, or how many rods there are.
+/// Returns the rod between two vertices whose mass couples them, else any between them, else how many rods
+/// there are.
 std::size_t rod_between(const LoopState& state, Slot a, Slot b) {
   const std::vector<LoopRod>& rods = state.topology->rods;
-  std::size_t k = 0;
-  while (k < rods.size() && !((rods[k].a == a && rods[k].b == b) || (rods[k].a == b && rods[k].b == a))) ++k;
-  return k;
+  std::size_t found = rods.size();
+  for (std::size_t k = 0; k < rods.size(); ++k) {
+    if (!((rods[k].a == a && rods[k].b == b) || (rods[k].a == b && rods[k].b == a))) continue;
+    if (state.coupling[k] != 0) return k;
+    found = std::min(found, k);
+  }
+  return found;
 }
 
 }  // namespace
@@ -52,6 +57,7 @@ void LoopSolver::grabs_change() {
 }
 
 void LoopSolver::end_grab(std::uint32_t number) {
+  if (held_grab(number) == nullptr) return;
   grabs_change();
   std::erase_if(state_.grabs, [&](const LoopGrab& grab) { return grab.number == number; });
   note_masses(state_, work_);

@@ -63,6 +63,7 @@ void TreeSolver<T>::put_grab(const HeldGrab& held, std::span<const GrabShare> sh
 
 template <class T>
 void TreeSolver<T>::end_grab(std::uint32_t number) {
+  if (held_grab(number) == nullptr) return;
   std::vector<TreeGrab>& all = state_.grabs.all;
   for (const TreeGrab& grab : all)
     if (grab.number == number && kind_->rules.gradient == Gradient::old) keep_velocities(grab.lane);

@@ -76,8 +76,12 @@ void Block<T>::weigh_rod(std::size_t i, std::uint32_t slot_a, std::uint32_t slot
                : 1.0;
   };
   const double own_a = inverse_mass_of(slot_a, constants), own_b = inverse_mass_of(slot_b, constants);
-  const auto share = [&](double w) { return by.weights == Weights::equal ? (w > 0 ? 1.0 : 0.0) : w; };
-  const double wa = share(own_a), wb = share(own_b);
+  // Equal weights are of particles as they are: what is grabbed gives way by so much less.
+  const auto share = [&](std::uint32_t slot, double w) {
+    if (by.weights != Weights::equal) return w;
+    return w > 0 ? w / constants.inverse_mass[packing_.slot_vertex[slot]] : 0.0;
+  };
+  const double wa = share(slot_a, own_a), wb = share(slot_b, own_b);
   const double sum = rods_sharing(slot_a) * wa + rods_sharing(slot_b) * wb;
   const double scale = (gives_ ? 1 : omega / 4) / sum, give = own_a + own_b;
   fields[0] = static_cast<T>(constants.length2[edge]);

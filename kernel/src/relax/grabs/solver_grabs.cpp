@@ -48,6 +48,14 @@ Vec3 RelaxSolver<T>::acceleration(Slot slot) const {
   return rules_->gravity + rules_->constants.inverse_mass[particle] * forces_[slot];
 }
 
+/// Returns the inverse mass (1/kg) of a particle in a substep, with what grabs add to it.
+template <class T>
+double RelaxSolver<T>::inverse_mass(Slot slot) const {
+  const bool is_grabbed =
+      std::any_of(grabs_.begin(), grabs_.end(), [&](const BlockGrab& each) { return each.slot == slot; });
+  return is_grabbed ? block_.grabbed_inverse_mass(slot) : rules_->constants.inverse_mass[particle_of(slot)];
+}
+
 /// Returns the acceleration of a particle that goes by `before` (m) in a substep of `h` (s), grabs included.
 template <class T>
 Vec3 RelaxSolver<T>::acceleration(Slot slot, Vec3 before, double h) const {
@@ -62,24 +70,32 @@ Vec3 RelaxSolver<T>::acceleration(Slot slot, Vec3 before, double h) const {
   return block_.grabbed_inverse_mass(slot) * (mass * acceleration(slot) + force);
 }
 
-/// Keeps the velocity of now as grabs of a particle change, which displacements know of.
+/// Keeps the velocity of now as what grabs a particle changes, which displacements know of.
 template <class T>
 template <class Change>
-void RelaxSolver<T>::change_grabs(Slot slot, Change&& change) {
+void RelaxSolver<T>::keep_velocity(Slot slot, Change&& change) {
   const bool knows = has_moved_ && rules_->verlet.gradient != Gradient::mid && !block_.is_frozen(slot);
   T* const last = block_.displacement(0);
   T* const before = block_.displacement(1);
   const Vec3 went = block_.read(last, slot);
   const Vec3 old = knows ? acceleration(slot, went, h_) : Vec3{};
   change();
-  weigh();
-  if (h_ > 0) weigh_grabs(h_);
   kicks_stale_ = true;
   if (!knows) return;
   const Vec3 by = (h_ * h_) * (acceleration(slot, went, h_) - old);
   const auto changed = rules_->verlet.change_acceleration({went, block_.read(before, slot)}, by);
   block_.write(last, slot, changed.last);
   block_.write(before, slot, changed.before);
+}
+
+template <class T>
+template <class Change>
+void RelaxSolver<T>::change_grabs(Slot slot, Change&& change) {
+  keep_velocity(slot, [&] {
+    change();
+    weigh();
+    if (h_ > 0) weigh_grabs(h_);
+  });
 }
 
 template <class T>
@@ -114,10 +130,16 @@ void RelaxSolver<T>::end_grab(std::uint32_t number) {
   }
 }
 
+/// A damper's force jumps with the velocity of its target.
 template <class T>
 void RelaxSolver<T>::aim_grab(std::uint32_t number, Vec3 velocity) {
-  for (BlockGrab& grab : grabs_)
-    if (grab.number == number) grab.velocity = velocity;
+  for (BlockGrab& grab : grabs_) {
+    if (grab.number != number || grab.velocity == velocity) continue;
+    if (grab.damping > 0)
+      keep_velocity(grab.slot, [&] { grab.velocity = velocity; });
+    else
+      grab.velocity = velocity;
+  }
 }
 
 template <class T>
@@ -138,6 +160,7 @@ const HeldGrab* RelaxSolver<T>::held_grab(std::uint32_t number) const {
   template typename Block<T>::Weighing RelaxSolver<T>::weighing() const;               \
   template void RelaxSolver<T>::weigh();                                               \
   template void RelaxSolver<T>::weigh_grabs(double);                                   \
+  template double RelaxSolver<T>::inverse_mass(Slot) const;                            \
   template Vec3 RelaxSolver<T>::acceleration(Slot) const;                              \
   template Vec3 RelaxSolver<T>::acceleration(Slot, Vec3, double) const;                \
   template void RelaxSolver<T>::put_grab(const HeldGrab&, std::span<const GrabShare>); \

@@ -29,12 +29,11 @@ class Grabs {
   }
 
   const Point& place(std::uint32_t number) const { return entries_[number].grab.at; }
-  Vec3 target(std::uint32_t number) const { return entries_[number].grab.target; }
   /// Returns the mean force (N) of the last step, and the power (W). They are NaN before the first.
   Vec3 force(std::uint32_t number) const { return entries_[number].force; }
   double power(std::uint32_t number) const { return entries_[number].power; }
 
-  /// Calls f(number, first particle) for grabs of which `is_of(particle)` says that a particle is meant.
+  /// Calls f(number) for grabs of which `is_of(particle)` says that a particle is meant.
   template <class IsOf, class F>
   void for_grabs_of(IsOf&& is_of, F&& f) const {
     for (std::uint32_t i = 0; count_ > 0 && i < entries_.size(); ++i) {
@@ -46,17 +45,17 @@ class Grabs {
         }
     }
   }
-  /// Calls f(place) for places of grabs whose targets move in the next step.
+  /// Calls f(place) in the islands of grabs whose targets move in the next step.
   template <class F>
   void for_moving_places(const Places& places, F&& f) const {
     for (std::uint32_t i = 0; count_ > 0 && i < entries_.size(); ++i)
       if (numbers_.has(i) && entries_[i].is_sent && entries_[i].goal != entries_[i].grab.target)
-        for_places(entries_[i], places, f);
+        for_homes(i, places, f);
   }
-  /// Calls f(place) for all places of a grab's particles.
+  /// Calls f(place) in a grab's island, for every solver that has it.
   template <class F>
-  void for_places(std::uint32_t number, const Places& places, F&& f) const {
-    for_places(entries_[number], places, f);
+  void for_homes(std::uint32_t number, const Places& places, F&& f) const {
+    for (const Place place : places.of(leader_of(entries_[number].grab.at, places))) f(place);
   }
 
   /// Takes a grab from the solvers of its place for a while, or gives it to those that it has now.

@@ -32,8 +32,8 @@ void Step::end_grabs() {
 }
 
 void Step::wake_grabbed(std::uint32_t number) {
-  grabs_.for_places(number, compiled_.places,
-                    [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
+  grabs_.for_homes(number, compiled_.places,
+                   [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
 }
 
 /// Takes the grabs of these particles from solvers that are about to end. Returns which those are.

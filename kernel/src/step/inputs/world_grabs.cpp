@@ -46,7 +46,10 @@ Handle<Grab> World::grab(const Grab& grab) {
     for (std::size_t other = 0; other < k; ++other)
       if (grab.at.weights[other] != 0 && grab.at.particles[other] == grab.at.particles[k])
         refuse("grab: its place lists particle ", grab.at.particles[k], " twice");
-    moves = moves || impl_->fixed[grab.at.particles[k]] == 0;
+    const bool is_fixed = impl_->fixed[grab.at.particles[k]] != 0;
+    if (!is_fixed && impl_->step->is_fixed(grab.at.particles[k]))
+      refuse("grab: particle ", grab.at.particles[k], " is free from the next step on; grab it then");
+    moves = moves || !is_fixed;
     sum += weight;
   }
   if (!(std::abs(sum - 1) <= weight_tolerance))

@@ -118,14 +118,14 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
 }
 
 template <class T>
-void ContactVectors<T>::sweep(Crowd<T>& crowd, Team* team) const {
+void ContactVectors<T>::sweep(Crowd<T>& crowd, Team* team) {
   share(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned) {
     kernels(crowd).sweep(view(crowd), ranges.data(), static_cast<std::uint32_t>(ranges.size()));
   });
 }
 
 template <class T>
-double ContactVectors<T>::measured_sweep(Crowd<T>& crowd, Team* team) const {
+double ContactVectors<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
   std::array<T, Team::max_size> largest{};
   share(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned part) {
     const auto count = static_cast<std::uint32_t>(ranges.size());
@@ -135,7 +135,7 @@ double ContactVectors<T>::measured_sweep(Crowd<T>& crowd, Team* team) const {
 }
 
 template <class T>
-void ContactVectors<T>::write_back() const {
+void ContactVectors<T>::write_back() {
   for (std::size_t lane = 0; lane < pushes_.size(); ++lane) {
     if (pushes_[lane].push == nullptr) continue;
     *pushes_[lane].push = field(lane, fields::push);

@@ -41,12 +41,12 @@ class ContactVectors {
   void put(const Crowd<T>& crowd, const Visited& contact);
   /// @}
   /// Writes pushes to where contacts keep them. Their places must not have changed since put().
-  void write_back() const;
+  void write_back();
 
   /// Visits all contacts once. A team shares what is large.
-  void sweep(Crowd<T>& crowd, Team* team) const;
+  void sweep(Crowd<T>& crowd, Team* team);
   /// Does so, and returns the largest change of a place, m.
-  double measured_sweep(Crowd<T>& crowd, Team* team) const;
+  double measured_sweep(Crowd<T>& crowd, Team* team);
 
  private:
   static constexpr std::uint32_t lanes = simd::logical_width<T>,
@@ -62,10 +62,10 @@ class ContactVectors {
     const bool in_rows = crowd.places().access() == layouts::Access::rows;
     return in_rows ? all_kernels_->row_contacts : all_kernels_->contacts;
   }
-  simd::ContactView<T> view(Crowd<T>& crowd) const {
+  simd::ContactView<T> view(Crowd<T>& crowd) {
     return {crowd.displacements(), fields_.data(), at_.data(), crowd.places().component_stride()};
   }
-  T& field(std::size_t lane, std::size_t field) const {
+  T& field(std::size_t lane, std::size_t field) {
     return fields_[(lane / lanes * simd::contact_fields::count + field) * lanes + lane % lanes];
   }
 
@@ -74,7 +74,7 @@ class ContactVectors {
   std::vector<std::uint8_t> color_;                     ///< of contacts, in their order
   std::array<std::uint32_t, colors * classes> next_{};  ///< counts, then the next lane of each
   std::size_t put_ = 0;                                 ///< contacts that have been put
-  mutable layouts::AlignedBuffer<T> fields_;
+  layouts::AlignedBuffer<T> fields_;
   std::vector<std::uint32_t> at_;
   std::vector<Pushes> pushes_;  ///< by lane
   std::vector<simd::ContactRange> ranges_;
