@@ -9,7 +9,7 @@ const TRAIL = 150; // frames of the path that an end leaves behind
 export class Painter {
   constructor(canvas) {
     this.canvas = canvas;
-    const gl = canvas.getContext("webgl2", { antialias: true, stencil: true });
+    const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, stencil: true });
     if (!gl) throw new Error("This browser shows no WebGL2, which the page draws with.");
     this.gl = gl;
     this.rod = makeProgram(gl, shaders.rodVertex, shaders.rodFragment);
