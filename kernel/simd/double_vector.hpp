@@ -1,11 +1,11 @@
 // Vectors of doubles for the bodies of fronts, of blocks of four and of right hand sides in lanes. Included
-// once per instruction set with PLUMB_ARCH set to its xsimd architecture.
-#include <xsimd/xsimd.hpp>
+// once per instruction set with PLUMB_ARCH set to its xsimd architecture, if batch.hpp needs one.
+#include "simd/batch.hpp"
 
 namespace plumb::simd {
 namespace {
 
-using Batch = xsimd::batch<double, PLUMB_ARCH>;
+using Batch = BatchOf<double>;
 
 template <class V>
 inline __attribute__((always_inline)) V load(const double* from) {
@@ -19,7 +19,7 @@ inline __attribute__((always_inline)) V broadcast(double value) {
 template <class... Vs>
 inline __attribute__((always_inline)) Batch horizontal_sums(const Vs&... values) {
   const Batch rows[] = {values...};
-  return xsimd::haddp(rows);
+  return lanes::haddp(rows);
 }
 inline __attribute__((always_inline)) void store(const Batch& value, double* to) {
   value.store_aligned(to);

@@ -14,6 +14,7 @@
 
 #include "plumb/plumb.hpp"
 #include "scenes/generators/generators.hpp"
+#include "scenes/humanoid/humanoid.hpp"
 #include "scenes/spec.hpp"
 #include "support/executors.hpp"
 #include "support/mechanisms.hpp"
@@ -195,6 +196,31 @@ TEST_F(Allocations, AreNoneInStepsAfterChanges) {
   world.set_stop_rule({.sweeps = 5, .tolerance = 1e-3});
   world.set_force(7, {1, 2, 3});
   EXPECT_EQ(allocations_in([&] { world.step(1.0 / 60); }), 0u);
+}
+
+// A grab makes its room as it is given, and while its target moves nothing more is needed.
+TEST_F(Allocations, AreNoneInStepsThatGrab) {
+  const Scene scenes_of[] = {scenes::make_humanoid(), scenes::make_chain(200), scenes::make_net(20, 20),
+                             scenes::make_humanoid({.body = scenes::BodyType::medium, .arms = 1})};
+  for (const Scene& scene : scenes_of)
+    for (const Settings& settings :
+         {Settings{.method = Method::relax, .threads = 1}, Settings{.method = Method::direct, .threads = 1},
+          Settings{.method = Method::direct, .gradient = Gradient::old, .accuracy = 1e-3, .threads = 1}}) {
+      World world(scene, settings);
+      world.step(1.0 / 60);
+      std::uint32_t held = 5;
+      while (scene.particles[held].fixed) ++held;
+      const Handle<Grab> grab = world.grab(Grab::particle(held, world.position(held), 1e4, 10));
+      const auto pull = [&](int frames) {
+        for (int i = 0; i < frames; ++i) {
+          world.move_grab(grab, world.position(held) + Vec3{0.002, 0.001, 0.001});
+          world.step(1.0 / 60);
+        }
+      };
+      pull(40);  // a figure that is lifted touches more than ever at first
+      EXPECT_EQ(allocations_in([&] { pull(10); }), 0u)
+          << scene.particles.size() << to_string(settings.method);
+    }
 }
 
 // What is added makes its room in its first step, and what is removed leaves its own.

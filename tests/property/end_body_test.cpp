@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "plumb/layouts/aligned_buffer.hpp"
-#include "simd/relax/end_lanes.hpp"
-#include "simd/relax/least_distance.hpp"
+#include "simd/relax/contacts/end_lanes.hpp"
+#include "simd/relax/contacts/least_distance.hpp"
 #include "simd/relax/relax_kernels.hpp"
 #include "support/graphs.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "simd/relax/end_scalar.hpp"
+#include "simd/relax/contacts/end_scalar.hpp"
 
 namespace plumb::simd {
 namespace {

@@ -29,7 +29,7 @@ std::vector<T> relaxed(const Scene& scene, LayoutChoice layout, const Kernels<T>
   for (layouts::Packing& packing :
        detail::plan_blocks(of.sets, layout, common, layouts::lane_width<T>, sizeof(T))) {
     detail::Block<T> block(std::move(packing), false);
-    block.set_weights(constants, Weights::mass, SweepOrder::gauss_seidel, 1);
+    block.set_weights({constants, Weights::mass, SweepOrder::gauss_seidel, 1});
     const layouts::Packing& packed = block.packing();
     T* const p = block.displacement(0);
     for (std::uint32_t slot = 0; slot < packed.slot_vertex.size(); ++slot) {
@@ -102,7 +102,7 @@ std::vector<T> relaxed_laws(const Scene& scene, LayoutChoice layout, Gradient gr
   for (layouts::Packing& packing :
        detail::plan_blocks(of.sets, layout, common, layouts::lane_width<T>, sizeof(T))) {
     detail::Block<T> block(std::move(packing), order == SweepOrder::jacobi);
-    block.set_weights(constants, Weights::mass, order, 1.25);
+    block.set_weights({constants, Weights::mass, order, 1.25});
     const layouts::Packing& packed = block.packing();
     T* const p = block.displacement(0);
     for (std::uint32_t slot = 0; slot < packed.slot_vertex.size(); ++slot) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,7 @@ class Player {
       if (edits_) edit(world, frame);
       if (adds_) add_or_remove(world, frame);
       play(world, frame);
+      if (scene_.reels.empty()) pull(world, frame);
     } catch (const InputError&) {
       if (!edits_ && !adds_)
         throw;  // else it is of a particle that was fixed, freed or removed, for every world alike
@@ -57,6 +59,27 @@ class Player {
   }
 
  private:
+  /// Grabs a particle now and then, moves what is grabbed, and lets all go. Which grabs there are the world
+  /// alone knows, so that a player who goes back needs no memory.
+  void pull(World& world, std::uint32_t frame) const {
+    std::vector<Handle<Grab>> grabs;
+    constexpr std::uint32_t most_grabs = 3, latest = 99;
+    for (std::uint32_t number = 0; number < most_grabs; ++number)
+      for (std::uint32_t generation = 1; generation <= latest; generation += 2)
+        if (const Handle<Grab> grab{number, generation}; world.has(grab)) grabs.push_back(grab);
+    std::seed_seq seeds{seed_, frame, 3u};
+    std::mt19937 random(seeds);
+    const auto particle = static_cast<std::uint32_t>(random() % scene_.particles.size());
+    const double stiffness = std::array{1e2, 1e3, 1e4}[random() % 3];
+    const Vec3 way{0.01 * (random() % 5), 0.01 * (random() % 5), 0.01};
+    if (frame % 13 == 9)
+      for (const Handle<Grab> grab : grabs) world.release(grab);
+    if (frame % 4 == 2 && grabs.size() < most_grabs && frame % 13 != 9 && !scene_.particles[particle].fixed)
+      world.grab(Grab::particle(particle, world.position(particle), stiffness, 0.01 * stiffness));
+    if (frame % 13 < 7)
+      for (const Handle<Grab> grab : grabs) world.move_grab(grab, world.position(particle) + way);
+  }
+
   void add_or_remove(World& world, std::uint32_t frame) const {
     std::seed_seq seeds{seed_, frame, 2u};
     std::mt19937 random(seeds);

@@ -25,7 +25,7 @@ std::vector<Block<double>> blocks_of(const Scene& scene, LayoutChoice layout = L
   std::vector<Block<double>> out;
   for (layouts::Packing& packing : plan_blocks(of.sets, layout, common, layouts::lane_width<double>, 8)) {
     Block<double>& block = out.emplace_back(std::move(packing), false);
-    block.set_weights(constants, Weights::mass, SweepOrder::gauss_seidel, 1);
+    block.set_weights({constants, Weights::mass, SweepOrder::gauss_seidel, 1});
     for (std::uint32_t slot = 0; slot < block.packing().slot_vertex.size(); ++slot)
       block.write(block.x(), slot, scene.particles[block.packing().slot_vertex[slot]].position);
   }

@@ -170,6 +170,8 @@ TEST(ToString, SpeaksTheCommandLine) {
   EXPECT_EQ(to_string(Isa::sse2), "sse2");
   EXPECT_EQ(to_string(Isa::avx2), "avx2");
   EXPECT_EQ(to_string(Isa::avx512), "avx512");
+  EXPECT_EQ(to_string(Isa::neon), "neon");
+  EXPECT_EQ(to_string(Isa::simd128), "simd128");
 }
 
 }  // namespace

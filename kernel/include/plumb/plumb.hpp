@@ -17,7 +17,7 @@
 /// - settings.hpp: how it is simulated.
 /// - world.hpp: the compiled scene and its step.
 /// - report.hpp: what a step did and skipped, and what went wrong.
-/// - loads.hpp: forces by function of time and state.
+/// - loads.hpp: forces by function of time and state, and grabs, which pull places to targets.
 /// - measures.hpp: how wrong it is, by strain, energy, momentum and truth.
 /// - executor.hpp: whose threads do it.
 /// - error.hpp: what is refused.

@@ -106,7 +106,7 @@ enum class Precision : std::uint8_t { single, double_ };
 enum class LayoutChoice : std::uint8_t { automatic, aos, soa, aosoa };
 
 /// Names an instruction set with a compiled body. Every one of them gives the same bits.
-enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512 };
+enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512, neon, simd128 };
 
 /// Returns all instruction sets, slowest first, whether this processor runs them or not.
 PLUMB_API std::span<const Isa> all_isas();

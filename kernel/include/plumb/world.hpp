@@ -115,6 +115,28 @@ class PLUMB_API World {
   /// Moves an anchor to `target` (m) during the next step, along a straight line, a substep at a time. Throws
   /// InputError on an unknown or movable particle or a target that is not finite.
   void move_anchor(std::uint32_t particle, Vec3 target);
+  /// Pulls a place to a target from the next step on, until it is released, and wakes its island. A grab ends
+  /// by itself where its particles are removed, all fixed, or no longer of one island.
+  ///
+  /// Throws InputError on an unknown particle, weights that do not add up to 1, fixed particles alone,
+  /// numbers that are not finite, and negative stiffness or damping. So it does where a solver cannot:
+  /// relaxed rods, and those without mass of their own, are grabbed at their ends. Springs, multipliers,
+  /// featherstone and reels take none.
+  Handle<Grab> grab(const Grab& grab);
+  /// Moves the target of a grab to `target` (m) during the next step, along a straight line, which wakes its
+  /// island. Then it stands. Throws InputError on a stale handle or a target that is not finite.
+  void move_grab(Handle<Grab> grab, Vec3 target);
+  /// Lets go. Nothing jumps. Throws InputError on a stale handle.
+  void release(Handle<Grab> grab);
+  /// Returns whether a handle names a grab that still holds.
+  bool has(Handle<Grab> grab) const;
+  /// Returns the force in N with which a grab pulled, averaged over the last step. With other forces it makes
+  /// the change of momentum as reactions do. It is NaN before the first step. Throws InputError on a stale
+  /// handle, or without Settings::tensions.
+  Vec3 grab_force(Handle<Grab> grab) const;
+  /// Returns the power in W that it gave to what it pulls, averaged likewise. What its spring holds is no
+  /// part of a world's energy. Throws InputError as grab_force() does.
+  double power(Handle<Grab> grab) const;
   /// Moves a platform (Scene::platforms), and the ground that it carries, to `target` during the next step,
   /// with constant velocity and spin, the shorter way round. What lies on it is carried, and sleepers wake.
   /// Then it stands still until it is moved again. Throws InputError on an unknown platform, and on a pose

@@ -27,7 +27,7 @@ class JointedFeatherstone final : public MechanicalSystem {
         joint_forces_(island, movable_) {
     for (const Particle& each : island.particles) x_.push_back(each.position);
     v_.resize(x_.size());
-    pull_.setZero(3 * Eigen::Index{movable_});
+    pull_.setZero(3 * Eigen::Index(movable_));
     make_links(island);
     set_start(island);
   }

@@ -26,7 +26,7 @@ JointEquations::JointEquations(const Scene& island, MassModel model) {
   add_masses(island, model);
   add_constraints(island);
   find_flat_rows(island);
-  f.setZero(3 * Eigen::Index{movable_});
+  f.setZero(3 * Eigen::Index(movable_));
   c.setZero(rows());
   x_ = f;
   lambda_ = c;
@@ -97,7 +97,7 @@ void JointEquations::set_positions(std::span<const Vec3> x) {
                           Vec3 value) {
     if (particle >= movable_) return;
     const double of[3] = {value.x, value.y, value.z};
-    for (int k = 0; k < 3; ++k) to.emplace_back(row, 3 * Eigen::Index{particle} + k, of[k]);
+    for (int k = 0; k < 3; ++k) to.emplace_back(row, 3 * Eigen::Index(particle) + k, of[k]);
   };
   all.clear();
   for (Eigen::Index r = 0; r < rows(); ++r) {
@@ -112,7 +112,7 @@ void JointEquations::set_positions(std::span<const Vec3> x) {
     std::vector<Eigen::Triplet<double>> masses;
     for (const Coupling& each : couplings_)
       for (int k = 0; k < 3 && each.b < movable_; ++k)
-        masses.emplace_back(3 * Eigen::Index{each.a} + k, 3 * Eigen::Index{each.b} + k, each.mass);
+        masses.emplace_back(3 * Eigen::Index(each.a) + k, 3 * Eigen::Index(each.b) + k, each.mass);
     mass_.resize(n, n);
     mass_.setFromTriplets(masses.begin(), masses.end());
   }

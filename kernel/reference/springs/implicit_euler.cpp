@@ -29,11 +29,11 @@ void BlockMatrix::set_pattern(Index blocks, Index size,
 // Finds where a block's entries are. All columns of a block have the same rows, so that one place and a
 // stride say it.
 BlockMatrix::Block BlockMatrix::find(std::uint32_t row, std::uint32_t column) const {
-  const Index first_column = size_ * Index{column};
+  const Index first_column = size_ * Index(column);
   const auto* const outer = matrix_.outerIndexPtr();
   const auto* const inner = matrix_.innerIndexPtr();
   const auto* const at =
-      std::lower_bound(inner + outer[first_column], inner + outer[first_column + 1], size_ * Index{row});
+      std::lower_bound(inner + outer[first_column], inner + outer[first_column + 1], size_ * Index(row));
   return {at - inner, Index{outer[first_column + 1]} - outer[first_column]};
 }
 
@@ -64,7 +64,7 @@ void ImplicitEuler::analyze(const SpringSystem& system) {
     if (spring.b != no_body) pairs.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b));
   const Index bodies = system.masses().size() / system.body_size();
   matrix_.set_pattern(bodies, system.body_size(), pairs);
-  for (std::uint32_t i = 0; i < bodies; ++i) diagonal_.push_back(matrix_.find(i, i));
+  for (std::uint32_t i = 0; Index(i) < bodies; ++i) diagonal_.push_back(matrix_.find(i, i));
   for (const LinearSpring& spring : linear_.springs) {
     Places places{diagonal_[spring.a], {}, {}};
     if (spring.b != no_body) {

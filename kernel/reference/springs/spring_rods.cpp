@@ -126,8 +126,8 @@ class SpringRods final : public SpringSystem {
     for (Index i = 0; i < size(); ++i) state.q[7 * i + 3] = 1;
     for (std::uint32_t i = 0; i < ends_.size(); ++i)
       if (ends_[i].size() == 1 && ends_[i].front().body >= scene().rods.size()) {
-        state.q.segment<3>(7 * Index{ends_[i].front().body}) = to_eigen(particles[i].position);
-        state.v.segment<3>(6 * Index{ends_[i].front().body}) = to_eigen(velocities[i]);
+        state.q.segment<3>(7 * Index(ends_[i].front().body)) = to_eigen(particles[i].position);
+        state.v.segment<3>(6 * Index(ends_[i].front().body)) = to_eigen(velocities[i]);
       }
     for (std::size_t r = 0; r < scene().rods.size(); ++r) {
       const Rod& rod = scene().rods[r];
@@ -173,8 +173,8 @@ class SpringRods final : public SpringSystem {
     out = -scene().drag * masses_.cwiseProduct(state.v);
     for (Index i = 0; i < size(); ++i) out.segment<3>(6 * i) += masses_[6 * i] * gravity;
     const auto push = [&](End end, const Vector3d& force) {
-      out.segment<3>(6 * Index{end.body}) += force;
-      out.segment<3>(6 * Index{end.body} + 3) += arm(state, end).cross(force);
+      out.segment<3>(6 * Index(end.body)) += force;
+      out.segment<3>(6 * Index(end.body) + 3) += arm(state, end).cross(force);
     };
     for (std::uint32_t i = 0; i < ends_.size(); ++i) {
       if (drive.forces[i] == Vec3{}) continue;
@@ -236,7 +236,7 @@ class SpringRods final : public SpringSystem {
   Vec3 position(const MechanicalState& state, std::uint32_t particle) const override {
     Vector3d sum{0, 0, 0};
     for (const End end : ends_[particle])
-      sum += weight(particle, end) * (state.q.segment<3>(7 * Index{end.body}) + arm(state, end));
+      sum += weight(particle, end) * (state.q.segment<3>(7 * Index(end.body)) + arm(state, end));
     return to_vec3(sum);
   }
   Vec3 velocity(const MechanicalState& state, std::uint32_t particle) const override {
@@ -294,15 +294,15 @@ class SpringRods final : public SpringSystem {
     return bodies_[end.body].reach[end.side] * axis(state, end.body);
   }
   Vector3d end_velocity(const MechanicalState& state, End end) const {
-    return state.v.segment<3>(6 * Index{end.body}) +
-           state.v.segment<3>(6 * Index{end.body} + 3).cross(arm(state, end));
+    return state.v.segment<3>(6 * Index(end.body)) +
+           state.v.segment<3>(6 * Index(end.body) + 3).cross(arm(state, end));
   }
 
   /// Gives the gap: from the outer end to where it should be, in m.
   Vector3d gap(const Joint& joint, const MechanicalState& state, const Drive& drive, double t) const {
-    const Vector3d outer = state.q.segment<3>(7 * Index{joint.outer.body}) + arm(state, joint.outer);
+    const Vector3d outer = state.q.segment<3>(7 * Index(joint.outer.body)) + arm(state, joint.outer);
     if (joint.to_anchor) return to_eigen(drive.anchor(joint.particle, t)) - outer;
-    return state.q.segment<3>(7 * Index{joint.inner.body}) + arm(state, joint.inner) - outer;
+    return state.q.segment<3>(7 * Index(joint.inner.body)) + arm(state, joint.inner) - outer;
   }
   /// Gives the force on the outer end, in N (thesis eq. 3.11 with d = 0, and damping).
   Vector3d pull(const Joint& joint, const MechanicalState& state, const Drive& drive, double t) const {

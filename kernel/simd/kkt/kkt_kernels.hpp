@@ -71,7 +71,7 @@ struct KktKernels {
   void (*accumulate)(double* to, const double* factors, const double* x, std::uint32_t unknowns);
 };
 
-extern const KktKernels kkt_scalar, kkt_sse2, kkt_avx2;
+extern const KktKernels kkt_scalar, kkt_sse2, kkt_avx2, kkt_neon, kkt_simd128;
 /// These loops are too short for 512 bits to win. Cores that meet one such instruction between scalar code
 /// lower their clock (Cascade Lake: from 2.7 to 2.4 GHz, for the whole step).
 inline constexpr const KktKernels& kkt_avx512 = kkt_avx2;

@@ -2,8 +2,8 @@
 // alone includes this one.
 
 #include <type_traits>
-#include <xsimd/xsimd.hpp>
 
+#include "simd/batch.hpp"
 #include "simd/inline.hpp"
 #include "simd/relax/records.hpp"
 #include "simd/relax/relax_kernels.hpp"
@@ -12,7 +12,7 @@ namespace plumb::simd {
 namespace {
 
 template <class T>
-using Batch = xsimd::batch<T, PLUMB_ARCH>;
+using Batch = BatchOf<T>;
 
 template <class T>
 constexpr std::uint32_t width = Batch<T>::size;
@@ -119,6 +119,24 @@ struct GatherAccess {
 
   template <class T>
   using Kept = NoEnds<T>;
+
+  template <class T>
+  static PLUMB_INLINE Triple<T> load(const T* data, const std::uint32_t* addresses, std::size_t stride) {
+    alignas(64) T out[3][width<T>];
+    for (std::uint32_t lane = 0; lane < width<T>; ++lane)
+      for (std::size_t c = 0; c < 3; ++c) out[c][lane] = data[addresses[lane] + c * stride];
+    return {Batch<T>::load_aligned(out[0]), Batch<T>::load_aligned(out[1]), Batch<T>::load_aligned(out[2])};
+  }
+  template <class T>
+  static PLUMB_INLINE void store(const Triple<T>& value, T* data, const std::uint32_t* addresses,
+                                 std::size_t stride) {
+    alignas(64) T in[3][width<T>];
+    value.x.store_aligned(in[0]);
+    value.y.store_aligned(in[1]);
+    value.z.store_aligned(in[2]);
+    for (std::uint32_t lane = 0; lane < width<T>; ++lane)
+      for (std::size_t c = 0; c < 3; ++c) data[addresses[lane] + c * stride] = in[c][lane];
+  }
 
   template <class T>
   static PLUMB_INLINE Triple<T> difference(const BlockView<T>& block, const T* data, Position at) {

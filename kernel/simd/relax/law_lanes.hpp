@@ -39,7 +39,7 @@ PLUMB_INLINE void store_shift(const LawView<T>& block, Position at, const Triple
 /// Returns `value` where `flag` is not 0, else `other`.
 template <class T>
 PLUMB_INLINE Batch<T> where(const Batch<T>& flag, const Batch<T>& value, const Batch<T>& other) {
-  return xsimd::select(flag != Batch<T>(T(0)), value, other);
+  return lanes::select(flag != Batch<T>(T(0)), value, other);
 }
 
 template <class Access, class T>
@@ -50,18 +50,18 @@ void prepare_laws(const LawView<T>& block, Range range) {
   for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
     const Position at = position<T>(range.begin, i);
     const Triple<T> d2 = load_direction(static_cast<const T*>(block.rod), at);
-    const Batch<T> length = half * xsimd::sqrt(dot(d2, d2));
+    const Batch<T> length = half * lanes::sqrt(dot(d2, d2));
     const Batch<T> excess =
         load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) / (length + load_law(block, at, 0));
     const Batch<T> frequency2 = load_law(block, at, 1), split = load_law(block, at, 3);
     const Batch<T> rigid = load_law(block, at, 4), one_sided = load_law(block, at, 5);
 
-    const Batch<T> fast = xsimd::max(Batch<T>(terms.substep * terms.substep) * frequency2 - one, zero);
+    const Batch<T> fast = lanes::max(Batch<T>(terms.substep * terms.substep) * frequency2 - one, zero);
     const Batch<T> share = Batch<T>(terms.share) + half * (fast / (one + fast));
     const Batch<T> pull = Batch<T>(terms.kick) * frequency2;
     const Batch<T> damps = Batch<T>(terms.damping) * load_law(block, at, 2);
     const Batch<T> slope = pull * share + damps;
-    const Batch<T> taut = where(one_sided, xsimd::max(excess, zero), excess);
+    const Batch<T> taut = where(one_sided, lanes::max(excess, zero), excess);
     const Batch<T> half_kick = load_field<1>(static_cast<const T*>(block.half_kick), at, 0);
     const Batch<T> before = (pull * (one - share) - damps) * taut + Batch<T>(terms.kick_before) * half_kick;
     const Batch<T> stiff = slope * split;
@@ -69,7 +69,7 @@ void prepare_laws(const LawView<T>& block, Range range) {
     T* start = block.start + at.v * law_fields::start * logical_width<T> + at.first;
     where(rigid, one, stiff / (one + stiff)).store_aligned(start);
     where(slope, before / where(slope, slope, one), zero).store_aligned(start + logical_width<T>);
-    where(one_sided, xsimd::max(before * split, zero), Batch<T>(-std::numeric_limits<T>::infinity()))
+    where(one_sided, lanes::max(before * split, zero), Batch<T>(-std::numeric_limits<T>::infinity()))
         .store_aligned(start + 2 * logical_width<T>);
     length.store_aligned(start + 3 * logical_width<T>);
     excess.store_aligned(start + 4 * logical_width<T>);
@@ -101,25 +101,25 @@ template <class T>
 PLUMB_INLINE Triple<T> shift_new(const Giving<T>& rod, const Triple<T>& e) {
   const Batch<T> half(T(0.5));
   const Triple<T> free = e + rod.shift, sum = rod.d2 + free, end2 = sum + free;
-  const Batch<T> end = half * xsimd::sqrt(dot(end2, end2));
+  const Batch<T> end = half * lanes::sqrt(dot(end2, end2));
   const Batch<T> excess = (rod.violation + dot(free, sum)) / (end + rod.length);
-  const Triple<T> along = (half / xsimd::max(end, rod.least_length)) * end2;
+  const Triple<T> along = (half / lanes::max(end, rod.least_length)) * end2;
   const Batch<T> last = dot(rod.shift, along), wanted = rod.firm * (excess + rod.off);
-  return xsimd::max(xsimd::min(last + rod.omega * (wanted - last), end), rod.least) * along;
+  return lanes::max(lanes::min(last + rod.omega * (wanted - last), end), rod.least) * along;
 }
 
 template <class T>
 PLUMB_INLINE Triple<T> shift_old(const Giving<T>& rod, const Triple<T>& e, const Batch<T>& start_length) {
   const Batch<T> half(T(0.5)), soft = Batch<T>(T(1)) - rod.firm;
   const Triple<T> sum = rod.d2 + e, end2 = sum + e;
-  const Batch<T> end = half * xsimd::sqrt(dot(end2, end2));
+  const Batch<T> end = half * lanes::sqrt(dot(end2, end2));
   const Batch<T> excess = (rod.violation + dot(e, sum)) / (end + rod.length);
-  const Triple<T> along = (half / xsimd::max(start_length, rod.least_length)) * rod.d2;
+  const Triple<T> along = (half / lanes::max(start_length, rod.least_length)) * rod.d2;
   const Batch<T> reach = half * dot(end2, along);
-  const Batch<T> cosine = xsimd::max(reach / xsimd::max(end, rod.least_length), Batch<T>(T(0.25)));
+  const Batch<T> cosine = lanes::max(reach / lanes::max(end, rod.least_length), Batch<T>(T(0.25)));
   const Batch<T> last = dot(rod.shift, along);
   const Batch<T> change = (rod.firm * (excess + rod.off) - soft * last) / (rod.firm * cosine + soft);
-  return xsimd::max(last + xsimd::min(rod.omega * change, reach), rod.least) * along;
+  return lanes::max(last + lanes::min(rod.omega * change, reach), rod.least) * along;
 }
 
 /// Returns by how much a cable shortens itself with gradient mid, see law_scalar.hpp.
@@ -129,13 +129,13 @@ PLUMB_INLINE Batch<T> cable_mid(const Giving<T>& rod, const Batch<T>& start_exce
   const Batch<T> zero(T(0)), half(T(0.5)), four(T(4));
   const Batch<T> sum = free + start_excess, part = softness * sum;
   const Batch<T> root =
-      xsimd::sqrt(xsimd::max(part * part - four * (softness * (free * start_excess)), zero));
+      lanes::sqrt(lanes::max(part * part - four * (softness * (free * start_excess)), zero));
   const Batch<T> tightened =
-      xsimd::select(free > zero, xsimd::max((free - half * (part + root)) / gain, zero), zero);
+      lanes::select(free > zero, lanes::max((free - half * (part + root)) / gain, zero), zero);
   const Batch<T> square = sum * sum - four * (start_excess * (free - gain * rod.least));
-  const Batch<T> slack = half * (sum - xsimd::sqrt(xsimd::max(square, zero)));
-  const Batch<T> loosened = rod.least * start_excess / xsimd::max(start_excess - slack, rod.least_length);
-  return xsimd::select(start_excess < zero, tightened, xsimd::select(linear > rod.least, linear, loosened));
+  const Batch<T> slack = half * (sum - lanes::sqrt(lanes::max(square, zero)));
+  const Batch<T> loosened = rod.least * start_excess / lanes::max(start_excess - slack, rod.least_length);
+  return lanes::select(start_excess < zero, tightened, lanes::select(linear > rod.least, linear, loosened));
 }
 
 /// Holds what a visit of gradient mid finds of a rod.
@@ -148,11 +148,11 @@ template <class T>
 PLUMB_INLINE Middle<T> middle_of(const Giving<T>& rod, const Triple<T>& e, const Batch<T>& start_length) {
   const Batch<T> half(T(0.5)), zero(T(0));
   const Triple<T> sum = rod.d2 + e, end2 = sum + e;
-  const Batch<T> end = half * xsimd::sqrt(dot(end2, end2));
-  const Batch<T> both = xsimd::max(start_length + end, rod.least_length), push = half * both;
+  const Batch<T> end = half * lanes::sqrt(dot(end2, end2));
+  const Batch<T> both = lanes::max(start_length + end, rod.least_length), push = half * both;
   const Batch<T> size =
-      both * xsimd::sqrt(dot(rod.shift, rod.shift) / xsimd::max(dot(sum, sum), push * push));
-  return {sum, both, push, xsimd::select(dot(rod.shift, sum) < zero, zero - size, size)};
+      both * lanes::sqrt(dot(rod.shift, rod.shift) / lanes::max(dot(sum, sum), push * push));
+  return {sum, both, push, lanes::select(dot(rod.shift, sum) < zero, zero - size, size)};
 }
 
 template <class T>
@@ -160,9 +160,9 @@ PLUMB_INLINE Triple<T> shift_mid(const Giving<T>& rod, const Triple<T>& e, const
                                  const Batch<T>& start_excess, const Batch<T>& one_sided) {
   const Batch<T> zero(T(0)), one(T(1)), soft = one - rod.firm;
   const Middle<T> middle = middle_of(rod, e, start_length);
-  const Batch<T> last = xsimd::max(middle.last, zero - middle.push);
+  const Batch<T> last = lanes::max(middle.last, zero - middle.push);
   const Triple<T> along = (one / (middle.both + last)) * (middle.sum + rod.shift);
-  const Batch<T> gain = xsimd::max(dot(along, along), Batch<T>(T(0.25)));
+  const Batch<T> gain = lanes::max(dot(along, along), Batch<T>(T(0.25)));
   const Batch<T> free = start_excess + dot(along, e + rod.shift);
   const Batch<T> over = one / (soft + rod.firm * gain);
   const Batch<T> linear = (rod.firm * (free + rod.off)) * over;
@@ -170,7 +170,7 @@ PLUMB_INLINE Triple<T> shift_mid(const Giving<T>& rod, const Triple<T>& e, const
       where(one_sided, cable_mid(rod, start_excess, free, gain, linear, soft * over), linear);
   const Batch<T> least = where(one_sided, zero, zero - middle.push);
   const Batch<T> reach = (free + rod.length) / gain;
-  return xsimd::max(xsimd::min(last + rod.omega * (wanted - last), reach), least) * along;
+  return lanes::max(lanes::min(last + rod.omega * (wanted - last), reach), least) * along;
 }
 
 /// Returns 1 for rods that a bound of gradient mid holds, else 0.
@@ -178,8 +178,8 @@ template <class T>
 PLUMB_INLINE Batch<T> is_lost(const Giving<T>& rod, const Triple<T>& e, const Batch<T>& start_length) {
   const Batch<T> zero(T(0)), one(T(1));
   const Middle<T> middle = middle_of(rod, e, start_length);
-  const Batch<T> turned = xsimd::select(dot(middle.sum, middle.sum) < middle.push * middle.push, one, zero);
-  return xsimd::select(middle.last < Batch<T>(T(-0.99)) * middle.push, one, turned);
+  const Batch<T> turned = lanes::select(dot(middle.sum, middle.sum) < middle.push * middle.push, one, zero);
+  return lanes::select(middle.last < Batch<T>(T(-0.99)) * middle.push, one, turned);
 }
 
 /// Returns by how much a rod, whose vector has moved by e, is to be moved in all.
@@ -219,9 +219,9 @@ T violation_laws(const LawView<T>& block, Range range) {
     const Giving<T> rod = load_giving(block, at);
     const Triple<T> change = next_shift<gradient>(block, at, rod, e) - rod.shift;
     const Batch<T> scale = (rod.length + rod.length) * load_field<weight_fields>(block.weight, at, 3);
-    largest = xsimd::max(xsimd::sqrt(dot(change, change)) * scale, largest);
+    largest = lanes::max(lanes::sqrt(dot(change, change)) * scale, largest);
     if constexpr (gradient == Gradient::mid)
-      largest = xsimd::max(is_lost(rod, e, load_start(block, at, 3)) * (rod.length * scale), largest);
+      largest = lanes::max(is_lost(rod, e, load_start(block, at, 3)) * (rod.length * scale), largest);
   }
   return largest_lane(largest);
 }
@@ -233,7 +233,7 @@ void finish_laws(const LawView<T>& block, Range range) {
     const Position at = position<T>(range.begin, i);
     const Giving<T> rod = load_giving(block, at);
     T* half_kick = block.half_kick + at.v * logical_width<T> + at.first;
-    const Triple<T> along = (half / xsimd::max(load_start(block, at, 3), rod.least_length)) * rod.d2;
+    const Triple<T> along = (half / lanes::max(load_start(block, at, 3), rod.least_length)) * rod.d2;
     const Batch<T> own = dot(rod.shift, along) / load_law(block, at, 3) -
                          Batch<T>(block.terms.kick_before) * Batch<T>::load_aligned(half_kick);
     const Batch<T> gives = load_law(block, at, 1) + load_law(block, at, 2);

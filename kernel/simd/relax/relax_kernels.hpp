@@ -171,6 +171,47 @@ struct EndKernels {
   void (*keep)(const EndView<T>&, Range, T over);
 };
 
+/// Fields per contact of places, each a weighted sum of particles, in vectors for each vector of contacts.
+namespace contact_fields {
+inline constexpr std::uint32_t most_terms = 4;
+inline constexpr std::uint32_t normal = 0;     ///< x, y, z of the unit vector along which a gap is kept open
+inline constexpr std::uint32_t gap = 3;        ///< m, what may be lost along it
+inline constexpr std::uint32_t push = 4;       ///< kg m, along the normal
+inline constexpr std::uint32_t across = 5;     ///< kg m, as x, y, z: against sliding
+inline constexpr std::uint32_t over = 8;       ///< kg, what moves the places by a metre; 0 for padding
+inline constexpr std::uint32_t moves = 9;      ///< 1/kg, what a push of one moves them by
+inline constexpr std::uint32_t friction = 10;  ///< Coulomb's coefficient
+inline constexpr std::uint32_t carried = 11;   ///< m, as x, y, z: how far moving ground goes
+inline constexpr std::uint32_t weight = 14;    ///< of each term
+inline constexpr std::uint32_t move = weight + most_terms;  ///< 1/kg, what a push of one moves each term by
+inline constexpr std::uint32_t count = move + most_terms;
+}  // namespace contact_fields
+
+/// What kernels need of contacts. Their particles have displacements (m).
+template <class T>
+struct ContactView {
+  T* p;
+  T* fields;                ///< contact_fields::count vectors per vector of contacts.
+  const std::uint32_t* at;  ///< contact_fields::most_terms vectors likewise: where x of the terms are.
+  std::uint32_t component_stride = 1;
+};
+
+/// A range of vectors of contacts with at most so many terms. No two of one range move the same particle.
+struct ContactRange {
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+  std::uint32_t terms = contact_fields::most_terms;  ///< two or four
+};
+
+/// Loops over ranges of contacts, range after range.
+template <class T>
+struct ContactKernels {
+  /// Visits all contacts once.
+  void (*sweep)(const ContactView<T>&, const ContactRange*, std::uint32_t count);
+  /// Does so. Returns the largest change of a place, m.
+  T (*measure)(const ContactView<T>&, const ContactRange*, std::uint32_t count);
+};
+
 /// Loops over particle numbers, whatever the layout. Lengths are multiples of the logical width.
 template <class T>
 struct ParticleKernels {
@@ -194,13 +235,23 @@ struct Kernels {
   ParticleKernels<T> particles;
   AccessKernels<T> access[3];    ///< by layouts::Access
   EndKernels<T> ends, row_ends;  ///< of records, and of rows
+  ContactKernels<T> contacts, row_contacts;
 };
 
-/// Every instruction set, slowest first, and what a processor must have for it (`cpu` is xsimd's list). The
-/// files of that name define its tables, and CMakeLists.txt gives those files its flags; Isa names it.
+/// Every instruction set of this family of processors, slowest first, and what one must have for it (`cpu` is
+/// xsimd's list). The files of that name define its tables, and CMakeLists.txt gives those files its flags;
+/// Isa names it. WebAssembly is asked for vectors when it is compiled, and then has them wherever it runs.
+#if defined(__x86_64__) || defined(__i386__)
 #define PLUMB_FOR_EACH_ISA(row)                                             \
   row(scalar, true) row(sse2, cpu.sse2) row(avx2, cpu.avx2&& cpu.fma3_avx2) \
       row(avx512, cpu.avx512bw&& cpu.avx512dq&& cpu.avx512cd&& __builtin_cpu_supports("avx512vl"))
+#elif defined(__aarch64__)
+#define PLUMB_FOR_EACH_ISA(row) row(scalar, true) row(neon, true)
+#elif defined(__wasm_simd128__)
+#define PLUMB_FOR_EACH_ISA(row) row(scalar, true) row(simd128, true)
+#else
+#define PLUMB_FOR_EACH_ISA(row) row(scalar, true)
+#endif
 
 #define PLUMB_DECLARE_TABLES(isa, supported)       \
   extern const Kernels<float> relax_##isa##_float; \

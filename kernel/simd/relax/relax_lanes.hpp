@@ -1,10 +1,11 @@
 // This is the vector body of every loop in relax_kernels.hpp. Each instruction set includes it once and sets
-// PLUMB_ARCH to its xsimd architecture. Everything has internal linkage: of an inline function that several
-// instruction sets share, the linker would keep one that not every machine can run.
+// PLUMB_ARCH to its xsimd architecture, if batch.hpp needs one. Everything has internal linkage: of an inline
+// function that several instruction sets share, the linker would keep one that not every machine can run.
 //
 // relax_scalar.cpp says what is computed and why. The operations and their order are the same here.
 
-#include "simd/relax/end_lanes.hpp"
+#include "simd/relax/contacts/contact_lanes.hpp"
+#include "simd/relax/contacts/end_lanes.hpp"
 #include "simd/relax/law_lanes.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
@@ -31,7 +32,7 @@ PLUMB_INLINE Correction<Access, T> correction(const BlockView<T>& block, Positio
   const Batch<T> c = load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) + dot(e, sum);
   const Batch<T> length2 = uniform ? uniform_length2 : load_field<weight_fields>(block.weight, at, 0);
   const Batch<T> divisor = length2 + Batch<T>(T(0.75)) * c;
-  const Batch<T> s = c / xsimd::max(divisor, Batch<T>(T(0.25)) * length2);
+  const Batch<T> s = c / lanes::max(divisor, Batch<T>(T(0.25)) * length2);
   if constexpr (gradient == Gradient::old) return {d2, s, kept};
   if constexpr (gradient == Gradient::mid) return {sum, s, kept};
   return {sum + e, s, kept};
@@ -109,7 +110,7 @@ T violation(const BlockView<T>& block, Range range) {
     const Batch<T> c = load_field<rod_fields>(static_cast<const T*>(block.rod), at, 3) + dot(e, sum);
     const Batch<T> inverse = range.uniform ? Batch<T>(block.uniform_inverse_length2)
                                            : load_field<weight_fields>(block.weight, at, 3);
-    largest = xsimd::max(xsimd::abs(c) * inverse, largest);  // max takes the second if one is not a number
+    largest = lanes::max(lanes::abs(c) * inverse, largest);  // max takes the second if one is not a number
   }
   return largest_lane(largest);
 }
@@ -182,6 +183,8 @@ constexpr Kernels<T> table = {
     {access_kernels<RowAccess, T>, access_kernels<GatherAccess, T>, access_kernels<RecordAccess, T>},
     end_kernels<RecordAccess, T>,
     end_kernels<RowAccess, T>,
+    contact_kernels<RecordAccess, T>,
+    contact_kernels<GatherAccess, T>,
 };
 
 }  // namespace

@@ -2,7 +2,8 @@
 
 #include <cmath>
 
-#include "simd/relax/end_scalar.hpp"
+#include "simd/relax/contacts/contact_scalar.hpp"
+#include "simd/relax/contacts/end_scalar.hpp"
 #include "simd/relax/law_scalar.hpp"
 
 namespace plumb::simd {
@@ -155,6 +156,8 @@ constexpr Kernels<T> table = {
     {access_kernels<rows, T>, access_kernels<gather, T>, access_kernels<records, T>},
     end_kernels<records, T>,
     end_kernels<rows, T>,
+    contact_kernels<records, T>,
+    contact_kernels<rows, T>,
 };
 
 }  // namespace

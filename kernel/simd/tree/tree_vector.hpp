@@ -1,16 +1,16 @@
 // Trees stand side by side in the lanes of one vector. Each instruction set includes this file once and sets
-// PLUMB_ARCH to its xsimd architecture.
+// PLUMB_ARCH to its xsimd architecture, if batch.hpp needs one.
 #include <cstddef>
 #include <cstring>
-#include <xsimd/xsimd.hpp>
 
+#include "simd/batch.hpp"
 #include "simd/tree/tree_kernels.hpp"
 
 namespace plumb::simd {
 namespace {
 
 template <class T>
-using Batch = xsimd::batch<T, PLUMB_ARCH>;
+using Batch = BatchOf<T>;
 
 template <class V, class T>
 inline __attribute__((always_inline)) V load(const T* from) {
@@ -49,24 +49,24 @@ inline __attribute__((always_inline)) void add_wide(const Batch<T>& value, doubl
 template <class T>
 inline __attribute__((always_inline)) Batch<T> select_nonzero(const Batch<T>& mask, const Batch<T>& a,
                                                               const Batch<T>& b) {
-  return xsimd::select(mask != Batch<T>(T(0)), a, b);
+  return lanes::select(mask != Batch<T>(T(0)), a, b);
 }
 template <class T>
 inline __attribute__((always_inline)) Batch<T> select_positive(const Batch<T>& value, const Batch<T>& a,
                                                                const Batch<T>& b) {
-  return xsimd::select(value > Batch<T>(T(0)), a, b);
+  return lanes::select(value > Batch<T>(T(0)), a, b);
 }
 template <class T>
 inline __attribute__((always_inline)) Batch<T> root(const Batch<T>& value) {
-  return xsimd::sqrt(value);
+  return lanes::sqrt(value);
 }
 template <class T>
 inline __attribute__((always_inline)) Batch<T> larger(const Batch<T>& a, const Batch<T>& b) {
-  return xsimd::select(a > b, a, b);
+  return lanes::select(a > b, a, b);
 }
 template <class T>
 inline __attribute__((always_inline)) Batch<T> reciprocal_or_zero(const Batch<T>& s, const Batch<T>& floor) {
-  return xsimd::select(xsimd::abs(s) > floor, Batch<T>(T(1)) / s, Batch<T>(T(0)));
+  return lanes::select(lanes::abs(s) > floor, Batch<T>(T(1)) / s, Batch<T>(T(0)));
 }
 
 }  // namespace

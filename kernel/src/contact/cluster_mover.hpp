@@ -28,6 +28,8 @@ class ClusterMover {
                     const ClusterRules& rules, double dt, Tally& report) = 0;
   virtual bool set_stop_rule(const StopRule&) { return false; }  ///< true if it is read
   virtual bool set_weights(Weights) { return false; }            ///< true if they are read
+  /// Islands are made otherwise than they were.
+  virtual void forget() {}
 };
 
 }  // namespace plumb::detail

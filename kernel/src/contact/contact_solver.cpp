@@ -81,6 +81,7 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
     if (kind == nullptr) {
       const auto use = relaxes_ ? Linkage::Use::relaxed : Linkage::Use::solved;
       linkages_.push_back(std::make_unique<Linkage>(part, isa_, use));
+      parts_.push_back(part);
       kind = linkages_.back().get();
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
@@ -194,6 +195,7 @@ void ContactSolver::begin_piece(std::uint32_t piece, unsigned) {
   for (LinkageState* const state : cluster(piece)) {
     state->elapsed = 0;
     if (!state->asleep) state->pulls.begin_step();
+    if (!grabs_.empty()) begin_grabs(*state);
   }
 }
 
@@ -201,6 +203,7 @@ void ContactSolver::end_piece(std::uint32_t piece, double dt, unsigned) {
   for (LinkageState* const state : cluster(piece))
     if (!state->asleep) {
       state->pulls.dt = dt;
+      if (state->pulls.counts && !grabs_.empty()) count_grabs(*state, dt);
       state->pulls.touched.merge();
     }
   rests_[pieces_[piece]] = rests(cluster(piece), dt);
@@ -293,11 +296,6 @@ void ContactSolver::set_force(Slot slot, Vec3 newton) {
   clusters_.wake(state.number);
 }
 
-void ContactSolver::set_gravity(Vec3 gravity, Vec3) {
-  for (const auto& linkage : linkages_) linkage->set_gravity(gravity);
-  for (LinkageState& state : states_) wake_with_laws(state);
-}
-
 void ContactSolver::wake_with_laws(LinkageState& state) {
   state.energy.reset();
   clusters_.wake(state.number);
@@ -364,7 +362,7 @@ void ContactSolver::describe(WorldInfo& info) const {
   for (const auto& linkage : linkages_) {
     BlockInfo block{.shape = "linkage", .layout = "aos"};
     for (const LinkageState& state : states_) {
-      if (state.linkage != linkage.get() || is_plain_[state.number] != 0) continue;
+      if (kind_of(state) != linkage.get() || is_plain_[state.number] != 0) continue;
       ++block.islands;
       block.particles += linkage->particles();
       block.rods += linkage->rods();

@@ -7,6 +7,7 @@
 
 #include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
+#include "contact/grabs/linkage_grabs.hpp"
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/linkage/visitor.hpp"
 #include "contact/pulls/contact_list.hpp"
@@ -168,6 +169,12 @@ class ContactSolver final : public Solver {
   void add_to_hash(Slot slot, StateHash& hash) const override;
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;
+  const char* refuses_grab(std::span<const Slot> slots) const override;
+  void put_grab(const HeldGrab& grab, std::span<const GrabShare> shares) override;
+  void end_grab(std::uint32_t number) override;
+  void aim_grab(std::uint32_t number, Vec3 velocity) override;
+  void place_grab(std::uint32_t number, Vec3 target) override;
+  const HeldGrab* held_grab(std::uint32_t number) const override;
   void set_gravity(Vec3 gravity, Vec3 change) override;
   void move_anchor(Slot slot, const AnchorMove& move) override;
   void place_anchor(Slot slot, Vec3 target) override;
@@ -176,13 +183,14 @@ class ContactSolver final : public Solver {
   bool is_away(std::uint32_t) const override { return false; }
   /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, linkages, states, visitors,
-           is_plain, histories, first_slot, island_of, springs, torsions, angles, rods, pins, shapes,
-           shape_ids, first_shape, ground_pushes, contacts, counts_touches, lists_contacts, is_listed,
-           clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
+    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, grabs,
+           states, visitors, is_plain, histories, first_slot, island_of, springs, torsions, angles, rods,
+           pins, shapes, shape_ids, first_shape, ground_pushes, contacts, counts_touches, lists_contacts,
+           is_listed, clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
     archive(surroundings);
     for (LinkageState& state : states) archive(state);
     for (History& history : histories) archive(history.best_substep);
+    for (IslandGrabs& of : grabs) archive(of);
     archive(visitors, ground_pushes, contacts, is_listed, clusters);
   }
   void describe(WorldInfo& info) const override;
@@ -203,6 +211,13 @@ class ContactSolver final : public Solver {
     std::uint32_t island, number;
   };
   void wake_with_laws(LinkageState& state);
+  IslandGrabs& grabs_of(std::uint32_t island);
+  void make_kind(IslandGrabs& of);
+  void begin_grabs(const LinkageState& state);
+  void count_grabs(const LinkageState& state, double dt);
+  template <class F>
+  void for_grab(std::uint32_t number, F&& f);
+  const Linkage* kind_of(const LinkageState& state) const;
   /// Returns a mean over the last step of what an island counts.
   template <class Number>
   static Number mean(const LinkagePulls& pulls, const Number& sum);
@@ -234,7 +249,9 @@ class ContactSolver final : public Solver {
   ContactSettings settings_;  ///< multiplied by their length scale
   std::uint32_t time_order_;
   Surroundings surroundings_;
+  std::vector<Scene> parts_;  ///< of linkages: one island that is of this kind
   std::vector<std::unique_ptr<Linkage>> linkages_;
+  std::vector<IslandGrabs> grabs_;  ///< of islands that something grabs
   std::vector<LinkageState> states_;
   std::vector<Visitor> visitors_;       ///< by island's number
   std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone

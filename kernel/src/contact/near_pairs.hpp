@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/pair_order.hpp"
 #include "contact/shapes/bounds.hpp"
 #include "contact/spatial_hash.hpp"
 
@@ -40,8 +41,7 @@ class NearPairs {
       hash_.find_and_insert(l, boxes[l], [&](std::uint32_t k) {
         if (boxes[k].overlaps(boxes[l])) pairs_.push_back({std::min(k, l), std::max(k, l)});
       });
-    std::sort(pairs_.begin(), pairs_.end());
-    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+    order_.sort(pairs_, &Pair::first, count);
     return pairs_;
   }
   /// Returns what was found last.
@@ -53,6 +53,7 @@ class NearPairs {
 
   SpatialHash hash_;
   std::vector<Pair> pairs_;
+  PairOrder<Pair> order_;
 };
 
 }  // namespace plumb::detail

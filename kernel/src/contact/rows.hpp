@@ -15,11 +15,20 @@ namespace plumb::detail {
 
 /// Returns a place between two others, from 0 to 1.
 inline Combination blend(const Combination& a, const Combination& b, double t) {
-  if (t <= 0) return a;
-  if (t >= 1) return b;
   Combination out;
-  for (std::uint32_t i = 0; i < a.count; ++i) out.add(a.terms[i].particle, (1 - t) * a.terms[i].weight);
-  for (std::uint32_t i = 0; i < b.count; ++i) out.add(b.terms[i].particle, t * b.terms[i].weight);
+  if (t <= 0) {
+    out = a;
+  } else if (t >= 1) {
+    out = b;
+  } else if (a.count == 1 && b.count == 1 && a.terms[0].particle != b.terms[0].particle) {
+    // This is how most lines are.
+    out.terms[0] = {a.terms[0].particle, (1 - t) * a.terms[0].weight};
+    out.terms[1] = {b.terms[0].particle, t * b.terms[0].weight};
+    out.count = 2;
+  } else {
+    for (std::uint32_t i = 0; i < a.count; ++i) out.add(a.terms[i].particle, (1 - t) * a.terms[i].weight);
+    for (std::uint32_t i = 0; i < b.count; ++i) out.add(b.terms[i].particle, t * b.terms[i].weight);
+  }
   return out;
 }
 

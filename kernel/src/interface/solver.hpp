@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "interface/grab.hpp"
 #include "interface/place.hpp"
 #include "interface/state_hash.hpp"
 #include "interface/tally.hpp"
@@ -20,6 +21,12 @@ class Team;
 
 /// Says where a solver keeps a particle. Every solver numbers its own.
 using Slot = std::uint32_t;
+
+/// A grabbed place is a sum of particles, each by a share.
+struct GrabShare {
+  Slot slot;
+  double share;
+};
 
 /// This is the straight path (m) of a fixed particle in a step of `dt` (s).
 struct AnchorMove {
@@ -171,6 +178,21 @@ class Solver {
   virtual void set_away(Slot, bool away) = 0;
   /// Returns whether all islands of a piece are left out.
   virtual bool is_away(std::uint32_t piece) const = 0;
+
+  // --- Grabs, by the world's numbers; of solvers that have an archive
+
+  /// Returns why a place can not be grabbed that `slots` of this solver make up, or null if it can.
+  virtual const char* refuses_grab(std::span<const Slot> /*slots*/) const {
+    return "is moved by a method that takes no grabs; relax, direct and auto do";
+  }
+  /// Pulls a place from now on, by shares of its slots that add up to 1.
+  virtual void put_grab(const HeldGrab&, std::span<const GrabShare>) {}
+  virtual void end_grab(std::uint32_t /*number*/) {}
+  /// Lets a target go at `velocity` (m/s) in the next step, and puts it where it went after that.
+  virtual void aim_grab(std::uint32_t /*number*/, Vec3 /*velocity*/) {}
+  virtual void place_grab(std::uint32_t /*number*/, Vec3 /*target*/) {}
+  /// Returns what it did in the last step; null if it does not know.
+  virtual const HeldGrab* held_grab(std::uint32_t /*number*/) const { return nullptr; }
 
   // --- Rods, tackles and reels, by slots of their own; of solvers that have them (MadeSolver::cords)
 

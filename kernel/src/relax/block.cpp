@@ -39,60 +39,32 @@ std::uint32_t Block<T>::distinct_rods(std::uint32_t begin, std::uint32_t end) co
 }
 
 template <class T>
-void Block<T>::set_weights(const Constants& constants, Weights weights, SweepOrder order, double omega) {
+void Block<T>::set_weights(const Weighing& by) {
+  const Constants& constants = by.constants;
   const std::uint32_t lanes = packing_.lanes;
-  const auto inverse_mass = [&](std::uint32_t particle) {
-    const double w = constants.inverse_mass[particle];
-    return weights == Weights::equal ? (w > 0 ? 1.0 : 0.0) : w;
-  };
-  // With Jacobi every rod sees a particle with its mass divided by the number of rods at it. All of them can
-  // then be corrected at once without moving it too far, and momentum stays (mass splitting, Tonge et al.
-  // 2012).
-  const auto rods_sharing = [&](std::uint32_t particle) {
-    return order == SweepOrder::jacobi ? static_cast<double>(constants.valence[particle]) : 1.0;
-  };
   // Packings may turn a rod round, so its ends are looked up by address.
   const std::vector<std::uint32_t> slot_at = slots_by_element();
-  const auto end_of = [&](const std::vector<std::uint32_t>& addresses, std::size_t i) {
-    return packing_.slot_vertex[slot_at[element_of_end(addresses, i)]];
-  };
   moving_anchors_.reserve(static_cast<std::size_t>(
       std::count_if(packing_.slot_vertex.begin(), packing_.slot_vertex.end(),
                     [&](std::uint32_t vertex) { return constants.inverse_mass[vertex] == 0; })));
 
   make_laws(constants);
-  omega_ = static_cast<T>(omega);
+  omega_ = static_cast<T>(by.omega);
   std::map<std::pair<T, T>, std::uint32_t> candidates;
   for (std::size_t i = 0; i < packing_.lane_edge.size(); ++i) {
-    T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
-    const std::uint32_t edge = packing_.lane_edge[i];
-    if (edge == none || is_broken(i)) {
+    if (packing_.lane_edge[i] == none || is_broken(i)) {
       switch_off(i);
       continue;
     }
-    const std::uint32_t a = end_of(packing_.address_a, i), b = end_of(packing_.address_b, i);
-    const double wa = inverse_mass(a), wb = inverse_mass(b);
-    const double sum = rods_sharing(a) * wa + rods_sharing(b) * wb;
-    const double scale = (gives_ ? 1 : omega / 4) / sum;
-    fields[0] = static_cast<T>(constants.length2[edge]);
-    fields[lanes] = static_cast<T>(scale * wa);
-    fields[2 * lanes] = static_cast<T>(scale * wb);
-    fields[3 * lanes] = static_cast<T>(1 / constants.length2[edge]);
-    if (!mass_of_move_.empty()) {
-      const double split = sum / (wa + wb), give = constants.inverse_mass[a] + constants.inverse_mass[b];
-      mass_of_move_[i] = (gives_ ? 1 : omega / 4) / (split * give);
-      if (breaks()) set_bound(i);
-    }
-    if (gives_) {
-      write_law(i, constants.laws[edge], std::sqrt(constants.length2[edge]),
-                constants.inverse_mass[a] + constants.inverse_mass[b], sum / (wa + wb));
-      continue;
-    }
-    if (fields[lanes] == fields[2 * lanes]) ++candidates[{fields[0], fields[lanes]}];
+    weigh_rod(i, slot_at[element_of_end(packing_.address_a, i)],
+              slot_at[element_of_end(packing_.address_b, i)], by);
+    const T* fields = weight_.data() + i / lanes * simd::weight_fields * lanes + i % lanes;
+    if (!gives_ && fields[lanes] == fields[2 * lanes]) ++candidates[{fields[0], fields[lanes]}];
   }
   find_uniform_ranges(candidates);
   if (std::find(frozen_slots_.begin(), frozen_slots_.end(), 1) != frozen_slots_.end())
     retire_frozen_rods(0, packing_.positions);
+  for (const Grabbed& each : grabbed_) weigh_grabbed(each, by);
 }
 
 template <class T>

@@ -30,7 +30,21 @@ class Block {
 
   /// Writes shares of a correction and squared lengths for every rod, and finds which ranges need none of
   /// them.
-  void set_weights(const Constants& constants, Weights weights, SweepOrder order, double omega);
+  struct Weighing {
+    const Constants& constants;
+    Weights weights;
+    SweepOrder order;
+    double omega;
+  };
+  void set_weights(const Weighing& by);
+
+  /// Lets rods see a slot with another inverse mass (1/kg) than its particle has, since something grabs it.
+  /// set_weights() is due then.
+  void add_grabbed(std::uint32_t slot, double inverse_mass);
+  void remove_grabbed(std::uint32_t slot);
+  /// Changes that of one which was added, and weighs its rods.
+  void set_grabbed(std::uint32_t slot, double inverse_mass, const Weighing& by);
+  double grabbed_inverse_mass(std::uint32_t slot) const;
 
   /// Returns the vectors of stage `stage` of position `q`.
   simd::Range range(std::uint32_t q, std::size_t stage) const {
@@ -106,8 +120,8 @@ class Block {
   void archive(Archive& archive) {
     auto& [packing, x, displacements, kick, accumulator, rod, weight, law, law_start, shift, half_kick, gives,
            moved, pulls, mass_of_move, strengths, square_bounds, broken, omega, newest, uniform,
-           uniform_length2, uniform_share, uniform_rods, rods_before, moving_anchors, settling,
-           frozen_slots] = *this;
+           uniform_length2, uniform_share, uniform_rods, rods_before, moving_anchors, settling, frozen_slots,
+           grabbed] = *this;
     archive(x, displacements[newest & 1], displacements[(newest + 1) & 1], kick, half_kick, pulls,
             moving_anchors, settling);
   }
@@ -145,6 +159,19 @@ class Block {
   }
 
  private:
+  /// A slot that is grabbed, and its rods: their lanes, and the slots of their ends.
+  struct Grabbed {
+    struct Rod {
+      std::size_t lane;
+      std::uint32_t a, b;
+    };
+    std::uint32_t slot;
+    double inverse_mass;
+    std::vector<Rod> rods;
+  };
+  double inverse_mass_of(std::uint32_t slot, const Constants& constants) const;
+  void weigh_grabbed(const Grabbed& of, const Weighing& by);
+  void weigh_rod(std::size_t lane, std::uint32_t slot_a, std::uint32_t slot_b, const Weighing& by);
   bool is_within(std::uint32_t slot, std::uint32_t q0, std::uint32_t q1) const;
   std::vector<std::uint32_t> slots_by_element() const;
   std::uint32_t element_of_end(const std::vector<std::uint32_t>& addresses, std::size_t lane) const;
@@ -190,6 +217,7 @@ class Block {
   std::vector<std::uint32_t> moving_anchors_;  ///< These are slots, by their place in memory while stepping.
   bool settling_ = false;
   std::vector<std::uint8_t> frozen_slots_;
+  std::vector<Grabbed> grabbed_;
 };
 
 extern template class Block<float>;

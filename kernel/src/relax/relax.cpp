@@ -111,6 +111,7 @@ class Substep {
   // --- Stages
 
   void predict_and_prepare() {
+    settings_.grabs.begin(block_, settings_.gradient, u_, q0_, q1_);
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
         kernels_.particles.predict(p_ + first, u_ + first, block_.kick() + first, settings_.decay, n);
@@ -171,6 +172,7 @@ class Substep {
     const bool guarded = settings_.gradient == Gradient::mid && !packing_.stages.empty() &&
                          (block_.is_settling() || violation() > mid_guard_violation);
     if (guarded) ++report_.mid_guarded;
+    settings_.grabs.see(block_, p_, q0_, q1_);
     crew_.for_parts([&](unsigned part) {
       for_elements(part, [&](std::uint32_t first, std::uint32_t n) {
         const auto& particles = kernels_.particles;
@@ -186,6 +188,7 @@ class Substep {
       });
     });
     block_.rest_anchors(p_, q0_, q1_);
+    settings_.grabs.end(block_, settings_.gradient, guarded, p_, q0_, q1_);
     if (block_.breaks()) break_rods();
   }
 

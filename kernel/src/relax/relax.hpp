@@ -5,6 +5,7 @@
 #include "plumb/settings.hpp"
 #include "plumb/world.hpp"
 #include "relax/block.hpp"
+#include "relax/grabs/block_grabs.hpp"
 #include "simd/relax/relax_kernels.hpp"
 #include "threads/team.hpp"
 
@@ -25,7 +26,8 @@ struct RelaxSettings {
   simd::LawTerms<T> first_terms{}, terms{};
   /// Make impulses of what sweeps moved rods by, in 1/s, see Block::count_moves(); 0 if nobody asks.
   double first_pull = 0, pull = 0;
-  double h = 0;  ///< substep, in s
+  double h = 0;        ///< substep, in s
+  BlockGrabs grabs{};  ///< of particles that something grabs
 };
 
 /// Advances positions [q0, q1) of a block by all substeps on the calling thread. The positions must not

@@ -21,8 +21,7 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
     : rules_(std::move(rules)),
       kernels_(simd::kernels<T>(rules_->settings.isa.value_or(best_isa()))),
       block_(std::move(packing), rules_->settings.order == SweepOrder::jacobi) {
-  const Settings& settings = rules_->settings;
-  block_.set_weights(rules_->constants, settings.weights, settings.order, settings.omega);
+  weigh();
   const layouts::Packing& packed = block_.packing();
   for (Slot slot = 0; slot < packed.slot_vertex.size(); ++slot)
     block_.write(block_.x(), slot, scene.particles[particle_of(slot)].position);
@@ -65,6 +64,7 @@ RelaxSolver<T>::RelaxSolver(std::shared_ptr<RelaxRules> rules, const Scene& scen
 template <class T>
 void RelaxSolver<T>::begin_step(double dt, Team& team) {
   parts_ = team.parts();
+  for (BlockGrab& grab : grabs_) grab.begin_step();
   if (wants_team()) begin_pulls(0);
   if (!is_controlled()) take_substeps_of(dt / rules_->settings.substeps);
   block_.release_anchors();
@@ -77,6 +77,7 @@ void RelaxSolver<T>::begin_step(double dt, Team& team) {
 /// Makes displacements and kicks fit substeps of `h` seconds.
 template <class T>
 void RelaxSolver<T>::take_substeps_of(double h) {
+  if (!grabs_.empty()) weigh_grabs(h);
   if (!has_moved_) {
     start_displacements(h);
   } else if (h != h_) {
@@ -92,7 +93,8 @@ template <class T>
 void RelaxSolver<T>::start_displacements(double h) {
   for_slots([&](Slot slot, std::uint32_t particle) {
     if (!is_movable(particle)) return;
-    const auto start = rules_->verlet.start(rules_->initial_velocities[particle], acceleration(slot), h);
+    const Vec3 v = rules_->initial_velocities[particle];
+    const auto start = rules_->verlet.start(v, acceleration(slot, h * v, h), h);
     block_.write(block_.displacement(0), slot, start.last);
     block_.write(block_.displacement(1), slot, start.before);
   });
@@ -103,7 +105,8 @@ void RelaxSolver<T>::change_step(double h) {
   for_slots([&](Slot slot, std::uint32_t particle) {
     if (!is_movable(particle)) return;
     T* const last = block_.displacement(0);
-    block_.write(last, slot, rules_->verlet.change_step(block_.read(last, slot), acceleration(slot), h_, h));
+    const Vec3 went = block_.read(last, slot);
+    block_.write(last, slot, rules_->verlet.change_step(went, acceleration(slot, went, h_), h_, h));
   });
 }
 
@@ -116,7 +119,7 @@ void RelaxSolver<T>::write_kicks() {
 }
 
 template <class T>
-RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) const {
+RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) {
   const Settings& settings = rules_->settings;
   const double budget = settings.stop.budget_us.value_or(0) / settings.substeps;
   return {&kernels_,
@@ -130,7 +133,8 @@ RelaxSettings<T> RelaxSolver<T>::settings_for(double rods, double share) const {
           law_terms(h_),
           pull_of_moves(last_h_),
           pull_of_moves(h_),
-          h_};
+          h_,
+          {grabs_, rules_->verlet.kick({1, 0, 0}, h_).x, h_, rules_->verlet.decay(h_)}};
 }
 
 /// A pull acts as gravity does, from the middle of the last substep to that of this one. Gradient mid begins
@@ -188,14 +192,6 @@ void RelaxSolver<T>::end_step(StepReport&) {
 }
 
 template <class T>
-Vec3 RelaxSolver<T>::acceleration(Slot slot) const {
-  const std::uint32_t particle = particle_of(slot);
-  if (!is_movable(particle)) return {};
-  if (forces_.empty()) return rules_->gravity;
-  return rules_->gravity + rules_->constants.inverse_mass[particle] * forces_[slot];
-}
-
-template <class T>
 template <class F>
 void RelaxSolver<T>::for_slots(F&& f) {
   const auto& vertices = block_.packing().slot_vertex;
@@ -232,6 +228,7 @@ void RelaxSolver<T>::save(std::uint32_t, Saved which) {
   to.pulls = block_.pulls();
   block_.save_rods(to.rods);
   to.h = h_;
+  to.grabs = grabs_;
   to.has_moved = has_moved_;
 }
 
@@ -247,6 +244,7 @@ void RelaxSolver<T>::restore(std::uint32_t, Saved which) {
   block_.restore_rods(from.rods);
   kicks_stale_ = kicks_stale_ || h_ != from.h;
   h_ = from.h;
+  grabs_ = from.grabs;
   has_moved_ = from.has_moved;
 }
 
@@ -356,7 +354,7 @@ void RelaxSolver<T>::set_motion(Slot slot, Vec3 position, Vec3 velocity) {
   block_.write(block_.x(), slot, position);
   rules_->initial_velocities[particle_of(slot)] = velocity;
   if (!has_moved_) return;
-  const auto start = rules_->verlet.start(velocity, acceleration(slot), h_);
+  const auto start = rules_->verlet.start(velocity, acceleration(slot, h_ * velocity, h_), h_);
   block_.write(block_.displacement(0), slot, start.last);
   block_.write(block_.displacement(1), slot, start.before);
 }
@@ -380,7 +378,7 @@ bool RelaxSolver<T>::set_stop_rule(const StopRule& rule) {
 template <class T>
 bool RelaxSolver<T>::set_weights(Weights weights) {
   rules_->settings.weights = weights;
-  block_.set_weights(rules_->constants, weights, rules_->settings.order, rules_->settings.omega);
+  weigh();
   return true;
 }
 

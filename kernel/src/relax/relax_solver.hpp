@@ -8,6 +8,7 @@
 #include "interface/made_solver.hpp"
 #include "interface/solver.hpp"
 #include "relax/block.hpp"
+#include "relax/grabs/block_grabs.hpp"
 #include "relax/relax.hpp"
 #include "time/verlet.hpp"
 
@@ -88,6 +89,13 @@ class RelaxSolver final : public Solver {
   void set_away(Slot slot, bool away) override;
   bool is_away(std::uint32_t piece) const override { return away_[piece] == islands_[piece]; }
 
+  const char* refuses_grab(std::span<const Slot> slots) const override;
+  void put_grab(const HeldGrab& grab, std::span<const GrabShare> shares) override;
+  void end_grab(std::uint32_t number) override;
+  void aim_grab(std::uint32_t number, Vec3 velocity) override;
+  void place_grab(std::uint32_t number, Vec3 target) override;
+  const HeldGrab* held_grab(std::uint32_t number) const override;
+
   void count_pulls() override;
   double pull(Slot lane, double dt) const override { return block_.pulls()[lane] / dt; }
   bool is_broken(Slot lane) const override { return block_.is_broken(lane); }
@@ -96,13 +104,11 @@ class RelaxSolver final : public Solver {
   /// stands within a step alone, as do paths of anchors.
   void archive(Archive& archive) override {
     auto& [rules, kernels, block, pieces, islands, away, slots_of, rests, size, h, last_h, parts, has_moved,
-           kicks_stale, starts_off_length, forces, anchors, saved, mark, best_substep] = *this;
-    if (block.archive_rods(archive)) {
-      const Settings& settings = rules->settings;
-      block.set_weights(rules->constants, settings.weights, settings.order, settings.omega);
-    }
-    archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, forces,
+           kicks_stale, starts_off_length, forces, grabs, anchors, saved, mark, best_substep] = *this;
+    if (block.archive_rods(archive)) weigh();
+    archive(block, islands, away, rests, h, last_h, has_moved, kicks_stale, starts_off_length, forces, grabs,
             best_substep);
+    if (archive.restores() && h > 0) weigh_grabs(h);
     if (has_moved) return;
     for (const std::uint32_t particle : block.packing().slot_vertex)
       archive(rules->initial_velocities[particle]);
@@ -126,13 +132,20 @@ class RelaxSolver final : public Solver {
     typename Block<T>::SavedRods rods;
     double h = 0;
     bool has_moved = false;
+    std::vector<BlockGrab> grabs{};
   };
 
   bool is_controlled() const { return rules_->settings.accuracy.has_value(); }
   bool is_movable(std::uint32_t particle) const { return rules_->constants.inverse_mass[particle] > 0; }
   std::uint32_t particle_of(Slot slot) const { return block_.packing().slot_vertex[slot]; }
   Vec3 acceleration(Slot slot) const;
-  RelaxSettings<T> settings_for(double rods, double share) const;
+  Vec3 acceleration(Slot slot, Vec3 before, double h) const;
+  typename Block<T>::Weighing weighing() const;
+  void weigh();
+  void weigh_grabs(double h);
+  template <class Change>
+  void change_grabs(Slot slot, Change&& change);
+  RelaxSettings<T> settings_for(double rods, double share);
   /// Returns the factors of rods that give, in a substep of h after one of `last`, or after a velocity (0).
   simd::LawTerms<T> law_terms(double last) const;
   /// Returns what makes impulses of moves in such a substep, in 1/s.
@@ -159,6 +172,7 @@ class RelaxSolver final : public Solver {
   unsigned parts_ = 1;                           ///< The team has so many in this step.
   bool has_moved_ = false, kicks_stale_ = true, starts_off_length_ = false;
   std::vector<Vec3> forces_;  ///< They are in N, per slot; it is empty until one is set.
+  std::vector<BlockGrab> grabs_;
   std::vector<MovingAnchor> anchors_;
   // An accuracy needs these:
   Motion saved_[2];

@@ -8,8 +8,7 @@ namespace plumb::detail {
 template <class T>
 void RelaxSolver<T>::count_pulls() {
   block_.count_pulls();
-  const Settings& settings = rules_->settings;
-  block_.set_weights(rules_->constants, settings.weights, settings.order, settings.omega);
+  weigh();
 }
 
 template <class T>

@@ -46,10 +46,11 @@ void Reactions::add_bodies(const Scene& scene) {
 }
 
 std::span<const Reactions::Held> Reactions::at(std::uint32_t anchor) const {
-  const auto begin = std::lower_bound(held_.begin(), held_.end(), anchor,
-                                      [](const Held& held, std::uint32_t of) { return held.anchor < of; });
-  auto end = begin;
-  while (end != held_.end() && end->anchor == anchor) ++end;
+  const Held *const first = held_.data(), *const last = first + held_.size();
+  const Held* const begin = std::lower_bound(
+      first, last, anchor, [](const Held& held, std::uint32_t of) { return held.anchor < of; });
+  const Held* end = begin;
+  while (end != last && end->anchor == anchor) ++end;
   return {begin, end};
 }
 

@@ -146,6 +146,7 @@ void Step::wake(StepReport&) {
     });
     for (const auto& [home, slot] : compiled_.contact->woken()) sleep_.wake(compiled_.solvers, {home, slot});
   }
+  begin_grabs();
   if (!anchors_.any_paths()) return;
   anchors_.for_moving_places(compiled_.places,
                              [&](const Place& place) { sleep_.wake(compiled_.solvers, place); });
@@ -250,6 +251,7 @@ void Step::measure(StepReport& report) {
     if (!task.asleep && !solver.is_away(task.piece)) report.awake_islands += solver.islands(task.piece);
   }
   if (anchors_.any_paths()) anchors_.end_step(compiled_.places, compiled_.solvers);
+  end_grabs();
   lengths_.end_step(compiled_.cords, compiled_.solvers);
   if (compiled_.contact) compiled_.contact->after_step();
 }

@@ -13,6 +13,7 @@
 #include "step/compile/compiled.hpp"
 #include "step/inputs/anchors.hpp"
 #include "step/inputs/cords.hpp"
+#include "step/inputs/grabs.hpp"
 #include "step/inputs/lengths.hpp"
 #include "step/inputs/loads.hpp"
 #include "step/reactions.hpp"
@@ -54,6 +55,11 @@ class Step {
   void set_force(std::uint32_t particle, Vec3 force);
   void set_load(Load load) { loads_.set(std::move(load)); }
   void move_anchor(std::uint32_t particle, Vec3 target);
+  /// Grabs a place of the scene's particles. Throws InputError if its solver cannot.
+  std::uint32_t grab(const Grab& grab);
+  void release(std::uint32_t number);
+  void move_grab(std::uint32_t number, Vec3 target) { grabs_.set_target(number, target); }
+  const Grabs& grabs() const { return grabs_; }
   void move_platform(std::uint32_t number, const Pose& target) {
     if (compiled_.contact) compiled_.contact->move_platform(number, target);
   }
@@ -231,6 +237,11 @@ class Step {
   void advance(Task& task, unsigned part);
   bool uses_threads() const;
   void put_force(std::uint32_t particle, Vec3 force);
+  void begin_grabs();
+  void end_grabs();
+  void wake_grabbed(std::uint32_t number);
+  std::vector<std::uint32_t> take_grabs(std::span<const std::uint32_t> particles);
+  void put_grabs(std::span<const std::uint32_t> numbers);
   bool is_visiting(std::uint32_t cord) const;
   bool is_known_to_contact(std::uint32_t cord) const {
     return compiled_.contact && cord < origin_->scene.rods.size();
@@ -254,6 +265,7 @@ class Step {
   std::vector<std::uint8_t> reeled_;   ///< by rod: it is on a reel; empty if there are none
   std::vector<std::uint8_t> twisted_;  ///< by rod: it is of a twisted chain; empty if there are none
   Loads loads_;
+  Grabs grabs_;
   Reactions reactions_;
   /// What islands that fell apart or are edited were made of.
   struct Origin {

@@ -17,6 +17,8 @@ class Spin {
     if (++count_ < 4000) {
 #if defined(__x86_64__) || defined(__i386__)
       __builtin_ia32_pause();
+#elif defined(__aarch64__)
+      asm volatile("yield");
 #endif
     } else {
       std::this_thread::yield();

@@ -9,11 +9,19 @@
 namespace plumb {
 namespace {
 
+/// Returns how many threads there are if nobody asks for a number. WebAssembly without threads has one.
+unsigned hardware_threads() {
+#if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
+  return 1;
+#else
+  return std::max(1u, std::thread::hardware_concurrency());
+#endif
+}
+
 /// Keeps threads that sleep between runs. `run` allocates nothing.
 class ThreadExecutor final : public Executor {
  public:
-  explicit ThreadExecutor(unsigned threads)
-      : concurrency_(threads ? threads : std::max(1u, std::thread::hardware_concurrency())) {
+  explicit ThreadExecutor(unsigned threads) : concurrency_(threads ? threads : hardware_threads()) {
     threads_.reserve(concurrency_ - 1);
     try {
       for (unsigned i = 1; i < concurrency_; ++i) threads_.emplace_back([this] { work(); });

@@ -57,7 +57,7 @@ Combination difference(const Point& to, const Point& from) {
   return out;
 }
 
-Linkage::Linkage(const Scene& part, Isa isa, Use use)
+Linkage::Linkage(const Scene& part, Isa isa, Use use, std::span<const Combination> grabs)
     : particles_(static_cast<std::uint32_t>(part.particles.size())),
       movable_(static_cast<std::uint32_t>(std::count_if(part.particles.begin(), part.particles.end(),
                                                         [](const Particle& each) { return !each.fixed; }))),
@@ -73,6 +73,10 @@ Linkage::Linkage(const Scene& part, Isa isa, Use use)
   find_flat_rods(part);
   add_angles(part, x);
   add_elastics(part);
+  first_grab_ = elastics_.size();
+  for (const Combination& apart : grabs)
+    for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      add_elastic({.kind = Elastic::Kind::along, .sums = {apart}, .axis = axis}, {});
   add_shapes(part, x);
   add_hulls(part, x);
   has_air_ = !airs_.empty() || drag_ != 0 || joint_drag_ != 0;

@@ -93,8 +93,9 @@ class Linkage {
 
   /// Says what will move islands of a kind. Those that are relaxed need no matrix.
   enum class Use : std::uint8_t { solved, relaxed };
-  /// `part` is one island of `scene`, with its particles' numbers; the movable ones first.
-  Linkage(const Scene& part, Isa isa, Use use = Use::solved);
+  /// `part` is one island of `scene`, with its particles' numbers; the movable ones first. `grabs` are places
+  /// less fixed particles, their targets. They have the last elastics, three each.
+  Linkage(const Scene& part, Isa isa, Use use = Use::solved, std::span<const Combination> grabs = {});
 
   std::uint32_t particles() const { return particles_; }
   std::uint32_t movable() const { return movable_; }
@@ -153,8 +154,9 @@ class Linkage {
   ElasticRange elastics_of_torsion(std::uint32_t i) const { return of_torsions_[i]; }
   std::span<const BendElastics> bends() const { return bends_; }
   /// Returns whether no elastic but those of bends is there, if any.
-  bool gives_by_bends_alone() const { return elastics_.empty() || is_of_bend(0); }
-  bool is_of_bend(std::size_t elastic) const { return !bends_.empty() && elastic >= bends_.front().first; }
+  bool gives_by_bends_alone() const;
+  bool is_of_bend(std::size_t elastic) const;
+  std::size_t first_grab() const { return first_grab_; }  ///< the first of the elastics that grabs are
   /// Returns whether some rod may break.
   bool breaks() const { return breaks_; }
   /// Returns how many rods give, the first elastics, and which of them the part's rod `number` is, or none.
@@ -390,6 +392,7 @@ class Linkage {
   std::vector<FlatRod> flat_rods_;
   ColoredRods colored_;
   Vec3 gravity_{};
+  std::size_t first_grab_ = 0;
   double drag_ = 0, joint_drag_ = 0, size_ = 0, mass_ = 0, softness_ = 0;
   bool has_air_ = false, has_free_masses_ = false, is_redundant_ = false, breaks_ = false;
 };

@@ -106,6 +106,14 @@ void Linkage::add_bends(const Scene& part) {
   }
 }
 
+bool Linkage::gives_by_bends_alone() const {
+  return elastics_.empty() || (is_of_bend(0) && first_grab_ == elastics_.size());
+}
+
+bool Linkage::is_of_bend(std::size_t elastic) const {
+  return !bends_.empty() && elastic >= bends_.front().first && elastic < first_grab_;
+}
+
 double Linkage::number(const Elastic& elastic, std::span<const Vec3> x, double near) const {
   switch (elastic.kind) {
     case Elastic::Kind::distance:

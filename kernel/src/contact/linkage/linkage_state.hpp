@@ -66,6 +66,9 @@ struct LinkageState : LinkageMotion {
   std::vector<double> wave_inertia;  ///< kg, of taut rods in the substep under way; see find_wave_inertia()
 
   LinkageMotion& motion() { return *this; }
+  /// Goes on as an island of another kind, which has other grabs alone. Their targets stand at the ends of
+  /// positions and velocities.
+  void take_kind(const Linkage& kind);
   /// Goes on from a motion that was copied from motion().
   void return_to(const LinkageMotion& motion);
 

@@ -43,7 +43,7 @@ bool CrowdContacts<T>::begin(std::span<LinkageState* const> cluster, Crowd<T>& c
       turn(crowd, batch, turning, turning.push);
     }
   });
-  heap_ends_.clear();
+  lay_out(crowd);
   return true;
 }
 

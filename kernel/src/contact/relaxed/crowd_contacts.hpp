@@ -11,6 +11,7 @@
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 #include "contact/relaxed/pairs/particle_sides.hpp"
+#include "contact/relaxed/visits/contact_vectors.hpp"
 #include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
 #include "plumb/settings.hpp"
@@ -35,7 +36,7 @@ template <class T>
 class CrowdContacts {
  public:
   CrowdContacts(const ContactSettings& settings, const simd::Kernels<T>& kernels)
-      : settings_(settings), near_(settings), ends_(settings, kernels) {}
+      : settings_(settings), near_(settings), ends_(settings, kernels), vectors_(kernels) {}
 
   /// Finds which shapes may touch within dt (s), with ground where it is as that time begins. `recovery_rate`
   /// (1/s) is the share of an overlap that is taken back.
@@ -77,6 +78,8 @@ class CrowdContacts {
   void sweep(Crowd<T>& crowd, Team* team);
   /// Does so, and returns the largest change of a place, m.
   double measured_sweep(Crowd<T>& crowd, Team* team);
+  /// Ends sweeps, after which pushes are known.
+  void end_sweeps() { vectors_.write_back(); }
   /// Returns how deep (m) some contact goes into what it should stay out of, at most.
   double depth(const Crowd<T>& crowd) const;
   /// Lets velocities bounce, once they are known. Returns whether anything does.
@@ -136,6 +139,7 @@ class CrowdContacts {
     // These are what every visit reads, side by side.
     TermRange terms{}, sliding{};  ///< of the middles of shapes, and of the places that friction holds
     std::uint32_t turning = none;
+    bool in_vectors = false;
     Vec3 normal{};
     double gap = 0;                     ///< m, what may be lost
     double friction = 0;                ///< Coulomb's coefficient
@@ -294,6 +298,7 @@ class CrowdContacts {
                        const Surroundings& surroundings, const GroundNow& ground, double h, Team* team);
   bool wake(std::span<LinkageState* const> cluster);
   static Contact copied(const Batch& from, const Contact& contact, Batch& to);
+  void lay_out(const Crowd<T>& crowd);
   void find_heaps(std::size_t islands);
   std::uint32_t heap_of(std::uint32_t island);
   template <class Visit>
@@ -316,6 +321,8 @@ class CrowdContacts {
   double recovery_rate_ = 0;
   CrowdPairs<T> near_;
   CrowdEnds<T> ends_;
+  ContactVectors<T> vectors_;
+  std::vector<Place> alone_;  ///< what is not in vectors, in the order of contacts
   PlacedHulls placed_hulls_;
   std::vector<PlacedLine> placed_lines_;    ///< by body
   std::vector<std::uint8_t> part_is_fast_;  ///< by thread: some line that it has placed is
@@ -331,7 +338,8 @@ class CrowdContacts {
   std::vector<std::uint32_t> near_ground_;
   KeptTable kept_;
   std::vector<Batch> batches_;
-  // Heaps are islands that touch each other. They share nothing, so that each may have a thread of its own.
+  // Heaps are islands that contacts outside of vectors join. They share nothing, so that each may have a
+  // thread of its own.
   std::vector<std::uint32_t> heap_of_;      ///< by island: one of its heap, or itself
   std::vector<std::uint32_t> heap_ends_;    ///< where each heap ends in in_heaps_
   std::vector<std::uint32_t> heap_number_;  ///< by island that stands for a heap

@@ -242,7 +242,7 @@ bool CrowdContacts<T>::find_missed(std::span<LinkageState* const> cluster, Crowd
     find_missed_bodies(in);
     find_missed_hulls(in);
   }
-  if (last.contacts.size() != before) heap_ends_.clear();
+  if (last.contacts.size() != before) lay_out(crowd);
   const bool are_ends_missed = ends_.find_missed(crowd, h);
   return last.contacts.size() != before || are_ends_missed;
 }

@@ -222,6 +222,7 @@ void RelaxedStepper<T>::solve(Gradient gradient, Tally& report) {
       contacts_.sweep(crowd_, team_);
     ++done;
   }
+  contacts_.end_sweeps();
   if (is_hit_ || is_struck()) {
     const std::uint32_t more = sweep_on(gradient);
     is_swept_on_ = is_swept_on_ || more > 0;
@@ -245,6 +246,7 @@ std::uint32_t RelaxedStepper<T>::sweep_on(Gradient gradient) {
   const std::uint32_t presses = is_hit_ ? most_presses : std::min(most_presses, rules_.stop.sweeps);
   for (std::uint32_t i = 0; i < presses && contacts_.depth(crowd_) > deepest; ++i)
     contacts_.sweep(crowd_, team_);
+  contacts_.end_sweeps();
   return done;
 }
 

@@ -38,6 +38,7 @@ class RelaxedStepper final : public ClusterMover {
     crowd_.forget();
     return true;
   }
+  void forget() override { crowd_.forget(); }
 
  private:
   /// A time to move through: when it begins, how long it is, and how much of the step is left then, s.

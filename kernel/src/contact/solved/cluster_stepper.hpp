@@ -67,6 +67,9 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
 
   void step(std::span<LinkageState* const> cluster, const Surroundings& surroundings,
             const ClusterRules& rules, double dt, Tally& report) override;
+  void forget() override {
+    if (relaxed_) relaxed_->forget();
+  }
 
  private:
   using Lanes = simd::Lanes;

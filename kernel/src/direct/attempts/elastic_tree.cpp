@@ -91,6 +91,24 @@ void store_laws(const LoopState& island, TreeState<T>& tree) {
   });
 }
 
+/// Copies grabs of a tree alone. Masses that they change are those of the tree now.
+template <class T>
+void load_grabs(const TreeState<T>& tree, LoopState& island) {
+  island.changed.all.clear();
+  island.grabs.clear();
+  const std::uint32_t nodes = tree.topology->nodes;
+  if (tree.grabs.any()) island.weighs.resize(nodes);
+  for (std::size_t i = 0; i < nodes && tree.grabs.any(); ++i)
+    island.weighs[i] = tree.weighs[i] / tree.mass_unit[0];
+  for (const TreeGrab& from : tree.grabs.all) {
+    LoopGrab& to = island.grabs.emplace_back(LoopGrab{from});
+    to.count = from.count;
+    for (std::uint32_t i = 0; i < from.count; ++i)
+      to.parts[i] = {from.parts[i].entry + (from.parts[i].is_tie ? nodes : 0), from.parts[i].share};
+    to.rod = from.parts[1].is_tie ? nodes - 1 + from.parts[1].entry : from.parts[0].entry - 1;
+  }
+}
+
 }  // namespace
 
 template <class T>
@@ -130,6 +148,7 @@ auto ElasticTree<T>::load(const TreeState<T>& tree) -> Island& {
   island.twists = tree.twists.numbers;
   island.twisted = tree.twists.twisted;
   island.hold = tree.hold;
+  load_grabs(tree, island);
   island.fixed_velocity = tree.tie_velocity;
   island.fixed_last_velocity = tree.tie_last_velocity;
   island.anchors_move = tree.ties_move;
@@ -149,6 +168,8 @@ void ElasticTree<T>::store(TreeState<T>& tree) const {
   for (std::size_t i = 0; i < tree.tie_x.size(); ++i) tree.tie_x[i] = island.x[3 * nodes + i];
   if (tree.ties_move) tree.tie_last_velocity = tree.tie_velocity;
   tree.hold = island.hold;
+  for (std::size_t i = 0; i < tree.grabs.all.size(); ++i)
+    static_cast<HeldGrab&>(tree.grabs.all[i]) = island.grabs[i];
   tree.twists.twisted = island.twisted;
   tree.u_step[0] = island.u_step;
   tree.u_step_before[0] = 0;
@@ -166,6 +187,7 @@ template <class T>
 void ElasticTree<T>::advance(TreeState<T>& tree, double h, Tally& counters) {
   Island& island = load(tree);
   stepper_.advance_elastic(island.state, h, island.work, counters);
+  island.state.changed.put_back();
   store(tree);
 }
 
@@ -178,6 +200,7 @@ void ElasticTree<T>::advance_as_island(TreeState<T>& tree, double h, Tally& coun
   island.state.effort = {};
   island.work.factor(true).h = 0;
   stepper_.advance(island.state, h, island.work, counters);
+  island.state.changed.put_back();
   store(tree);
 }
 

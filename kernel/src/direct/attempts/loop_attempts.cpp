@@ -64,6 +64,7 @@ bool rings(const LoopState& state, double h) {
 }  // namespace
 
 void LoopStepper::end_ringing(LoopState& state, LoopWorkspace& work, Tally& counters) const {
+  state.changed.put_back();
   project_velocities(state, work);
   count_blows(state, work);
   state.known = 0;
@@ -123,7 +124,8 @@ bool LoopStepper::advance_pieces(LoopState& state, double h, std::uint32_t count
 
 bool LoopStepper::advance_piece(LoopState& state, double h, Attempts& attempts, LoopWorkspace& work,
                                 Tally& counters) const {
-  for (const double share : shares_) {
+  // What is grabbed takes it whole: a step back would let a stiff grab push.
+  for (const double share : state.grabs.empty() ? shares_ : composition(2)) {
     attempts.left = limits_of(state).attempts;
     if (!advance_part(state, share * h, 0, attempts, work, counters)) return false;
   }

@@ -16,6 +16,7 @@ bool TreeStepper<T>::try_alone(TreeState<T>& state, double h, Gradient gradient,
   begin(state, h, gradient, work);
   if (solve(state, gradient, work, counters) && (gradient != Gradient::old || is_stable(state, h, work)))
     return true;
+  state.grabs.put_back();
   restore_multipliers(state, 0);
   return false;
 }

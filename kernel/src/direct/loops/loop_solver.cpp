@@ -75,7 +75,8 @@ void LoopSolver::begin_piece(std::uint32_t, unsigned) {
   for (LoopTackleMotion& tackle : state_.tackles) tackle.impulse = 0;
   std::fill(state_.pulley_impulses.begin(), state_.pulley_impulses.end(), 0.0);
   if (!locks_known_ && !state_.anchors_move) lock(find_locks(state_));
-  if (anchors_changed(0) && state_.u_step == 0) take_blow();
+  for (LoopGrab& grab : state_.grabs) grab.begin_step();
+  if ((anchors_changed_ || lengths_changed_) && state_.u_step == 0) take_blow();
   if (state_.laws.pulls && (state_.laws.moves || !state_.tackles.empty())) keep_blows();
 }
 
@@ -103,13 +104,16 @@ double LoopSolver::advance(std::uint32_t, double h, std::uint32_t count, unsigne
   double error = 0;
   for (std::uint32_t i = 0; i < count; ++i)
     error = std::max(error, rules_->stepper.advance(state_, h, work_, report));
+  state_.changed.put_back();
   return error;
 }
 
 // --- Accuracy
 
 ErrorModel LoopSolver::error_model() const {
-  return {.order = rules_->gradient == Gradient::new_ ? 1 : rules_->time_order,
+  return {.order = rules_->gradient == Gradient::new_ ? 1u
+                   : state_.grabs.empty()             ? rules_->time_order
+                                                      : 2u,
           .by_comparison = !rules_->estimates};
 }
 

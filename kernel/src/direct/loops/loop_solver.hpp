@@ -56,11 +56,13 @@ class LoopSolver final : public Solver {
   ErrorModel error_model() const override;
   double& best_substep(std::uint32_t) override { return best_substep_; }
   std::uint32_t cuts(std::uint32_t, double h) const override { return rules_->stepper.cuts(state_, h); }
-  bool anchors_changed(std::uint32_t) const override { return anchors_changed_ || lengths_changed_; }
+  bool anchors_changed(std::uint32_t) const override {
+    return anchors_changed_ || lengths_changed_ || grabs_changed_;
+  }
   bool starts_anew(std::uint32_t) const override { return anchors_changed(0) || state_.u_step == 0; }
   void begin_step(double dt, Team&) override { begin_twists(state_.twists, dt); }
   void end_step(StepReport&) override {
-    lengths_changed_ = false;
+    lengths_changed_ = grabs_changed_ = false;
     finish_twists(state_.twists);
   }
   void save(std::uint32_t, Saved which) override;
@@ -102,14 +104,21 @@ class LoopSolver final : public Solver {
   double strain(Slot rod, double strain) const override { return reeled_strain(state_, rod, strain); }
   void set_length(Slot cord, double length, double rate) override;
 
+  const char* refuses_grab(std::span<const Slot> slots) const override;
+  void put_grab(const HeldGrab& grab, std::span<const GrabShare> shares) override;
+  void end_grab(std::uint32_t number) override;
+  void aim_grab(std::uint32_t number, Vec3 velocity) override;
+  void place_grab(std::uint32_t number, Vec3 target) override;
+  const HeldGrab* held_grab(std::uint32_t number) const override;
+
   void set_twist(Slot twist, double angle) override { state_.twists[twist].target = angle; }
   double twist(Slot twist) const override { return state_.twisted[twist]; }
 
   /// Velocities are found when they are asked for. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [rules, state, work, velocity, velocity_known, anchors_changed, lengths_changed, away, locks_known,
-           blows, saved, mark, best_substep] = *this;
-    archive(state, anchors_changed, lengths_changed, away, locks_known, blows, best_substep);
+    auto& [rules, state, work, velocity, velocity_known, anchors_changed, lengths_changed, grabs_changed,
+           away, locks_known, blows, saved, mark, best_substep] = *this;
+    archive(state, anchors_changed, lengths_changed, grabs_changed, away, locks_known, blows, best_substep);
     work.archive(archive, state);
     if (archive.restores()) velocity_known = false;
   }
@@ -125,6 +134,7 @@ class LoopSolver final : public Solver {
   bool is_tackle(Slot cord) const { return cord >= state_.topology->rods.size(); }
   LoopTackleMotion& tackle(Slot cord) const { return state_.tackles[cord - state_.topology->rods.size()]; }
   void keep_velocities();
+  void grabs_change();
   void find_velocities() const;
   void take_blow();
   void keep_blows();
@@ -136,7 +146,7 @@ class LoopSolver final : public Solver {
   mutable std::vector<double>
       velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocity_known_ = false;
-  bool anchors_changed_ = false, lengths_changed_ = false, away_ = false;
+  bool anchors_changed_ = false, lengths_changed_ = false, grabs_changed_ = false, away_ = false;
   bool locks_known_ = false;
   std::vector<double> blows_;  ///< Of rods, then tackles, in N s, see blow(). It is empty until it is needed.
   // An accuracy needs these:

@@ -7,6 +7,7 @@
 
 #include "direct/bends/loop_bends.hpp"
 #include "direct/elastic_nets/net_matrix.hpp"
+#include "direct/grabs/loop_grabs.hpp"
 #include "direct/laws/loop_laws.hpp"
 #include "direct/locks/locks.hpp"
 #include "direct/loops/loop_elements.hpp"
@@ -102,6 +103,7 @@ struct LoopMotion {
   std::vector<double>
       pulley_impulses;  ///< Segments behind pulleys with friction pulled so in this step, N s.
   std::vector<LoopReelMotion> reels;
+  std::vector<LoopGrab> grabs;
   /// Fixed vertices held with these impulses (N s) in this step. There is one each if pulls are added up, or
   /// if there are bends, tackles, twists or reels.
   std::vector<Vec3> hold;
@@ -136,6 +138,7 @@ struct LoopState : LoopMotion {
   std::vector<LoopTwistNumbers> twists;
   std::vector<LoopReelNumbers> reel_numbers;
   Locks locks;
+  ChangedNumbers changed;  ///< in the substep under way
   bool anchors_move = false;
   double mass_unit = 1;  ///< It is in kg.
   double scale2 = 1;     ///< It is the mean squared length of a rod, in m^2.
@@ -144,9 +147,9 @@ struct LoopState : LoopMotion {
 template <class Archive>
 void visit_members(Archive& archive, LoopMotion& of) {
   auto& [x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
-         effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick, gave] = of;
+         effort, twisted, laws, tackles, pulley_impulses, reels, grabs, hold, u_step, mu_kick, gave] = of;
   archive(x, u, mu, fixed_last_velocity, acceleration, acceleration_before, known, damped, next_damped, pace,
-          effort, twisted, laws, tackles, pulley_impulses, reels, hold, u_step, mu_kick, gave);
+          effort, twisted, laws, tackles, pulley_impulses, reels, grabs, hold, u_step, mu_kick, gave);
 }
 /// What a program and steps change beside the motion. Reels change masses, and laws lengths.
 template <class Archive>

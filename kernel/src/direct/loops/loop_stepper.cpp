@@ -88,6 +88,7 @@ void LoopStepper::begin(LoopState& state, double h, Gradient gradient, LoopWorks
   const auto [ratio, kick] = coefficients(state, h, gradient);
   work.laws.factors = LawFactors::of(gradient, kick, state.u_step, h, drag_);
   work.laws.is_mid = gradient == Gradient::mid;
+  begin_grabs(state, {h, ratio, kick}, gradient, work);
   set_reel_lengths(state, h);
   if (state.laws.moves) set_substep_lengths(state.laws, h, state.length2);
   set_tackle_lengths(state, h, work.tackles);
@@ -282,6 +283,7 @@ double LoopStepper::accept(LoopState& state, double h, Gradient gradient, LoopWo
   state.u_step = gradient == Gradient::mid ? 0 : h;
   state.mu_kick = kick;
   state.gave = false;
+  end_grabs(state, {h, ratio, kick}, decay, work);
   move_locked(state, gradient == Gradient::mid ? 1 : h, state.u);
   // What follows in this step finds fixed vertices already on their way.
   if (state.anchors_move)

@@ -32,6 +32,22 @@ void copy_hold(const TreeState<T>& from, TreeState<T>& to) {
   if (!to.hold.empty()) to.hold[0] = from.hold[0];
 }
 
+/// Copies grabs from segments to the whole, or back.
+template <class T>
+void gather_grabs(const TreeState<T>& segments, TreeState<T>& whole) {
+  whole.grabs.changed.clear();
+  whole.grabs.all = segments.grabs.all;
+  for (TreeGrab& grab : whole.grabs.all) {
+    grab.lane = 0;
+    for (TreeGrab::Part& part : grab.parts) part.entry = part.is_tie ? part.entry : part.node_of_line;
+  }
+}
+template <class T>
+void scatter_grabs(const TreeState<T>& whole, TreeState<T>& segments) {
+  for (std::size_t i = 0; i < segments.grabs.all.size(); ++i)
+    static_cast<HeldGrab&>(segments.grabs.all[i]) = whole.grabs.all[i];
+}
+
 }  // namespace
 
 bool LineSegments::fits(const TreeTopology& topology, std::uint32_t lanes) {
@@ -88,6 +104,7 @@ void LineSegments::gather(const TreeState<T>& segments, TreeState<T>& whole) con
   whole.tie_last_velocity[0] = segments.tie_last_velocity[0];
   whole.ties_move = segments.ties_move;
   copy_hold(segments, whole);
+  gather_grabs(segments, whole);
 }
 
 template <class T>
@@ -112,6 +129,7 @@ void LineSegments::scatter(const TreeState<T>& whole, TreeState<T>& segments) co
   segments.tie_last_velocity[0] = whole.tie_last_velocity[0];
   segments.ties_move = whole.ties_move;
   copy_hold(whole, segments);
+  scatter_grabs(whole, segments);
 }
 
 template <class T>

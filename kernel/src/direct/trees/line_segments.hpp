@@ -17,6 +17,7 @@ class LineSegments {
   std::uint32_t length() const { return length_; }
   std::uint32_t entry(std::uint32_t node) const { return node % length_; }
   std::uint32_t lane(std::uint32_t node) const { return node / length_; }
+  std::uint32_t node(std::uint32_t entry, std::uint32_t lane) const { return lane * length_ + entry; }
   /// Says whether a node is the first of its segment. The rod to the node before then stands where ties do.
   bool begins(std::size_t node) const { return node % length_ == 0; }
 

@@ -117,7 +117,8 @@ template <class T>
 void TreeSolver<T>::begin_piece(std::uint32_t, unsigned part) {
   velocities_known_ = false;
   if (state_.laws.pulls) begin_pulls(state_);
-  if (anchors_changed(0)) take_blow(part);
+  for (TreeGrab& grab : state_.grabs.all) grab.begin_step();
+  if (anchors_changed_ || lengths_changed_) take_blow(part);
   if (state_.laws.moves && state_.laws.pulls) keep_blows();
 }
 
@@ -143,7 +144,9 @@ double TreeSolver<T>::advance(std::uint32_t, double h, std::uint32_t count, unsi
 template <class T>
 ErrorModel TreeSolver<T>::error_model() const {
   const auto& rules = kind_->rules;
-  return {.order = rules.gradient == Gradient::new_ ? 1 : rules.time_order,
+  return {.order = rules.gradient == Gradient::new_ ? 1u
+                   : state_.grabs.any()             ? 2u
+                                                    : rules.time_order,
           .by_comparison = !kind_->estimates(),
           .most_substeps = most_substeps<T>,
           .fallback_is_final = true};

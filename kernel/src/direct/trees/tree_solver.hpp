@@ -50,14 +50,16 @@ class TreeSolver final : public Solver {
     begin_twists(state_.twists.numbers, dt);
   }
   void end_step(StepReport&) override {
-    lengths_changed_ = false;
+    lengths_changed_ = grabs_changed_ = false;
     finish_twists(state_.twists.numbers);
   }
 
   ErrorModel error_model() const override;
   double& best_substep(std::uint32_t) override { return best_substep_; }
   std::uint32_t cuts(std::uint32_t, double h) const override { return kind_->stepper.cuts(state_, h); }
-  bool anchors_changed(std::uint32_t) const override { return anchors_changed_ || lengths_changed_; }
+  bool anchors_changed(std::uint32_t) const override {
+    return anchors_changed_ || lengths_changed_ || grabs_changed_;
+  }
   bool starts_anew(std::uint32_t) const override;
   void save(std::uint32_t, Saved which) override;
   void restore(std::uint32_t, Saved which) override;
@@ -112,14 +114,21 @@ class TreeSolver final : public Solver {
   bool is_broken(Slot rod) const override;
   void set_length(Slot rod, double length, double rate) override;
 
+  const char* refuses_grab(std::span<const Slot> slots) const override;
+  void put_grab(const HeldGrab& grab, std::span<const GrabShare> shares) override;
+  void end_grab(std::uint32_t number) override;
+  void aim_grab(std::uint32_t number, Vec3 velocity) override;
+  void place_grab(std::uint32_t number, Vec3 target) override;
+  const HeldGrab* held_grab(std::uint32_t number) const override;
+
   void set_twist(Slot twist, double angle) override { state_.twists.numbers[twist].target = angle; }
   double twist(Slot twist) const override { return state_.twists.twisted[twist]; }
 
   /// Velocities are found when they are asked for. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [kind, state, line, ties_begin, velocity, velocities_known, anchors_changed, lengths_changed, away,
-           is_calm, calm_steps, saved, mark, best_substep] = *this;
-    archive(state, anchors_changed, lengths_changed, away, is_calm, calm_steps, best_substep);
+    auto& [kind, state, line, ties_begin, velocity, velocities_known, anchors_changed, lengths_changed,
+           grabs_changed, away, is_calm, calm_steps, saved, mark, best_substep] = *this;
+    archive(state, anchors_changed, lengths_changed, grabs_changed, away, is_calm, calm_steps, best_substep);
     if (archive.restores()) velocities_known = false;
   }
 
@@ -153,7 +162,7 @@ class TreeSolver final : public Solver {
   mutable layouts::AlignedBuffer<T>
       velocity_;  ///< It has 3 numbers per node, in m/s, of the end of the last step if known.
   mutable bool velocities_known_ = false;
-  bool anchors_changed_ = false, lengths_changed_ = false;
+  bool anchors_changed_ = false, lengths_changed_ = false, grabs_changed_ = false;
   bool away_ = false;     ///< Another solver moves the line.
   bool is_calm_ = false;  ///< Gradient mid moves it.
   int calm_steps_ = 0;    ///< In so many steps in turn mid would have done.

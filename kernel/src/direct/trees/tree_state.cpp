@@ -259,6 +259,7 @@ void TreeState<T>::copy_lane(std::uint32_t lane, const TreeState& from, std::uin
   bends.damped = from.bends.damped;
   copy(twists.numbers, from.twists.numbers);
   copy(twists.twisted, from.twists.twisted);
+  if (grabs.any() || from.grabs.any()) grabs.copy_lane(lane, from.grabs, from_lane);
   hold.resize(from.hold.empty() ? 0 : tie_velocity.size());
   copy(hold, from.hold);
   ties_move = from.ties_move;
@@ -302,6 +303,7 @@ void TreeState<T>::copy_motion(const TreeState& from) {
   copy_laws(*this, from, copy);
   copy(bends.law, from.bends.law);
   copy(twists.twisted, from.twists.twisted);
+  grabs.all = from.grabs.all;
   hold = from.hold;
   frequency2 = from.frequency2;
 }

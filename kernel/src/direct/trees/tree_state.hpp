@@ -10,6 +10,7 @@
 
 #include "direct/bends/line_bends.hpp"
 #include "direct/bends/tree_bends.hpp"
+#include "direct/grabs/tree_grabs.hpp"
 #include "direct/laws/tree_laws.hpp"
 #include "direct/twists/tree_twists.hpp"
 #include "interface/place.hpp"
@@ -122,6 +123,7 @@ struct TreeState {
   TreeLaws<T> laws;
   TreeBends<T> bends;
   TreeTwists twists;
+  TreeGrabs<T> grabs;
   /// Ties held with these impulses (N s) in this step, per tie and lane. There are none unless pulls are
   /// added up.
   std::vector<Vec3> hold;
@@ -213,12 +215,12 @@ void visit_members(Archive& archive, TreeState<T>& of) {
   auto& [topology, lanes, trees, idle, node, tie, u, acceleration, acceleration_before, force, tie_delta,
          tie_u, mu, tie_mu, mu_before, tie_mu_before, length2, tie_length2, x, tie_x, weight, weighs,
          mass_unit, scale2, u_step, u_step_before, mu_kick, mu_kick_before, tie_velocity, tie_last_velocity,
-         known, gave, laws, bends, twists, hold, ties_move, is_coupled, frequency2, elastic, next_elastic,
-         effort, smooth] = of;
+         known, gave, laws, bends, twists, grabs, hold, ties_move, is_coupled, frequency2, elastic,
+         next_elastic, effort, smooth] = of;
   archive(trees, idle);
   for_motion(of, of, [&](auto& field, auto&) { archive(field); });
   archive(force, tie_delta, tie_u, length2, tie_length2, tie_x, tie_velocity, tie_last_velocity, laws, bends,
-          twists, hold, ties_move, frequency2);
+          twists, grabs, hold, ties_move, frequency2);
 }
 
 }  // namespace plumb::detail

@@ -88,6 +88,7 @@ void TreeStepper<T>::begin(TreeState<T>& state, double h, Gradient gradient, Tre
   if (state.laws.moves) set_substep_lengths(state, h);
   if (state.bends.any()) begin_bends(state, h, work);
   start_twists(state, h, work);
+  if (state.grabs.any()) begin_grabs(state, h, gradient, work);
   work.is_line = is_line(state, gradient);
   work.keeps_acceleration = estimates_ || !work.is_line;
   kernels(state).prepare(work.view(state));
@@ -179,6 +180,7 @@ void TreeStepper<T>::accept(TreeState<T>& state, double h, Gradient gradient, Tr
       state.tie_last_velocity[i] = state.tie_velocity[i];
   }
   kernels(state).advance(work.view(state));
+  if (state.grabs.any()) end_grabs(state, h, gradient, drag_, work);
   if (const auto& laws = state.laws; laws.moves || laws.pulls || laws.breaks)
     counters.broken_rods += end_rods(state, h, theta_of(gradient), work);
   hold_rods(state, h, theta_of(gradient), work);
@@ -278,7 +280,8 @@ double TreeStepper<T>::advance(TreeState<T>& state, double h, const TreeCrew<T>&
   double error = 0;
   const std::uint32_t count = bounded_cuts(state, h, counters);
   for (std::uint32_t i = 0; i < count; ++i)
-    for (const double share : shares_) error += advance_piece(state, share * h / count, crew, counters);
+    for (const double share : shares_of(state))
+      error += advance_piece(state, share * h / count, crew, counters);
   return error;
 }
 
@@ -320,7 +323,7 @@ double TreeStepper<T>::advance(const LineSegments& segments, TreeState<T>& state
   double error = 0;
   const std::uint32_t count = bounded_cuts(state, h, counters);
   for (std::uint32_t i = 0; i < count; ++i)
-    for (const double share : shares_)
+    for (const double share : shares_of(state))
       error += advance_piece(segments, state, share * h / count, crew, counters);
   return error;
 }
@@ -355,6 +358,7 @@ double TreeStepper<T>::advance_piece(const LineSegments& segments, TreeState<T>&
     ++counters.direct_substeps;
     return estimates_ && !first ? h * h / 24 * std::sqrt(total(work.jolt) / nodes) : 0;
   }
+  state.grabs.put_back();
   for (std::uint32_t lane = 0; lane < state.lanes; ++lane) restore_multipliers(state, lane);
   const Rescue rescued = rescue(h, crew, counters, [&] { segments.gather(state, alone); });
   if (rescued != Rescue::none) segments.scatter(alone, state);

@@ -11,6 +11,7 @@
 #include "direct/trees/tree_state.hpp"
 #include "interface/tally.hpp"
 #include "plumb/settings.hpp"
+#include "time/composition.hpp"
 
 namespace plumb::detail {
 
@@ -81,6 +82,11 @@ class TreeStepper {
   std::uint32_t cuts(const TreeState<T>& state, double h) const;
 
  private:
+  /// Returns the shares of a substep. What is grabbed takes it whole: a step back would let a stiff grab
+  /// push.
+  std::span<const double> shares_of(const TreeState<T>& state) const {
+    return state.grabs.any() ? composition(2) : shares_;
+  }
   /// Returns cuts(), or fewer once the work is spent.
   std::uint32_t bounded_cuts(const TreeState<T>& state, double h, Tally& counters) const;
   double advance_piece(TreeState<T>& state, double h, const TreeCrew<T>& crew, Tally& counters) const;

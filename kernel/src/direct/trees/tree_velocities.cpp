@@ -187,8 +187,10 @@ void TreeStepper<T>::find_velocities(TreeState<T>& state, TreeWorkspace<T>& work
   }
   if (any) {
     const Drive drive{state.tie_last_velocity, state.tie_last_velocity, state.laws.rate};
+    if (state.grabs.any()) hold_at_end(state, work);
     project(state, drive, work);
     take_sound(state, drive, work, work.velocity);
+    state.grabs.put_back();
   }
 }
 

@@ -68,6 +68,7 @@ void LoopStepper::project(LoopState& state, const Projected& acts, LoopWorkspace
     put(&work.delta[3 * std::size_t{i}], v);
   }
   move_locked(state, 1, work.delta);
+  if (!state.grabs.empty()) note_masses(state, work);
   if (work.lines) {
     if (project_by_lines(state, kick, work)) return;
     kick = 0;
@@ -182,10 +183,12 @@ void LoopStepper::find_velocities(LoopState& state, LoopWorkspace& work) const {
   // substep earlier. Rods that gave do not say which velocities fit.
   if (step == 0 || state.gave) return;
   const double kick = gradient_ == Gradient::old ? mean_decay(drag_ * step / 2) * step / 2 : 0;
+  if (kick != 0 && !state.grabs.empty()) hold_at_end(state, work);
   std::swap(state.fixed_velocity, state.fixed_last_velocity);  // fixed vertices went like that
   const bool sound = project_soundly(state, {.kick = kick}, work);
   std::swap(state.fixed_velocity, state.fixed_last_velocity);
   if (!sound) take_displacements(kick);
+  state.changed.put_back();
 }
 
 void count_blows(LoopState& state, const LoopWorkspace& work) {

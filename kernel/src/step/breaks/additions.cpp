@@ -118,6 +118,7 @@ Removed Step::take_away(std::uint32_t particle) {
   std::vector<std::uint32_t> leaving;
   for (const std::uint32_t each : out.particles)
     if (!anchors_.is_fixed(each)) leaving.push_back(each);
+  for (const std::uint32_t number : take_grabs(leaving)) release(number);
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(leaving, out.particles, islands);
   compiled_.info.islands -= islands;

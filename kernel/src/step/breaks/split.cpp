@@ -129,6 +129,7 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
     substeps.assign(substeps.size(), is_one ? longest : 0);
   }
   const std::vector<std::uint8_t> slept = were_asleep(fallen.particles);
+  const std::vector<std::uint32_t> grabs = take_grabs(fallen.leaving);
   refix(now.edits);
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
@@ -141,6 +142,7 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   for (std::size_t k = 0; k < fallen.particles.size(); ++k)
     if (slept[k] != 0 && events_.is_head(fallen.particles[k])) events_.set_head(fallen.particles[k], true);
   hand_over(fallen, now, substeps);
+  put_grabs(grabs);
 }
 
 /// Takes islands of particles out of their solvers for good, and their places from all that are touched.

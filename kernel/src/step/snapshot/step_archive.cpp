@@ -57,10 +57,10 @@ void Step::archive_rules(Archive& archive) {
 
 /// The past is listed by archive_past(). What a step begins anew is left out.
 void Step::archive(Archive& archive) {
-  auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, reactions, origin,
-         breaks, edits, gravity, next_gravity, log, population, has_archive, is_described, has_broken, seats,
-         rods, sleep, events, size, rules, budget, zones, stages, dt, reports, visited, active, last_dt] =
-      *this;
+  auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, grabs, reactions,
+         origin, breaks, edits, gravity, next_gravity, log, population, has_archive, is_described, has_broken,
+         seats, rods, sleep, events, size, rules, budget, zones, stages, dt, reports, visited, active,
+         last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);
@@ -70,6 +70,7 @@ void Step::archive(Archive& archive) {
   if (archive.restores()) order(edits, true);
   archive(anchors, lengths, loads, reactions, has_broken, sleep, size, dt);
   relate_errors();
+  grabs.archive(archive, compiled.places, compiled.solvers);
   if (settings.events) archive(events);
   for_solvers([&](Solver& solver) { solver.archive(archive); });
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<char, 8> magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
 /// Goes up with any change of what archives list.
-constexpr std::uint32_t format = 8;
+constexpr std::uint32_t format = 9;
 constexpr std::uint32_t library = PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
 
 /// Every snapshot begins with this. The sum is over all bytes behind it.

@@ -8,18 +8,6 @@
 #include "scene/barycentric.hpp"
 
 namespace plumb::detail {
-namespace {
-
-/// Sorts pairs and leaves each of them once.
-template <class Pair>
-void sort(std::vector<Pair>& pairs) {
-  std::sort(pairs.begin(), pairs.end(), is_before);
-  const auto is_same = [](const Pair& a, const Pair& b) { return a.one == b.one && a.other == b.other; };
-  pairs.erase(std::unique(pairs.begin(), pairs.end(), is_same), pairs.end());
-}
-
-}  // namespace
-
 template <class T>
 void CrowdPairs<T>::find(std::span<LinkageState* const> cluster, const Crowd<T>& crowd,
                          const Surroundings& surroundings, const GroundNow& ground, double dt) {
@@ -336,8 +324,9 @@ void CrowdPairs<T>::find_pairs(std::span<LinkageState* const> cluster) {
     hash_.find_and_insert(i, bounds_[i], [&](std::uint32_t j) {
       if (may_meet(cluster, i, j)) (i < lines ? pairs_ : hull_pairs_).push_back({j, i});
     });
-  sort(pairs_);
-  sort(hull_pairs_);
+  const auto count = static_cast<std::uint32_t>(bounds_.size());
+  order_.sort(pairs_, &Pair::one, count);
+  order_.sort(hull_pairs_, &Pair::one, count);
 }
 
 /// Adds pairs of what is outrun.
@@ -358,7 +347,8 @@ void CrowdPairs<T>::find_more_pairs(std::span<LinkageState* const> cluster) {
 /// Sorts pairs into others that are sorted, and leaves each of them once.
 template <class T>
 void CrowdPairs<T>::merge(std::vector<Pair>& into, std::vector<Pair>& more) {
-  sort(more);
+  std::sort(more.begin(), more.end(), is_before);
+  more.erase(std::unique(more.begin(), more.end()), more.end());
   merged_.clear();
   std::set_union(into.begin(), into.end(), more.begin(), more.end(), std::back_inserter(merged_), is_before);
   into.swap(merged_);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact/pair_order.hpp"
 #include "contact/platforms/ground_now.hpp"
 #include "contact/relaxed/crowd.hpp"
 #include "contact/spatial_hash.hpp"
@@ -50,6 +51,7 @@ class CrowdPairs {
   };
   struct Pair {
     std::uint32_t one, other;
+    friend bool operator==(const Pair&, const Pair&) = default;
   };
 
   /// What is nearer than the margin may touch, and lines may lie deeper than their ends by the slop.
@@ -206,6 +208,7 @@ class CrowdPairs {
   std::vector<std::uint32_t> outrun_;    ///< what has left its bounds, ascending
   std::vector<std::uint8_t> is_outrun_;  ///< by body
   std::vector<Pair> more_, more_of_hulls_, merged_;
+  PairOrder<Pair> order_;
 };
 
 extern template class CrowdPairs<float>;

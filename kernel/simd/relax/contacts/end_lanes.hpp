@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "simd/relax/least_distance.hpp"
+#include "simd/relax/contacts/least_distance.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
 namespace plumb::simd {
@@ -61,17 +61,17 @@ PLUMB_INLINE Triple<T> visit_ends(const EndView<T>& view, const EndLanes<Access,
   namespace f = end_fields;
   const Triple<T> p = ends.load_places(view.p), n = ends.load3(f::normal);
   const Batch<T> over = ends.load(f::over), along = dot(n, p), before = ends.load(f::push);
-  const Batch<T> push = xsimd::max(before - over * (ends.load(f::gap) + along), Batch<T>(T(0)));
+  const Batch<T> push = lanes::max(before - over * (ends.load(f::gap) + along), Batch<T>(T(0)));
   const Triple<T> across_before = ends.load3(f::across);
   Triple<T> across = across_before - over * (p - along * n);
   across = across - dot(across, n) * n;
   const Batch<T> bound = ends.load(f::friction) * push, square = dot(across, across);
   // What lies takes no root, nor does what is not pressed.
-  if (const auto slides = square > bound * bound; xsimd::any(slides)) {
+  if (const auto slides = square > bound * bound; lanes::any(slides)) {
     const Batch<T> zero(T(0)), one(T(1));
-    Batch<T> share = xsimd::select(slides, zero, one);
-    if (const auto presses = slides && (bound > zero); xsimd::any(presses))
-      share = xsimd::select(presses, bound / xsimd::sqrt(square), share);
+    Batch<T> share = lanes::select(slides, zero, one);
+    if (const auto presses = slides && (bound > zero); lanes::any(presses))
+      share = lanes::select(presses, bound / lanes::sqrt(square), share);
     across = share * across;
   }
   const Triple<T> by = (push - before) * n + (across - across_before);
@@ -96,7 +96,7 @@ T measure_ends(const EndView<T>& view, const std::uint32_t* vectors, std::uint32
     for (std::size_t k = 0; k < parts<T>; ++k) {
       const EndLanes<Access, T> ends(view, position<T>(vectors[i], k));
       const Triple<T> by = visit_ends(view, ends);
-      largest = xsimd::max(ends.load(end_fields::moves) * xsimd::sqrt(dot(by, by)), largest);
+      largest = lanes::max(ends.load(end_fields::moves) * lanes::sqrt(dot(by, by)), largest);
     }
   return largest_lane(largest);
 }
@@ -124,11 +124,11 @@ PLUMB_INLINE Batch<T> gap_of_ends(const EndGround<T>& ground, const Triple<T>& x
     return (dot(place, x) - far) - radius;
   }
   const Triple<T> along = triple(ground.along);
-  const Batch<T> t = xsimd::min(xsimd::max(Batch<T>(ground.inverse) * dot(x - place, along), Batch<T>(T(0))),
+  const Batch<T> t = lanes::min(lanes::max(Batch<T>(ground.inverse) * dot(x - place, along), Batch<T>(T(0))),
                                 Batch<T>(T(1)));
   const Triple<T> apart = x - (place + t * along);
-  const Batch<T> distance = xsimd::sqrt(dot(apart, apart));
-  normal = (Batch<T>(T(1)) / xsimd::max(distance, Batch<T>(least_distance<T>))) * apart;
+  const Batch<T> distance = lanes::sqrt(dot(apart, apart));
+  normal = (Batch<T>(T(1)) / lanes::max(distance, Batch<T>(least_distance<T>))) * apart;
   return (distance - far) - radius;
 }
 
@@ -140,19 +140,19 @@ PLUMB_INLINE bool find_vector_of_ends(const EndView<T>& view, const EndLanes<Acc
   Triple<T> n;
   const Batch<T> gap = gap_of_ends(ground, ends.load_places(view.x), radius, n);
   const Triple<T> p = ends.load_places(view.p);
-  const Batch<T> moves = xsimd::sqrt(dot(p, p)), least = margin + Batch<T>(rules.passes) * radius;
+  const Batch<T> moves = lanes::sqrt(dot(p, p)), least = margin + Batch<T>(rules.passes) * radius;
   auto comes = (gap + dot(n, p) <= margin + Batch<T>(rules.spread) * moves) && (mass > zero);
   if (!ground.is_plane) comes = comes && ((moves <= least) || (gap <= least));
   const Triple<T> force = ends.load3(f::force);
   const Batch<T> along = dot(force, n), square(rules.square);
-  const Batch<T> held = xsimd::select(comes && (along > zero), square, zero);
-  const Batch<T> back = xsimd::min(Batch<T>(rules.share) * (gap + Batch<T>(rules.slop)), zero);
+  const Batch<T> held = lanes::select(comes && (along > zero), square, zero);
+  const Batch<T> back = lanes::min(Batch<T>(rules.share) * (gap + Batch<T>(rules.slop)), zero);
   ends.store3(n, f::normal);
-  ends.store(xsimd::select(gap >= zero, gap, back), f::gap);
+  ends.store(lanes::select(gap >= zero, gap, back), f::gap);
   ends.store(held * along, f::push);
   ends.store3(held * (force - along * n), f::across);
-  ends.store(xsimd::select(comes, mass, zero), f::over);
-  return xsimd::any(comes);
+  ends.store(lanes::select(comes, mass, zero), f::over);
+  return lanes::any(comes);
 }
 
 template <class Access, class T>
@@ -177,8 +177,8 @@ bool watch_ends(const EndView<T>& view, Range range, T most, std::uint8_t* touch
       const Triple<T> p = ends.load_places(view.p);
       const auto goes = (ends.load(f::gap) + dot(ends.load3(f::normal), p) < Batch<T>(-most)) &&
                         (over == zero) && (mass > zero);
-      if (!xsimd::any(goes)) continue;
-      ends.store(xsimd::select(goes, mass, over), f::over);
+      if (!lanes::any(goes)) continue;
+      ends.store(lanes::select(goes, mass, over), f::over);
       touched[v] = 1;
       any = true;
     }

@@ -8,14 +8,40 @@
 
 namespace plumb::detail {
 
-/// Calls visit(batch, contact, heap) for all contacts. Heaps are visited by several threads if there is a
-/// team.
+/// Sorts contacts into vectors. Those whose friction acts elsewhere than their normal push, or that resist
+/// turning, stay alone.
+template <class T>
+void CrowdContacts<T>::lay_out(const Crowd<T>& crowd) {
+  alone_.clear();
+  heap_ends_.clear();
+  vectors_.begin(crowd);
+  for (std::uint32_t b = 0; b < batches_.size(); ++b)
+    for (std::uint32_t k = 0; k < batches_[b].contacts.size(); ++k) {
+      Contact& contact = batches_[b].contacts[k];
+      const bool is_plain = contact.sliding == contact.terms && contact.turning == none;
+      contact.in_vectors = is_plain && vectors_.color(crowd, batches_[b].terms_of(contact.terms));
+      if (!contact.in_vectors) alone_.push_back({b, k});
+    }
+  vectors_.reserve(crowd);
+  for_contacts([&](Batch& batch, Contact& contact) {
+    if (contact.in_vectors)
+      vectors_.put(crowd, {batch.terms_of(contact.terms), contact.normal, contact.carried, contact.gap,
+                           contact.over, contact.friction, &contact.push, &contact.across});
+  });
+}
+
+/// Calls visit(batch, contact, heap) for all contacts that are not in vectors. Heaps are visited by several
+/// threads if there is a team.
 template <class T>
 template <class Visit>
 void CrowdContacts<T>::for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit) {
   changes_.assign(1, 0);
-  if (team == nullptr)
-    return for_contacts([&](Batch& batch, Contact& contact) { visit(batch, contact, changes_[0]); });
+  if (alone_.empty()) return;
+  if (team == nullptr) {
+    for (const Place& place : alone_)
+      visit(batches_[place.batch], batches_[place.batch].contacts[place.number], changes_[0]);
+    return;
+  }
   if (heap_ends_.empty()) find_heaps(crowd.islands());
   const auto heaps = static_cast<std::uint32_t>(heap_ends_.size());
   changes_.assign(heaps, 0);
@@ -30,17 +56,18 @@ void CrowdContacts<T>::for_heaps(Crowd<T>& crowd, Team* team, Visit&& visit) {
 template <class T>
 void CrowdContacts<T>::sweep(Crowd<T>& crowd, Team* team) {
   ends_.sweep(crowd);
+  vectors_.sweep(crowd, team);
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double&) { visit(crowd, batch, contact); });
 }
 
 template <class T>
 double CrowdContacts<T>::measured_sweep(Crowd<T>& crowd, Team* team) {
-  const double of_ends = ends_.measured_sweep(crowd);
+  const double before = std::max(ends_.measured_sweep(crowd), vectors_.measured_sweep(crowd, team));
   for_heaps(crowd, team, [&](Batch& batch, Contact& contact, double& most) {
     const Change change = visit(crowd, batch, contact);
     if (!change.is_none()) most = std::max(most, size_of(change, contact));
   });
-  return std::max(of_ends, changes_.empty() ? 0 : *std::max_element(changes_.begin(), changes_.end()));
+  return std::max(before, *std::max_element(changes_.begin(), changes_.end()));
 }
 
 /// Returns how far (m) a change moves places.
@@ -50,32 +77,36 @@ double CrowdContacts<T>::size_of(const Change& change, const Contact& contact) {
   return std::max(norm(change.along) / contact.over, norm(change.across) / contact.over_sliding);
 }
 
-/// Sorts contacts by heaps. Those of a heap stay in their order, so that the bits are those of one thread.
+/// Sorts contacts that are not in vectors by heaps. Those of a heap stay in their order, so that the bits are
+/// those of one thread.
 template <class T>
 void CrowdContacts<T>::find_heaps(std::size_t islands) {
+  const auto contact_at = [&](const Place& place) -> const Contact& {
+    return batches_[place.batch].contacts[place.number];
+  };
   heap_of_.resize(islands);
   std::iota(heap_of_.begin(), heap_of_.end(), 0u);
-  for_contacts([&](const Batch&, const Contact& contact) {
-    if (contact.island[1] == none) return;
+  for (const Place& place : alone_) {
+    const Contact& contact = contact_at(place);
+    if (contact.island[1] == none) continue;
     const std::uint32_t a = heap_of(contact.island[0]), b = heap_of(contact.island[1]);
     heap_of_[std::max(a, b)] = std::min(a, b);
-  });
+  }
   heap_number_.assign(islands, none);
   heap_ends_.clear();
-  for_contacts([&](const Batch&, const Contact& contact) {
-    std::uint32_t& number = heap_number_[heap_of(contact.island[0])];
+  for (const Place& place : alone_) {
+    std::uint32_t& number = heap_number_[heap_of(contact_at(place).island[0])];
     if (number == none) {
       number = static_cast<std::uint32_t>(heap_ends_.size());
       heap_ends_.push_back(0);
     }
     ++heap_ends_[number];
-  });
+  }
   // Ends are starts until contacts are put there.
   std::exclusive_scan(heap_ends_.begin(), heap_ends_.end(), heap_ends_.begin(), 0u);
-  in_heaps_.resize(count_contacts());
-  for (std::uint32_t b = 0; b < batches_.size(); ++b)
-    for (std::uint32_t k = 0; k < batches_[b].contacts.size(); ++k)
-      in_heaps_[heap_ends_[heap_number_[heap_of(batches_[b].contacts[k].island[0])]]++] = {b, k};
+  in_heaps_.resize(alone_.size());
+  for (const Place& place : alone_)
+    in_heaps_[heap_ends_[heap_number_[heap_of(contact_at(place).island[0])]]++] = place;
 }
 
 template <class T>
@@ -170,11 +201,13 @@ bool CrowdContacts<T>::bounce(Crowd<T>& crowd) {
   return any;
 }
 
+template void CrowdContacts<float>::lay_out(const Crowd<float>&);
 template void CrowdContacts<float>::sweep(Crowd<float>&, Team*);
 template double CrowdContacts<float>::measured_sweep(Crowd<float>&, Team*);
 template void CrowdContacts<float>::turn(Crowd<float>&, const Batch&, const Turning&, Vec3) const;
 template double CrowdContacts<float>::depth(const Crowd<float>&) const;
 template bool CrowdContacts<float>::bounce(Crowd<float>&);
+template void CrowdContacts<double>::lay_out(const Crowd<double>&);
 template void CrowdContacts<double>::sweep(Crowd<double>&, Team*);
 template double CrowdContacts<double>::measured_sweep(Crowd<double>&, Team*);
 template void CrowdContacts<double>::turn(Crowd<double>&, const Batch&, const Turning&, Vec3) const;

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "simd/relax/least_distance.hpp"
+#include "simd/relax/contacts/least_distance.hpp"
 #include "simd/relax/scalar_access.hpp"
 
 namespace plumb::simd {

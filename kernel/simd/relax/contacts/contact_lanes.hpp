@@ -1,0 +1,123 @@
+// Visits of contacts between places, in vectors of lanes. contact_scalar.hpp says what is computed and why;
+// the operations and their order are the same here. relax_lanes.hpp includes it, and it has internal linkage
+// as that has.
+
+#pragma once
+
+#include "simd/relax/visit_lanes.hpp"
+
+namespace plumb::simd {
+namespace {
+
+/// Contacts of one machine vector.
+template <class Access, class T>
+struct ContactLanes {
+  T* fields;
+  const std::uint32_t* at;
+  std::size_t stride;
+
+  PLUMB_INLINE ContactLanes(const ContactView<T>& view, Position here)
+      : fields(view.fields + here.v * contact_fields::count * logical_width<T> + here.first),
+        at(view.at + here.v * contact_fields::most_terms * logical_width<T> + here.first),
+        stride(view.component_stride) {}
+
+  PLUMB_INLINE Triple<T> load_term(const T* data, std::uint32_t term) const {
+    if constexpr (std::is_same_v<Access, RecordAccess>)
+      return Access::load(data, at + term * logical_width<T>);
+    else
+      return Access::load(data, at + term * logical_width<T>, stride);
+  }
+  PLUMB_INLINE void store_term(const Triple<T>& value, T* data, std::uint32_t term) const {
+    if constexpr (std::is_same_v<Access, RecordAccess>)
+      Access::store(value, data, at + term * logical_width<T>);
+    else
+      Access::store(value, data, at + term * logical_width<T>, stride);
+  }
+  PLUMB_INLINE Batch<T> load(std::uint32_t field) const {
+    return Batch<T>::load_aligned(fields + field * logical_width<T>);
+  }
+  PLUMB_INLINE Triple<T> load3(std::uint32_t field) const {
+    return {load(field), load(field + 1), load(field + 2)};
+  }
+  PLUMB_INLINE void store(const Batch<T>& value, std::uint32_t field) const {
+    value.store_aligned(fields + field * logical_width<T>);
+  }
+};
+
+/// Visits the contacts of a machine vector. Returns what pushes change, in kg m.
+template <std::uint32_t terms, class Access, class T>
+PLUMB_INLINE Triple<T> visit_contacts(const ContactView<T>& view, const ContactLanes<Access, T>& contacts) {
+  namespace f = contact_fields;
+  const Batch<T> zero(T(0));
+  Triple<T> p[terms], moved{zero, zero, zero};
+  for (std::uint32_t k = 0; k < terms; ++k) {
+    p[k] = contacts.load_term(view.p, k);
+    moved = moved + contacts.load(f::weight + k) * p[k];
+  }
+  moved = moved - contacts.load3(f::carried);
+  const Triple<T> n = contacts.load3(f::normal), across_before = contacts.load3(f::across);
+  const Batch<T> over = contacts.load(f::over), along = dot(n, moved), before = contacts.load(f::push);
+  const Batch<T> push = lanes::max(before - over * (contacts.load(f::gap) + along), zero);
+  Triple<T> across = across_before - over * (moved - along * n);
+  across = across - dot(across, n) * n;
+  const Batch<T> bound = contacts.load(f::friction) * push, square = dot(across, across);
+  // What lies takes no root, nor does what is not pressed.
+  if (const auto slides = square > bound * bound; lanes::any(slides)) {
+    const Batch<T> one(T(1));
+    Batch<T> share = lanes::select(slides, zero, one);
+    if (const auto presses = slides && (bound > zero); lanes::any(presses))
+      share = lanes::select(presses, bound / lanes::sqrt(square), share);
+    across = share * across;
+  }
+  const Triple<T> by = (push - before) * n + (across - across_before);
+  contacts.store(push, f::push);
+  contacts.store(across.x, f::across);
+  contacts.store(across.y, f::across + 1);
+  contacts.store(across.z, f::across + 2);
+  for (std::uint32_t k = 0; k < terms; ++k)
+    contacts.store_term(p[k] + contacts.load(f::move + k) * by, view.p, k);
+  return by;
+}
+
+/// Calls visited(contacts, by) after the visits of every machine vector.
+template <std::uint32_t terms, class Access, class T, class Visited>
+PLUMB_INLINE void visit_range(const ContactView<T>& view, const ContactRange& range, Visited&& visited) {
+  for (std::size_t i = 0; i < (range.end - range.begin) * parts<T>; ++i) {
+    const ContactLanes<Access, T> contacts(view, position<T>(range.begin, i));
+    visited(contacts, visit_contacts<terms>(view, contacts));
+  }
+}
+
+template <class Access, class T>
+void sweep_contacts(const ContactView<T>& shared, const ContactRange* ranges, std::uint32_t count) {
+  const ContactView<T> view = shared;  // stores through its pointers cannot change a copy
+  const auto visited = [](const ContactLanes<Access, T>&, const Triple<T>&) {};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (ranges[i].terms == 2)
+      visit_range<2, Access>(view, ranges[i], visited);
+    else
+      visit_range<4, Access>(view, ranges[i], visited);
+  }
+}
+
+template <class Access, class T>
+T measure_contacts(const ContactView<T>& shared, const ContactRange* ranges, std::uint32_t count) {
+  const ContactView<T> view = shared;
+  Batch<T> largest(T(0));
+  const auto visited = [&](const ContactLanes<Access, T>& contacts, const Triple<T>& by) {
+    largest = lanes::max(contacts.load(contact_fields::moves) * lanes::sqrt(dot(by, by)), largest);
+  };
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (ranges[i].terms == 2)
+      visit_range<2, Access>(view, ranges[i], visited);
+    else
+      visit_range<4, Access>(view, ranges[i], visited);
+  }
+  return largest_lane(largest);
+}
+
+template <class Access, class T>
+constexpr ContactKernels<T> contact_kernels = {sweep_contacts<Access, T>, measure_contacts<Access, T>};
+
+}  // namespace
+}  // namespace plumb::simd

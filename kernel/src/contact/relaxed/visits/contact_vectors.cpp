@@ -1,0 +1,150 @@
+#include "contact/relaxed/visits/contact_vectors.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace plumb::detail {
+
+namespace fields = simd::contact_fields;
+
+namespace {
+
+/// Calls f(ranges, part) for all ranges, one after the other. A team shares those that are large.
+template <class F>
+void share(Team* team, std::span<const simd::ContactRange> ranges, F&& f) {
+  constexpr std::uint32_t least = 32;  // vectors that take longer than threads to meet
+  if (team == nullptr || team->parts() == 1) return f(ranges, 0u);
+  for (const simd::ContactRange& range : ranges) {
+    const std::uint32_t vectors = range.end - range.begin;
+    if (vectors < least) {
+      f(std::span(&range, 1), 0u);
+      continue;
+    }
+    team->for_parts([&](unsigned part) {
+      const simd::ContactRange own{range.begin + Team::begin_of(vectors, part, team->parts()),
+                                   range.begin + Team::begin_of(vectors, part + 1, team->parts()),
+                                   range.terms};
+      f(std::span(&own, 1), part);
+    });
+  }
+}
+
+}  // namespace
+
+template <class T>
+void ContactVectors<T>::begin(const Crowd<T>& crowd) {
+  taken_.assign(crowd.places().particles(), 0);
+  color_.clear();
+  next_.fill(0);
+  put_ = 0;
+}
+
+template <class T>
+bool ContactVectors<T>::color(const Crowd<T>& crowd, std::span<const Term> terms) {
+  std::uint64_t taken = 0;
+  std::uint32_t count = 0;
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    if (terms[k].move == 0) continue;
+    ++count;
+    for (std::size_t other = 0; other < k; ++other)
+      if (terms[other].at == terms[k].at) return false;
+    taken |= taken_[crowd.places().particle_at(terms[k].at)];
+  }
+  if (count == 0 || count > most_terms || taken == ~std::uint64_t{0}) return false;
+  const int color = std::countr_one(taken);
+  for (const Term& term : terms)
+    if (term.move != 0) taken_[crowd.places().particle_at(term.at)] |= std::uint64_t{1} << color;
+  const auto number = static_cast<std::uint8_t>(classes * color + (count > 2));
+  color_.push_back(number);
+  ++next_[number];
+  return true;
+}
+
+template <class T>
+void ContactVectors<T>::reserve(const Crowd<T>& crowd) {
+  ranges_.clear();
+  std::uint32_t vectors = 0;
+  for (std::uint32_t i = 0; i < next_.size(); ++i) {
+    if (next_[i] == 0) continue;
+    const std::uint32_t begin = vectors;
+    vectors += (next_[i] + lanes - 1) / lanes;
+    ranges_.push_back({begin, vectors, i % classes == 0 ? 2 : most_terms});
+    next_[i] = begin * lanes;
+  }
+  const std::size_t size = std::size_t{vectors} * lanes;
+  if (fields_.size() < size * fields::count)
+    fields_ = layouts::AlignedBuffer<T>((size + size / 2) * fields::count);
+  std::fill_n(fields_.data(), size * fields::count, T(0));
+  at_.assign(size * most_terms, crowd.places().numbers());
+  pushes_.assign(size, {});
+}
+
+template <class T>
+void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
+  const std::uint8_t color = color_[put_++];
+  const std::size_t lane = next_[color]++;
+  const auto set = [&](std::uint32_t number, double value) { field(lane, number) = static_cast<T>(value); };
+  const auto set3 = [&](std::uint32_t first, Vec3 value) {
+    set(first, value.x);
+    set(first + 1, value.y);
+    set(first + 2, value.z);
+  };
+  set3(fields::normal, contact.normal);
+  set(fields::gap, contact.gap);
+  set(fields::push, *contact.push);
+  set3(fields::across, *contact.across);
+  set(fields::over, contact.over);
+  set(fields::moves, 1 / contact.over);
+  set(fields::friction, contact.friction);
+  // What a contact lacks of terms stands first, without weight, at the place of a term: that is written
+  // later.
+  const std::uint32_t room = color % classes == 0 ? 2 : most_terms;
+  std::uint32_t k = room;
+  Vec3 carried = contact.carried;
+  const auto add = [&](std::uint32_t at, double weight, double move) {
+    at_[(lane / lanes * most_terms + --k) * lanes + lane % lanes] = at;
+    set(fields::weight + k, weight);
+    set(fields::move + k, move);
+  };
+  for (const Term& term : contact.terms) {
+    if (term.move != 0)
+      add(term.at, term.weight, term.move);
+    else  // goes where it goes, whatever pushes it
+      carried -= term.weight * crowd.moved(term.at);
+  }
+  while (k > 0) add(at_[(lane / lanes * most_terms + room - 1) * lanes + lane % lanes], 0, 0);
+  set3(fields::carried, carried);
+  pushes_[lane] = {contact.push, contact.across};
+}
+
+template <class T>
+void ContactVectors<T>::sweep(Crowd<T>& crowd, Team* team) const {
+  share(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned) {
+    kernels(crowd).sweep(view(crowd), ranges.data(), static_cast<std::uint32_t>(ranges.size()));
+  });
+}
+
+template <class T>
+double ContactVectors<T>::measured_sweep(Crowd<T>& crowd, Team* team) const {
+  std::array<T, Team::max_size> largest{};
+  share(team, ranges_, [&](std::span<const simd::ContactRange> ranges, unsigned part) {
+    const auto count = static_cast<std::uint32_t>(ranges.size());
+    largest[part] = std::max(largest[part], kernels(crowd).measure(view(crowd), ranges.data(), count));
+  });
+  return *std::max_element(largest.begin(), largest.end());
+}
+
+template <class T>
+void ContactVectors<T>::write_back() const {
+  for (std::size_t lane = 0; lane < pushes_.size(); ++lane) {
+    if (pushes_[lane].push == nullptr) continue;
+    *pushes_[lane].push = field(lane, fields::push);
+    *pushes_[lane].across = {field(lane, fields::across), field(lane, fields::across + 1),
+                             field(lane, fields::across + 2)};
+  }
+}
+
+template class ContactVectors<float>;
+template class ContactVectors<double>;
+
+}  // namespace plumb::detail

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/relaxed/crowd.hpp"
+#include "plumb/layouts/aligned_buffer.hpp"
+#include "simd/relax/relax_kernels.hpp"
+#include "threads/team.hpp"
+
+namespace plumb::detail {
+
+/// Holds contacts of a crowd in vectors, colour after colour, so that as many are visited at once as there
+/// are lanes. Contacts of one colour move different particles.
+template <class T>
+class ContactVectors {
+ public:
+  using Term = typename Crowd<T>::Term;
+  /// What a visit reads of a contact, and which pushes it changes.
+  struct Visited {
+    std::span<const Term> terms;  ///< of its places
+    Vec3 normal{}, carried{};     ///< carried: m, how far moving ground goes
+    double gap = 0;               ///< m, what may be lost along the normal
+    double over = 0;              ///< kg, what moves its places by a metre
+    double friction = 0;          ///< Coulomb's coefficient
+    double* push = nullptr;       ///< kg m, along the normal
+    Vec3* across = nullptr;       ///< kg m, against sliding
+  };
+
+  explicit ContactVectors(const simd::Kernels<T>& kernels) : all_kernels_(&kernels) {}
+
+  /// @{
+  /// Lays out contacts: begin(), color() for each, reserve(), then put() for each that has a colour, in the
+  /// same order. A contact has none if it moves too many particles, or one of them twice, or one that too
+  /// many contacts move.
+  void begin(const Crowd<T>& crowd);
+  bool color(const Crowd<T>& crowd, std::span<const Term> terms);
+  void reserve(const Crowd<T>& crowd);
+  void put(const Crowd<T>& crowd, const Visited& contact);
+  /// @}
+  /// Writes pushes to where contacts keep them. Their places must not have changed since put().
+  void write_back() const;
+
+  /// Visits all contacts once. A team shares what is large.
+  void sweep(Crowd<T>& crowd, Team* team) const;
+  /// Does so, and returns the largest change of a place, m.
+  double measured_sweep(Crowd<T>& crowd, Team* team) const;
+
+ private:
+  static constexpr std::uint32_t lanes = simd::logical_width<T>,
+                                 most_terms = simd::contact_fields::most_terms;
+  static constexpr std::uint32_t colors = 64, classes = 2;  // by terms: at most two, or four
+  /// Names the pushes of a lane.
+  struct Pushes {
+    double* push = nullptr;
+    Vec3* across = nullptr;
+  };
+
+  const simd::ContactKernels<T>& kernels(const Crowd<T>& crowd) const {
+    const bool in_rows = crowd.places().access() == layouts::Access::rows;
+    return in_rows ? all_kernels_->row_contacts : all_kernels_->contacts;
+  }
+  simd::ContactView<T> view(Crowd<T>& crowd) const {
+    return {crowd.displacements(), fields_.data(), at_.data(), crowd.places().component_stride()};
+  }
+  T& field(std::size_t lane, std::size_t field) const {
+    return fields_[(lane / lanes * simd::contact_fields::count + field) * lanes + lane % lanes];
+  }
+
+  const simd::Kernels<T>* all_kernels_;
+  std::vector<std::uint64_t> taken_;                    ///< by particle, a bit for each colour
+  std::vector<std::uint8_t> color_;                     ///< of contacts, in their order
+  std::array<std::uint32_t, colors * classes> next_{};  ///< counts, then the next lane of each
+  std::size_t put_ = 0;                                 ///< contacts that have been put
+  mutable layouts::AlignedBuffer<T> fields_;
+  std::vector<std::uint32_t> at_;
+  std::vector<Pushes> pushes_;  ///< by lane
+  std::vector<simd::ContactRange> ranges_;
+};
+
+extern template class ContactVectors<float>;
+extern template class ContactVectors<double>;
+
+}  // namespace plumb::detail
