@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <initializer_list>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "plumb/error.hpp"
 #include "scenes/basics/lists.hpp"
@@ -49,6 +51,103 @@ std::vector<Method> methods() {
 }
 
 const std::vector<Gradient> gradients{Gradient::new_, Gradient::old, Gradient::mid};
+
+/// A setting that no page changes, as a text.
+struct Rest {
+  std::string_view name;
+  std::string (*write)(const Settings&);
+  void (*read)(Settings&, std::string_view text);
+};
+
+template <class Number>
+Number number(std::string_view name, std::string_view text) {
+  const auto value = parse_number<Number>(text);
+  if (!value) throw InputError(std::string(name) + " must be a number, not '" + std::string(text) + "'");
+  return *value;
+}
+
+template <class Enum>
+std::string word_or_auto(const std::optional<Enum>& value) {
+  return value ? std::string(to_string(*value)) : "auto";
+}
+
+std::string exact(double value) {
+  return scenes::short_number(value, 17);
+}
+
+const std::vector<Integrator> integrators{
+    Integrator::explicit_euler, Integrator::semi_implicit_euler,    Integrator::rk2, Integrator::rk4,
+    Integrator::implicit_euler, Integrator::adaptive_implicit_euler};
+
+/// Makes a row of a number that `member` finds in settings.
+template <class Member>
+Rest number_row(std::string_view name, Member) {
+  return {name, [](const Settings& s) { return exact(Member{}(s)); },
+          [](Settings& s, std::string_view text) { Member{}(s) = number<double>("a setting", text); }};
+}
+template <class Member>
+Rest count_row(std::string_view name, Member) {
+  using Number = std::remove_cvref_t<decltype(Member{}(std::declval<Settings&>()))>;
+  return {name, [](const Settings& s) { return std::to_string(Member{}(s)); },
+          [](Settings& s, std::string_view text) { Member{}(s) = number<Number>("a setting", text); }};
+}
+
+std::vector<Rest> words_of_rest() {
+  return {
+      {"precision", [](const Settings& s) { return std::string(to_string(s.precision)); },
+       [](Settings& s, std::string_view text) {
+         s.precision = word<Precision>("precision", text, {Precision::single, Precision::double_});
+       }},
+      {"mass", [](const Settings& s) { return word_or_auto(s.mass); },
+       [](Settings& s, std::string_view text) {
+         s.mass.reset();
+         if (text != "auto")
+           s.mass = word<MassModel>("mass", text, {MassModel::lumped, MassModel::consistent});
+       }},
+      {"integrator", [](const Settings& s) { return word_or_auto(s.integrator); },
+       [](Settings& s, std::string_view text) {
+         s.integrator.reset();
+         if (text != "auto") s.integrator = word("integrator", text, integrators);
+       }},
+      {"springs", [](const Settings& s) { return std::string(to_string(s.springs.model)); },
+       [](Settings& s, std::string_view text) {
+         s.springs.model =
+             word<SpringModel>("springs", text, {SpringModel::rigid_rods, SpringModel::particles});
+       }},
+      {"stabilization", [](const Settings& s) { return std::string(to_string(s.multipliers.stabilization)); },
+       [](Settings& s, std::string_view text) {
+         s.multipliers.stabilization =
+             word<Stabilization>("stabilization", text,
+                                 {Stabilization::none, Stabilization::baumgarte, Stabilization::projection});
+       }},
+      {"layout", [](const Settings& s) { return std::string(to_string(s.layout)); },
+       [](Settings& s, std::string_view text) {
+         s.layout = word<LayoutChoice>(
+             "layout", text,
+             {LayoutChoice::automatic, LayoutChoice::aos, LayoutChoice::soa, LayoutChoice::aosoa});
+       }}};
+}
+
+std::vector<Rest> rest() {
+  std::vector<Rest> out = words_of_rest();
+  out.insert(out.end(), {number_row(
+                             "omega", [](auto& s) -> auto& { return s.omega; }),
+                         count_row(
+                             "time_order", [](auto& s) -> auto& { return s.time_order; }),
+                         count_row(
+                             "most_work", [](auto& s) -> auto& { return s.most_work; }),
+                         number_row(
+                             "stiffness", [](auto& s) -> auto& { return s.springs.stiffness; }),
+                         number_row(
+                             "damping_ratio", [](auto& s) -> auto& { return s.springs.damping_ratio; }),
+                         number_row(
+                             "baumgarte_rate", [](auto& s) -> auto& { return s.multipliers.baumgarte_rate; }),
+                         number_row(
+                             "sleep_time", [](auto& s) -> auto& { return s.sleep_time; }),
+                         number_row(
+                             "length_scale", [](auto& s) -> auto& { return s.contact.length_scale; })});
+  return out;
+}
 
 Settings relaxed(Weights weights) {
   return {.method = Method::relax,
@@ -103,6 +202,21 @@ scenes::Json choices_json(const Settings& settings) {
           {"sweeps", std::to_string(settings.stop.sweeps)},
           {"tolerance", share_text(settings.stop.tolerance)},
           {"accuracy", share_text(settings.accuracy)}};
+}
+
+scenes::Json all_settings_json(const Settings& settings) {
+  scenes::Json out = choices_json(settings);
+  for (const Rest& each : rest()) out[each.name] = each.write(settings);
+  return out;
+}
+
+void read_setting(Settings& settings, std::string_view name, std::string_view text) {
+  for (const Rest& each : rest())
+    if (each.name == name) {
+      each.read(settings, text);
+      return;
+    }
+  set_choice(settings, name, text);
 }
 
 Settings readable(const Settings& settings) {

@@ -17,6 +17,12 @@ void set_choice(Settings& settings, std::string_view name, std::string_view text
 /// Returns these settings by name, each as a text that set_choice() reads.
 scenes::Json choices_json(const Settings& settings);
 
+/// Returns all settings that change bits, by the names of options of the command; an inverse to
+/// read_setting(). A budget of time is not among them, since nothing repeats what a clock did.
+scenes::Json all_settings_json(const Settings& settings);
+/// Sets one of them, or throws InputError as set_choice() does.
+void read_setting(Settings& settings, std::string_view name, std::string_view text);
+
 /// Returns settings without what their method does not read, so that moving from one method to another and
 /// back keeps what was chosen for each.
 Settings readable(const Settings& settings);

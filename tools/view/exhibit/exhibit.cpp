@@ -53,7 +53,7 @@ void Exhibit::give(Side& side, const Request& request) const {
     case Verb::set:
       return set(side, request);
     case Verb::pull:
-      return side.pull({.particle = request.number, .target = request.at, .dt = frame_length});
+      return side.pull({.particle = request.number, .target = request.at});
     case Verb::release:
       return side.let_go();
     case Verb::cut:

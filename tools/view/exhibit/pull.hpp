@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "plumb/scene.hpp"
 #include "plumb/world.hpp"
@@ -8,21 +10,30 @@
 /// How a hand pulls a particle. All of it is here, so that another way takes its place in one file.
 namespace plumb::view {
 
-/// Says what is pulled where to.
+/// What is pulled where to.
 struct Hand {
   std::uint32_t particle = 0;
-  Vec3 target{};    ///< In m.
-  double mass = 0;  ///< Mass of the particle in kg, with its share of rods and bodies.
-  double dt = 0;    ///< Length of a step, in s.
+  Vec3 target{};  ///< In m.
 };
 
-/// Pulls during the next step. An anchor moves there by a fifth of the way. Others are pulled by a damped
-/// spring whose force holds for a step. With the particle alone, k dt²/m = 1/4 and c dt/m = 1/2 are well
-/// inside of what is stable, and what hangs on it only makes it slower. Throws InputError if the world
-/// refuses.
-void pull(World& world, const Scene& scene, const Hand& hand);
+/// Holds a particle of a world. An anchor moves by a fifth of its way a step. Others are grabbed
+/// (World::grab()) by a spring that gives by a hundredth of the scene's diagonal under the weight of all that
+/// hangs together, with gravity of 9.81 m/s². Alone on that spring it would be damped critically.
+class Grip {
+ public:
+  /// Takes hold. Throws InputError if the world refuses. `islands` are those of find_islands().
+  Grip(Hand hand, World& world, const Scene& scene, const std::vector<std::uint32_t>& islands);
 
-/// Ends the pull.
-void let_go(World& world, const Scene& scene, const Hand& hand);
+  const Hand& hand() const { return hand_; }
+  /// Pulls to another target. Throws InputError if the world refuses it; all is then as before.
+  void move(World& world, const Scene& scene, Vec3 target);
+  /// Pulls during the next step. Returns whether it still holds.
+  bool pull(World& world, const Scene& scene);
+  void let_go(World& world);
+
+ private:
+  Hand hand_;
+  std::optional<Handle<Grab>> grab_{};  ///< None of an anchor.
+};
 
 }  // namespace plumb::view

@@ -15,7 +15,7 @@ using scenes::Json;
 Json sides_json(const Start& start) {
   Json out = Json::array();
   for (const SideStart& side : start.sides)
-    out.push_back({{"name", side.name}, {"settings", choices_json(side.settings)}});
+    out.push_back({{"name", side.name}, {"settings", all_settings_json(side.settings)}});
   return out;
 }
 
@@ -23,7 +23,7 @@ SideStart side_of(const scenes::json& value, const std::string& path) {
   const scenes::Object object(value, path, {"name", "settings"});
   SideStart out{.name = object.at("name").get<std::string>()};
   for (const auto& [name, text] : object.at("settings").items())
-    set_choice(out.settings, name, text.get<std::string>());
+    read_setting(out.settings, name, text.get<std::string>());
   return out;
 }
 
@@ -83,6 +83,17 @@ Replay parse_replay(std::string_view text, std::string_view name) {
   } catch (const nlohmann::json::exception& error) {
     throw InputError(std::string(name) + ": is no replay: " + error.what());
   }
+  return out;
+}
+
+Exhibit repeat(const Replay& replay) {
+  Exhibit out(replay.start);
+  Repeater repeater(replay);
+  while (!repeater.is_over(out)) {
+    repeater.give(out);
+    out.step();
+  }
+  repeater.give(out);
   return out;
 }
 

@@ -37,6 +37,9 @@ class Repeater {
   std::size_t next_ = 0;
 };
 
+/// Repeats a replay to its end in new worlds and returns them.
+Exhibit repeat(const Replay& replay);
+
 /// Returns the hashes of an exhibit's worlds, as reports spell them.
 std::vector<std::string> hashes_of(const Exhibit& exhibit);
 

@@ -70,6 +70,14 @@ void Side::rebuild(const Scene& scene, const Settings& settings) {
   asleep_ = std::move(asleep);
   islands_ = find_islands(scene_, rod_numbers_);
   ++rebuilds_;
+  if (!grip_) return;
+  const Hand hand = grip_->hand();
+  grip_.reset();  // it held in the world before
+  try {
+    grip_.emplace(hand, *world_, scene_, islands_);
+  } catch (const InputError&) {
+    // The new method takes no grabs: the hand slips.
+  }
 }
 
 void Side::require_particle(std::uint32_t particle) const {
@@ -161,7 +169,7 @@ void Side::cut(std::uint32_t rod) {
 void Side::fix(std::uint32_t particle) {
   require_particle(particle);
   world_->fix(particle);
-  if (hand_ && hand_->particle == particle) hand_.reset();
+  if (grip_ && grip_->hand().particle == particle) let_go();
   scene_.particles[particle].fixed = true;
   islands_ = find_islands(scene_, rod_numbers_);
 }
@@ -175,16 +183,18 @@ void Side::free(std::uint32_t particle) {
 
 void Side::pull(const Hand& hand) {
   require_particle(hand.particle);
-  if (hand_ && hand_->particle != hand.particle) let_go();
-  hand_ = hand;
-  hand_->mass = lumped_masses(scene_)[hand.particle];
-  if (scene_.particles[hand.particle].fixed) return;
-  world_->set_force(hand.particle, {});  // refuses what it would refuse later
+  if (!is_finite(hand.target)) throw InputError("the place to pull to is not finite");
+  if (!grip_ || grip_->hand().particle != hand.particle) {
+    Grip grip(hand, *world_, scene_, islands_);
+    let_go();
+    grip_ = grip;
+  }
+  grip_->move(*world_, scene_, hand.target);
 }
 
 void Side::let_go() {
-  if (hand_) view::let_go(*world_, scene_, *hand_);
-  hand_.reset();
+  if (grip_) grip_->let_go(*world_);
+  grip_.reset();
 }
 
 void Side::reel(std::string_view kind, std::uint32_t number, double rate) {
@@ -247,8 +257,16 @@ void Side::throw_ball(Vec3 at, Vec3 velocity, double radius) {
 }
 
 void Side::step(double dt) {
-  if (hand_) view::pull(*world_, scene_, *hand_);
-  for (const Reeling& each : reeling_) wind(each, dt);
+  if (grip_ && !grip_->pull(*world_, scene_)) grip_.reset();
+  // An order that was possible when it was given may end, as where another method came since.
+  std::erase_if(reeling_, [&](const Reeling& each) {
+    try {
+      wind(each, dt);
+      return false;
+    } catch (const InputError&) {
+      return true;
+    }
+  });
   const auto start = std::chrono::steady_clock::now();
   report_ = world_->step(dt);
   step_us_ = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();

@@ -81,6 +81,7 @@ class Side {
   bool set_in_place(const Settings& to, std::string_view setting);
   void wind(const Reeling& reeling, double dt);
   void take_events();
+  void grip(const Hand& hand);
   void lose(std::uint32_t rod);
 
   SideStart start_;
@@ -92,7 +93,7 @@ class Side {
   std::vector<std::uint32_t> islands_;
   std::vector<std::uint8_t> asleep_;
   std::uint32_t end_;
-  std::optional<Hand> hand_;
+  std::optional<Grip> grip_;
   std::vector<Reeling> reeling_;
   StepReport report_{};
   double step_us_ = 0;

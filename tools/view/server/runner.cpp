@@ -65,7 +65,7 @@ bool Runner::wait(std::deque<std::string>& messages, bool& has_come) {
   std::unique_lock lock(mutex_);
   const auto has_news = [&] { return ends_ || (is_watched_ && (has_come_ || !messages_.empty())); };
   if (is_watched_ && playing_)
-    changed_.wait_until(lock, next_, has_news);
+    changed_.wait_until(lock, pacing_.due(), has_news);
   else
     changed_.wait(lock, has_news);
   messages.swap(messages_);
@@ -81,7 +81,7 @@ void Runner::run() {
     if (has_come) greet();
     for (const std::string& message : messages) obey(message);
     messages.clear();
-    if (playing_ && Clock::now() >= next_)
+    if (playing_ && pacing_.is_due(Clock::now()))
       step();
     else if (has_news)
       publish();
@@ -91,8 +91,7 @@ void Runner::run() {
 void Runner::greet() {
   outlet_.text(menu_json().dump());
   show_worlds();
-  next_ = last_ = Clock::now();
-  reached_ = 0;
+  pacing_.start(Clock::now());
 }
 
 void Runner::show_worlds() {
@@ -117,7 +116,7 @@ void Runner::obey(const Request& request) {
   if (is_input(request.verb)) return change(request);
   switch (request.verb) {
     case Verb::play:
-      next_ = last_ = Clock::now();
+      pacing_.start(Clock::now());
       playing_ = true;
       return;
     case Verb::pause:
@@ -165,8 +164,7 @@ void Runner::change(const Request& request) {
 void Runner::begin_again(Start start) {
   exhibit_ = Exhibit(std::move(start));
   repeater_.reset();
-  next_ = last_ = Clock::now();
-  reached_ = 0;
+  pacing_.start(Clock::now());
   show_worlds();
 }
 
@@ -189,9 +187,7 @@ void Runner::load(const Request& request) {
 void Runner::set_speed(const Request& request) {
   const auto speed = scenes::parse_number<double>(request.value);
   if (!speed || !(*speed >= 0.01 && *speed <= 1)) throw InputError("speed must be from 0.01 to 1");
-  speed_ = *speed;
-  next_ = last_ = Clock::now();
-  reached_ = 0;
+  pacing_.set_speed(*speed, Clock::now());
 }
 
 void Runner::change_sides(const Request& request) {
@@ -208,31 +204,29 @@ void Runner::change_sides(const Request& request) {
 }
 
 void Runner::step() {
+  try {
+    advance();
+  } catch (const std::exception& error) {
+    playing_ = false;
+    outlet_.text(note_json(std::string("the worlds stand still: ") + error.what(), true).dump());
+  }
+  publish();
+}
+
+void Runner::advance() {
   const bool replays = is_replaying();
   if (replays) repeater_->give(exhibit_);
   exhibit_.step();
-  const auto now = Clock::now();
-  const double passed = std::chrono::duration<double>(now - last_).count();
-  if (passed > 0) {
-    const double pace = frame_length / passed;
-    reached_ = reached_ == 0 ? pace : 0.95 * reached_ + 0.05 * pace;
-  }
-  last_ = now;
-  const auto period =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(frame_length / speed_));
-  // A thread that fell behind does not hurry: what is lost is shown as a lower pace.
-  next_ = std::max(next_ + period, now - period);
-  if (replays && !is_replaying()) {
-    repeater_->give(exhibit_);
-    playing_ = false;
-    const bool same = hashes_of(exhibit_) == repeater_->replay().hashes;
-    outlet_.text(note_json(same ? "The replay ends with the same bits as when it was saved."
-                                : "The replay ends with other bits than when it was saved.",
-                           !same)
-                     .dump());
-    outlet_.text(sides_json(exhibit_).dump());
-  }
-  publish();
+  pacing_.count(Clock::now());
+  if (!replays || is_replaying()) return;
+  repeater_->give(exhibit_);
+  playing_ = false;
+  const bool same = hashes_of(exhibit_) == repeater_->replay().hashes;
+  outlet_.text(note_json(same ? "The replay ends with the same bits as when it was saved."
+                              : "The replay ends with other bits than when it was saved.",
+                         !same)
+                   .dump());
+  outlet_.text(sides_json(exhibit_).dump());
 }
 
 void Runner::publish() {
@@ -242,7 +236,7 @@ void Runner::publish() {
     measured_.clear();
     for (std::size_t i = 0; i < exhibit_.sides().size(); ++i) measured_.push_back(measure(exhibit_, i));
   }
-  const Pace pace{playing_, is_replaying(), playing_ ? reached_ : 0, is_due};
+  const Pace pace{playing_, is_replaying(), playing_ ? pacing_.reached() : 0, is_due};
   outlet_.frame(encode_frame(exhibit_, pace, values_, measured_));
 }
 

@@ -12,6 +12,7 @@
 #include "view/exhibit/exhibit.hpp"
 #include "view/exhibit/replay.hpp"
 #include "view/server/messages.hpp"
+#include "view/server/pacing.hpp"
 
 namespace plumb::view {
 
@@ -51,6 +52,7 @@ class Runner {
   void set_speed(const Request& request);
   void change_sides(const Request& request);
   void step();
+  void advance();
   void publish();
   bool is_replaying() const { return repeater_ && !repeater_->is_over(exhibit_); }
 
@@ -58,13 +60,10 @@ class Runner {
   Outlet outlet_;
   std::optional<Repeater> repeater_;
   bool playing_ = true;
-  double speed_ = 1;
   Values values_ = Values::none;
   std::vector<Measured> measured_;
-  double reached_ = 0;
   std::uint64_t published_ = 0;
-  Clock::time_point next_{};  ///< When the next frame is due.
-  Clock::time_point last_{};
+  Pacing pacing_{frame_length, 1, Clock::now()};
 
   std::mutex mutex_;
   std::condition_variable changed_;
