@@ -54,7 +54,7 @@ TEST(ViewReplay, HasTheSameBitsThroughItsFile) {
 }
 
 TEST(ViewReplay, KeepsAllSettings) {
-  Settings s{.method = Method::multipliers,
+  Settings s{.method = Method::relax,
              .precision = Precision::single,
              .gradient = Gradient::old,
              .mass = MassModel::lumped,

@@ -115,7 +115,7 @@ void tie_joints(Sets& sets, const Scene& scene) {
 
 Carried carry(const Scene& scene, const World& world, const Remains& remains) {
   Carried out{.scene = scene, .rod_numbers = std::vector<std::uint32_t>(scene.rods.size(), no_rod)};
-  const std::size_t n = scene.particles.size();
+  const std::size_t n = world.info().particles;
   std::vector<Vec3> positions(n), velocities(n);
   world.copy_positions(positions);
   world.copy_velocities(velocities);

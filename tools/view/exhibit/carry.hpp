@@ -23,8 +23,8 @@ struct Remains {
 };
 
 /// Returns `scene` with positions, velocities, poses, lengths and sleepers of `world`. Rods that are gone are
-/// left out, with bends and twists that need them. What the world has taken in of turns of torsions is lost
-/// beyond half a turn.
+/// left out, with bends and twists that need them. Particles that `world` does not have yet are as in
+/// `scene`. What the world has taken in of turns of torsions is lost beyond half a turn.
 Carried carry(const Scene& scene, const World& world, const Remains& remains);
 
 /// Returns a number for each particle, equal where rods, bends, tackles, joints, springs and bodies tie

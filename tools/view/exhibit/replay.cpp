@@ -29,6 +29,7 @@ SideStart side_of(const scenes::json& value, const std::string& path) {
 
 Taken taken_of(const scenes::json& value, const std::string& path) {
   if (!value.is_object() || !value.contains("frame")) throw InputError(path + " needs a frame");
+  if (!value.at("frame").is_number_unsigned()) throw InputError(path + ".frame must be a whole number");
   return {value.at("frame").get<std::uint64_t>(), parse_request(value.dump())};
 }
 

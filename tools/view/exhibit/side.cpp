@@ -30,6 +30,18 @@ std::vector<std::uint32_t> numbered(std::size_t n) {
   return out;
 }
 
+/// Returns the mean mass of particles that move: what an anchor without mass weighs once it is free.
+double mean_mass(const Scene& scene) {
+  const std::vector<double> masses = lumped_masses(scene);
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    if (scene.particles[i].fixed || !std::isfinite(masses[i])) continue;
+    sum += masses[i];
+    count += 1;
+  }
+  return count > 0 && sum > 0 ? sum / count : 1;
+}
+
 }  // namespace
 
 std::uint32_t end_particle(const Scene& scene) {
@@ -161,9 +173,24 @@ void Side::lose(std::uint32_t rod) {
 void Side::cut(std::uint32_t rod) {
   require_rod(rod);
   if (is_gone(rod)) throw InputError("rod " + std::to_string(rod) + " is out already");
-  world_->cut(rod_numbers_[rod]);
+  try {
+    world_->cut(rod_numbers_[rod]);
+    lose(rod);
+    islands_ = find_islands(scene_, rod_numbers_);
+  } catch (const InputError&) {
+    cut_in_new_world(rod);
+  }
+}
+
+void Side::cut_in_new_world(std::uint32_t rod) {
+  const std::uint32_t number = std::exchange(rod_numbers_[rod], no_rod);
+  try {
+    rebuild(scene_, start_.settings);
+  } catch (const InputError&) {
+    rod_numbers_[rod] = number;
+    throw;
+  }
   lose(rod);
-  islands_ = find_islands(scene_, rod_numbers_);
 }
 
 void Side::fix(std::uint32_t particle) {
@@ -176,8 +203,15 @@ void Side::fix(std::uint32_t particle) {
 
 void Side::free(std::uint32_t particle) {
   require_particle(particle);
+  Scene scene = scene_;
+  Particle& freed = scene.particles[particle];
+  freed.fixed = false;
+  if (lumped_masses(scene)[particle] == 0) {
+    freed.mass = mean_mass(scene_);
+    world_->set_mass(particle, freed.mass);
+  }
   world_->free(particle);
-  scene_.particles[particle].fixed = false;
+  scene_ = std::move(scene);
   islands_ = find_islands(scene_, rod_numbers_);
 }
 

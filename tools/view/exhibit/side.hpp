@@ -41,6 +41,7 @@ class Side {
   void set_end_mass(double mass);
   void cut(std::uint32_t rod);
   void fix(std::uint32_t particle);
+  /// An anchor without mass gets the mean mass of the others.
   void free(std::uint32_t particle);
   void pull(const Hand& hand);
   void let_go();
@@ -83,6 +84,7 @@ class Side {
   void take_events();
   void grip(const Hand& hand);
   void lose(std::uint32_t rod);
+  void cut_in_new_world(std::uint32_t rod);
 
   SideStart start_;
   Scene scene_;  ///< With lengths, masses and anchors of now, and laws without stiffness for rods that are

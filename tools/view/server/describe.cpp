@@ -125,11 +125,14 @@ Json sides_json(const Exhibit& exhibit) {
         {{"name", side.name()}, {"settings", choices_json(side.settings())}, {"rebuilds", side.rebuilds()}});
   const Scene& scene = exhibit.sides().front().scene();
   const std::uint32_t end = end_particle(exhibit.start().scene);
+  // A point of a body has no mass of its own.
+  const bool has_mass = end != no_island && scene.particles[end].mass > 0;
+  const Json end_mass = has_mass ? Json(scene.particles[end].mass) : Json();
   return {{"kind", "sides"},
           {"sides", sides},
           {"gravity", -scene.gravity.y},
           {"drag", scene.drag},
-          {"end_mass", end == no_island ? Json() : Json(scene.particles[end].mass)}};
+          {"end_mass", end_mass}};
 }
 
 Json menu_json() {
