@@ -212,6 +212,7 @@ def take_pictures(plumb, folder):
                 for scene in ["default", "humanoid", "pile"]:
                     with View(plumb, browser, *([] if scene == "default" else [scene])) as view:
                         view.until("window.plumb.frame.frame > 40", "it has moved")
+                        view.until("document.getElementById('clock').textContent", "numbers are shown")
                         over = view.js("return document.documentElement.scrollWidth > innerWidth")
                         assert not over, f"{scene} is wider than {width}"
                         tint = "dark" if dark else "light"
