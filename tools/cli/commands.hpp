@@ -18,6 +18,7 @@ void add_scale_command(Command& plumb);
 void add_stability_command(Command& plumb);
 void add_thesis_command(Command& plumb);
 void add_truth_command(Command& plumb);
+void add_view_command(Command& plumb);
 
 /// These are the exit statuses.
 inline constexpr int fine = 0;

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
       "  plumb run chain:links=20,end_mass=10 --method relax --substeps 8 --sweeps 20\n"
       "  plumb run tools/scenes/net.json --tolerance 1e-3 --report net-report.json\n"
       "  plumb info net:width=64,height=64\n"
+      "  plumb view\n"
       "  plumb humanoid --experiments --out out\n"
       "  plumb fall --out out\n"
       "  plumb thesis --out out\n"
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
     tools::add_profile_command(top);
     tools::add_stability_command(top);
     tools::add_truth_command(top);
+    tools::add_view_command(top);
     return line.run(argc, argv);
   } catch (const tools::CheckFailed& error) {
     complain(error.what());

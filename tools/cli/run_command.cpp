@@ -20,6 +20,7 @@
 #include "scenes/runs/report.hpp"
 #include "scenes/runs/saved_run.hpp"
 #include "scenes/spec.hpp"
+#include "view/exhibit/replay.hpp"
 
 namespace plumb::tools {
 namespace {
@@ -36,6 +37,7 @@ struct RunOptions {
   std::string gltf;       ///< File for the glTF animation.
   std::string save;       ///< File for snapshots.
   double save_every = 0;  ///< Simulated time between them in s; 0 stands for ten seconds of computing.
+  std::string replay;     ///< File that the page of plumb view saved.
   bool quiet = false;
 };
 
@@ -160,6 +162,21 @@ int run(const RunOptions& options) {
   return fine;
 }
 
+/// Repeats what a page did, in all of its worlds, and compares their hashes with those that it saved.
+int repeat(const std::string& file) {
+  const view::Replay replay = view::parse_replay(scenes::read_file(file), file);
+  const view::Exhibit end = view::repeat(replay);
+  const std::vector<std::string> hashes = view::hashes_of(end);
+  std::printf("%-9s %s\n", "scene", replay.start.name.c_str());
+  std::printf("%-9s %s, %s\n", "replay", plural(replay.frames, "frame").c_str(),
+              plural(replay.inputs.size(), "input").c_str());
+  for (std::size_t i = 0; i < hashes.size(); ++i)
+    std::printf("%-9s %s %s\n", "state", hashes[i].c_str(), end.sides()[i].name().c_str());
+  std::fflush(stdout);
+  if (hashes != replay.hashes) throw CheckFailed("the bits differ from those of when the replay was saved");
+  return fine;
+}
+
 /// A file for what is counted only if a setting asks for it.
 struct CountedFile {
   RunOptions& options;
@@ -221,7 +238,8 @@ void add_run_command(Command& plumb) {
   Command command = plumb.add_command("run", "Simulate a scene; say how fast and how wrong");
   auto options = std::make_shared<RunOptions>();
   RunOptions& o = *options;
-  add_scene(command, o.scene);
+  const Option scene =
+      command.add_option("SCENE", "", o.scene, "A scene file (.json) or a generator; see below");
   add_seconds(command, "--duration", o.plan.duration, "Simulated time, a whole number of frames [1]");
   add_seconds(command, "--dt", o.plan.dt, "Length of a frame [1/60]");
   add_winches(command, o.plan.rates);
@@ -242,7 +260,15 @@ void add_run_command(Command& plumb) {
               "Compare tensions with these, at times of --truth");
   command.add_option("--report", "OUT.json", o.report,
                      "Write settings, machine, time and errors to this file");
+  const Option replay = command.add_option(
+      "--replay", "FILE", o.replay,
+      "Repeat what a page of plumb view saved, with its scene and settings, and compare the bits");
   command.add_flag("--quiet", o.quiet, "Print nothing but errors");
+  command.check([command, scene, replay, &o] {
+    if (!replay.given() && !scene.given()) throw InputError("SCENE is required");
+    if (replay.given() && command.typed() != " --replay " + o.replay)
+      throw InputError("--replay takes scene and settings from its file, and goes with no other option");
+  });
   command.set_footer(
       "Examples:\n"
       "  plumb run chain:links=100,end_mass=1000 --accuracy 1e-3\n"
@@ -254,9 +280,10 @@ void add_run_command(Command& plumb) {
       "  plumb run humanoid --duration 5 --gltf humanoid.glb --vtk frames\n"
       "  plumb run graph --duration 2 --save-at 1,2 --trajectory t.csv\n"
       "  plumb run heap --duration 60 --save heap.snapshot\n"
-      "  plumb run heap --duration 90 --resume heap.snapshot\n\n" +
+      "  plumb run heap --duration 90 --resume heap.snapshot\n"
+      "  plumb run --replay replay.json\n\n" +
       methods_help() + "\n" + generators_help());
-  command.set_action([options] { return run(*options); });
+  command.set_action([options] { return options->replay.empty() ? run(*options) : repeat(options->replay); });
 }
 
 }  // namespace plumb::tools

@@ -1,0 +1,235 @@
+"""The page of plumb view in a headless browser: every slider, hands, replays; screenshots go to the build folder."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+SKIPPED = 77
+
+
+def skip(reason):
+    print("skipped:", reason)
+    sys.exit(SKIPPED)
+
+
+try:
+    from selenium import webdriver
+    from selenium.common.exceptions import WebDriverException
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+except ImportError:
+    skip("python3-selenium is missing; tools/setup --browser installs it")
+
+# Where a particle is on the page, in CSS pixels from the middle of the canvas.
+PLACE = """const p = window.plumb.painter, port = p.viewports()[0], s = window.plumb.frame.sides[0].positions;
+const c = document.getElementById("view"), k = 3 * arguments[0];
+const at = window.plumb.camera.project([s[k], s[k + 1], s[k + 2]], port.width, port.height);
+const scale = c.width / c.clientWidth;
+return [(port.x + at.x) / scale - c.clientWidth / 2, (port.y + at.y) / scale - c.clientHeight / 2];"""
+
+
+def start_browser(dark, width, height):
+    options = Options()
+    options.binary_location = shutil.which("chromium")
+    for argument in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle",
+                     "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"]:
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    try:
+        browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+    except WebDriverException as error:
+        skip("chromium does not start: " + str(error).splitlines()[0])
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+        "features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
+    return browser
+
+
+class View:
+    """A server and what a browser sees of it."""
+
+    def __init__(self, plumb, browser, *arguments):
+        self.process = subprocess.Popen([plumb, "view", *arguments], stdout=subprocess.PIPE,
+                                        stderr=subprocess.DEVNULL, text=True)
+        self.browser = browser
+        browser.get(self.process.stdout.readline().strip())
+        self.until("window.plumb?.frame?.frame > 3", "frames come")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.browser.get("about:blank")
+        self.process.terminate()
+        self.process.wait()
+
+    def js(self, text, *arguments):
+        return self.browser.execute_script(text, *arguments)
+
+    def until(self, condition, what):
+        for _ in range(300):
+            if self.js(f"return Boolean({condition})"):
+                return
+            time.sleep(0.05)
+        raise AssertionError("in vain waited until " + what + "; note: " + str(self.js(
+            "return document.getElementById('note')?.textContent")))
+
+    def click(self, element):
+        self.browser.find_element(By.ID, element).click()
+
+    def goes_on(self):
+        frame = self.js("return window.plumb.frame.frame")
+        self.until(f"window.plumb.frame.frame > {frame}", "frames go on")
+
+    def note(self):
+        return self.js("const n = document.getElementById('note'); return n.hidden ? '' : n.textContent")
+
+    def severe(self):
+        return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
+
+    def pause(self, paused=True):
+        if self.js("return window.plumb.frame.playing") == paused:
+            self.click("play")
+        self.until(f"window.plumb.frame.playing === {'false' if paused else 'true'}", "it plays or stands")
+
+
+def check_sliders(view):
+    """Every slider goes to both ends and back, and worlds go on."""
+    names = view.js("return [...document.querySelectorAll('input[type=range]:not(:disabled)')].map(e => e.id)")
+    assert {"set-end_mass", "set-gravity", "set-drag", "set-substeps"} <= set(names), names
+    for name in names:
+        kept = view.js("return document.getElementById(arguments[0]).value", name)
+        for value in [view.js("return document.getElementById(arguments[0]).max", name), "0", kept]:
+            view.js("const e = document.getElementById(arguments[0]); e.value = arguments[1];"
+                    "e.dispatchEvent(new Event('input'))", name, value)
+            view.goes_on()
+        assert view.js("return window.plumb.frame.sides.every(s => s.positions.every(Number.isFinite))"), name
+
+
+def check_hands(view):
+    canvas = view.browser.find_element(By.ID, "view")
+    last = view.js("return window.plumb.frame.sides[0].positions.length / 3 - 1")
+    view.pause()  # what swings is hard to hit
+    x, y = view.js(PLACE, last)
+    before = view.js("return window.plumb.frame.sides[0].positions[1 + 3 * arguments[0]]", last)
+    actions = ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold()
+    actions.perform()
+    assert view.js("return window.plumb.painter.held") == last, "the end is held"
+    view.js("window.plumb.page.send(window.plumb.requests.play())")
+    actions = ActionChains(view.browser, duration=50)
+    for _ in range(6):
+        actions = actions.move_by_offset(0, -20)
+    actions.perform()
+    time.sleep(1)
+    after = view.js("return window.plumb.frame.sides[0].positions[1 + 3 * arguments[0]]", last)
+    assert after > before, f"the end is lifted, from {before} to {after}"
+    ActionChains(view.browser).release().perform()
+    view.until("window.plumb.painter.held < 0", "the hand lets go")
+
+    view.pause()
+    view.browser.find_element(By.CSS_SELECTOR, "[data-tool=cut]").click()
+    (ax, ay), (bx, by) = view.js(PLACE, last - 6), view.js(PLACE, last - 7)
+    ActionChains(view.browser).move_to_element_with_offset(canvas, int((ax + bx) / 2), int((ay + by) / 2)).click().perform()
+    view.until("window.plumb.frame.sides.every(s => s.gone.length === 1)", "a rod is cut in all worlds")
+    view.browser.find_element(By.CSS_SELECTOR, "[data-tool=pull]").click()
+
+
+def check_time(view):
+    view.pause()
+    frame = view.js("return window.plumb.frame.frame")
+    view.click("step")
+    view.until(f"window.plumb.frame.frame === {frame + 1}", "one frame is stepped")
+    view.pause(False)
+    view.goes_on()
+
+
+def check_replay(view, plumb, folder):
+    """What the page shows is what plumb run --replay gives, and what plumb view --replay ends with."""
+    view.pause()
+    view.js("window.saved = null; const old = URL.createObjectURL;"
+            "URL.createObjectURL = (b) => { b.text().then(t => { window.saved = t; }); return old.call(URL, b); }")
+    view.click("save")
+    view.until("window.saved", "a replay is saved")
+    file = os.path.join(folder, "replay.json")
+    with open(file, "w", encoding="utf-8") as out:
+        out.write(view.js("return window.saved"))
+    shown = view.js("return window.plumb.frame.sides.map(s => window.plumb.hashText(s.hash))")
+    run = subprocess.run([plumb, "run", "--replay", file], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert re.findall(r"^state +(0x[0-9a-f]{16})", run.stdout, re.M) == shown, (run.stdout, shown)
+    legend = view.js("return document.getElementById('legend').textContent")
+    assert all(text in legend for text in shown), legend
+    with open(file, encoding="utf-8") as text:
+        saved = json.load(text)
+    assert saved["inputs"] and saved["frames"] > 0
+    saved["hashes"][0] = "0x" + 16 * "0"
+    with open(os.path.join(folder, "other.json"), "w", encoding="utf-8") as out:
+        json.dump(saved, out)
+    other = subprocess.run([plumb, "run", "--replay", os.path.join(folder, "other.json")],
+                           capture_output=True, text=True, check=False)
+    assert other.returncode == 1, "other bits are told"
+    return file
+
+
+def check_page(plumb, folder):
+    browser = start_browser(False, 1280, 720)
+    try:
+        with View(plumb, browser, "--compare", "mass against equal") as view:
+            assert len(view.js("return window.plumb.frame.sides")) == 3
+            check_hands(view)
+            view.click("reset")
+            view.pause(False)
+            check_sliders(view)
+            check_time(view)
+            assert view.js("return window.plumb.frame.sides[2].distance") > 0, "worlds differ"
+            file = check_replay(view, plumb, folder)
+            assert not view.severe(), view.severe()
+        with View(plumb, browser, "--replay", file) as view:
+            view.until("!window.plumb.frame.playing", "the replay ends")
+            view.until("document.getElementById('note').textContent.includes('same bits')", "bits are the same")
+            assert not view.severe(), view.severe()
+        with View(plumb, browser, "rope", "--compare", "relax against direct") as view:
+            assert len(view.js("return window.plumb.frame.sides")) == 2
+            view.goes_on()
+            view.click("reset")
+            view.until("window.plumb.frame.frame < 60", "it begins anew")
+            assert not view.severe(), view.severe()
+    finally:
+        browser.quit()
+
+
+def take_pictures(plumb, folder):
+    for dark in [False, True]:
+        for width, height in [(1280, 720), (390, 844)]:
+            browser = start_browser(dark, width, height)
+            try:
+                for scene in ["default", "humanoid", "pile"]:
+                    with View(plumb, browser, *([] if scene == "default" else [scene])) as view:
+                        view.until("window.plumb.frame.frame > 40", "it has moved")
+                        view.until("document.getElementById('clock').textContent", "numbers are shown")
+                        over = view.js("return document.documentElement.scrollWidth > innerWidth")
+                        assert not over, f"{scene} is wider than {width}"
+                        tint = "dark" if dark else "light"
+                        browser.save_screenshot(os.path.join(folder, f"{scene}-{tint}-{width}.png"))
+                        assert not view.severe(), view.severe()
+            finally:
+                browser.quit()
+
+
+def main():
+    plumb, folder = sys.argv[1:]
+    for program in ["chromium", "chromedriver"]:
+        if not shutil.which(program):
+            skip(program + " is missing; tools/setup --browser installs it")
+    os.makedirs(folder, exist_ok=True)
+    check_page(plumb, folder)
+    take_pictures(plumb, folder)
+
+
+main()

@@ -1,0 +1,83 @@
+// A camera that orbits a point, and the matrices that it gives. Matrices are column by column, as WebGL has them.
+
+const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const scaled = (s, a) => [s * a[0], s * a[1], s * a[2]];
+const plus = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+const unit = (a) => scaled(1 / (Math.hypot(...a) || 1), a);
+export const vec = { subtract, cross, dot, scaled, plus, unit };
+
+const FIELD = 0.7; // rad, of the smaller side of the view
+
+export class Camera {
+  constructor() {
+    this.target = [0, 0, 0];
+    this.distance = 4;
+    this.yaw = 0.35;
+    this.pitch = 0.16;
+  }
+
+  /** Shows all of a ball. */
+  frame(center, radius) {
+    this.target = [...center];
+    this.distance = (1.06 * Math.max(radius, 1e-3)) / Math.sin(FIELD / 2);
+    this.yaw = 0.35;
+    this.pitch = 0.16;
+  }
+
+  orbit(dx, dy) {
+    this.yaw -= 0.006 * dx;
+    this.pitch = Math.min(1.55, Math.max(-1.2, this.pitch + 0.006 * dy));
+  }
+
+  zoom(factor) {
+    this.distance = Math.min(1e6, Math.max(1e-3, this.distance * factor));
+  }
+
+  pan(dx, dy, height) {
+    const { right, up } = this.axes();
+    const s = (2 * this.distance * Math.tan(FIELD / 2)) / height;
+    this.target = plus(this.target, plus(scaled(-dx * s, right), scaled(dy * s, up)));
+  }
+
+  axes() {
+    const back = [
+      Math.cos(this.pitch) * Math.sin(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch) * Math.cos(this.yaw)];
+    const right = unit(cross([0, 1, 0], back));
+    return { back, right, up: cross(back, right) };
+  }
+
+  /** Returns the matrices of a view of that aspect, and where the eye is. */
+  matrices(aspect) {
+    const { back, right, up } = this.axes();
+    const eye = plus(this.target, scaled(this.distance, back));
+    const view = [
+      right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
+      -dot(right, eye), -dot(up, eye), -dot(back, eye), 1];
+    const near = this.distance / 200, far = this.distance * 60;
+    const f = 1 / Math.tan(FIELD / 2);
+    const [fx, fy] = aspect > 1 ? [f / aspect, f] : [f, f * aspect];
+    const projection = [
+      fx, 0, 0, 0, 0, fy, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0];
+    return { view, projection, eye, right, up, back, fx, fy };
+  }
+
+  /** Returns where a point is in a view of `width` times `height` pixels, and how deep; null behind the eye. */
+  project(point, width, height) {
+    const { eye, right, up, back, fx, fy } = this.matrices(width / height);
+    const d = subtract(point, eye);
+    const depth = -dot(d, back);
+    if (depth <= 0) return null;
+    return { x: (width * (1 + (fx * dot(d, right)) / depth)) / 2, y: (height * (1 - (fy * dot(d, up)) / depth)) / 2,
+             depth };
+  }
+
+  /** Returns the ray through a pixel. */
+  ray(x, y, width, height) {
+    const { eye, right, up, back, fx, fy } = this.matrices(width / height);
+    const sideways = scaled(((2 * x) / width - 1) / fx, right);
+    const upwards = scaled((1 - (2 * y) / height) / fy, up);
+    return { origin: eye, direction: unit(subtract(plus(sideways, upwards), back)), back };
+  }
+}

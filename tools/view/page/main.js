@@ -1,0 +1,240 @@
+// Puts the page together.
+import { Camera } from "./camera.js";
+import { onSchemeChange, sideText } from "./colours.js";
+import { Painter } from "./draw.js";
+import { Hands } from "./hands.js";
+import { decodeFrame, hashText, requests } from "./messages.js";
+import { Panel } from "./panel.js";
+import { Plot } from "./plots.js";
+import { connect } from "./socket.js";
+
+const byId = (id) => document.getElementById(id);
+const canvas = byId("view"), camera = new Camera();
+const short = (value, digits = 3) => (value === 0 ? "0" : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5
+  ? value.toExponential(1) : String(Number(value.toPrecision(digits))));
+const plots = {
+  distance: new Plot(byId("plot-distance"), { unit: "distance in percent", text: (v) => short(v, 2) + " %" }),
+  strain: new Plot(byId("plot-strain"), { scale: "log", floor: 1e-12, unit: "largest strain", text: (v) => v.toExponential(0) }),
+  energy: new Plot(byId("plot-energy"), { floor: -1, unit: "change of energy in joules", text: (v) => short(v) + " J" }),
+  time: new Plot(byId("plot-time"), { unit: "time of a step in milliseconds", text: (v) => short(v, 2) + " ms",
+                                      line: { value: 16.7, text: "16.7 ms" } }),
+};
+let painter = null, sides = [], frame = null, before = null, arrived = 0, period = 1000 / 60, firstEnergy = null, noteTimer = 0;
+let haulRate = 0, isFresh = false, lastSides = null;
+
+function note(text, refused = false, stays = false) {
+  const box = byId("note");
+  box.textContent = text;
+  box.classList.toggle("refused", refused);
+  box.hidden = !text;
+  clearTimeout(noteTimer);
+  if (!stays) noteTimer = setTimeout(() => { box.hidden = true; }, 6000);
+}
+
+const send = connect({
+  text: (message) => ({ menu: () => panel.setMenu(message), scene: () => setScene(message), sides: () => setSides(message),
+                        note: () => note(message.text, message.refused), replay: () => save(message.text) })[message.kind]?.(),
+  frame: (bytes) => take(decodeFrame(bytes)),
+  state: (state, reason) => (state === "open" ? note("") : note(reason, true, true)),
+});
+const panel = new Panel(send);
+
+/** What tools see of the page. */
+const page = {
+  send,
+  isFixed: (particle) => (frame?.sides[0].flags[particle] & 2) !== 0,
+  choseRod: (rod) => {
+    byId("winch").hidden = false;
+    winch = { kind: "rod", number: rod };
+    byId("hauled").textContent = `rod ${rod}`;
+  },
+};
+let winch = null;
+
+function begin() {
+  try {
+    painter = new Painter(canvas);
+  } catch (error) {
+    note(error.message, true, true);
+    return;
+  }
+  page.hands = new Hands(canvas, painter, camera, page);
+  requestAnimationFrame(draw);
+}
+
+function setScene(scene) {
+  const isSame = painter.model && scene.name === painter.model.scene.name && scene.masses.length === painter.model.particles;
+  const model = painter.setScene(scene);
+  if (!isSame) camera.frame(model.center, model.radius);
+  panel.setScene(scene);
+  frame = before = firstEnergy = null;
+  Object.values(plots).forEach((plot) => plot.clear());
+  winch = scene.reels ? { kind: "reel", number: 0 } : scene.tackles.length ? { kind: "tackle", number: 0 }
+    : scene.name.startsWith("winch") ? { kind: "rod", number: 0 } : null;
+  byId("winch").hidden = !winch || page.hands.tool !== "haul";
+  byId("hauled").textContent = winch ? `${winch.kind} ${winch.number}` : "";
+  document.querySelector('[data-tool="throw"]').disabled = !scene.has_shapes;
+  painter.chosen = -1;
+}
+
+function setSides(message) {
+  lastSides = message;
+  sides = message.sides;
+  panel.setSides(message);
+  if (message.end_mass !== null) painter.setEndMass(message.end_mass);
+  byId("legend").replaceChildren(...sides.map(({ name }, i) => {
+    const item = document.createElement("li");
+    item.style.setProperty("--c", sideText(i, sides.length));
+    item.innerHTML = "<i></i><b></b><span></span>";
+    item.querySelector("b").textContent = name;
+    return item;
+  }));
+}
+
+function take(next) {
+  if (!painter?.model || next.sides[0].positions.length !== 3 * painter.model.particles) return;
+  if (frame && next.frame < frame.frame) painter.clearTrails();
+  const now = performance.now();
+  if (frame && next.frame > frame.frame) {
+    period = Math.min(400, Math.max(8, now - arrived));
+    before = frame;
+  } else before = null;
+  arrived = now;
+  const isNew = !frame || next.frame !== frame.frame;
+  frame = next;
+  isFresh = true;
+  byId("play").textContent = frame.playing ? "Pause" : "Play";
+  if (!isNew) return;
+  const energies = frame.sides.map((side) => side.kinetic + side.potential + side.elastic);
+  if (!firstEnergy || firstEnergy.length !== energies.length) firstEnergy = energies;
+  plots.distance.add(frame.sides.map((side) => 100 * side.distance));
+  plots.strain.add(frame.sides.map((side) => side.strainMax));
+  plots.energy.add(energies.map((energy, i) => energy - firstEnergy[i]));
+  plots.time.add(frame.sides.map((side) => side.stepUs / 1000));
+}
+
+const COUNTERS = [["awake islands", (s) => `${s.awake} / ${s.islands}`], ["asleep, skipped", (s) => s.islands - s.awake],
+                  ["substeps", (s) => s.substeps], ["sweeps of blocks", (s) => s.sweeps], ["Newton steps", (s) => s.newton],
+                  ["within tolerance", (s) => s.skipped], ["not solved or accurate", (s) => s.troubles],
+                  ["step, ms", (s) => short(s.stepUs / 1000, 2)]];
+
+function showNumbers() {
+  const reached = frame.playing && frame.reached ? ` · ${short(frame.reached, 2)} ×` : "";
+  byId("clock").textContent = `${frame.time.toFixed(2)} s · frame ${frame.frame}${reached}`;
+  [...byId("legend").children].forEach((item, i) => {
+    const side = frame.sides[i];
+    if (!side) return;
+    item.querySelector("span").textContent = (i === 0 ? "" : `${short(100 * side.distance, 2)} % off `)
+      + (frame.playing ? "" : ` ${hashText(side.hash)}`);
+  });
+  const rows = COUNTERS.map(([text, of]) => `<tr><th scope="row">${text}</th>${frame.sides.map((s) => `<td>${of(s)}</td>`).join("")}</tr>`);
+  byId("counters").innerHTML = rows.join("");
+  Object.values(plots).forEach((plot) => plot.draw());
+}
+
+function resize() {
+  const ratio = Math.min(2, devicePixelRatio || 1);
+  const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+}
+
+function showTitles() {
+  const ports = painter.viewports(), scale = canvas.width / canvas.clientWidth;
+  const wanted = ports.length > 1 ? ports.map((port) => ({ left: (port.x + port.width / 2) / scale, top: (port.y + port.height) / scale - 96, i: port.shown[0] })) : [];
+  if (wanted.length !== byId("titles").children.length)
+    byId("titles").replaceChildren(...wanted.map(() => document.createElement("span")));
+  wanted.forEach(({ left, top, i }, k) => {
+    const title = byId("titles").children[k];
+    Object.assign(title.style, { left: left + "px", top: top + "px", color: sideText(i, sides.length) });
+    title.textContent = sides[i]?.name ?? "";
+  });
+}
+
+let ticks = 0;
+function draw() {
+  requestAnimationFrame(draw);
+  if (!frame) return;
+  resize();
+  // In slow motion frames are far apart, and what is drawn leads from one to the next.
+  const isSlow = before && period > 25;
+  painter.update(frame, before, isSlow ? Math.min(1, (performance.now() - arrived) / period) : 1);
+  if (isFresh && before) painter.leaveTrail(frame);
+  painter.draw(camera);
+  showTitles();
+  if (++ticks % 6 === 0 || isFresh && !frame.playing) showNumbers();
+  isFresh = false;
+}
+
+function save(text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
+  link.download = "replay.json";
+  link.click();
+  URL.revokeObjectURL(link.href);
+  note("Saved as replay.json.");
+}
+
+function setTool(tool) {
+  page.hands.tool = tool;
+  for (const button of document.querySelectorAll("[data-tool]")) button.setAttribute("aria-pressed", button.dataset.tool === tool);
+  byId("winch").hidden = tool !== "haul" || !winch;
+  if (tool === "haul" && !winch) note("Click the rod that is to be hauled.");
+}
+
+function haul(direction) {
+  if (!winch || direction === haulRate) return;
+  haulRate = direction;
+  send(requests.reel(winch.kind, winch.number, 0.25 * painter.model.radius * direction));
+}
+
+const flip = (id) => { byId(id).click(); };
+const togglePlay = () => send(frame?.playing ? requests.pause() : requests.play());
+const setColour = (value) => {
+  byId("colour").value = painter.colour = value;
+  send(requests.values(value === "strain" || value === "tension" ? value : "none"));
+};
+const keys = {
+  " ": togglePlay, ".": () => send(requests.step()), r: () => send(requests.reset()), o: () => flip("overlay"),
+  t: () => flip("trails"), s: () => send(requests.record()), "?": () => byId("help").showModal(),
+  f: () => camera.frame(painter.model.center, painter.model.radius),
+  c: () => setColour(byId("colour").options[(byId("colour").selectedIndex + 1) % byId("colour").options.length].value),
+  "[": () => haul(-1), "]": () => haul(1),
+};
+["pull", "cut", "fix", "haul", "throw"].forEach((tool, i) => { keys[i + 1] = () => setTool(tool); });
+
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("select, input:not([type=range]):not([type=checkbox])") || byId("help").open) return;
+  if (event.key === " " && event.target.matches("button")) return;
+  const act = keys[event.key.toLowerCase()];
+  if (!act) return;
+  event.preventDefault();
+  act();
+});
+addEventListener("keyup", (event) => { if ("[]".includes(event.key)) haul(0); });
+byId("play").addEventListener("click", togglePlay);
+byId("step").addEventListener("click", keys["."]);
+byId("reset").addEventListener("click", keys.r);
+byId("save").addEventListener("click", keys.s);
+byId("ask").addEventListener("click", keys["?"]);
+byId("speed").addEventListener("change", () => send(requests.speed(byId("speed").value)));
+byId("colour").addEventListener("change", () => setColour(byId("colour").value));
+byId("overlay").addEventListener("change", () => { painter.overlay = byId("overlay").checked; });
+byId("trails").addEventListener("change", () => { painter.trails = byId("trails").checked; painter.clearTrails(); });
+for (const button of document.querySelectorAll("[data-tool]")) button.addEventListener("click", () => setTool(button.dataset.tool));
+for (const button of document.querySelectorAll("[data-rate]")) {
+  button.addEventListener("pointerdown", () => haul(Number(button.dataset.rate)));
+  for (const end of ["pointerup", "pointerleave"]) button.addEventListener(end, () => haul(0));
+}
+for (const kind of ["dragover", "dragleave", "drop"])
+  addEventListener(kind, (event) => { event.preventDefault(); byId("drop").hidden = kind !== "dragover"; });
+addEventListener("drop", async ({ dataTransfer }) => {
+  const file = dataTransfer.files[0];
+  if (!file) note("That is no file.", true);
+  else if (file.size > 30e6) note(`${file.name} is larger than 30 MB.`, true);
+  else send(requests.load(file.name, await file.text() || " "));
+});
+onSchemeChange(() => { if (lastSides) setSides(lastSides); });
+
+begin();
+// Tests and the curious look at the page through this.
+window.plumb = { page, camera, get painter() { return painter; }, get frame() { return frame; }, hashText, requests, decodeFrame };

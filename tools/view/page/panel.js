@@ -1,0 +1,155 @@
+// The controls: what they show and what they ask for.
+import { sideText } from "./colours.js";
+import { requests } from "./messages.js";
+
+const byId = (id) => document.getElementById(id);
+const decades = (from, to, steps) => {
+  const out = [];
+  for (let e = from; e < to; ++e) for (const s of steps) out.push(Number((s * 10 ** e).toPrecision(3)));
+  return [...out, 10 ** to];
+};
+const evenly = (from, to, step) => Array.from({ length: Math.round((to - from) / step) + 1 }, (_, i) => Number((from + i * step).toFixed(6)));
+
+const COMMON = [
+  { name: "end_mass", label: "End mass", unit: " kg", values: decades(-1, 3, [1, 1.5, 2, 3, 5, 7]) },
+  { name: "gravity", label: "Gravity", unit: " m/s²", values: evenly(0, 20, 0.01).filter((g) => g === 9.81 || (g * 2) % 1 === 0) },
+  { name: "drag", label: "Drag", unit: " /s", values: [0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5] },
+];
+const OWN = [
+  { name: "substeps", label: "Substeps", unit: "", values: [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128] },
+  { name: "sweeps", label: "Sweeps", unit: "", values: [1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50, 100, 200, 500, 1000] },
+  { name: "tolerance", label: "Tolerance", unit: "", values: ["off", 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8] },
+  { name: "accuracy", label: "Accuracy", unit: "", values: ["off", 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6] },
+];
+const WORDS = [
+  { name: "method", label: "Method" },
+  { name: "gradient", label: "Gradient", words: ["auto", "new", "old", "mid"] },
+  { name: "weights", label: "Weights", words: ["mass", "equal"] },
+];
+
+function nearest(values, value) {
+  if (value === "off") return Math.max(0, values.indexOf("off"));
+  let best = 0;
+  values.forEach((v, i) => {
+    if (typeof v === "number" && !(Math.abs(v - value) >= Math.abs(values[best] - value))) best = i;
+  });
+  return best;
+}
+
+function slider({ name, label, unit, values }, ask) {
+  const row = document.createElement("label");
+  row.className = "row slider";
+  row.innerHTML = `<span>${label}</span><input type="range" min="0" max="${values.length - 1}" step="1"><output></output>`;
+  const [input, output] = [row.querySelector("input"), row.querySelector("output")];
+  input.id = "set-" + name;
+  const show = (value) => {
+    output.textContent = value === "off" ? "off" : Number(value) + unit;
+    input.setAttribute("aria-valuetext", output.textContent);
+  };
+  input.addEventListener("input", () => {
+    show(values[input.value]);
+    ask(name, values[input.value]);
+  });
+  return { row, input, set: (value) => {
+    if (document.activeElement === input && input.matches(":active")) return;
+    input.value = nearest(values, value === "off" ? value : Number(value));
+    show(value);
+  } };
+}
+
+function chooser({ name, label, words }, ask) {
+  const row = document.createElement("label");
+  row.className = "row";
+  row.innerHTML = `<span>${label}</span><select></select>`;
+  const select = row.querySelector("select");
+  select.id = "set-" + name;
+  select.append(...words.map((word) => new Option(word, word)));
+  select.addEventListener("change", () => ask(name, select.value));
+  return { row, input: select, set: (value) => { select.value = value; } };
+}
+
+export class Panel {
+  constructor(send) {
+    this.send = send;
+    this.side = 0;
+    this.common = COMMON.map((each) => ({ ...each, ...slider(each, (name, value) => send(requests.set(name, value))) }));
+    byId("common").append(...this.common.map(({ row }) => row));
+    byId("load").addEventListener("submit", (event) => {
+      event.preventDefault();
+      send(requests.load(byId("spec").value.trim()));
+    });
+    byId("generator").addEventListener("change", () => {
+      byId("spec").value = byId("generator").value;
+      send(requests.load(byId("spec").value));
+    });
+    byId("compare").addEventListener("change", () => send(requests.compare(byId("compare").value)));
+    byId("fold").addEventListener("click", () => {
+      const opens = byId("fold").getAttribute("aria-expanded") !== "true";
+      byId("fold").setAttribute("aria-expanded", opens);
+    });
+    if (innerWidth <= 760) byId("fold").setAttribute("aria-expanded", "false");
+  }
+
+  setMenu({ scenes, comparisons, methods }) {
+    this.methods = methods;
+    this.comparisons = comparisons;
+    byId("generator").replaceChildren(new Option("choose a scene …", ""),
+      ...scenes.map(({ name, about }) => new Option(`${name}: ${about}`, name)));
+    byId("compare").replaceChildren(new Option("own choice", "", false, false), ...comparisons.map(({ name }) => new Option(name, name)));
+    const ask = (name, value) => this.send(requests.set(name, value, this.side));
+    WORDS[0].words = methods.map(({ name }) => name);
+    this.own = [...WORDS.map((each) => ({ ...each, ...chooser(each, ask) })), ...OWN.map((each) => ({ ...each, ...slider(each, ask) }))];
+    byId("settings").replaceChildren(...this.own.map(({ row }) => row));
+  }
+
+  setScene({ name }) {
+    byId("spec").value = name;
+    const generator = [...byId("generator").options].find(({ value }) => value === name.split(":")[0]);
+    byId("generator").value = generator ? generator.value : "";
+  }
+
+  setSides(message) {
+    this.sides = message.sides;
+    this.side = Math.min(this.side, this.sides.length - 1);
+    for (const each of this.common) {
+      each.row.hidden = message[each.name] === null;
+      if (message[each.name] !== null) each.set(message[each.name]);
+    }
+    const names = this.sides.map(({ name }) => name).join();
+    const known = { "direct,by mass,equal": 0, "direct,relaxed": 1, "direct,new,old,mid": 2, auto: 3 }[names];
+    byId("compare").value = this.comparisons[known]?.name ?? "";
+    byId("about").textContent = this.comparisons[known]?.about ?? "";
+    this.showTabs();
+  }
+
+  showTabs() {
+    const tabs = this.sides.map(({ name }, i) => {
+      const tab = document.createElement("button");
+      tab.textContent = name;
+      tab.setAttribute("role", "tab");
+      tab.setAttribute("aria-selected", i === this.side);
+      tab.style.setProperty("--c", sideText(i, this.sides.length));
+      tab.addEventListener("click", () => {
+        this.side = i;
+        this.showTabs();
+      });
+      return tab;
+    });
+    const button = (text, title, ask, off) => {
+      const out = document.createElement("button");
+      Object.assign(out, { textContent: text, title, disabled: off });
+      out.addEventListener("click", () => this.send(ask(this.side)));
+      return out;
+    };
+    byId("tabs").replaceChildren(...tabs, button("+", "One more world with these settings", requests.addSide, this.sides.length > 3),
+      button("−", "Take this world away", requests.dropSide, this.sides.length < 2));
+    const { settings } = this.sides[this.side];
+    const reads = this.methods.find(({ name }) => name === settings.method)?.reads ?? [];
+    for (const each of this.own) {
+      each.set(settings[each.name]);
+      const isRead = ["method", "substeps"].includes(each.name) || reads.includes(each.name);
+      each.input.disabled = !isRead;
+      each.row.classList.toggle("off", !isRead);
+    }
+  }
+}
