@@ -72,8 +72,12 @@ void ContactVectors<T>::reserve(const Crowd<T>& crowd) {
     next_[i] = begin * lanes;
   }
   const std::size_t size = std::size_t{vectors} * lanes;
-  if (fields_.size() < size * fields::count)
-    fields_ = layouts::AlignedBuffer<T>((size + size / 2) * fields::count);
+  if (fields_.size() < size * fields::count) {
+    const std::size_t room = size + size / 2;  // as contacts come one after the other
+    fields_ = layouts::AlignedBuffer<T>(room * fields::count);
+    at_.reserve(room * most_terms);
+    pushes_.reserve(room);
+  }
   std::fill_n(fields_.data(), size * fields::count, T(0));
   at_.assign(size * most_terms, crowd.places().numbers());
   pushes_.assign(size, {});
