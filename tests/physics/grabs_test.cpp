@@ -251,7 +251,8 @@ TEST(Grabs, OfLoopsPullThem) {
   }
 }
 
-// A figure that stands on the ground is pulled by a hand through a circle, without damping.
+// A figure that stands on the ground is pulled by a hand through a circle, without damping. The target starts at
+// full speed, which springs of up to 10^5 N/m make limbs swing with; relaxation leaves tenths of a millimetre.
 TEST(Grabs, OfWhatTouchesPullItByAnyStiffness) {
   const Scene scene = scenes::make_humanoid({.body = scenes::BodyType::medium, .arms = 1});
   std::uint32_t hand = 0;
@@ -272,8 +273,8 @@ TEST(Grabs, OfWhatTouchesPullItByAnyStiffness) {
         fastest = std::max(fastest, norm(world.velocity(hand)));
         apart = std::max(apart, norm(world.position(hand) - target));
       }
-      EXPECT_LE(fastest, (k > 1e4 ? 3 : 8) * speed) << k << ' ' << to_string(method);
-      EXPECT_LE(apart, 5000 / k + 1e-4) << k << ' ' << to_string(method);
+      EXPECT_LE(fastest, (k > 1e5 ? 3 : 8) * speed) << k << ' ' << to_string(method);
+      EXPECT_LE(apart, 5000 / k + 2e-4) << k << ' ' << to_string(method);
     }
 }
 
