@@ -251,8 +251,9 @@ TEST(Grabs, OfLoopsPullThem) {
   }
 }
 
-// A figure that stands on the ground is pulled by a hand through a circle, without damping. The target starts at
-// full speed, which springs of up to 10^5 N/m make limbs swing with; relaxation leaves tenths of a millimetre.
+// A figure that stands on the ground is pulled by a hand through a circle, without damping. The target starts
+// at full speed, which springs of up to 10^5 N/m make limbs swing with; relaxation leaves tenths of a
+// millimetre.
 TEST(Grabs, OfWhatTouchesPullItByAnyStiffness) {
   const Scene scene = scenes::make_humanoid({.body = scenes::BodyType::medium, .arms = 1});
   std::uint32_t hand = 0;
