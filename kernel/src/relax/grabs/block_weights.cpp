@@ -79,7 +79,7 @@ void Block<T>::weigh_rod(std::size_t i, std::uint32_t slot_a, std::uint32_t slot
   // Equal weights are of particles as they are: what is grabbed gives way by so much less.
   const auto share = [&](std::uint32_t slot, double w) {
     if (by.weights != Weights::equal) return w;
-    return w > 0 ? w / constants.inverse_mass[packing_.slot_vertex[slot]] : 0.0;
+    return w > 0 ? w / by.constants.inverse_mass[packing_.slot_vertex[slot]] : 0.0;
   };
   const double wa = share(slot_a, own_a), wb = share(slot_b, own_b);
   const double sum = rods_sharing(slot_a) * wa + rods_sharing(slot_b) * wb;
