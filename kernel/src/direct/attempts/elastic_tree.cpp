@@ -101,7 +101,7 @@ void load_grabs(const TreeState<T>& tree, LoopState& island) {
   for (std::size_t i = 0; i < nodes && tree.grabs.any(); ++i)
     island.weighs[i] = tree.weighs[i] / tree.mass_unit[0];
   for (const TreeGrab& from : tree.grabs.all) {
-    LoopGrab& to = island.grabs.emplace_back(LoopGrab{from});
+    LoopGrab& to = island.grabs.emplace_back(LoopGrab{static_cast<const HeldGrab&>(from)});
     to.count = from.count;
     for (std::uint32_t i = 0; i < from.count; ++i)
       to.parts[i] = {from.parts[i].entry + (from.parts[i].is_tie ? nodes : 0), from.parts[i].share};

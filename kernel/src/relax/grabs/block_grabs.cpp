@@ -50,12 +50,11 @@ void BlockGrabs::end(Block<T>& block, Gradient gradient, bool is_guarded, T* own
   });
 }
 
-#define PLUMB_INSTANTIATE(T)                                                                          \
-  template void BlockGrabs::begin(Block<T>&, Gradient, const T*, std::uint32_t, std::uint32_t) const; \
-  template void BlockGrabs::see(const Block<T>&, const T*, std::uint32_t, std::uint32_t) const;       \
-  template void BlockGrabs::end(Block<T>&, Gradient, bool, T*, std::uint32_t, std::uint32_t) const;
-PLUMB_INSTANTIATE(float)
-PLUMB_INSTANTIATE(double)
-#undef PLUMB_INSTANTIATE
+template void BlockGrabs::begin(Block<float>&, Gradient, const float*, std::uint32_t, std::uint32_t) const;
+template void BlockGrabs::see(const Block<float>&, const float*, std::uint32_t, std::uint32_t) const;
+template void BlockGrabs::end(Block<float>&, Gradient, bool, float*, std::uint32_t, std::uint32_t) const;
+template void BlockGrabs::begin(Block<double>&, Gradient, const double*, std::uint32_t, std::uint32_t) const;
+template void BlockGrabs::see(const Block<double>&, const double*, std::uint32_t, std::uint32_t) const;
+template void BlockGrabs::end(Block<double>&, Gradient, bool, double*, std::uint32_t, std::uint32_t) const;
 
 }  // namespace plumb::detail

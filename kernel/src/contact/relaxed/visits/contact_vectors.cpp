@@ -105,18 +105,20 @@ void ContactVectors<T>::put(const Crowd<T>& crowd, const Visited& contact) {
   const std::uint32_t room = color % classes == 0 ? 2 : most_terms;
   std::uint32_t k = room;
   Vec3 carried = contact.carried;
-  const auto add = [&](std::uint32_t at, double weight, double move) {
-    at_[(lane / lanes * most_terms + --k) * lanes + lane % lanes] = at;
-    set(fields::weight + k, weight);
-    set(fields::move + k, move);
+  const auto place = [&](std::uint32_t term) -> std::uint32_t& {
+    return at_[(lane / lanes * most_terms + term) * lanes + lane % lanes];
   };
   for (const Term& term : contact.terms) {
-    if (term.move != 0)
-      add(term.at, term.weight, term.move);
-    else  // goes where it goes, whatever pushes it
+    if (term.move == 0) {  // goes where it goes, whatever pushes it
       carried -= term.weight * crowd.moved(term.at);
+      continue;
+    }
+    --k;
+    place(k) = term.at;
+    set(fields::weight + k, term.weight);
+    set(fields::move + k, term.move);
   }
-  while (k > 0) add(at_[(lane / lanes * most_terms + room - 1) * lanes + lane % lanes], 0, 0);
+  while (k > 0) place(--k) = place(room - 1);
   set3(fields::carried, carried);
   pushes_[lane] = {contact.push, contact.across};
 }
