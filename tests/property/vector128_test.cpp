@@ -19,7 +19,8 @@ namespace {
 
 template <class T>
 std::vector<T> odd_numbers() {
-  std::vector<T> out = {T(0), T(-0.0), T(1), T(-1), std::numeric_limits<T>::infinity(), std::nan("")};
+  std::vector<T> out = {
+      T(0), T(-0.0), T(1), T(-1), std::numeric_limits<T>::infinity(), std::numeric_limits<T>::quiet_NaN()};
   std::minstd_rand random(7);
   for (int i = 0; i < 40; ++i) out.push_back(T(random() % 20001) / T(997) - T(10));
   return out;
