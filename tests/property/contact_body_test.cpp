@@ -13,6 +13,8 @@
 
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "simd/relax/contacts/contact_lanes.hpp"
+#include "simd/relax/contacts/push_fields.hpp"
+#include "simd/relax/contacts/push_lanes.hpp"
 #include "simd/relax/relax_kernels.hpp"
 #include "support/graphs.hpp"
 

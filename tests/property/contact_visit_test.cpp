@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simd/relax/contacts/contact_scalar.hpp"
+#include "simd/relax/contacts/push_scalar.hpp"
 
 namespace plumb::simd {
 namespace {

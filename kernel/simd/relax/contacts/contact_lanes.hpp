@@ -4,20 +4,19 @@
 
 #pragma once
 
-#include "simd/relax/visit_lanes.hpp"
+#include "simd/relax/contacts/push_lanes.hpp"
 
 namespace plumb::simd {
 namespace {
 
 /// Contacts of one machine vector.
 template <class Access, class T>
-struct ContactLanes {
-  T* fields;
+struct ContactLanes : PushLanes<T> {
   const std::uint32_t* at;
   std::size_t stride;
 
   PLUMB_INLINE ContactLanes(const ContactView<T>& view, Position here)
-      : fields(view.fields + here.v * contact_fields::count * logical_width<T> + here.first),
+      : PushLanes<T>{view.fields + here.v * contact_fields::count * logical_width<T> + here.first},
         at(view.at + here.v * contact_fields::most_terms * logical_width<T> + here.first),
         stride(view.component_stride) {}
 
@@ -33,15 +32,6 @@ struct ContactLanes {
     else
       Access::store(value, data, at + term * logical_width<T>, stride);
   }
-  PLUMB_INLINE Batch<T> load(std::uint32_t field) const {
-    return Batch<T>::load_aligned(fields + field * logical_width<T>);
-  }
-  PLUMB_INLINE Triple<T> load3(std::uint32_t field) const {
-    return {load(field), load(field + 1), load(field + 2)};
-  }
-  PLUMB_INLINE void store(const Batch<T>& value, std::uint32_t field) const {
-    value.store_aligned(fields + field * logical_width<T>);
-  }
 };
 
 /// Visits the contacts of a machine vector. Returns what pushes change, in kg m.
@@ -54,26 +44,7 @@ PLUMB_INLINE Triple<T> visit_contacts(const ContactView<T>& view, const ContactL
     p[k] = contacts.load_term(view.p, k);
     moved = moved + contacts.load(f::weight + k) * p[k];
   }
-  moved = moved - contacts.load3(f::carried);
-  const Triple<T> n = contacts.load3(f::normal), across_before = contacts.load3(f::across);
-  const Batch<T> over = contacts.load(f::over), along = dot(n, moved), before = contacts.load(f::push);
-  const Batch<T> push = lanes::max(before - over * (contacts.load(f::gap) + along), zero);
-  Triple<T> across = across_before - over * (moved - along * n);
-  across = across - dot(across, n) * n;
-  const Batch<T> bound = contacts.load(f::friction) * push, square = dot(across, across);
-  // What lies takes no root, nor does what is not pressed.
-  if (const auto slides = square > bound * bound; lanes::any(slides)) {
-    const Batch<T> one(T(1));
-    Batch<T> share = lanes::select(slides, zero, one);
-    if (const auto presses = slides && (bound > zero); lanes::any(presses))
-      share = lanes::select(presses, bound / lanes::sqrt(square), share);
-    across = share * across;
-  }
-  const Triple<T> by = (push - before) * n + (across - across_before);
-  contacts.store(push, f::push);
-  contacts.store(across.x, f::across);
-  contacts.store(across.y, f::across + 1);
-  contacts.store(across.z, f::across + 2);
+  const Triple<T> by = set_pushes<T>(contacts, moved - contacts.load3(f::carried));
   for (std::uint32_t k = 0; k < terms; ++k)
     contacts.store_term(p[k] + contacts.load(f::move + k) * by, view.p, k);
   return by;

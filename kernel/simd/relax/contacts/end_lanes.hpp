@@ -5,6 +5,7 @@
 #pragma once
 
 #include "simd/relax/contacts/least_distance.hpp"
+#include "simd/relax/contacts/push_lanes.hpp"
 #include "simd/relax/visit_lanes.hpp"
 
 namespace plumb::simd {
@@ -12,14 +13,13 @@ namespace {
 
 /// Ends of one machine vector.
 template <class Access, class T>
-struct EndLanes {
+struct EndLanes : PushLanes<T> {
   static constexpr bool in_rows = std::is_same_v<Access, RowAccess>;
-  T* fields;
   const std::uint32_t* at;
   std::size_t first, stride;
 
   PLUMB_INLINE EndLanes(const EndView<T>& view, Position here)
-      : fields(view.fields + here.v * end_fields::count * logical_width<T> + here.first),
+      : PushLanes<T>{view.fields + here.v * end_fields::count * logical_width<T> + here.first},
         at(view.at + (in_rows ? here.v : here.v * logical_width<T> + here.first)),
         first(here.first),
         stride(view.component_stride) {}
@@ -34,20 +34,6 @@ struct EndLanes {
     else
       Access::store(value, data, at);
   }
-  PLUMB_INLINE Batch<T> load(std::uint32_t field) const {
-    return Batch<T>::load_aligned(fields + field * logical_width<T>);
-  }
-  PLUMB_INLINE Triple<T> load3(std::uint32_t field) const {
-    return {load(field), load(field + 1), load(field + 2)};
-  }
-  PLUMB_INLINE void store(const Batch<T>& value, std::uint32_t field) const {
-    value.store_aligned(fields + field * logical_width<T>);
-  }
-  PLUMB_INLINE void store3(const Triple<T>& value, std::uint32_t field) const {
-    store(value.x, field);
-    store(value.y, field + 1);
-    store(value.z, field + 2);
-  }
 };
 
 template <class T>
@@ -58,26 +44,8 @@ PLUMB_INLINE Triple<T> triple(const T* three) {
 /// Visits the ends of a machine vector. Returns what pushes change, in kg m.
 template <class Access, class T>
 PLUMB_INLINE Triple<T> visit_ends(const EndView<T>& view, const EndLanes<Access, T>& ends) {
-  namespace f = end_fields;
-  const Triple<T> p = ends.load_places(view.p), n = ends.load3(f::normal);
-  const Batch<T> over = ends.load(f::over), along = dot(n, p), before = ends.load(f::push);
-  const Batch<T> push = lanes::max(before - over * (ends.load(f::gap) + along), Batch<T>(T(0)));
-  const Triple<T> across_before = ends.load3(f::across);
-  Triple<T> across = across_before - over * (p - along * n);
-  across = across - dot(across, n) * n;
-  const Batch<T> bound = ends.load(f::friction) * push, square = dot(across, across);
-  // What lies takes no root, nor does what is not pressed.
-  if (const auto slides = square > bound * bound; lanes::any(slides)) {
-    const Batch<T> zero(T(0)), one(T(1));
-    Batch<T> share = lanes::select(slides, zero, one);
-    if (const auto presses = slides && (bound > zero); lanes::any(presses))
-      share = lanes::select(presses, bound / lanes::sqrt(square), share);
-    across = share * across;
-  }
-  const Triple<T> by = (push - before) * n + (across - across_before);
-  ends.store(push, f::push);
-  ends.store3(across, f::across);
-  ends.store_places(p + ends.load(f::moves) * by, view.p);
+  const Triple<T> p = ends.load_places(view.p), by = set_pushes<T>(ends, p);
+  ends.store_places(p + ends.load(end_fields::moves) * by, view.p);
   return by;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simd/relax/contacts/least_distance.hpp"
+#include "simd/relax/contacts/push_scalar.hpp"
 #include "simd/relax/scalar_access.hpp"
 
 namespace plumb::simd {
@@ -13,58 +14,20 @@ namespace {
 
 /// One end, and its fields.
 template <AccessKind access, class T>
-struct OneEnd {
-  T* fields;
+struct OneEnd : OnePush<T> {
   std::uint32_t at, stride;
 
   OneEnd(const EndView<T>& view, std::uint32_t v, std::uint32_t lane)
-      : fields(view.fields + std::size_t{v} * end_fields::count * logical_width<T> + lane),
+      : OnePush<T>{view.fields + std::size_t{v} * end_fields::count * logical_width<T> + lane},
         at(address<access, T>(view.at, v, lane)),
         stride(view.component_stride) {}
-
-  T& operator()(std::uint32_t field) const { return fields[std::size_t{field} * logical_width<T>]; }
-  Triple<T> load3(std::uint32_t field) const {
-    return {(*this)(field), (*this)(field + 1), (*this)(field + 2)};
-  }
-  void store3(const Triple<T>& value, std::uint32_t field) const {
-    (*this)(field) = value.x;
-    (*this)(field + 1) = value.y;
-    (*this)(field + 2) = value.z;
-  }
 };
 
-template <class T>
-void add_to_place(T* p, std::uint32_t stride, const Triple<T>& old, T moves, const Triple<T>& by) {
-  p[0] = old.x + moves * by.x;
-  p[stride] = old.y + moves * by.y;
-  p[2 * stride] = old.z + moves * by.z;
-}
-
-/// Visits an end. The push along the normal closes the gap that is left, but never pulls. The push across it
-/// takes back what slides, as long as it is no larger than friction times the other (Coulomb). An end is a
-/// point of mass, so that a push moves it alike in all directions. Returns what both change, in kg m.
+/// Visits an end, which is a particle. Returns what pushes change, in kg m.
 template <AccessKind access, class T>
 Triple<T> visit_end(const EndView<T>& view, const OneEnd<access, T>& end) {
-  namespace f = end_fields;
-  const Triple<T> p = load<T>(view.p, end.at, end.stride), n = end.load3(f::normal),
-                  before = end.load3(f::across);
-  const T along = dot(n, p), over = end(f::over), push_before = end(f::push);
-  const T left = push_before - over * (end(f::gap) + along);
-  const T push = left > 0 ? left : T(0);
-  Triple<T> across{before.x - over * (p.x - along * n.x), before.y - over * (p.y - along * n.y),
-                   before.z - over * (p.z - along * n.z)};
-  // What the normal has turned by since the push was kept would pull along it.
-  const T along_normal = dot(across, n);
-  across = {across.x - along_normal * n.x, across.y - along_normal * n.y, across.z - along_normal * n.z};
-  const T bound = end(f::friction) * push, square = dot(across, across);
-  const T share = square > bound * bound ? bound / std::sqrt(square) : T(1);
-  across = {share * across.x, share * across.y, share * across.z};
-  const T pushed = push - push_before;
-  const Triple<T> by{pushed * n.x + (across.x - before.x), pushed * n.y + (across.y - before.y),
-                     pushed * n.z + (across.z - before.z)};
-  end(f::push) = push;
-  end.store3(across, f::across);
-  add_to_place(view.p + end.at, end.stride, p, end(f::moves), by);
+  const Triple<T> p = load<T>(view.p, end.at, end.stride), by = set_pushes(end, p);
+  add_to_place(view.p + end.at, end.stride, p, end(end_fields::moves), by);
   return by;
 }
 
