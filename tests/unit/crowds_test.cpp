@@ -19,6 +19,7 @@
 #include "contact/relaxed/pairs/particle_sides.hpp"
 #include "contact/relaxed/pairs/ways.hpp"
 #include "contact/relaxed/places/crowd_places.hpp"
+#include "contact/relaxed/places/middle.hpp"
 #include "contact/rows.hpp"
 #include "contact/shapes/sweep.hpp"
 #include "plumb/joints.hpp"
@@ -281,6 +282,33 @@ TEST(ContactRows, TakeBackAShareOfOverlapsAndBounceByTheSpeedOfArrival) {
   const Combination middle = blend(combination(point_at(3)), combination(point_at(5)), 0.25);
   ASSERT_EQ(middle.count, 2u);
   EXPECT_EQ(middle.terms[0].weight, 0.75);
+}
+
+// A place between two particles is the same sum, to the last bit, whichever way it is made; ends are one
+// term.
+TEST(Middle, IsTheSumThatBlendMakes) {
+  Scene scene = dumbbell(0);
+  scene.particles[1].fixed = true;
+  One one(scene);
+  Crowd<double> crowd;
+  crowd.gather(one.cluster, {});
+  Combination a, b;
+  a.add(0, 1);
+  b.add(1, 1);
+  const auto term_of = [&](const Combination& sum) { return crowd.term(one.kind, 0, sum.terms[0]); };
+  for (const double t : {0.0, 0.3, 1.0}) {
+    std::vector<Crowd<double>::Term> want;
+    crowd.add_terms(one.kind, 0, blend(a, b, t), 1, want);
+    const Middle<double> by_sum(crowd, one.kind, 0, blend(a, b, t)), by_ends(term_of(a), term_of(b), t);
+    for (const auto got : {by_sum.terms(), by_ends.terms()}) {
+      ASSERT_EQ(got.size(), want.size()) << t;
+      for (std::size_t k = 0; k < want.size(); ++k) {
+        EXPECT_EQ(got[k].at, want[k].at);
+        EXPECT_EQ(got[k].weight, want[k].weight);
+        EXPECT_EQ(got[k].move, want[k].move);
+      }
+    }
+  }
 }
 
 // Islands that are alike keep contacts of the same keys. Each finds its own, and none what it did not keep.

@@ -319,10 +319,9 @@ double Crowd<T>::add_terms(const Linkage& linkage, std::uint32_t island, const C
                            std::vector<Term>& to) const {
   double moves = 0;
   for (std::uint32_t k = 0; k < sum.count; ++k) {
-    const auto [particle, weight] = sum.terms[k];
-    const double move = particle < linkage.movable() ? weight * inverse_mass(island, particle) : 0;
-    to.push_back({number_of(island, particle), sign * weight, sign * move});
-    moves += weight * move;
+    const Term each = term(linkage, island, sum.terms[k]);
+    to.push_back({each.at, sign * each.weight, sign * each.move});
+    moves += each.weight * each.move;
   }
   return moves;
 }

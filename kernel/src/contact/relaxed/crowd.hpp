@@ -90,6 +90,11 @@ class Crowd {
   /// Appends the terms of a sum of an island's particles. Returns what a push of one on it moves it by, 1/kg.
   double add_terms(const Linkage& linkage, std::uint32_t island, const Combination& sum, double sign,
                    std::vector<Term>& to) const;
+  /// Returns a term of such a sum.
+  Term term(const Linkage& linkage, std::uint32_t island, const Combination::Term& of) const {
+    const double inverse = of.particle < linkage.movable() ? inverse_mass(island, of.particle) : 0;
+    return {number_of(island, of.particle), of.weight, of.weight * inverse};
+  }
   double inverse_mass(std::uint32_t island, std::uint32_t particle) const {
     return inverse_mass_[places_.first(island) + particle];
   }

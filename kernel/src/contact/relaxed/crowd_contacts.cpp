@@ -14,6 +14,17 @@ constexpr std::uint32_t kinds = 8;
 /// More batches than threads even out what they cost.
 constexpr std::uint32_t batches_per_thread = 4;
 
+/// Appends terms, multiplied by a sign. Returns what a push of one on their sum moves it by, 1/kg.
+template <class Term>
+double add_terms(std::span<const Term> terms, double sign, std::vector<Term>& to) {
+  double moves = 0;
+  for (const Term& each : terms) {
+    to.push_back({each.at, sign * each.weight, sign * each.move});
+    moves += each.weight * each.move;
+  }
+  return moves;
+}
+
 }  // namespace
 
 // --- Contacts of a substep
@@ -114,13 +125,11 @@ Barycentric CrowdContacts<T>::body_of(const Substep& in, const Side& side) {
   return Barycentric({at(0), at(1), at(2), at(3)});
 }
 
-/// Returns where a side's place on the middle of its shape is, from the crowd's origin.
 template <class T>
-Vec3 CrowdContacts<T>::middle(const Substep& in, const Side& side) {
-  Vec3 out;
-  for (std::uint32_t k = 0; k < side.at->count; ++k)
-    out += side.at->terms[k].weight * in.crowd.position_of(side.island, side.at->terms[k].particle);
-  return out;
+Middle<T> CrowdContacts<T>::middle_of(const Substep& in, const Body& body, double t) const {
+  const bool has_ends = body.is_plain() && body.at[0] != body.at[1];
+  if (has_ends) return {near_.terms_of(body.a).front(), near_.terms_of(body.b).front(), t};
+  return {in.crowd, *in.cluster[body.island]->linkage, body.island, blend(body.shape->a, body.shape->b, t)};
 }
 
 template <class T>
@@ -134,7 +143,7 @@ void CrowdContacts<T>::add(const Substep& in, const Side& one, const Side& other
   add_ends(in, sides, contact);
   double arriving = dot(touch.normal, crowd.velocity(to.terms_of(contact.terms)));
   if (other.rate != nullptr) {
-    const Vec3 place = crowd.origin() + middle(in, one) - shape_of(in, one).radius * touch.normal;
+    const Vec3 place = crowd.origin() + crowd.position(one.at) - shape_of(in, one).radius * touch.normal;
     contact.carried = other.rate->moved(place, touch.normal, h);
     arriving -= dot(touch.normal, other.rate->at(place, touch.normal));
     contact.carried_at_end =
@@ -178,8 +187,7 @@ void CrowdContacts<T>::add_ends(const Substep& in, const std::array<Side, 2>& si
     contact.shape[i] = side.shape;
     contact.other_terms = static_cast<std::uint32_t>(in.to.terms.size());
     if (side.island == none) continue;
-    moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, *side.at, i == 0 ? 1 : -1,
-                                in.to.terms);
+    moves += add_terms(side.at, i == 0 ? 1 : -1, in.to.terms);
   }
   contact.terms.end = static_cast<std::uint32_t>(in.to.terms.size());
   contact.over = 1 / moves;
@@ -199,14 +207,15 @@ void CrowdContacts<T>::add_sliding(const Substep& in, const std::array<Side, 2>&
     const Side& side = sides[i];
     if (side.island == none) continue;
     const double sign = i == 0 ? 1 : -1, apart = sides[1].island == none ? 0 : 0.5 * touch.gap;
-    Combination at = *side.at;
-    if (turns(in, side)) {
-      const Linkage::Shape& shape = shape_of(in, side);
-      const Vec3 arm = -sign * (shape.radius + apart) * touch.normal;
-      const std::array<double, 4> weights = body_of(in, side).weights(middle(in, side) + arm);
-      at.count = 4;
-      for (std::uint32_t k = 0; k < 4; ++k) at.terms[k] = {shape.turners[k], weights[k]};
+    if (!turns(in, side)) {
+      moves += add_terms(side.at, sign, in.to.terms);
+      continue;
     }
+    const Linkage::Shape& shape = shape_of(in, side);
+    const Vec3 arm = -sign * (shape.radius + apart) * touch.normal;
+    const std::array<double, 4> weights = body_of(in, side).weights(in.crowd.position(side.at) + arm);
+    Combination at;
+    for (std::uint32_t k = 0; k < 4; ++k) at.terms[at.count++] = {shape.turners[k], weights[k]};
     moves += in.crowd.add_terms(*in.cluster[side.island]->linkage, side.island, at, sign, in.to.terms);
   }
   contact.sliding.end = static_cast<std::uint32_t>(in.to.terms.size());
@@ -278,7 +287,7 @@ void CrowdContacts<T>::touch_planes(const Substep& in, std::span<const Pair> pai
     const Plane& plane = in.ground.planes()[pair.other];
     const Vec3 at = in.crowd.origin() + in.crowd.position(near_.terms_of(each.center));
     const double gap = dot(plane.normal, at) - plane.offset - each.ball->radius;
-    add(in, {each.island, each.ball->shape, &each.ball->center, &each.ball->surface},
+    add(in, side_of(each),
         {.shape = in.surroundings.numbers.of_plane(pair.other),
          .surface = &plane.surface,
          .rate = in.ground.rate_of_plane(pair.other)},

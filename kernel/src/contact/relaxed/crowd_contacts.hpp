@@ -11,6 +11,7 @@
 #include "contact/relaxed/kept_table.hpp"
 #include "contact/relaxed/pairs/crowd_pairs.hpp"
 #include "contact/relaxed/pairs/particle_sides.hpp"
+#include "contact/relaxed/places/middle.hpp"
 #include "contact/relaxed/visits/contact_vectors.hpp"
 #include "contact/shapes/passing.hpp"
 #include "contact/shapes/touch.hpp"
@@ -131,7 +132,7 @@ class CrowdContacts {
   /// in `shape`.
   struct Side {
     std::uint32_t island = none, shape = 0;
-    const Combination* at = nullptr;
+    std::span<const Term> at{};
     const Surface* surface = nullptr;
     const GroundRate* rate = nullptr;  ///< of ground that moves
   };
@@ -234,11 +235,18 @@ class CrowdContacts {
   static bool turns(const Substep& in, const Side& side) {
     return side.island != none && shape_of(in, side).turning == Linkage::Shape::Turning::body;
   }
+  /// Returns the place on a body's middle at `t` from one end, 0, to the other, 1.
+  Middle<T> middle_of(const Substep& in, const Body& body, double t) const;
+  static Side side_of(const Body& body, const Middle<T>& at) {
+    return {body.island, body.number, at.terms(), &body.shape->surface};
+  }
+  Side side_of(const Ball& ball) const {
+    return {ball.island, ball.ball->shape, near_.terms_of(ball.center), &ball.ball->surface};
+  }
   static bool is_hull(const Substep& in, const Side& side) {
     return side.island != none && side.shape >= in.cluster[side.island]->linkage->shapes().size();
   }
   static Barycentric body_of(const Substep& in, const Side& side);
-  static Vec3 middle(const Substep& in, const Side& side);
   /// Returns the side of a contact on one of the shapes that ground has.
   static Side ground_side(const Substep& in, std::uint32_t ground);
   void add(const Substep& in, const Side& one, const Side& other, const Touch& touch, std::uint64_t key);

@@ -28,8 +28,8 @@ void CrowdContacts<T>::touch_boxes(const Substep& in, std::span<const Pair> pair
     const Vec3 q = box.frame.to_local(off + in.crowd.position(near_.terms_of(each.b)));
     for_touches_with_box(p, q, each.shape->radius, box,
                          [&](std::uint64_t which, double t, const Touch& touch) {
-                           const Combination at = blend(each.shape->a, each.shape->b, t);
-                           add(in, {each.island, each.number, &at, &each.shape->surface},
+                           const Middle<T> at = middle_of(in, each, t);
+                           add(in, side_of(each, at),
                                {.shape = in.surroundings.numbers.of_box(pair.other),
                                 .surface = &box.surface,
                                 .rate = in.ground.rate_of_box(pair.other)},
@@ -46,8 +46,8 @@ void CrowdContacts<T>::touch_segments(const Substep& in, std::span<const Pair> p
                       in.crowd.origin() + in.crowd.position(near_.terms_of(each.b)), each.shape->radius};
     const Touches near = touches(own, in.ground.segments()[pair.other]);
     for (std::uint32_t n = 0; n < near.count; ++n) {
-      const Combination at = blend(each.shape->a, each.shape->b, near.at[n].a);
-      add(in, {each.island, each.number, &at, &each.shape->surface},
+      const Middle<T> at = middle_of(in, each, near.at[n].a);
+      add(in, side_of(each, at),
           {.shape = in.surroundings.numbers.of_anchored(pair.other),
            .surface = &in.ground.shapes()[pair.other].surface,
            .rate = in.ground.rate_of_segment(pair.other)},
@@ -126,8 +126,8 @@ void CrowdContacts<T>::touch_lines_and_ground(const Substep& in, std::span<const
     const Side other = ground_side(in, ground);
     for_line_touches(surroundings, ground, motion_of(crowd, each), each.number, search,
                      [&](std::uint64_t key, const Touch& touch) {
-                       const Combination at = blend(each.shape->a, each.shape->b, touch.a);
-                       add(in, {each.island, each.number, &at, &each.shape->surface}, other, touch, key);
+                       const Middle<T> at = middle_of(in, each, touch.a);
+                       add(in, side_of(each, at), other, touch, key);
                      });
   }
 }
@@ -148,8 +148,8 @@ void CrowdContacts<T>::touch_in_passing(const Substep& in) {
       const Side other = ground_side(in, ground);
       for_first_touches(in.surroundings, ground, moving, search.close,
                         [&](std::uint64_t which, const Touch& plane, double) {
-                          const Combination at = blend(each.shape->a, each.shape->b, plane.a);
-                          add(in, {each.island, each.number, &at, &each.shape->surface}, other, plane,
+                          const Middle<T> at = middle_of(in, each, plane.a);
+                          add(in, side_of(each, at), other, plane,
                               ground_key(GroundPart::first_of_line, each.number, ground, which));
                         });
     });
@@ -167,11 +167,9 @@ void CrowdContacts<T>::touch_ends_and_ground(const Substep& in, std::span<const 
     const auto [line, p_by, q_by] = motion_of(crowd, near_.bodies()[each.body]);
     const MovingEnd end{crowd.origin() + crowd.position(near_.terms_of(each.center)), 0.5 * (line.p + line.q),
                         each.ball->radius, norm(crowd.moved(near_.terms_of(each.center)))};
-    for_end_touches(surroundings, ground, end, each.number, search,
-                    [&](std::uint64_t key, const Touch& touch) {
-                      add(in, {each.island, each.ball->shape, &each.ball->center, &each.ball->surface}, other,
-                          touch, key);
-                    });
+    for_end_touches(
+        surroundings, ground, end, each.number, search,
+        [&](std::uint64_t key, const Touch& touch) { add(in, side_of(each), other, touch, key); });
   }
 }
 
@@ -185,8 +183,9 @@ void CrowdContacts<T>::touch_hulls_and_ground(const Substep& in) {
     const Side other = ground_side(in, ground);
     for_hull_touches(
         surroundings, ground, hull_motion(crowd, number), search,
-        [&](std::uint64_t key, const Combination& at, const Touch& touch) {
-          add(in, {each.island, each.shape->number, &at, &each.shape->surface}, other, touch, key);
+        [&](std::uint64_t key, const Combination& place, const Touch& touch) {
+          const Middle<T> at(crowd, *in.cluster[each.island]->linkage, each.island, place);
+          add(in, {each.island, each.shape->number, at.terms(), &each.shape->surface}, other, touch, key);
         });
   }
 }
@@ -213,8 +212,10 @@ void CrowdContacts<T>::touch_hull_pairs(const Substep& in) {
     const PlacedShape a = placed(crowd, one), b = placed(crowd, two);
     for_pair_touches(
         a, b, settings_.margin + moves(one) + moves(two), in.cluster[j]->number,
-        [&](std::uint64_t key, const Combination& at_a, const Combination& at_b, const Touch& touch) {
-          add(in, {i, a.number, &at_a, a.surface}, {j, b.number, &at_b, b.surface}, touch, key);
+        [&](std::uint64_t key, const Combination& on_a, const Combination& on_b, const Touch& touch) {
+          const Middle<T> at_a(crowd, *in.cluster[i]->linkage, i, on_a),
+              at_b(crowd, *in.cluster[j]->linkage, j, on_b);
+          add(in, {i, a.number, at_a.terms(), a.surface}, {j, b.number, at_b.terms(), b.surface}, touch, key);
         });
   }
 }
@@ -312,9 +313,8 @@ void CrowdContacts<T>::find_missed_bodies(const Substep& in) {
     for_ground_near(in, moving, [&](std::uint32_t ground, const GroundShape&) {
       for_first_touches(in.surroundings, ground, moving, search.close,
                         [&](std::uint64_t, const Touch& plane, double time) {
-                          const Combination at = blend(each.shape->a, each.shape->b, plane.a);
-                          miss(in, {each.island, each.number, &at, &each.shape->surface}, ground,
-                               each.shape->radius, plane, time);
+                          const Middle<T> at = middle_of(in, each, plane.a);
+                          miss(in, side_of(each, at), ground, each.shape->radius, plane, time);
                         });
     });
   }
@@ -331,9 +331,10 @@ void CrowdContacts<T>::find_missed_hulls(const Substep& in) {
     in.surroundings.find(bounds_of(moving.hull), near_ground_);
     for (const std::uint32_t ground : near_ground_)
       for_first_touches(in.surroundings, ground, moving, search.close,
-                        [&](std::uint64_t, const Combination& at, const Touch& plane, double time) {
-                          miss(in, {each.island, each.shape->number, &at, &each.shape->surface}, ground,
-                               each.shape->half_width, plane, time);
+                        [&](std::uint64_t, const Combination& place, const Touch& plane, double time) {
+                          const Middle<T> at(in.crowd, *in.cluster[each.island]->linkage, each.island, place);
+                          miss(in, {each.island, each.shape->number, at.terms(), &each.shape->surface},
+                               ground, each.shape->half_width, plane, time);
                         });
   }
 }

@@ -138,10 +138,8 @@ template <class T>
 void CrowdContacts<T>::touch_pair(const Substep& in, const Pair& pair, const Touch& touch,
                                   std::uint64_t key) {
   const Body &a = near_.bodies()[pair.one], &b = near_.bodies()[pair.other];
-  const Combination at_a = blend(a.shape->a, a.shape->b, touch.a),
-                    at_b = blend(b.shape->a, b.shape->b, touch.b);
-  add(in, {a.island, a.number, &at_a, &a.shape->surface}, {b.island, b.number, &at_b, &b.shape->surface},
-      touch, key);
+  const Middle<T> at_a = middle_of(in, a, touch.a), at_b = middle_of(in, b, touch.b);
+  add(in, side_of(a, at_a), side_of(b, at_b), touch, key);
 }
 
 template <class T>
