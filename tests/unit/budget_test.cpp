@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <thread>
 
 #include "plumb/plumb.hpp"
 #include "support/edited_worlds.hpp"
@@ -155,17 +159,17 @@ TEST(Substeps, AreRefusedWithAReason) {
 TEST(Budgets, LeaveSubstepsToOthersUntilTheyAreSet) {
   detail::Budget budget;
   StepReport report;
-  EXPECT_EQ(budget.begin_step(7), 7u);
+  EXPECT_EQ(budget.begin_step(7, 1), 7u);
   EXPECT_FALSE(budget.deadline(true));
   budget.end_step(7, 7, true, report);
   EXPECT_EQ(report.step_us, 0);
   budget.set(for_ever);
-  EXPECT_EQ(budget.begin_step(7), 7u);
+  EXPECT_EQ(budget.begin_step(7, 1), 7u);
   // What is tried under an accuracy leaves time for substeps by number.
   EXPECT_LT(*budget.deadline(true), *budget.deadline(false));
   budget.end_step(7, 7, true, report);
   budget.set(std::numeric_limits<double>::max());
-  EXPECT_EQ(budget.begin_step(7), 7u);
+  EXPECT_EQ(budget.begin_step(7, 1), 7u);
   EXPECT_GT(*budget.deadline(false), detail::Budget::Clock::now());
   budget.end_step(7, 7, true, report);
   EXPECT_GT(report.step_us, 0);
@@ -200,16 +204,31 @@ TEST(Budgets, ThatSufficeChangeNoBits) {
       });
 }
 
-// The second largest of the last steps' costs counts, so that one slow frame says nothing.
+// The first step takes a guess, the second what the first one took, and others the second largest of the last
+// costs, so that one slow frame says nothing.
+TEST(Budgets, FollowWhatTheLastStepsTook) {
+  detail::Budget budget;
+  budget.set(2e3);
+  StepReport report;
+  EXPECT_EQ(budget.begin_step(10, 700), 2u);
+  EXPECT_EQ(budget.begin_step(10, 1e9), 1u);
+  EXPECT_EQ(budget.begin_step(10, 0), 10u);
+  const auto begin = detail::Budget::Clock::now();
+  while (detail::Budget::Clock::now() - begin < std::chrono::microseconds(1500)) {
+  }
+  budget.end_step(1, 10, false, report);  // at least 1500 us, of which one fits
+  EXPECT_EQ(budget.begin_step(10, 0), 1u);
+  budget.end_step(1, 10, false, report);  // next to nothing
+  EXPECT_EQ(budget.begin_step(10, 1e9), 10u);
+}
+
 TEST(Budgets, ThatDoNotSufficeTakeFewerSubsteps) {
   for (const Scene& scene : {ropes(5, 12), falling_ropes()})
     for_methods([&](Settings settings) {
       settings.substeps = 8;
       World world(scene, settings);
       world.set_budget(nothing);
-      EXPECT_EQ(world.step(frame).substeps, 8u);
-      EXPECT_EQ(world.step(frame).substeps, 8u);
-      for (int k = 0; k < 10; ++k) {
+      for (int k = 0; k < 12; ++k) {
         const StepReport report = world.step(frame);
         EXPECT_EQ(report.substeps, 1u);
         EXPECT_DOUBLE_EQ(report.asked_us, 8 * report.step_us);
@@ -220,6 +239,33 @@ TEST(Budgets, ThatDoNotSufficeTakeFewerSubsteps) {
       EXPECT_EQ(report.step_us, 0);
       for (std::uint32_t i = 0; i < scene.particles.size(); ++i) EXPECT_TRUE(is_finite(world.position(i)));
     });
+}
+
+// A step that was to fit and is late all the same takes what is left of an island as one substep, in the air
+// and where something touches. One such step says nothing of the next.
+TEST(Budgets, TakeWhatIsLeftOfALateStepAtOnce) {
+  constexpr double budget = 2e5;  // us
+  for (const Method method : {Method::automatic, Method::direct, Method::relax})
+    for (const int late : {3, 40}) {  // frames in the air, and on the ground
+      SCOPED_TRACE(std::string(to_string(method)) + ", " + std::to_string(late));
+      World world(falling_ropes(), {.method = method, .substeps = 8, .sleep = false, .threads = 1});
+      bool is_held_up = false;
+      world.set_zones([&](std::string_view stage, bool begins) {
+        if (is_held_up && begins && stage == "solve")
+          std::this_thread::sleep_for(std::chrono::duration<double, std::micro>(budget));
+      });
+      world.set_budget(budget);
+      for (int k = 0; k < late; ++k) EXPECT_EQ(world.step(frame).capped_steps, 0u);
+      is_held_up = true;
+      const StepReport report = world.step(frame);
+      const bool is_swept =
+          method == Method::relax && late < 10;  // by a solver that sweeps what it has equally
+      EXPECT_EQ(report.capped_steps > 0, !is_swept);
+      if (method == Method::direct) EXPECT_LT(report.direct_substeps, 8u * 3);
+      is_held_up = false;
+      EXPECT_EQ(world.step(frame).capped_steps, 0u);
+      for (std::uint32_t i = 0; i < world.particle_count(); ++i) EXPECT_TRUE(is_finite(world.position(i)));
+    }
 }
 
 TEST(Budgets, EndTriesForAnAccuracy) {

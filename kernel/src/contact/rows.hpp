@@ -107,9 +107,9 @@ inline double bounce_of(double restitution, double least, double approach) {
 }
 
 /// Returns what a contact or a limit must keep of a gap (m or rad). A gap that is open may close. Of an
-/// overlap beyond `slop`, `share` is taken back.
+/// overlap beyond `slop`, `share` is taken back, but not more than all of it.
 inline double recovered(double gap, double slop, double share) {
-  return gap >= 0 ? gap : std::min(0.0, share * (gap + slop));
+  return gap >= 0 ? gap : std::min(0.0, std::min(share, 1.0) * (gap + slop));
 }
 
 /// Calls add(number, t, touch) for all places, at t from 0 to 1, where a line from p to q with a radius is to

@@ -22,11 +22,14 @@ struct Tally : StepReport {
   bool was_late = false;         ///< Somebody asked after the deadline, and cut short what was left.
 
   std::uint64_t work() const { return taken_back + newton + block_sweeps + direct_substeps + halvings; }
-  /// Whoever asks does less if work is spent.
-  bool is_spent() {
+  /// @{
+  /// Whoever asks does less if it is late, or if work is spent.
+  bool is_late() {
     was_late = was_late || (deadline && std::chrono::steady_clock::now() >= *deadline);
-    return was_late || work() >= most_work;
+    return was_late;
   }
+  bool is_spent() { return is_late() || work() >= most_work; }
+  /// @}
   /// Says whether a substep was taken in a way that shorter ones would hardly improve.
   bool has_given_up() const { return unsolved + elastic_substeps > 0; }
 

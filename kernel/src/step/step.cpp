@@ -34,6 +34,8 @@ const Step::Stage Step::all_stages[] = {
 
 namespace {
 
+constexpr double us_a_projection = 0.005, us_a_solved_rod = 1;  // in a first step, whose caches are cold
+
 Settings with_threads(Settings settings, unsigned threads) {
   settings.threads = threads;
   return settings;
@@ -123,7 +125,9 @@ StepReport Step::run(double dt) {
 /// Finds how many substeps this step takes, and how long it may try for more.
 void Step::begin_budget() {
   const bool is_controlled = rules_.error_growth.has_value();
-  const std::uint32_t fit = budget_.begin_step(settings_.substeps);
+  const double projections = double{1} * compiled_.info.relaxed_rods * settings_.stop.sweeps;
+  const double guess = us_a_projection * projections + us_a_solved_rod * compiled_.info.direct_rods;
+  const std::uint32_t fit = budget_.begin_step(settings_.substeps, guess);
   const std::uint32_t substeps = is_controlled ? settings_.substeps : fit;
   rules_.deadline = budget_.deadline(is_controlled);
   if (std::exchange(rules_.substeps, substeps) == substeps) return;

@@ -101,6 +101,14 @@ class ControlledPiece {
   ErrorModel model_;
 };
 
+/// Advances by equal substeps, or by one if time is over before. That is asked once: solvers look ahead over
+/// all substeps of a step.
+void advance_equally(Solver& solver, std::uint32_t piece, double dt, std::uint32_t substeps, unsigned part,
+                     Tally& tally) {
+  const std::uint32_t count = substeps > 1 && tally.is_late() ? 1 : substeps;
+  solver.advance(piece, dt / count, count, part, tally);
+}
+
 }  // namespace
 
 void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRules& rules, unsigned part,
@@ -116,7 +124,7 @@ void advance_piece(Solver& solver, std::uint32_t piece, double dt, const TimeRul
   if (is_controlled)
     ControlledPiece(solver, piece, part).step(dt, rules, tally);
   else
-    solver.advance(piece, dt / rules.substeps, rules.substeps, part, tally);
+    advance_equally(solver, piece, dt, rules.substeps, part, tally);
   if (tally.was_late || tally.work() >= tally.most_work) tally.capped_steps = 1;
   report += tally;
 }

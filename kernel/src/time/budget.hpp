@@ -12,8 +12,8 @@ namespace plumb::detail {
 
 /// Fits steps into a wall time, by what the last ones took. What it decides depends on the clock.
 ///
-/// Equal substeps become fewer. Under the control of an accuracy tries end early enough that the substeps
-/// which are asked for by number fit as well.
+/// Equal substeps become fewer, and those of what is late become one. Under the control of an accuracy tries
+/// end early enough that the substeps which are asked for by number fit as well.
 class Budget {
  public:
   using Clock = std::chrono::steady_clock;
@@ -27,18 +27,18 @@ class Budget {
   }
   std::size_t steps() const { return count_; }  ///< with a budget so far
 
-  /// Begins a step. Returns how many of so many equal substeps fit.
-  std::uint32_t begin_step(std::uint32_t asked) {
+  /// Begins a step. Returns how many of so many equal substeps fit. One of the first step takes `guess` (us).
+  std::uint32_t begin_step(std::uint32_t asked, double guess) {
     if (!us_) return asked;
     begin_ = Clock::now();
-    const double cost = second_largest();
+    const double cost = count_ == 0 ? guess : second_largest();
     if (cost * asked <= safe_share * *us_) return asked;
     return std::max(1u, static_cast<std::uint32_t>(safe_share * *us_ / cost));
   }
-  /// Returns when what is tried or cut in this step has to end.
+  /// Returns when what is tried or cut in this step has to end, and what is left takes fewer substeps.
   Time deadline(bool is_controlled) const {
     if (!us_) return {};
-    const double us = std::min(is_controlled ? *us_ - reserve_ : *us_, most_us);
+    const double us = std::min(is_controlled ? *us_ - reserve_ : late_share * *us_, most_us);
     return begin_ + std::chrono::duration_cast<Clock::duration>(Micro(us));
   }
   /// Ends a step that took so many substeps where `asked` was asked for, and reports what it took.
@@ -60,13 +60,15 @@ class Budget {
 
   static constexpr double most_us = 1e12;  // The clock counts 2^63 ns.
   // They leave room for what a step takes beyond the last ones. bench/README.md has how many are late.
-  static constexpr double safe_share = 0.75, margin = 1.2, least_reserve = 0.05;
+  static constexpr double safe_share = 0.7, late_share = 0.8, margin = 1.2, least_reserve = 0.05;
 
-  /// Leaves out the largest, since one step may be long because the machine did something else.
+  /// Leaves out the largest, since one step may be long because the machine did something else, if there are
+  /// two.
   double second_largest() const {
     auto sorted = costs_;
-    std::nth_element(sorted.begin(), sorted.end() - 2, sorted.end());
-    return *(sorted.end() - 2);
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count_, sorted.size()));
+    std::sort(sorted.begin(), end);
+    return count_ == 1 ? sorted.front() : *(end - 2);
   }
 
   std::optional<double> us_;

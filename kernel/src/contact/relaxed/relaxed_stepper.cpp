@@ -41,7 +41,12 @@ void RelaxedStepper<T>::step(std::span<LinkageState* const> cluster, const Surro
   const double h = dt / substeps;
   for (std::uint32_t i = 0; i < substeps; ++i) {
     if (i > 0 && surroundings.any_moves()) ground_.find(surroundings, start + i * h);
-    advance(cluster, surroundings, {start + i * h, h, dt - i * h}, most_struck_cuts, report);
+    // What is late takes what is left at once, unless it was cut so that hulls are not crushed.
+    const bool is_last = i + 1 == substeps || (cuts == 1 && report.is_late());
+    const double left = dt - i * h;
+    advance(cluster, surroundings, {start + i * h, i + 1 < substeps && is_last ? left : h, left},
+            most_struck_cuts, report);
+    if (is_last) break;
   }
   contacts_.keep(cluster, crowd_);
   scatter(cluster);

@@ -84,16 +84,18 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   for (LinkageState* const state : cluster) state->elapsed += dt;
   double likely = dt;  // a substep of this length is likely to be solved
   while (left > 1e-12 * dt) {
-    const double least = report.is_spent() ? dt / substeps : dt / most_cuts;
+    // What is late takes what is left at once.
+    const double usual = substeps > 1 && report.is_late() ? left : dt / substeps;
+    const double least = report.is_spent() ? usual : dt / most_cuts;
     const double in_flight = rules.is_watched ? most_turn_if_watched : most_turn_in_flight;
     const double cut = longest_substep(dt, may_fly ? in_flight : most_turn);
-    const double longest = std::max(std::min(dt / substeps, cut), least);
+    const double longest = std::max(std::min(usual, cut), least);
     double h = left / std::ceil(left / std::min(longest, likely) - 1e-9);
     now_ = start + dt - left;
     ground_.find(surroundings, now_);
     if (may_fly) {
       // A step of twice the length is cut alike, so that comparing tells no error: is_blind reads halvings.
-      report.halvings += rules.is_watched && cut < dt / substeps;
+      report.halvings += rules.is_watched && cut < usual;
       may_fly = is_alone(surroundings, h) && fly(rules.time_order, h, report);
       if (!may_fly) continue;
       ++report.direct_substeps;
