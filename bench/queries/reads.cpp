@@ -2,11 +2,13 @@
 // read is checked against that of each particle or body alone, and a plain copy says what memory takes.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "plumb/embedding/frames.hpp"
 #include "plumb/joints.hpp"
 #include "plumb/world.hpp"
 #include "scenes/generators/generators.hpp"
@@ -55,6 +57,12 @@ void read_particles(const std::string& name, const Scene& scene, Settings settin
         std::memcpy(copy.data(), out.data(), out.size() * sizeof(Vec3));
         asm volatile("" : : "r"(copy.data()) : "memory");
       }));
+  Frames frames;
+  say(name + ": frames", out.size(), time([&] { frames.update(world); }), frames.moved().empty());
+  std::vector<float> vertices(8 * out.size());
+  times = time([&] { frames.copy({vertices.data(), out.size(), 32}, 0.4); });
+  const bool is_near = std::abs(vertices[8] - static_cast<float>(world.position(1).x)) < 1e-6;
+  say(name + ": 0.4 of the way, float", out.size(), times, is_near);
 }
 
 void read_bodies(const std::string& name, const Scene& scene, Settings settings) {

@@ -19,6 +19,9 @@
 /// - report.hpp: what a step did and skipped, and what went wrong.
 /// - loads.hpp: forces by function of time and state, and grabs, which pull places to targets.
 /// - measures.hpp: how wrong it is, by strain, energy, momentum and truth.
+/// - embedding/deltas.hpp: by how much a snapshot differs from an earlier one.
+/// - embedding/drawing.hpp: lines, points and text that show what a world is like.
+/// - embedding/frames.hpp: positions between steps, in the layout of a program, and what moved.
 /// - executor.hpp: whose threads do it.
 /// - error.hpp: what is refused.
 /// - vec3.hpp: places, velocities, forces and other vectors.
@@ -34,6 +37,9 @@
 /// - impact.hpp: two bodies that collide.
 #pragma once
 
+#include "plumb/embedding/deltas.hpp"
+#include "plumb/embedding/drawing.hpp"
+#include "plumb/embedding/frames.hpp"
 #include "plumb/error.hpp"
 #include "plumb/executor.hpp"
 #include "plumb/inertia.hpp"

@@ -382,6 +382,7 @@ class PLUMB_API World {
   const WorldInfo& info() const;
 
  private:
+  friend class Drawing;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

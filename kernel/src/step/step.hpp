@@ -26,6 +26,13 @@
 
 namespace plumb::detail {
 
+/// Says of a particle which island it is of now, by a number without further meaning, and whether that
+/// sleeps. Fixed ones, from which several may hang, are of none.
+struct Standing {
+  std::uint64_t island = ~std::uint64_t{0};
+  bool is_asleep = false;
+};
+
 /// Holds a compiled scene and steps it.
 class Step {
  public:
@@ -138,6 +145,9 @@ class Step {
   std::vector<Problem> problems(double most_strain) const;
   std::span<const Event> events() const { return events_.all(); }
 
+  /// Returns the scene with what was added since, of which some may have been removed.
+  const Scene& scene() const { return breaks_.scene_now(); }
+  Standing standing(std::uint32_t particle) const;
   Vec3 position(std::uint32_t particle) const;
   Vec3 velocity(std::uint32_t particle) const;
   void copy_positions(std::span<Vec3> out) const;

@@ -29,6 +29,7 @@ class Grabs {
   }
 
   const Point& place(std::uint32_t number) const { return entries_[number].grab.at; }
+  Vec3 target(std::uint32_t number) const { return entries_[number].grab.target; }  ///< m, where it is now
   /// Returns the mean force (N) of the last step, and the power (W). They are NaN before the first.
   Vec3 force(std::uint32_t number) const { return entries_[number].force; }
   double power(std::uint32_t number) const { return entries_[number].power; }

@@ -1,40 +1,19 @@
 // This file writes and reads snapshots of a world. kernel/README.md says what their bytes mean.
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <utility>
 
-#include "plumb/version.hpp"
+#include "step/snapshot/header.hpp"
 #include "step/world_impl.hpp"
 
 namespace plumb {
 
 using detail::Archive;
+using detail::Header;
 using detail::refuse;
 
 namespace {
-
-constexpr std::array<char, 8> magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
-/// Goes up with any change of what archives list.
-constexpr std::uint32_t format = 9;
-constexpr std::uint32_t library = PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
-
-/// Every snapshot begins with this. The sum is over all bytes behind it.
-struct Header {
-  std::array<char, 8> begin = magic;
-  std::uint64_t sum = 0;
-  std::uint32_t format_of = format, library_of = library;
-  std::uint64_t size = 0;  ///< of the whole snapshot, in bytes
-  detail::Fingerprint fits_to{};
-};
-static_assert(sizeof(Header) == 48);
-constexpr std::size_t summed_from = sizeof(magic) + sizeof(std::uint64_t);
-
-void visit_members(Archive& archive, Header& of) {
-  auto& [begin, sum, format_of, library_of, size, fits_to] = of;
-  archive(begin, sum, format_of, library_of, size, fits_to.scene, fits_to.settings);
-}
 
 /// Returns the header of a snapshot that fits to a world. Refuses others with a reason.
 Header checked(std::span<const std::byte> from, const detail::Fingerprint& world) {
@@ -43,15 +22,16 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
   Header header;
   Archive archive = Archive::restore(from);
   archive(header);
-  if (header.begin != magic) refuse("snapshot: does not begin as one");
-  if (header.format_of != format)
-    refuse("snapshot: has format ", header.format_of, ", and this plumb reads ", format);
+  if (header.begin != detail::snapshot_magic) refuse("snapshot: does not begin as one");
+  if (header.format_of != detail::snapshot_format)
+    refuse("snapshot: has format ", header.format_of, ", and this plumb reads ", detail::snapshot_format);
   if (header.size < sizeof(Header) || header.size > from.size())
     refuse("snapshot: is cut off, or damaged: it says that it has ", header.size, " bytes, and ", from.size(),
            " are here");
-  if (header.sum != detail::checksum(from.first(header.size).subspan(summed_from)))
+  if (header.sum != detail::checksum(from.first(header.size).subspan(detail::summed_from)))
     refuse("snapshot: is damaged: the sum over its bytes is not what it was");
-  if (header.library_of != library) refuse("snapshot: was written by another version of plumb");
+  if (header.library_of != detail::library_version)
+    refuse("snapshot: was written by another version of plumb");
   if (header.fits_to.scene != world.scene) refuse("snapshot: is of another scene");
   if (header.fits_to.settings != world.settings)
     refuse(
@@ -104,7 +84,7 @@ std::size_t World::save(std::span<std::byte> out) const {
     archive(header);
   };
   write_header();
-  header.sum = detail::checksum(written.subspan(summed_from));
+  header.sum = detail::checksum(written.subspan(detail::summed_from));
   write_header();
   return header.size;
 }

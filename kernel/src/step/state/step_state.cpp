@@ -13,6 +13,13 @@ const Place* Step::place_of(std::uint32_t particle) const {
   return visits ? &places.back() : &places.front();
 }
 
+Standing Step::standing(std::uint32_t particle) const {
+  if (anchors_.is_fixed(particle)) return {};
+  // The island is that of the first place, also while the contact solver has it.
+  const Place& place = compiled_.places.of(particle).front();
+  return {std::uint64_t{place.solver} << 32 | solver(place).island_of(place.slot), is_asleep(particle)};
+}
+
 Vec3 Step::position(std::uint32_t particle) const {
   const Place* const place = place_of(particle);
   return place ? solver(*place).position(place->slot) : anchors_.position(particle);
