@@ -99,10 +99,8 @@ class View:
         self.until(f"window.plumb.frame.playing === {'false' if paused else 'true'}", "it plays or stands")
 
 
-def check_sliders(view):
-    """Every slider goes to both ends and back, and worlds go on."""
+def check_sliders_of_tab(view):
     names = view.js("return [...document.querySelectorAll('input[type=range]:not(:disabled)')].map(e => e.id)")
-    assert {"set-end_mass", "set-gravity", "set-drag", "set-substeps"} <= set(names), names
     for name in names:
         kept = view.js("return document.getElementById(arguments[0]).value", name)
         for value in [view.js("return document.getElementById(arguments[0]).max", name), "0", kept]:
@@ -110,6 +108,18 @@ def check_sliders(view):
                     "e.dispatchEvent(new Event('input'))", name, value)
             view.goes_on()
         assert view.js("return window.plumb.frame.sides.every(s => s.positions.every(Number.isFinite))"), name
+    return names
+
+
+def check_sliders(view):
+    """Every slider of every world goes to both ends and back, and worlds go on."""
+    moved = set()
+    for tab in range(len(view.js("return window.plumb.frame.sides"))):
+        view.js("document.querySelectorAll('#tabs [role=tab]')[arguments[0]].click()", tab)
+        moved |= set(check_sliders_of_tab(view))
+    view.js("document.querySelector('#tabs [role=tab]').click()")
+    every = view.js("return [...document.querySelectorAll('input[type=range]')].map(e => e.id)")
+    assert moved == set(every) and "set-gravity" in moved, (moved, every)
 
 
 def check_hands(view):
@@ -138,6 +148,76 @@ def check_hands(view):
     ActionChains(view.browser).move_to_element_with_offset(canvas, int((ax + bx) / 2), int((ay + by) / 2)).click().perform()
     view.until("window.plumb.frame.sides.every(s => s.gone.length === 1)", "a rod is cut in all worlds")
     view.browser.find_element(By.CSS_SELECTOR, "[data-tool=pull]").click()
+
+
+def check_figure(view):
+    """A limb is pulled, and a thrown ball is one particle more."""
+    canvas = view.browser.find_element(By.ID, "view")
+    view.until("window.plumb.frame.sides[0].awake === 0", "the figure sleeps")
+    view.js("document.getElementById('colour').value = 'sleep';"
+            "document.getElementById('colour').dispatchEvent(new Event('change'))")
+    view.until("document.getElementById('key').textContent.includes('asleep')", "colours are explained")
+    view.until("document.getElementById('counters').textContent.includes('0 / 1')", "what sleeps is counted")
+    view.pause()
+    x, y = view.js(PLACE, 0)
+    ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold().perform()
+    assert view.js("return window.plumb.painter.held") >= 0, "a limb is held"
+    view.js("window.plumb.page.send(window.plumb.requests.play())")
+    ActionChains(view.browser, duration=50).move_by_offset(40, -40).move_by_offset(40, -40).perform()
+    view.until("window.plumb.frame.sides[0].awake === 1", "the figure wakes")
+    ActionChains(view.browser).release().perform()
+    before = view.js("return window.plumb.frame.sides[0].positions.length")
+    view.browser.find_element(By.CSS_SELECTOR, "[data-tool=throw]").click()
+    ActionChains(view.browser).move_to_element_with_offset(canvas, 20, 20).click().perform()
+    view.until(f"window.plumb.frame.sides[0].positions.length === {before + 3}", "a ball flies")
+
+
+def check_colours(view):
+    """Every choice of colours is drawn and explained."""
+    for name, text in [("strain", "%"), ("tension", "N"), ("island", "island ("), ("color", "graph ("), ("lane", "lane (")]:
+        view.js("const c = document.getElementById('colour'); c.value = arguments[0]; c.dispatchEvent(new Event('change'))", name)
+        view.until(f"document.getElementById('key').textContent.includes('{text}')", name + " is explained")
+        view.goes_on()
+    tints = view.js("return [...window.plumb.painter.sides[0].stickTints.slice(0, 12)].join()")
+    view.js("const c = document.getElementById('colour'); c.value = 'world'; c.dispatchEvent(new Event('change'))")
+    view.until("[...window.plumb.painter.sides[0].stickTints.slice(0, 12)].join() !== '" + tints + "'", "colours change")
+    assert "solve" in view.js("return document.getElementById('stages').textContent"), "times of stages are shown"
+
+
+def check_film(view, folder):
+    """A saved page shows what was seen, from a file and without a server."""
+    view.js("window.saved = null")
+    view.click("film")
+    view.until("window.saved", "a page is saved")
+    text = view.js("return window.saved")
+    assert not re.findall(r"<link|\bsrc=|href=", text.split("<script", 1)[0]), "it has no links"
+    file = os.path.join(folder, "film.html")
+    with open(file, "w", encoding="utf-8") as out:
+        out.write(text)
+    shown = view.js("return window.plumb.frame.sides[0].positions.length")
+    view.browser.get("file://" + os.path.abspath(file))
+    view.until("window.plumb?.frame", "the recording is shown")
+    view.goes_on()
+    assert view.js("return window.plumb.frame.sides[0].positions.length") == shown
+    view.browser.save_screenshot(os.path.join(folder, "film.png"))
+
+
+def check_refusals(view):
+    """What is no scene, a second page and a server that is gone are told in words."""
+    view.js("const d = new DataTransfer(); d.items.add(new File(['no scene'], 'letter.txt'));"
+            "dispatchEvent(new DragEvent('drop', { dataTransfer: d }))")
+    view.until("document.getElementById('note').textContent.includes('letter.txt')", "a letter is no scene")
+    view.goes_on()
+    first, address = view.browser.current_window_handle, view.browser.current_url
+    view.browser.switch_to.new_window("tab")
+    view.browser.get(address)
+    view.until("document.getElementById('note').textContent.includes('Another page')", "the second page is told")
+    view.browser.close()
+    view.browser.switch_to.window(first)
+    view.goes_on()
+    view.severe()  # a socket that is refused is an error of the second page
+    view.process.kill()
+    view.until("document.getElementById('note').textContent.includes('is gone')", "the page says that the server is gone")
 
 
 def check_time(view):
@@ -187,8 +267,10 @@ def check_page(plumb, folder):
             view.pause(False)
             check_sliders(view)
             check_time(view)
+            check_colours(view)
             assert view.js("return window.plumb.frame.sides[2].distance") > 0, "worlds differ"
             file = check_replay(view, plumb, folder)
+            check_film(view, folder)
             assert not view.severe(), view.severe()
         with View(plumb, browser, "--replay", file) as view:
             view.until("!window.plumb.frame.playing", "the replay ends")
@@ -200,6 +282,13 @@ def check_page(plumb, folder):
             view.click("reset")
             view.until("window.plumb.frame.frame < 60", "it begins anew")
             assert not view.severe(), view.severe()
+        with View(plumb, browser, "humanoid:body=medium") as view:
+            check_figure(view)
+            assert not view.severe(), view.severe()
+        with View(plumb, browser, "chain", "--compare", "error against truth") as view:
+            view.until("document.getElementById('distance').textContent.startsWith('error')", "errors are shown")
+            view.until("window.plumb.frame.sides[2].distance > window.plumb.frame.sides[1].distance", "relaxed errs more")
+            check_refusals(view)
     finally:
         browser.quit()
 

@@ -28,6 +28,8 @@ void expect_side(const Numbers& read, const Side& side, const Measured& measured
   EXPECT_EQ(read.at("strainMax").get<float>(), static_cast<float>(measured.strain_max));
   EXPECT_EQ(read.at("kinetic").get<float>(), static_cast<float>(measured.energy.kinetic));
   EXPECT_EQ(read.at("distance").get<float>(), static_cast<float>(measured.distance));
+  for (std::size_t i = 0; i < stage_names.size(); ++i)
+    EXPECT_EQ(read.at("stagesUs")[i].get<float>(), static_cast<float>(side.stage_us()[i])) << stage_names[i];
   const std::vector<Vec3> positions = side.positions();
   ASSERT_EQ(read.at("positions").size(), 3 * positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -69,8 +71,8 @@ TEST(ViewMessages, PageReadsFramesAndIsRead) {
   std::filesystem::create_directories(folder);
   std::filesystem::copy_file(PLUMB_VIEW_PAGE "/messages.js", folder / "messages.mjs",
                              std::filesystem::copy_options::overwrite_existing);
-  std::ofstream(folder / "frame", std::ios::binary)
-      << encode_frame(exhibit, {true, false, 0.5, true}, Values::strain, measured);
+  std::ofstream(folder / "frame", std::ios::binary) << encode_frame(
+      exhibit, {.playing = true, .reached = 0.5, .frame_us = 750, .hashed = true}, Values::strain, measured);
   const std::string command = "node " PLUMB_VIEW_TESTS "/decode.mjs " + (folder / "messages.mjs").string() +
                               " " + (folder / "frame").string() + " > " + (folder / "numbers").string();
   ASSERT_EQ(std::system(command.c_str()), 0);
@@ -81,6 +83,7 @@ TEST(ViewMessages, PageReadsFramesAndIsRead) {
   EXPECT_EQ(frame.at("playing"), true);
   EXPECT_EQ(frame.at("replaying"), false);
   EXPECT_EQ(frame.at("reached").get<float>(), 0.5F);
+  EXPECT_EQ(frame.at("frameUs").get<float>(), 750);
   ASSERT_EQ(frame.at("sides").size(), 2);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(frame.at("sides")[i].at("gone"), Numbers::array({4}));

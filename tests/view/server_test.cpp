@@ -161,7 +161,7 @@ TEST_F(ViewServer, OutlivesTornConnectionsAndTurnsSecondPagesAway) {
     Visitor second(server_.port());
     second.send(upgrade());
     EXPECT_NE(second.read("Another page").find("Another page"), std::string::npos);
-    EXPECT_NE(page.read("PLV1").find("PLV1"), std::string::npos) << "the first page goes on";
+    EXPECT_NE(page.read("PLV2").find("PLV2"), std::string::npos) << "the first page goes on";
     Visitor half(server_.port());
     half.send("GET /" + token());
     half.leave();

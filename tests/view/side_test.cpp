@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "plumb/error.hpp"
 #include "support/refusals.hpp"
@@ -252,6 +255,26 @@ TEST(ViewSide, EndsOfSlidersWorkOrAreRefused) {
         EXPECT_TRUE(is_sound(exhibit)) << scene << " " << request.name << " " << request.value;
       }
     }
+}
+
+TEST(ViewSide, KnowsTheTimeOfEveryStageThatTheKernelNames) {
+  const Scene scene = scenes::load_scene("rope:links=4");
+  World world(scene, {.events = true});
+  std::vector<std::string> named;
+  world.set_zones([&](std::string_view stage, bool begins) {
+    if (begins) named.emplace_back(stage);
+  });
+  world.step(frame_length);
+  ASSERT_FALSE(named.empty());
+  for (const std::string& stage : named)
+    EXPECT_NE(std::find(stage_names.begin(), stage_names.end(), stage), stage_names.end()) << stage;
+  Side side({"one", {}}, scene);
+  side.set("method", "relax");  // a new world is timed, too
+  side.step(frame_length);
+  double sum = 0;
+  for (const double us : side.stage_us()) sum += us;
+  EXPECT_GT(sum, 0);
+  EXPECT_LE(sum, side.step_us());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 # Writes the files of FOLDER as arrays of a C++ source file, OUT, so that an installed program has them.
-file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/*)
+file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
 list(SORT files)
 set(text "#include \"view/server/page_files.hpp\"\n\nnamespace plumb::view {\nnamespace {\n\n")
 set(table "")

@@ -161,6 +161,10 @@ Settings direct() {
   return {.method = Method::direct, .substeps = 8};
 }
 
+Settings accurate(double accuracy) {
+  return {.method = Method::direct, .accuracy = accuracy};
+}
+
 Settings relaxed_by(Gradient gradient) {
   Settings out = relaxed(Weights::mass);
   out.gradient = gradient;
@@ -250,6 +254,9 @@ std::vector<Comparison> comparisons() {
             {"new", relaxed_by(Gradient::new_)},
             {"old", relaxed_by(Gradient::old)},
             {"mid", relaxed_by(Gradient::mid)}}},
+          {"error against truth",
+           "Distances are errors: the first world keeps an accuracy of 1e-7, as long as the motion lets it.",
+           {{"truth", accurate(1e-7)}, {"direct", direct()}, {"relaxed", relaxed(Weights::mass)}}},
           {"one world", "A single world, by method auto.", {{"auto", {.substeps = 2}}}}};
 }
 

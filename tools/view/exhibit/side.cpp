@@ -59,6 +59,20 @@ Side::Side(SideStart start, const Scene& scene)
       islands_(find_islands(scene, rod_numbers_)),
       end_(end_particle(scene)) {
   for (const Particle& particle : scene.particles) asleep_.push_back(particle.asleep ? 1 : 0);
+  time_stages();
+}
+
+void Side::time_stages() {
+  world_->set_zones([times = times_.get()](std::string_view stage, bool begins) {
+    const auto now = std::chrono::steady_clock::now();
+    if (begins) {
+      times->start = now;
+      return;
+    }
+    for (std::size_t i = 0; i < stage_names.size(); ++i)
+      if (stage_names[i] == stage)
+        times->us[i] += std::chrono::duration<double, std::micro>(now - times->start).count();
+  });
 }
 
 Settings Side::for_world(const Settings& settings) const {
@@ -73,6 +87,7 @@ void Side::rebuild(const Scene& scene, const Settings& settings) {
   asleep.resize(scene.particles.size());
   Carried carried = carry(scene, *world_, {rod_numbers_, asleep});
   world_ = std::make_unique<World>(carried.scene, for_world(settings));
+  time_stages();
   start_.settings = settings;
   scene_ = scene;
   rod_numbers_ = std::move(carried.rod_numbers);
@@ -301,6 +316,7 @@ void Side::step(double dt) {
       return true;
     }
   });
+  times_->us.fill(0);
   const auto start = std::chrono::steady_clock::now();
   report_ = world_->step(dt);
   step_us_ = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,6 +21,10 @@ namespace plumb::view {
 /// Returns the number of the last movable particle, whose mass a page calls the end mass; `no_island` if
 /// there is none.
 std::uint32_t end_particle(const Scene& scene);
+
+/// The stages of a step whose times a page shows, as World::set_zones() names them.
+inline constexpr std::array<std::string_view, 7> stage_names{"split", "wake",    "collide", "solve",
+                                                             "sleep", "measure", "events"};
 
 /// A side is a running world with what is to be known of it beside its state: who sleeps, which rods are
 /// gone, how long rods are now.
@@ -55,6 +61,8 @@ class Side {
 
   const StepReport& report() const { return report_; }
   double step_us() const { return step_us_; }
+  /// Returns the time of each stage of the last step in µs, in the order of stage_names.
+  const std::array<double, stage_names.size()>& stage_us() const { return times_->us; }
   std::uint32_t rebuilds() const { return rebuilds_; }  ///< New worlds that went on from another's state.
   const std::vector<std::uint8_t>& asleep() const { return asleep_; }  ///< By particle.
   bool is_gone(std::uint32_t rod) const { return rod_numbers_[rod] == no_rod; }
@@ -74,6 +82,13 @@ class Side {
     double rate;
   };
 
+  /// A world's zones write here, wherever the side is moved to.
+  struct StageTimes {
+    std::array<double, stage_names.size()> us{};
+    std::chrono::steady_clock::time_point start{};
+  };
+
+  void time_stages();
   Settings for_world(const Settings& settings) const;
   /// Goes on in a new world of `scene` (with the rods of now) and `settings`.
   void rebuild(const Scene& scene, const Settings& settings);
@@ -99,6 +114,7 @@ class Side {
   std::vector<Reeling> reeling_;
   StepReport report_{};
   double step_us_ = 0;
+  std::unique_ptr<StageTimes> times_ = std::make_unique<StageTimes>();
   std::uint32_t rebuilds_ = 0;
 };
 

@@ -4,6 +4,7 @@ import { makeInstances, makeProgram, makeTriangles, PointTexture } from "./gl.js
 import { Model } from "./model.js";
 import * as shaders from "./shaders.js";
 
+const NOWHERE = 4294967295; // where a rod has no place
 const TRAIL = 150; // frames of the path that an end leaves behind
 
 export class Painter {
@@ -110,6 +111,7 @@ export class Painter {
     const gl = this.gl, model = this.model, { islands, rods } = model.scene;
     const own = sideColour(number, count), back = rgb("back"), fixed = rgb("fixed");
     const byValue = this.colour === "strain" || this.colour === "tension";
+    const byPlace = { color: model.scene.colors, lane: model.scene.lanes }[this.colour];
     const largest = this.colour === "strain" ? Math.max(from.largest, 1e-4) : Math.max(from.largest, 1e-9);
     const sleeper = mixed(own, back, 0.72);
     const base = (particle) => {
@@ -129,6 +131,11 @@ export class Painter {
       if (byValue && i < model.rods && from.values.length) {
         const value = from.values[i];
         colour = Number.isNaN(value) ? mixed(own, back, 0.6) : diverging(value / largest);
+        if (from.flags[movable] & 1) colour = mixed(colour, back, 0.6);
+      }
+      else if (byPlace && i < model.rods) {
+        colour = byPlace[i] === NOWHERE ? mixed(own, back, 0.7) : islandColour(byPlace[i]);
+        if (from.flags[movable] & 1) colour = mixed(colour, back, 0.6);
       }
       if (i === this.chosen) colour = rgb("ink");
       tints.set(colour, 4 * i);
@@ -140,7 +147,7 @@ export class Painter {
       const particle = model.balls[i];
       const isHeld = particle === this.held;
       const colour = isHeld ? rgb("ink") : from.flags[particle] & 2 ? fixed
-        : byValue ? mixed(own, back, 0.25) : base(particle < model.particles ? particle : 0);
+        : byValue || byPlace ? mixed(own, back, 0.25) : base(particle < model.particles ? particle : 0);
       balls.set(colour, 4 * i);
       balls[4 * i + 3] = 1;
     }

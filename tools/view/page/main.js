@@ -2,13 +2,16 @@
 import { Camera } from "./camera.js";
 import { onSchemeChange, sideText } from "./colours.js";
 import { Painter } from "./draw.js";
+import { makePage } from "./film/bundle.js";
+import { Recording } from "./film/record.js";
 import { Hands } from "./hands.js";
 import { decodeFrame, hashText, requests } from "./messages.js";
-import { Panel } from "./panel.js";
+import { Panel, showKey } from "./panel.js";
 import { Plot } from "./plots.js";
 import { connect } from "./socket.js";
 
 const byId = (id) => document.getElementById(id);
+const isFilm = document.body.classList.contains("film");
 const canvas = byId("view"), camera = new Camera();
 const short = (value, digits = 3) => (value === 0 ? "0" : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5
   ? value.toExponential(1) : String(Number(value.toPrecision(digits))));
@@ -31,10 +34,25 @@ function note(text, refused = false, stays = false) {
   if (!stays) noteTimer = setTimeout(() => { box.hidden = true; }, 6000);
 }
 
+const recording = new Recording();
+const early = []; // what came before there was anything to draw with
+const show = (message) => {
+  if (!painter) {
+    early.push(message);
+    return;
+  }
+  recording.text(message);
+  ({ menu: () => panel.setMenu(message), scene: () => setScene(message), sides: () => setSides(message),
+                        note: () => note(message.text, message.refused), replay: () => save("replay.json", message.text, "application/json") })[message.kind]?.();
+};
 const send = connect({
-  text: (message) => ({ menu: () => panel.setMenu(message), scene: () => setScene(message), sides: () => setSides(message),
-                        note: () => note(message.text, message.refused), replay: () => save(message.text) })[message.kind]?.(),
-  frame: (bytes) => take(decodeFrame(bytes)),
+  text: show,
+  frame: (bytes) => {
+    if (!painter?.model) return;
+    const next = decodeFrame(bytes);
+    recording.frame(bytes, next.frame);
+    take(next);
+  },
   state: (state, reason) => (state === "open" ? note("") : note(reason, true, true)),
 });
 const panel = new Panel(send);
@@ -59,6 +77,8 @@ function begin() {
     return;
   }
   page.hands = new Hands(canvas, painter, camera, page);
+  if (isFilm) page.hands.tool = "look";
+  early.forEach(show);
   requestAnimationFrame(draw);
 }
 
@@ -115,8 +135,7 @@ function take(next) {
 
 const COUNTERS = [["awake islands", (s) => `${s.awake} / ${s.islands}`], ["asleep, skipped", (s) => s.islands - s.awake],
                   ["substeps", (s) => s.substeps], ["sweeps of blocks", (s) => s.sweeps], ["Newton steps", (s) => s.newton],
-                  ["within tolerance", (s) => s.skipped], ["not solved or accurate", (s) => s.troubles],
-                  ["step, ms", (s) => short(s.stepUs / 1000, 2)]];
+                  ["within tolerance", (s) => s.skipped], ["not solved or accurate", (s) => s.troubles]];
 
 function showNumbers() {
   const reached = frame.playing && frame.reached ? ` · ${short(frame.reached, 2)} ×` : "";
@@ -129,7 +148,20 @@ function showNumbers() {
   });
   const rows = COUNTERS.map(([text, of]) => `<tr><th scope="row">${text}</th>${frame.sides.map((s) => `<td>${of(s)}</td>`).join("")}</tr>`);
   byId("counters").innerHTML = rows.join("");
+  byId("stages").innerHTML = stageRows();
+  showKey(byId("key"), painter, frame);
   Object.values(plots).forEach((plot) => plot.draw());
+}
+
+/** Returns rows of the time of each stage, beside what a frame may take. */
+function stageRows() {
+  const ms = (us) => (us / 1000).toFixed(2);
+  const rows = (panel.stages ?? []).map((name, i) => [name, frame.sides.map((side) => ms(side.stagesUs[i]))]);
+  rows.push(["step", frame.sides.map((side) => ms(side.stepUs))]);
+  const line = ([name, cells]) => `<tr><th scope="row">${name}</th>${cells.map((cell) => `<td>${cell}</td>`).join("")}</tr>`;
+  const all = frame.stepUs + frame.frameUs;
+  return rows.map(line).join("") + line(["all worlds", [ms(frame.stepUs)]]) + line(["to the page", [ms(frame.frameUs)]])
+    + `<tr class="${all > 1e6 / 60 ? "late" : ""}"><th scope="row">of 16.67 ms</th><td>${short(0.006 * all, 2)} %</td></tr>`;
 }
 
 function resize() {
@@ -165,13 +197,22 @@ function draw() {
   isFresh = false;
 }
 
-function save(text) {
+function save(name, text, type) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
-  link.download = "replay.json";
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
   link.click();
   URL.revokeObjectURL(link.href);
-  note("Saved as replay.json.");
+  note(`Saved as ${name}.`);
+}
+
+async function saveFilm() {
+  const read = async (name) => (await fetch(name)).text();
+  try {
+    save("plumb.html", await makePage(recording, read), "text/html");
+  } catch (error) {
+    note("The page could not be saved: " + error.message, true);
+  }
 }
 
 function setTool(tool) {
@@ -195,7 +236,7 @@ const setColour = (value) => {
 };
 const keys = {
   " ": togglePlay, ".": () => send(requests.step()), r: () => send(requests.reset()), o: () => flip("overlay"),
-  t: () => flip("trails"), s: () => send(requests.record()), "?": () => byId("help").showModal(),
+  t: () => flip("trails"), s: () => send(requests.record()), p: saveFilm, "?": () => byId("help").showModal(),
   f: () => camera.frame(painter.model.center, painter.model.radius),
   c: () => setColour(byId("colour").options[(byId("colour").selectedIndex + 1) % byId("colour").options.length].value),
   "[": () => haul(-1), "]": () => haul(1),
@@ -215,6 +256,7 @@ byId("play").addEventListener("click", togglePlay);
 byId("step").addEventListener("click", keys["."]);
 byId("reset").addEventListener("click", keys.r);
 byId("save").addEventListener("click", keys.s);
+byId("film").addEventListener("click", saveFilm);
 byId("ask").addEventListener("click", keys["?"]);
 byId("speed").addEventListener("change", () => send(requests.speed(byId("speed").value)));
 byId("colour").addEventListener("change", () => setColour(byId("colour").value));
@@ -235,6 +277,7 @@ addEventListener("drop", async ({ dataTransfer }) => {
 });
 onSchemeChange(() => { if (lastSides) setSides(lastSides); });
 
-begin();
+// Shaders take longer to compile than all else: what needs none is shown before.
+requestAnimationFrame(() => setTimeout(begin));
 // Tests and the curious look at the page through this.
 window.plumb = { page, camera, get painter() { return painter; }, get frame() { return frame; }, hashText, requests, decodeFrame };

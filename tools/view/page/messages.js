@@ -1,8 +1,8 @@
 // Messages of the server, and requests to it. ../README.md has the table of their bytes.
 
-const MAGIC = 0x31564c50;
-const HEAD = 32;
-const SIDE_HEAD = 80;
+const MAGIC = 0x32564c50;
+const HEAD = 36;
+const SIDE_HEAD = 108;
 
 /** Reads a frame. Its arrays lie in `buffer`; nothing is copied. Throws an Error on other bytes. */
 export function decodeFrame(buffer) {
@@ -16,6 +16,7 @@ export function decodeFrame(buffer) {
     replaying: (flags & 2) !== 0,
     reached: view.getFloat32(24, true),
     stepUs: view.getFloat32(28, true),
+    frameUs: view.getFloat32(32, true),
     sides: [],
   };
   let at = HEAD;
@@ -33,6 +34,7 @@ function decodeSide(view, at, sides) {
     stepUs: f32(40), strainRms: f32(44), strainMax: f32(48),
     kinetic: f32(52), potential: f32(56), elastic: f32(60),
     distance: f32(64), largest: f32(68), skipped: u32(72), troubles: u32(76),
+    stagesUs: [80, 84, 88, 92, 96, 100, 104].map(f32),
   };
   let from = at + SIDE_HEAD;
   side.positions = new Float32Array(view.buffer, from, 3 * particles);

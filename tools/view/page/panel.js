@@ -1,7 +1,8 @@
 // The controls: what they show and what they ask for.
-import { sideText } from "./colours.js";
+import { diverging, islandColour, mixed, rgb, sideColour, sideText } from "./colours.js";
 import { requests } from "./messages.js";
 
+const NOWHERE = 4294967295; // where a rod has no place
 const byId = (id) => document.getElementById(id);
 const decades = (from, to, steps) => {
   const out = [];
@@ -90,7 +91,8 @@ export class Panel {
     if (innerWidth <= 760) byId("fold").setAttribute("aria-expanded", "false");
   }
 
-  setMenu({ scenes, comparisons, methods }) {
+  setMenu({ scenes, comparisons, methods, stages }) {
+    this.stages = stages;
     this.methods = methods;
     this.comparisons = comparisons;
     byId("generator").replaceChildren(new Option("choose a scene …", ""),
@@ -116,9 +118,10 @@ export class Panel {
       if (message[each.name] !== null) each.set(message[each.name]);
     }
     const names = this.sides.map(({ name }) => name).join();
-    const known = { "direct,by mass,equal": 0, "direct,relaxed": 1, "direct,new,old,mid": 2, auto: 3 }[names];
-    byId("compare").value = this.comparisons[known]?.name ?? "";
-    byId("about").textContent = this.comparisons[known]?.about ?? "";
+    const known = this.comparisons.find((each) => each.sides.join() === names);
+    byId("compare").value = known?.name ?? "";
+    byId("about").textContent = known?.about ?? "";
+    byId("distance").textContent = names.startsWith("truth") ? "error, % of size" : "distance, % of size";
     this.showTabs();
   }
 
@@ -152,4 +155,31 @@ export class Panel {
       each.row.classList.toggle("off", !isRead);
     }
   }
+}
+
+const css = (colour) => `rgb(${colour.map((c) => Math.round(255 * c)).join()})`;
+const swatch = (colour, text) => `<i style="background: ${css(colour)}"></i>${text} `;
+
+/** Says what colours mean, with units. */
+export function showKey(place, { colour, model }, { sides }) {
+  place.hidden = colour === "world";
+  const largest = Math.max(...sides.map((side) => side.largest));
+  const own = sideColour(0, sides.length), back = rgb("back");
+  const ends = { strain: (v) => (100 * v).toPrecision(2) + " %", tension: (v) => v.toPrecision(3) + " N" }[colour];
+  const some = (list, title, rest) => {
+    const count = list.reduce((most, each) => (each === NOWHERE ? most : Math.max(most, each + 1)), 0);
+    const shown = Array.from({ length: Math.min(count, 8) }, (_, i) => swatch(islandColour(i), i + 1)).join("");
+    return `${title} (${count}): ${shown}${count > 8 ? "… " : ""}${swatch(mixed(own, back, 0.7), rest)}`;
+  };
+  const texts = {
+    sleep: () => swatch(diverging(0.8), "awake") + swatch(mixed(rgb("ink"), back, 0.75), "asleep"),
+    island: () => some(model.scene.islands, "island", "dim: asleep"),
+    color: () => some(model.scene.colors, "colour of the graph", "none"),
+    lane: () => some(model.scene.lanes, "lane", "none"),
+  };
+  const bar = Array.from({ length: 9 }, (_, i) => css(diverging(i / 4 - 1))).join();
+  const words = colour === "tension" ? ["pushes", "pulls"] : ["short", "long"];
+  const html = ends ? `${words[0]} −${ends(largest)} <em style="background: linear-gradient(90deg, ${bar})"></em> ${ends(largest)} ${words[1]}`
+    : texts[colour]?.() ?? "";
+  if (place.innerHTML !== html) place.innerHTML = html;
 }

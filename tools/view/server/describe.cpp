@@ -4,6 +4,7 @@
 
 #include "scenes/spec.hpp"
 #include "view/server/messages.hpp"
+#include "view/server/placement.hpp"
 
 namespace plumb::view {
 namespace {
@@ -91,6 +92,12 @@ Json capsules_json(const Scene& scene) {
   return out;
 }
 
+Json names_of(const Comparison& comparison) {
+  Json out = Json::array();
+  for (const SideStart& side : comparison.sides) out.push_back(side.name);
+  return out;
+}
+
 }  // namespace
 
 Json scene_json(const Exhibit& exhibit) {
@@ -103,6 +110,7 @@ Json scene_json(const Exhibit& exhibit) {
   for (const double mass : masses) shown.push_back(std::isfinite(mass) ? Json(mass) : Json());
   for (const Vec3& p : side.positions())
     for (const double component : {p.x, p.y, p.z}) places.push_back(component);
+  const Placement placement = place_rods(scene);
   for (const Tackle& each : scene.tackles) tackles.push_back(Json::array_of(each.particles));
   return {{"kind", "scene"},
           {"name", exhibit.start().name},
@@ -110,6 +118,8 @@ Json scene_json(const Exhibit& exhibit) {
           {"masses", shown},
           {"places", places},
           {"islands", Json::array_of(side.islands())},
+          {"colors", Json::array_of(placement.color_of_rod)},
+          {"lanes", Json::array_of(placement.lane_of_rod)},
           {"capsules", capsules_json(scene)},
           {"hulls", hulls_json(exhibit.start().scene)},
           {"ground", ground_json(scene)},
@@ -140,10 +150,14 @@ Json menu_json() {
   for (const scenes::GeneratorHelp& each : scenes::list_generators())
     scenes.push_back({{"name", each.name}, {"about", each.summary}, {"parameters", each.parameters}});
   for (const Comparison& each : comparisons())
-    compared.push_back({{"name", each.name}, {"about", each.about}});
+    compared.push_back({{"name", each.name}, {"about", each.about}, {"sides", names_of(each)}});
   for (const MethodInfo& each : all_methods())
     methods.push_back({{"name", each.name}, {"about", each.moves}, {"reads", Json::array_of(each.reads)}});
-  return {{"kind", "menu"}, {"scenes", scenes}, {"comparisons", compared}, {"methods", methods}};
+  return {{"kind", "menu"},
+          {"scenes", scenes},
+          {"comparisons", compared},
+          {"methods", methods},
+          {"stages", Json::array_of(stage_names)}};
 }
 
 Json note_json(std::string_view text, bool refused) {

@@ -11,8 +11,8 @@
 /// them, and view/exhibit/request.hpp has those that come back.
 namespace plumb::view {
 
-/// "PLV1" as a little-endian number: the first four bytes of a frame.
-inline constexpr std::uint32_t frame_magic = 0x31564c50;
+/// "PLV2" as a little-endian number: the first four bytes of a frame.
+inline constexpr std::uint32_t frame_magic = 0x32564c50;
 
 /// Says what a frame shows of rods.
 enum class Values : std::uint8_t { none, strain, tension };
@@ -24,6 +24,7 @@ struct Pace {
   bool playing = false;
   bool replaying = false;
   double reached = 0;   ///< Simulated seconds per second.
+  double frame_us = 0;  ///< Time of the frame before, from the end of its step to its bytes.
   bool hashed = false;  ///< Whether the frame has the hashes of states.
 };
 

@@ -230,14 +230,16 @@ void Runner::advance() {
 }
 
 void Runner::publish() {
+  const Clock::time_point start = Clock::now();
   const bool is_small = size_of(exhibit_) <= small_scene;
   const bool is_due = is_small || !playing_ || published_++ % frames_between_measures == 0;
   if (is_due || measured_.size() != exhibit_.sides().size()) {
     measured_.clear();
     for (std::size_t i = 0; i < exhibit_.sides().size(); ++i) measured_.push_back(measure(exhibit_, i));
   }
-  const Pace pace{playing_, is_replaying(), playing_ ? pacing_.reached() : 0, is_due};
+  const Pace pace{playing_, is_replaying(), playing_ ? pacing_.reached() : 0, frame_us_, is_due};
   outlet_.frame(encode_frame(exhibit_, pace, values_, measured_));
+  frame_us_ = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
 }  // namespace plumb::view

@@ -63,6 +63,7 @@ class Runner {
   Values values_ = Values::none;
   std::vector<Measured> measured_;
   std::uint64_t published_ = 0;
+  double frame_us_ = 0;
   Pacing pacing_{frame_length, 1, Clock::now()};
 
   std::mutex mutex_;

@@ -55,6 +55,7 @@ class Page : public std::enable_shared_from_this<Page> {
     socket_.set_option(
         websocket::stream_base::timeout{std::chrono::seconds(10), std::chrono::seconds(20), true});
     socket_.read_message_max(largest_message);
+    socket_.auto_fragment(false);  // else a large frame goes out 4 kB at a time
     socket_.async_accept(request, [self = shared_from_this(), opened](Error error) {
       if (error) return;
       opened(self);
