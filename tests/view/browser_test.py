@@ -232,4 +232,5 @@ def main():
     take_pictures(plumb, folder)
 
 
-main()
+if __name__ == "__main__":
+    main()
