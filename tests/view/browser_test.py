@@ -321,4 +321,5 @@ def main():
     take_pictures(plumb, folder)
 
 
-main()
+if __name__ == "__main__":
+    main()

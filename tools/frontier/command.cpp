@@ -264,6 +264,7 @@ void publish(const FrontierOptions& options, const std::vector<Result>& results)
   scenes::write_file(folder / "frontier.json", scenes::format_json(json));
   Section section("frontier", "The frontier: run time against error", "plumb frontier" + options.typed,
                   machine);
+  section.add_live();
   section.add_text(frontier_text);
   section.add_table(summary_table(results));
   for (const Result& r : results) {

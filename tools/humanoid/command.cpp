@@ -246,6 +246,7 @@ int run_once(const HumanoidOptions& options) {
 
 void publish_experiments(const HumanoidOptions& options, const std::vector<HumanoidComparison>& all) {
   Section section = section_of(options);
+  section.add_live();
   section.add_text(experiments_text(options.run));
   section.add_table(experiments_table(all));
   section.add_table(claims_table(all));

@@ -1,6 +1,7 @@
 #include "plot/page.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <vector>
 
 #include "plumb/error.hpp"
@@ -36,6 +37,21 @@ code { font-size: 0.9em; }
 <h1>plumb</h1>
 <p>What this build measures on this machine.</p>
 )";
+
+/// Stands in a section where a link to its live page comes, if there is one.
+constexpr std::string_view live_mark = "<!--live-->";
+
+std::string with_live(std::string section, const std::filesystem::path& folder, const std::string& name) {
+  const std::size_t at = section.find(live_mark);
+  if (at == std::string::npos) return section;
+  const std::string page = "live/" + name + "/index.html";
+  return section.replace(
+      at, live_mark.size(),
+      std::filesystem::exists(folder / page)
+          ? "<p><a href=\"" + page + "\">Play with it</a>, live in this browser.</p>"
+          : "<p>To play with it, run <code>plumb view</code>, or <code>tools/setup --ports</code> and then "
+            "<code>tools/demo</code> again, which puts live pages here.</p>");
+}
 
 /// Turns an SVG file's text into an element of a page: it keeps what follows the <svg tag. Every id gets a
 /// prefix, because gnuplot gives the same ids to all its pictures.
@@ -74,6 +90,10 @@ void Section::add_table(const Table& table) {
   body_ += table.to_html();
 }
 
+void Section::add_live() {
+  body_ += std::string(live_mark) + "\n";
+}
+
 void Section::add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart) {
   add_svg(folder, file, draw_svg(chart));
 }
@@ -96,13 +116,14 @@ void Section::publish(const std::filesystem::path& folder) const {
     return std::pair(l.stem() != "thesis", l.stem()) < std::pair(r.stem() != "thesis", r.stem());
   });
   std::string page = page_head;
-  for (const auto& file : files) page += scenes::read_file(file);
+  for (const auto& file : files) page += with_live(scenes::read_file(file), folder, file.stem().string());
   scenes::write_file(folder / "index.html", page + "</body>\n</html>\n");
 }
 
 void Section::publish_alone(const std::filesystem::path& folder) const {
   make_folder(folder);
-  scenes::write_file(folder / (name_ + ".html"), page_head + body_ + "</section>\n</body>\n</html>\n");
+  scenes::write_file(folder / (name_ + ".html"),
+                     page_head + with_live(body_, folder, name_) + "</section>\n</body>\n</html>\n");
 }
 
 void make_folder(const std::filesystem::path& folder) {

@@ -21,6 +21,9 @@ class Section {
   void add_heading(const std::string& text);
   void add_text(const std::string& text);
   void add_table(const Table& table);
+  /// Adds a link to a live page, `folder`/live/NAME/index.html, or how to get it if that is not there when
+  /// the section is published.
+  void add_live();
   /// Adds a chart, and writes it as a file of its own, FOLDER/`file`.svg, too.
   void add_chart(const std::filesystem::path& folder, const std::string& file, const Chart& chart);
   /// Does the same with a picture that is drawn already.

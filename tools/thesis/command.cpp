@@ -230,6 +230,7 @@ void publish(const ThesisOptions& options, const ThesisResults& results, const s
   const std::vector<ChainResults>& chains = results.chains;
   Section section("thesis", "A heavy last link: weighted against equal corrections",
                   "plumb thesis --out " + options.out, machine);
+  section.add_live();
   section.add_text(
       "When a rod between two particles is too long, relaxation moves both ends. Shares by inverse mass "
       "(thesis eq. 4.7, "

@@ -1,16 +1,19 @@
-// plumb view shows a scene live in a browser.
+// plumb view shows a scene live in a browser, or writes the page that does so as a file.
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "plot/page.hpp"
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/spec.hpp"
 #include "view/exhibit/replay.hpp"
+#include "view/export/export.hpp"
 #include "view/server/server.hpp"
 
 namespace plumb::tools {
@@ -21,7 +24,7 @@ namespace {
 constexpr const char* heavy_rope = "winch:rods=19,cable=0.1,length=0.1,mass=1,load=10";
 
 struct ViewOptions {
-  std::string scene, compared, replay;
+  std::string scene, compared, replay, folder;
   Settings settings{};
   unsigned port = 0;
   bool opens = false;
@@ -49,7 +52,26 @@ void open_browser(const std::string& address) {
     std::fprintf(stderr, "plumb: no browser could be opened; open the address yourself\n");
 }
 
+/// Writes the page into a folder.
+int write_page(const ViewOptions& options) {
+  const std::filesystem::path folder = options.folder;
+  const std::string worker =
+      scenes::read_file(view::find_worker(std::filesystem::read_symlink("/proc/self/exe")));
+  std::string start;
+  if (options.replay.empty()) {
+    start = view::format_replay(view::Exhibit(start_of(options)));
+  } else {
+    start = scenes::read_file(options.replay);
+    view::Exhibit(view::parse_replay(start, options.replay).start);  // refuses what the page could not show
+  }
+  make_folder(folder);
+  scenes::write_file(folder / "index.html", view::exported_page(view::page_files(), worker, start));
+  std::printf("%s\n", (folder / "index.html").c_str());
+  return fine;
+}
+
 int run(const ViewOptions& options) {
+  if (!options.folder.empty()) return write_page(options);
   std::optional<view::Replay> replay;
   if (!options.replay.empty()) replay = view::parse_replay(scenes::read_file(options.replay), options.replay);
   view::Server server(view::Exhibit(replay ? replay->start : start_of(options)), options.port, replay);
@@ -76,16 +98,22 @@ void add_view_command(Command& plumb) {
       "Worlds that start alike and are shown together");
   add_solver_options(command, o.settings);
   add_layout_options(command, o.settings);
-  add_count(command, "--port", o.port, "Port on 127.0.0.1; 0: one that is free [0]");
-  command.add_flag("--open", o.opens, "Open the address in the default browser");
+  const Option port = add_count(command, "--port", o.port, "Port on 127.0.0.1; 0: one that is free [0]");
+  const Option open = command.add_flag("--open", o.opens, "Open the address in the default browser");
   const Option replay = command.add_option("--replay", "FILE", o.replay, "Repeat what a page saved");
   replay.excludes(scene);
+  const Option folder = command.add_option("--export", "DIR", o.folder,
+                                           "Write the page into this folder instead, as one file that needs "
+                                           "no server: worlds run in WebAssembly");
+  folder.excludes(port);
+  folder.excludes(open);
   command.set_footer(
       "Examples:\n"
       "  plumb view\n"
       "  plumb view net:width=24,height=24 --method relax --sweeps 20\n"
       "  plumb view rope --compare 'relax against direct'\n"
-      "  plumb view --replay replay.json\n\n" +
+      "  plumb view --replay replay.json\n"
+      "  plumb view --export page humanoid\n\n" +
       methods_help() + "\n" + generators_help());
   command.set_action([options] { return run(*options); });
 }

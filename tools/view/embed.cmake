@@ -1,14 +1,13 @@
-# Writes the files of FOLDER as arrays of a C++ source file, OUT, so that an installed program has them.
-file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
-list(SORT files)
+# Writes FILES as arrays of a C++ source file, OUT, so that an installed program has them. Names go from their folder on.
 set(text "#include \"view/server/page_files.hpp\"\n\nnamespace plumb::view {\nnamespace {\n\n")
 set(table "")
 set(number 0)
-foreach(file IN LISTS files)
-  file(READ ${FOLDER}/${file} bytes HEX)
+foreach(file IN LISTS FILES)
+  file(READ ${file} bytes HEX)
+  string(REGEX REPLACE "^.*/view/(page|export)/" "" name "${file}")
   string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
   string(APPEND text "constexpr unsigned char file_${number}[] = {${bytes}};\n")
-  string(APPEND table "      {\"${file}\", {reinterpret_cast<const char*>(file_${number}), sizeof file_${number}}},\n")
+  string(APPEND table "      {\"${name}\", {reinterpret_cast<const char*>(file_${number}), sizeof file_${number}}},\n")
   math(EXPR number "${number} + 1")
 endforeach()
 string(APPEND text "\n}  // namespace\n\nstd::vector<PageFile> page_files() {\n  return {\n${table}  };\n}\n\n"

@@ -1,6 +1,6 @@
 #pragma once
 
-#if defined(__SSE__)
+#if defined(__x86_64__) || defined(__i386__)
 #include <xmmintrin.h>
 #elif defined(__aarch64__)
 #include <cstdint>
@@ -21,7 +21,7 @@ class FlushDenormals {
   FlushDenormals& operator=(const FlushDenormals&) = delete;
 
  private:
-#if defined(__SSE__)
+#if defined(__x86_64__) || defined(__i386__)
   using Word = unsigned;
   static constexpr Word flush = 0x8000 | 0x0040;  // results, and operands
   static Word read() {

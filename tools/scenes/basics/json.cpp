@@ -99,4 +99,15 @@ std::map<std::string, std::string> members_of(std::string_view text) {
   return out;
 }
 
+std::string hash_text(std::uint64_t hash) {
+  constexpr char digits[] = "0123456789abcdef";
+  std::string out = "0x";
+  for (int shift = 60; shift >= 0; shift -= 4) out += digits[(hash >> shift) & 15];
+  return out;
+}
+
+std::string format_json(const Json& value) {
+  return value.dump_indented() + "\n";
+}
+
 }  // namespace plumb::scenes

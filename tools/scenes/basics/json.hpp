@@ -78,6 +78,12 @@ struct Json::Member {
   Json value;
 };
 
+/// Spells a hash as "0x" and sixteen digits.
+std::string hash_text(std::uint64_t hash);
+
+/// Returns the text of a JSON file.
+std::string format_json(const Json& value);
+
 /// Returns the members of an object by their keys, each as Json::dump() spells it. Other text has none.
 std::map<std::string, std::string> members_of(std::string_view text);
 

@@ -176,15 +176,4 @@ Json world_json(const WorldInfo& info) {
           {"blocks", blocks}};
 }
 
-std::string hash_text(std::uint64_t hash) {
-  constexpr char digits[] = "0123456789abcdef";
-  std::string out = "0x";
-  for (int shift = 60; shift >= 0; shift -= 4) out += digits[(hash >> shift) & 15];
-  return out;
-}
-
-std::string format_json(const Json& value) {
-  return value.dump_indented() + "\n";
-}
-
 }  // namespace plumb::scenes

@@ -24,10 +24,4 @@ Json report_json(std::string_view scene, const RunPlan& plan, const RunResult& r
 /// Describes how a world laid out a scene.
 Json world_json(const WorldInfo& info);
 
-/// Spells a hash as "0x" and sixteen digits.
-std::string hash_text(std::uint64_t hash);
-
-/// Returns the text of a JSON file.
-std::string format_json(const Json& value);
-
 }  // namespace plumb::scenes

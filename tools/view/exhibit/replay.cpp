@@ -5,7 +5,6 @@
 #include "plumb/error.hpp"
 #include "scenes/files/scene_file.hpp"
 #include "scenes/files/scene_json.hpp"
-#include "scenes/runs/report.hpp"
 
 namespace plumb::view {
 namespace {

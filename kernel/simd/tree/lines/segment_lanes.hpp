@@ -9,12 +9,13 @@
 //   nu_k = alpha_k + beta_k nu_last + gamma_k nu_last_before,
 //
 // which leaves one tridiagonal system with a row per lane.
+#include <cstring>
 
 namespace plumb::simd {
 namespace {
 
 /// Every lane has a number here, and there is room for a neighbour at either end, to read a vector shifted by
-/// one lane.
+/// one lane. Vectors are copied as bytes: clang 14 for WebAssembly loses numbers that are copied one by one.
 template <class T>
 struct Neighbors {
   static constexpr std::size_t lanes = logical_width<T>;
@@ -22,29 +23,27 @@ struct Neighbors {
 
   template <class V>
   PLUMB_INLINE void put(std::size_t lane, const V& value) {
-    alignas(64) T own[lanes];
-    store(value, own + lane);
-    for (std::size_t i = lane; i < lane + sizeof(V) / sizeof(T); ++i) values[i + 1] = own[i];
+    std::memcpy(values + lane + 1, &value, sizeof value);
   }
   template <class V>
   PLUMB_INLINE V from_before(std::size_t lane) const {
-    return from(lane, values + lane, V(0));
+    return read<V>(values + lane);
   }
   template <class V>
   PLUMB_INLINE V own(std::size_t lane) const {
-    return from(lane, values + lane + 1, V(0));
+    return read<V>(values + lane + 1);
   }
   template <class V>
   PLUMB_INLINE V from_after(std::size_t lane) const {
-    return from(lane, values + lane + 2, V(0));
+    return read<V>(values + lane + 2);
   }
 
  private:
   template <class V>
-  PLUMB_INLINE static V from(std::size_t lane, const T* first, const V&) {
-    alignas(64) T shifted[lanes];
-    for (std::size_t i = 0; i < sizeof(V) / sizeof(T); ++i) shifted[lane + i] = first[i];
-    return load<V>(shifted + lane);
+  PLUMB_INLINE static V read(const T* from) {
+    V out;
+    std::memcpy(&out, from, sizeof out);
+    return out;
   }
 };
 template <class T>
