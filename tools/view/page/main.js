@@ -209,6 +209,7 @@ function save(name, text, type) {
 async function saveFilm() {
   const read = async (name) => (await fetch(name)).text();
   try {
+    if (location.protocol === "file:") throw new Error("a page without a server has no files to save it from");
     save("plumb.html", await makePage(recording, read), "text/html");
   } catch (error) {
     note("The page could not be saved: " + error.message, true);
