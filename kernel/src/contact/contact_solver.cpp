@@ -83,9 +83,11 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       linkages_.push_back(std::make_unique<Linkage>(part, isa_, use));
       parts_.push_back(part);
       kind = linkages_.back().get();
+      uses_.push_back(0);
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*kind, number, part).particles = parts.particles(p);
+    ++uses_[kind_number(states_.back())];
     if (!plain) states_.back().gradient = gradient_for(settings);
     number_of[p] = number;
     is_plain_.push_back(plain);
@@ -96,7 +98,8 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   own(parts.torsions(), number_of, torsions_);
   own(parts.angles(), number_of, angles_);
   own(parts.rods(), number_of, rods_);
-  if (settings.tensions || settings.contacts) begin_pulls(parts, number_of, settings);
+  name_shapes(parts, number_of);
+  begin_pulls(settings);
   visitors_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
   clusters_.start(states_, settings_.margin);
@@ -128,7 +131,7 @@ void ContactSolver::wake_carried() {
   woken_.clear();
   if (!surroundings_.any_moves()) return;
   for (const LinkageState& state : states_) {
-    if (!state.asleep || !is_carried(state)) continue;
+    if (!state.asleep || state.linkage == nullptr || !is_carried(state)) continue;
     clusters_.wake(state.number);
     if (const Visitor& visitor = visitors_[state.number]; visitor.is_at_home())
       woken_.push_back({visitor.number(), visitor.first_slot()});
@@ -235,7 +238,9 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 
 /// An island that may touch something has order 2, because contact allows no more.
 ErrorModel ContactSolver::error_model() const {
-  const bool is_alone = states_.size() == 1 && surroundings_.are_empty();
+  const auto lives = [](const LinkageState& state) { return state.linkage != nullptr; };
+  const bool is_alone =
+      std::count_if(states_.begin(), states_.end(), lives) == 1 && surroundings_.are_empty();
   return {.order = is_alone ? time_order_ : std::min(time_order_, 2u), .by_comparison = true};
 }
 
@@ -363,7 +368,8 @@ void ContactSolver::describe(WorldInfo& info) const {
   for (const auto& linkage : linkages_) {
     BlockInfo block{.shape = "linkage", .layout = "aos"};
     for (const LinkageState& state : states_) {
-      if (kind_of(state) != linkage.get() || is_plain_[state.number] != 0) continue;
+      if (state.linkage == nullptr || kind_of(state) != linkage.get() || is_plain_[state.number] != 0)
+        continue;
       ++block.islands;
       block.particles += linkage->particles();
       block.rods += linkage->rods();
