@@ -8,19 +8,6 @@
 namespace plumb::detail {
 namespace {
 
-/// Erases the entries of a list that `ends` names, and their numbers.
-template <class Item, class Ends>
-void erase_named(std::vector<Item>& list, std::vector<std::uint32_t>& numbers, Ends&& ends) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (ends(list[i])) continue;
-    if (kept != i) list[kept] = std::move(list[i]);
-    numbers[kept++] = numbers[i];
-  }
-  list.resize(kept);
-  numbers.resize(kept);
-}
-
 /// Returns the particles that places have a share of, ascending.
 std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
   std::vector<std::uint32_t> out;
@@ -67,8 +54,8 @@ void NamedPart::cut(std::uint32_t number) {
   };
   std::erase_if(scene.bends,
                 [&](const Bend& bend) { return is_along(bend.a, bend.b) || is_along(bend.b, bend.c); });
-  erase_named(scene.capsules, capsules,
-              [&](const Capsule& capsule) { return particles_of(capsule) == ends; });
+  erase_numbered(scene.capsules, capsules,
+                 [&](const Capsule& capsule) { return particles_of(capsule) == ends; });
   if (mass.ab != 0) {
     rod.law = {.stiffness = 0};
     return;
@@ -81,13 +68,14 @@ void NamedPart::cut(std::uint32_t number) {
 }
 
 void NamedPart::end_fixed_capsules() {
-  erase_named(scene.capsules, capsules, [&](const Capsule& capsule) { return is_anchored(scene, capsule); });
+  erase_numbered(scene.capsules, capsules,
+                 [&](const Capsule& capsule) { return is_anchored(scene, capsule); });
 }
 
 void NamedPart::end_torn_capsules(const Scene& before) {
   if (scene.capsules.empty()) return;
   const std::vector<std::uint32_t> were = bare_islands(before), are = bare_islands(scene);
-  erase_named(scene.capsules, capsules, [&](const Capsule& capsule) {
+  erase_numbered(scene.capsules, capsules, [&](const Capsule& capsule) {
     return joins_islands(scene, are, capsule) && !joins_islands(before, were, capsule);
   });
 }

@@ -8,6 +8,19 @@
 
 namespace plumb::detail {
 
+/// Erases the entries of a list that `ends` names, and their numbers.
+template <class Item, class Ends>
+void erase_numbered(std::vector<Item>& list, std::vector<std::uint32_t>& numbers, Ends&& ends) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (ends(list[i])) continue;
+    if (kept != i) list[kept] = std::move(list[i]);
+    numbers[kept++] = numbers[i];
+  }
+  list.resize(kept);
+  numbers.resize(kept);
+}
+
 /// Lists what is done to islands that the contact solver knows. All have the numbers of the whole scene.
 struct PartEdits {
   std::vector<std::uint32_t> cut{};                         ///< rods
