@@ -35,7 +35,8 @@ void add_rope(Scene& scene, Vec3 from, Vec3 way, std::uint32_t rods, bool is_anc
 
 /// Two ropes that fly into each other, and a third one that hangs far away.
 Scene crossing() {
-  Scene scene{.gravity = {}};
+  Scene scene;
+  scene.gravity = {};
   add_rope(scene, {0, 0, 0}, {1, 0, 0}, 12, false);
   add_rope(scene, {0.62, 0.03, -0.5}, {0, 0, 1}, 10, false, {0, -1, 0});
   add_rope(scene, {9, 0, 0}, {0, 1, 0}, 6, true);
@@ -210,7 +211,8 @@ TEST(TouchingEdits, EqualAWorldThatIsCompiledAfresh) {
 
 // A spring that was changed keeps its law when its island is made anew, and parts without one go.
 TEST(TouchingEdits, KeepTheLawsOfSprings) {
-  Scene scene{.gravity = {}};
+  Scene scene;
+  scene.gravity = {};
   add_rope(scene, {0, 0, 0}, {1, 0, 0}, 8, false);
   scene.springs.push_back({.a = point_at(0), .b = point_at(2), .length = 0.2, .stiffness = 5});
   for_all([&](const Settings& settings) {

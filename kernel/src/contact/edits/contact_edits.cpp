@@ -94,7 +94,9 @@ void LinkageState::go_on_from(const LinkageState& from, std::span<const std::uin
 /// Returns an island as its kind was made, with the scene's numbers of what it has.
 NamedPart ContactSolver::named_part(std::uint32_t island) const {
   const std::size_t kind = kind_number(states_[island]);
-  NamedPart out{.scene = parts_[kind], .particles = states_[island].particles};
+  NamedPart out;
+  out.scene = parts_[kind];
+  out.particles = states_[island].particles;
   out.scene.gravity = linkages_[kind]->gravity();
   const auto list = [&](const std::vector<Owner>& owners, std::vector<std::uint32_t>& to, std::size_t count) {
     to.resize(count);
@@ -180,7 +182,7 @@ void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
   for (const std::uint32_t particle : edits.fixed)
     if (const std::size_t k = index(particle); k < part.particles.size())
       part.scene.particles[k].fixed = true;
-  part.end_fixed_capsules();
+  part.end_fixed();
   part.end_torn_capsules(before);
 }
 

@@ -62,12 +62,22 @@ void NamedPart::cut(std::uint32_t number) {
   }
   scene.particles[rod.a].mass += mass.aa;
   scene.particles[rod.b].mass += mass.bb;
-  scene.rods.erase(scene.rods.begin() + static_cast<std::ptrdiff_t>(index));
-  rods_were.erase(rods_were.begin() + static_cast<std::ptrdiff_t>(index));
-  rods.erase(at);
+  erase_rod(index);
 }
 
-void NamedPart::end_fixed_capsules() {
+void NamedPart::erase_rod(std::size_t index) {
+  const auto at = static_cast<std::ptrdiff_t>(index);
+  scene.rods.erase(scene.rods.begin() + at);
+  rods.erase(rods.begin() + at);
+  rods_were.erase(rods_were.begin() + at);
+}
+
+void NamedPart::end_fixed() {
+  const auto is_held = [&](const Rod& rod) {
+    return scene.particles[rod.a].fixed && scene.particles[rod.b].fixed;
+  };
+  for (std::size_t i = scene.rods.size(); i-- > 0;)
+    if (is_held(scene.rods[i])) erase_rod(i);
   erase_numbered(scene.capsules, capsules,
                  [&](const Capsule& capsule) { return is_anchored(scene, capsule); });
 }

@@ -31,7 +31,8 @@ struct PartEdits {
 };
 
 /// Holds one island as a scene, with the numbers that its parts have in the whole one.
-struct NamedPart {
+class NamedPart {
+ public:
   Scene scene{};
   std::vector<std::uint32_t> particles{}, rods{}, pins{}, angles{}, springs{}, torsions{}, capsules{},
       hulls{};
@@ -40,10 +41,13 @@ struct NamedPart {
   /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
   /// one that pulls nothing.
   void cut(std::uint32_t rod);
-  /// Ends capsules that no movable particle carries.
-  void end_fixed_capsules();
+  /// Ends rods and capsules that no movable particle has.
+  void end_fixed();
   /// Ends capsules between places that nothing else joins any more. `before` is the scene as it was.
   void end_torn_capsules(const Scene& before);
+
+ private:
+  void erase_rod(std::size_t index);
 };
 
 }  // namespace plumb::detail
