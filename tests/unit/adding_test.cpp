@@ -537,7 +537,6 @@ TEST(Removing, IsRefusedWithAReason) {
   scene.capsules.push_back({.a = point_at(15), .b = point_at(16), .radius = 0.1});
   World world(scene, {.threads = 1});
   expect_refusal("particle 17: unknown", [&] { world.remove(17); });
-  expect_refusal("particle 3: its island has joints", [&] { world.remove(3); });
   expect_refusal("particle 15: a shape is at it", [&] { world.remove(15); });
   expect_refusal("particle 0: is fixed, and something hangs from it", [&] { world.remove(0); });
   world.remove(8);

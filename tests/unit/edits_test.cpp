@@ -204,9 +204,13 @@ TEST(Cuts, AreRefusedWithAReason) {
   Scene shapes = scene;
   shapes.capsules.push_back({.a = point_at(1), .b = point_at(2), .radius = 0.01});
   World touching(shapes, {.threads = 1});
-  expect_refusal("rod 0: its island has joints", [&] { touching.cut(0); });
+  expect_refusal("particle 1: its island has joints, springs, shapes",
+                 [&] { touching.join({.a = 1, .b = 3, .law = {.stiffness = 1}}); });
   touching.cut(6);
   EXPECT_EQ(touching.step(frame).awake_islands, 3u);
+  for (Rod& rod : shapes.rods) rod.mass = 0.1;
+  World heavy(shapes, {.mass = MassModel::consistent, .threads = 1});
+  expect_refusal("rod 0: has mass along it", [&] { heavy.cut(0); });
   Scene reel = scene;
   for (std::uint32_t i = 0; i < 5; ++i) reel.particles[i].position = {0, -0.1 * i, 0};
   reel.reels = {{.particles = {0, 1, 2, 3}}};

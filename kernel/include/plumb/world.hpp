@@ -190,27 +190,31 @@ class PLUMB_API World {
 
   /// Takes a rod out from the next step on, as one that broke: nothing jumps, and momentum stays. Bends and
   /// twists end with it. Its island goes on as the islands that it is then, and others keep their bits. It
-  /// does nothing to a rod that is out already. Throws InputError on an unknown rod, and where an island
-  /// cannot be made anew. That is one with joints, springs, shapes, air on rods or reels, or with a twist
-  /// that does not end.
+  /// does nothing to a rod that is out already. A capsule along a rod that is cut ends with it, and so does
+  /// one between places that nothing else joins then. What lies on the island wakes.
+  ///
+  /// Throws InputError on an unknown rod, and where an island cannot be made anew. That is one with reels, or
+  /// with a twist that does not end. So it does on a rod whose mass joins its ends (MassModel::consistent),
+  /// if its island has particles, rods and shapes alone.
   void cut(std::uint32_t rod);
   /// Joins two particles, of two islands or of one, by a new rod from the next step on. Its ends are those of
   /// this world, and a length of 0 is their distance now. Nothing jumps but velocities along a rigid rod:
   /// those end as in an inelastic blow, which keeps momentum and angular momentum. Its number is the lowest
   /// that is free, or new; cut() before the next step gives it back.
   ///
-  /// Throws InputError as cut() does, on rods that validate() refuses, and on ends that are both fixed or
-  /// joined already. So it does on a rigid rod that does not fit between its ends. Messages of validate()
-  /// call the rod rod 0.
+  /// Throws InputError as cut() does, on islands with joints, springs, shapes or air on rods, on rods that
+  /// validate() refuses, and on ends that are both fixed or joined already. So it does on a rigid rod that
+  /// does not fit between its ends. Messages of validate() call the rod rod 0.
   Handle<Rod> join(const Rod& rod);
   /// Joins what handles name, whatever the ends of `rod` say. Throws InputError on stale ones, too.
   Handle<Rod> join(Handle<Particle> a, Handle<Particle> b, Rod rod = {});
-  /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end. Throws
-  /// InputError as cut() does, and on particles of bends, tackles, twists and reels.
+  /// Fixes a particle where it is from the next step on, and takes its momentum. Forces on it end, and so do
+  /// capsules between fixed particles alone. Throws InputError as cut() does, on particles of bends, tackles,
+  /// twists and reels, and on islands with joints, springs, air on rods, or shapes and rods that give.
   void fix(std::uint32_t particle);
   /// Frees a fixed particle from the next step on, as fast as it was moved in the last one. Throws InputError
-  /// as fix() does, if it has no mass, and if a rigid rod to another fixed one is off its length, unless the
-  /// method is relax.
+  /// as fix() does, on islands with shapes, and if it has no mass. So it does if a rigid rod to another fixed
+  /// one is off its length, unless the method is relax.
   void free(std::uint32_t particle);
   /// Changes a particle's own mass (kg) from the next step on; velocities stay. Throws InputError as cut()
   /// does, and on a mass that is not positive and finite.
@@ -239,7 +243,8 @@ class PLUMB_API World {
   /// go along where nothing else hangs from them. Such a fixed one may also be removed by itself. What was
   /// ordered of all that ends. Its numbers are refused until add() gives them anew, and bulk copies are zero.
   ///
-  /// Throws InputError as cut() does, and on islands with twists or reels.
+  /// Shapes of the island end, too. Throws InputError on islands with twists or reels, and on those with
+  /// joints, springs, air on rods, or shapes and rods that give.
   void remove(std::uint32_t particle);
   /// Returns what names a particle for good; nothing if it was removed. Throws InputError on an unknown one.
   Handle<Particle> particle_handle(std::uint32_t particle) const;

@@ -37,16 +37,34 @@ void Clusters::start(std::span<LinkageState> islands, double margin) {
   list_sleepers();
 }
 
+void Clusters::grow(std::span<LinkageState> islands) {
+  for (std::size_t i = islands_.size(); i < islands.size(); ++i) {
+    awake_.push_back(static_cast<std::uint32_t>(i));
+    any_shapes_ = any_shapes_ || islands[i].linkage->has_shapes();
+  }
+  islands_ = islands;
+  marks_.resize(islands_.size(), 0);
+  root_.resize(islands_.size());
+  bounds_.resize(islands_.size(), nowhere);
+}
+
+void Clusters::end(std::uint32_t island) {
+  wake(island);
+  awake_.erase(std::lower_bound(awake_.begin(), awake_.end(), island));
+  bounds_[island] = nowhere;
+}
+
 /// Puts sleepers into cells, by their bounds.
 void Clusters::list_sleepers() {
   sleepers_.start(cell_, 8 * islands_.size());
   for (const LinkageState& state : islands_)
-    if (state.asleep && state.linkage->has_shapes()) sleepers_.insert(state.number, bounds_[state.number]);
+    if (state.asleep && state.linkage != nullptr && state.linkage->has_shapes())
+      sleepers_.insert(state.number, bounds_[state.number]);
 }
 
 void Clusters::wake(std::uint32_t i) {
   LinkageState& state = islands_[i];
-  if (!state.asleep) return;
+  if (!state.asleep || state.linkage == nullptr) return;
   state.asleep = false;
   state.slow_time = 0;
   awake_.insert(std::lower_bound(awake_.begin(), awake_.end(), i), i);

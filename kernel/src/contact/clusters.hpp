@@ -18,6 +18,11 @@ class Clusters {
   /// than `margin` (m) may touch.
   void start(std::span<LinkageState> islands, double margin);
 
+  /// Takes in islands that follow those it knows, and where all are now. New ones are awake.
+  void grow(std::span<LinkageState> islands);
+  /// Ends an island, which must be awake. Its state lists none from now on, and nothing wakes it.
+  void end(std::uint32_t island);
+
   std::span<const std::uint32_t> awake() const { return awake_; }  ///< island numbers, ascending
   /// Returns whether any island of the scene has a shape.
   bool any_shapes() const { return any_shapes_; }

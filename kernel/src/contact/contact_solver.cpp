@@ -8,7 +8,6 @@
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/relaxed/relaxed_stepper.hpp"
 #include "contact/solved/cluster_stepper.hpp"
-#include "scene/refuse.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -41,22 +40,7 @@ std::unique_ptr<ClusterMover> make_mover(const Settings& settings, Isa isa, cons
   return std::make_unique<RelaxedStepper<double>>(isa, contact, rules);
 }
 
-[[noreturn]] void refuse_number(const char* what, std::uint32_t number) {
-  refuse(what, " ", number,
-         ": unknown: the scene does not have so many, or its method keeps them as they are");
-}
-
 }  // namespace
-
-void refuse_unknown(std::uint32_t number, const Spring&) {
-  refuse_number("spring", number);
-}
-void refuse_unknown(std::uint32_t number, const Torsion&) {
-  refuse_number("torsion", number);
-}
-void refuse_unknown(std::uint32_t number, const AngleControl&) {
-  refuse_number("angle", number);
-}
 
 // --- Layout
 
@@ -83,9 +67,11 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
       linkages_.push_back(std::make_unique<Linkage>(part, isa_, use));
       parts_.push_back(part);
       kind = linkages_.back().get();
+      uses_.push_back(0);
     }
     const auto number = static_cast<std::uint32_t>(states_.size());
     states_.emplace_back(*kind, number, part).particles = parts.particles(p);
+    ++uses_[kind_number(states_.back())];
     if (!plain) states_.back().gradient = gradient_for(settings);
     number_of[p] = number;
     is_plain_.push_back(plain);
@@ -96,7 +82,8 @@ ContactSolver::ContactSolver(const Scene& scene, const SceneParts& parts, const 
   own(parts.torsions(), number_of, torsions_);
   own(parts.angles(), number_of, angles_);
   own(parts.rods(), number_of, rods_);
-  if (settings.tensions || settings.contacts) begin_pulls(parts, number_of, settings);
+  name_shapes(parts, number_of);
+  begin_pulls(settings);
   visitors_.resize(states_.size());
   histories_.resize(settings.accuracy ? states_.size() : 0);
   clusters_.start(states_, settings_.margin);
@@ -128,7 +115,7 @@ void ContactSolver::wake_carried() {
   woken_.clear();
   if (!surroundings_.any_moves()) return;
   for (const LinkageState& state : states_) {
-    if (!state.asleep || !is_carried(state)) continue;
+    if (!state.asleep || state.linkage == nullptr || !is_carried(state)) continue;
     clusters_.wake(state.number);
     if (const Visitor& visitor = visitors_[state.number]; visitor.is_at_home())
       woken_.push_back({visitor.number(), visitor.first_slot()});
@@ -235,7 +222,9 @@ bool ContactSolver::rests(std::span<LinkageState* const> cluster, double dt) con
 
 /// An island that may touch something has order 2, because contact allows no more.
 ErrorModel ContactSolver::error_model() const {
-  const bool is_alone = states_.size() == 1 && surroundings_.are_empty();
+  const auto lives = [](const LinkageState& state) { return state.linkage != nullptr; };
+  const bool is_alone =
+      std::count_if(states_.begin(), states_.end(), lives) == 1 && surroundings_.are_empty();
   return {.order = is_alone ? time_order_ : std::min(time_order_, 2u), .by_comparison = true};
 }
 
@@ -297,46 +286,6 @@ void ContactSolver::set_force(Slot slot, Vec3 newton) {
   clusters_.wake(state.number);
 }
 
-void ContactSolver::wake_with_laws(LinkageState& state) {
-  state.energy.reset();
-  clusters_.wake(state.number);
-}
-
-void ContactSolver::set_law(std::uint32_t number, const Spring& spring) {
-  if (number >= springs_.size()) refuse_unknown(number, spring);
-  LinkageState& state = states_[springs_[number].island];
-  const auto [first, count] = state.linkage->elastics_of_spring(springs_[number].number);
-  if ((spring.length == 0) != (count > 1))
-    refuse("spring ", number, ": its length cannot become 0, nor anything else if it was 0");
-  set_laws(spring, std::span(state.laws).subspan(first, count));
-  wake_with_laws(state);
-}
-
-void ContactSolver::set_law(std::uint32_t number, const Torsion& torsion) {
-  if (number >= torsions_.size()) refuse_unknown(number, torsion);
-  LinkageState& state = states_[torsions_[number].island];
-  const auto [first, count] = state.linkage->elastics_of_torsion(torsions_[number].number);
-  set_laws(torsion, std::span(state.laws).subspan(first, count));
-  wake_with_laws(state);
-}
-
-void ContactSolver::set_law(std::uint32_t number, const AngleControl& angle) {
-  if (number >= angles_.size()) refuse_unknown(number, angle);
-  LinkageState& state = states_[angles_[number].island];
-  const auto [first, count] = state.linkage->elastics_of_angle(angles_[number].number);
-  if (count == 0 && (angle.stiffness != 0 || angle.damping != 0))
-    refuse("angle ", number, ": had neither stiffness nor damping in the scene, and cannot get them later");
-  set_laws(angle, std::span(state.laws).subspan(first, count));
-  state.angle_rules[angles_[number].number] = {angle.lower, angle.upper, angle.friction};
-  wake_with_laws(state);
-}
-
-double ContactSolver::torsion_angle(std::uint32_t number) const {
-  if (number >= torsions_.size()) refuse_unknown(number, Torsion{});
-  const LinkageState& state = states_[torsions_[number].island];
-  return state.elastic_numbers[state.linkage->elastics_of_torsion(torsions_[number].number).first];
-}
-
 void ContactSolver::move_anchor(Slot slot, const AnchorMove& move) {
   state_of(slot).v[local(slot)] = move.velocity();
   if (move.to != move.from) clusters_.wake(state_of(slot).number);
@@ -363,7 +312,8 @@ void ContactSolver::describe(WorldInfo& info) const {
   for (const auto& linkage : linkages_) {
     BlockInfo block{.shape = "linkage", .layout = "aos"};
     for (const LinkageState& state : states_) {
-      if (kind_of(state) != linkage.get() || is_plain_[state.number] != 0) continue;
+      if (state.linkage == nullptr || kind_of(state) != linkage.get() || is_plain_[state.number] != 0)
+        continue;
       ++block.islands;
       block.particles += linkage->particles();
       block.rods += linkage->rods();

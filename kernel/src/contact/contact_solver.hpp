@@ -7,6 +7,7 @@
 
 #include "contact/cluster_mover.hpp"
 #include "contact/clusters.hpp"
+#include "contact/edits/part_edits.hpp"
 #include "contact/grabs/linkage_grabs.hpp"
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/linkage/visitor.hpp"
@@ -42,6 +43,30 @@ class ContactSolver final : public Solver {
     std::uint32_t movable;
   };
   std::vector<PlainIsland> plain_islands() const;
+
+  // --- Edits (contact/edits)
+
+  /// Returns whether a home may move the island of a particle while nothing touches it.
+  bool may_go_home(Slot slot) const { return is_plain_[island_of_[slot]] != 0; }
+  std::span<const std::uint32_t> particles_of(std::uint32_t island) const {
+    return states_[island].particles;
+  }
+  std::uint32_t movable_of(std::uint32_t island) const { return states_[island].linkage->movable(); }
+  Slot first_slot(std::uint32_t island) const { return first_slot_[island]; }
+  /// Returns whether a capsule of the scene is still there.
+  bool has_capsule(std::uint32_t capsule) const { return shapes_[capsule].island != ended; }
+  /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
+  struct Made {
+    std::uint32_t island;
+    bool visits;
+  };
+  /// Makes islands anew with what is listed of them, as the islands that they are then. They end themselves.
+  /// Those of particles and rods are plain again, if they have shapes; without, a home alone moves them.
+  std::vector<Made> make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits);
+  /// Lets an island with a home go on visiting.
+  void stay_away(std::uint32_t island) { visitors_[island].stay(); }
+  void remove(Slot slot) override;
+
   /// Returns whether this solver moves a particle now, rather than its home.
   bool has(Slot slot) const { return !visitors_[island_of_[slot]].is_at_home(); }
   /// Returns whether the island of a particle sleeps here.
@@ -96,7 +121,7 @@ class ContactSolver final : public Solver {
   /// Returns whether this solver moves a rod now, rather than a home, and knows how it pulls.
   bool has_pull(std::uint32_t rod) const {
     const std::uint32_t island = rods_[rod].island;
-    return island != no_island && states_[island].pulls.counts && !visitors_[island].is_at_home();
+    return island < ended && states_[island].pulls.counts && !visitors_[island].is_at_home();
   }
   /// Returns whether a rod of the scene has broken here.
   bool has_broken(std::uint32_t rod) const;
@@ -183,10 +208,11 @@ class ContactSolver final : public Solver {
   bool is_away(std::uint32_t) const override { return false; }
   /// Movers keep nothing from step to step. What an accuracy saves stands within a step alone.
   void archive(Archive& archive) override {
-    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, grabs,
+    auto& [isa, relaxes, sleep, sleep_time, settings, time_order, surroundings, parts, linkages, uses, grabs,
            states, visitors, is_plain, histories, first_slot, island_of, springs, torsions, angles, rods,
-           pins, shapes, shape_ids, first_shape, ground_pushes, contacts, counts_touches, lists_contacts,
-           is_listed, clusters, pieces, work_of_pieces, team, returned, woken, rests, work, movers] = *this;
+           pins, shapes, capsules, shape_ids, first_shape, ground_pushes, contacts, counts_pulls,
+           counts_touches, lists_contacts, is_listed, clusters, pieces, work_of_pieces, team, returned, woken,
+           rests, work, movers] = *this;
     archive(surroundings);
     for (LinkageState& state : states) archive(state);
     for (History& history : histories) archive(history.best_substep);
@@ -197,7 +223,7 @@ class ContactSolver final : public Solver {
 
  private:
   static constexpr std::size_t worth_threads = 16;
-  static constexpr std::uint32_t no_island = 0xffffffff;
+  static constexpr std::uint32_t no_island = 0xffffffff, ended = no_island - 1;
 
   /// Keeps what an attempt of a step is taken back to, if an accuracy is set.
   struct History {
@@ -210,6 +236,13 @@ class ContactSolver final : public Solver {
   struct Owner {
     std::uint32_t island, number;
   };
+  NamedPart named_part(std::uint32_t island) const;
+  static void edit(NamedPart& part, const PartEdits& edits);
+  void retire(std::uint32_t island);
+  std::size_t kind_number(const LinkageState& state) const;
+  std::size_t add_kind(const Scene& part);
+  std::uint32_t append(std::size_t kind, const Scene& part, bool plain);
+  void rename(const NamedPart& part, const SceneParts& parts, std::span<const std::uint32_t> numbers);
   void wake_with_laws(LinkageState& state);
   IslandGrabs& grabs_of(std::uint32_t island);
   void make_kind(IslandGrabs& of);
@@ -226,9 +259,10 @@ class ContactSolver final : public Solver {
     for (const auto& [part, number] : shares)
       owners.push_back({part < number_of.size() ? number_of[part] : no_island, number});
   }
+  /// Lets joints and shapes of the scene be found in islands.
+  void name_shapes(const SceneParts& parts, std::span<const std::uint32_t> number_of);
   /// Begins to count what the settings ask for.
-  void begin_pulls(const SceneParts& parts, std::span<const std::uint32_t> number_of,
-                   const Settings& settings);
+  void begin_pulls(const Settings& settings);
   Vec3 ground_force(std::uint32_t ground) const;
   /// Makes the list of contacts of a step, and adds up what ground was pushed with.
   void list_contacts();
@@ -251,7 +285,8 @@ class ContactSolver final : public Solver {
   Surroundings surroundings_;
   std::vector<Scene> parts_;  ///< of linkages: one island that is of this kind
   std::vector<std::unique_ptr<Linkage>> linkages_;
-  std::vector<IslandGrabs> grabs_;  ///< of islands that something grabs
+  std::vector<std::uint32_t> uses_;  ///< by linkage: how many islands are of it
+  std::vector<IslandGrabs> grabs_;   ///< of islands that something grabs
   std::vector<LinkageState> states_;
   std::vector<Visitor> visitors_;       ///< by island's number
   std::vector<std::uint8_t> is_plain_;  ///< by island's number: it has particles, rods and shapes alone
@@ -259,12 +294,13 @@ class ContactSolver final : public Solver {
   std::vector<Slot> first_slot_;                    ///< by island's number
   std::vector<std::uint32_t> island_of_;            ///< the island of each slot
   std::vector<Owner> springs_, torsions_, angles_;  ///< by their numbers in the scene
-  std::vector<Owner> rods_, pins_, shapes_;         ///< likewise; the last two if pulls count
-  std::vector<ShapeId> shape_ids_;                  ///< of the shapes of all islands, if they count
+  std::vector<Owner> rods_, pins_, shapes_;         ///< likewise
+  std::uint32_t capsules_ = 0;                      ///< of the scene, which shapes begin with
+  std::vector<ShapeId> shape_ids_;                  ///< of the shapes of all islands
   std::vector<std::uint32_t> first_shape_;          ///< by island's number: where its own begin
   std::vector<Vec3> ground_pushes_;                 ///< N, by ground; none before the first step
   ContactList contacts_;
-  bool counts_touches_ = false, lists_contacts_ = false;
+  bool counts_pulls_ = false, counts_touches_ = false, lists_contacts_ = false;
   bool is_listed_ = false;  ///< nothing was moved in the last step, and its list is made
   Clusters clusters_;
   std::vector<std::uint32_t> pieces_;  ///< the clusters that are moved here in this step

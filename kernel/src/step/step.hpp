@@ -195,6 +195,9 @@ class Step {
   void split(Fallen fallen, Split& now);
   void repeat(Split split_then);
   void exchange(const Fallen& fallen, Split& now, Compiled made);
+  const Place* contact_place(std::uint32_t particle) const;
+  Fallen take_out(const Split& now);
+  void put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
   std::vector<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
                                            std::span<const std::uint32_t> touched, std::uint32_t& islands);
@@ -235,6 +238,8 @@ class Step {
   double misfit_now(std::uint32_t rod, double distance) const;
   void require_refixable(std::uint32_t particle) const;
   void require_editable(const char* what, std::uint32_t number, std::uint32_t particle) const;
+  void require_no_joints(const char* what, std::uint32_t number, std::uint32_t particle) const;
+  void require_no_contact(const char* what, std::uint32_t number, std::uint32_t particle) const;
   void hand_over(const Fallen& fallen, const Split& now, std::span<const double> substeps);
   /// Calls f(solver) for all solvers that move something.
   template <class F>

@@ -35,7 +35,8 @@ const char* ContactSolver::refuses_grab(std::span<const Slot> slots) const {
 void ContactSolver::set_gravity(Vec3 gravity, Vec3) {
   for (const auto& linkage : linkages_) linkage->set_gravity(gravity);
   for (const IslandGrabs& of : grabs_) of.linkage->set_gravity(gravity);
-  for (LinkageState& state : states_) wake_with_laws(state);
+  for (LinkageState& state : states_)
+    if (state.linkage != nullptr) wake_with_laws(state);
 }
 
 /// Returns the kind that an island has when nothing grabs it.

@@ -69,6 +69,10 @@ struct LinkageState : LinkageMotion {
   /// Goes on as an island of another kind, which has other grabs alone. Their targets stand at the ends of
   /// positions and velocities.
   void take_kind(const Linkage& kind);
+  /// Goes on as another island did, of which it has the particles `of`, in order.
+  void go_on_from(const LinkageState& from, std::span<const std::uint32_t> of);
+  /// Lets nothing be left of the island but its number.
+  void end();
   /// Goes on from a motion that was copied from motion().
   void return_to(const LinkageMotion& motion);
 

@@ -42,6 +42,11 @@ class Visitor {
   /// Takes the island from its home: reads positions and velocities. With `work` it makes them fit the rods,
   /// which a home may leave stretched; velocities do not change by that.
   void come(LinkageState& state, ProjectionWork* work);
+  /// Goes on visiting as an island that was cut out of one that did.
+  void stay() {
+    home_->set_away(slots_.front(), true);
+    is_visiting_ = true;
+  }
   /// Gives positions and velocities back.
   void leave(const LinkageState& state);
   /// The number of the home among the world's solvers, and a slot there: they tell the island's piece.

@@ -6,21 +6,18 @@
 
 namespace plumb::detail {
 
-void ContactSolver::begin_pulls(const SceneParts& parts, std::span<const std::uint32_t> number_of,
-                                const Settings& settings) {
+void ContactSolver::name_shapes(const SceneParts& parts, std::span<const std::uint32_t> number_of) {
   own(parts.pins(), number_of, pins_);
   own(parts.capsules(), number_of, shapes_);
   for (const auto& [part, number] : parts.hulls())
     shapes_.push_back({number_of[part], states_[number_of[part]].linkage->hulls()[number].number});
   std::uint32_t count = 0;
-  for (LinkageState& state : states_) {
-    if (settings.tensions) state.pulls = state.linkage->make_pulls();
-    state.pulls.touched.counts = true;
+  for (const LinkageState& state : states_) {
     first_shape_.push_back(count);
     count += static_cast<std::uint32_t>(state.linkage->shapes().size() + state.linkage->hulls().size());
   }
   shape_ids_.resize(count);
-  const auto capsules = static_cast<std::uint32_t>(parts.capsules().size());
+  capsules_ = static_cast<std::uint32_t>(parts.capsules().size());
   std::uint32_t anchored = 0;
   for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
     Owner& owner = shapes_[i];
@@ -28,10 +25,18 @@ void ContactSolver::begin_pulls(const SceneParts& parts, std::span<const std::ui
       owner.number = surroundings_.numbers.of_anchored(anchored++);
     else
       shape_ids_[first_shape_[owner.island] + owner.number] =
-          i < capsules ? ShapeId{ShapeKind::capsule, i} : ShapeId{ShapeKind::hull, i - capsules};
+          i < capsules_ ? ShapeId{ShapeKind::capsule, i} : ShapeId{ShapeKind::hull, i - capsules_};
   }
-  counts_touches_ = true;
+}
+
+void ContactSolver::begin_pulls(const Settings& settings) {
+  counts_pulls_ = settings.tensions;
   lists_contacts_ = settings.contacts;
+  counts_touches_ = counts_pulls_ || lists_contacts_;
+  for (LinkageState& state : states_) {
+    if (counts_pulls_) state.pulls = state.linkage->make_pulls();
+    state.pulls.touched.counts = counts_touches_;
+  }
 }
 
 void ContactSolver::list_contacts() {
@@ -74,7 +79,7 @@ double ContactSolver::pull_of_rod(std::uint32_t rod) const {
 
 bool ContactSolver::has_broken(std::uint32_t rod) const {
   const auto [island, number] = rods_[rod];
-  if (island == no_island || states_[island].broken.empty()) return false;
+  if (island >= ended || states_[island].broken.empty()) return false;
   const auto elastic = states_[island].linkage->elastic_of_rod(number);
   return elastic && states_[island].broken[*elastic] != 0;
 }
@@ -109,6 +114,7 @@ double ContactSolver::torsion_torque(std::uint32_t torsion) const {
 Vec3 ContactSolver::contact_force(std::uint32_t shape) const {
   const auto [island, number] = shapes_[shape];
   if (island == no_island) return ground_force(number);
+  if (island == ended) return {};
   const LinkagePulls& pulls = states_[island].pulls;
   if (visitors_[island].is_at_home() || pulls.dt == 0) return {};
   return mean(pulls, pulls.shapes[number]);

@@ -96,8 +96,10 @@ std::vector<std::uint32_t> Step::remove(std::uint32_t particle) {
   breaks_.begin();
   if (anchors_.is_fixed(particle) && !compiled_.places.of(particle).empty())
     refuse("particle ", particle, ": is fixed, and something hangs from it, which goes first");
-  if (carries_shape(particle)) refuse("particle ", particle, ": a shape is at it, and it stays");
+  if (anchors_.is_fixed(particle) && carries_shape(particle))
+    refuse("particle ", particle, ": a shape is at it, and it stays");
   require_editable("particle", particle, particle);
+  require_no_joints("particle", particle, particle);
   if (const auto twist = breaks_.twist_at(particle))
     refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays");
   Split now;
@@ -145,8 +147,11 @@ bool Step::carries_shape(std::uint32_t anchor) const {
       if (point.weights[k] != 0 && point.particles[k] == anchor) return true;
     return false;
   };
-  return std::any_of(origin_->scene.capsules.begin(), origin_->scene.capsules.end(),
-                     [&](const Capsule& capsule) { return is_at(capsule.a) || is_at(capsule.b); });
+  for (std::uint32_t i = 0; i < origin_->scene.capsules.size(); ++i) {
+    const Capsule& capsule = origin_->scene.capsules[i];
+    if (compiled_.contact->has_capsule(i) && (is_at(capsule.a) || is_at(capsule.b))) return true;
+  }
+  return false;
 }
 
 /// Lets nobody know what is gone any more.

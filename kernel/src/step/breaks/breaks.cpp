@@ -29,19 +29,6 @@ void append(Ids& to, std::span<const std::uint32_t> from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Erases what `ends` says of the entries of a list, and their numbers.
-template <class Item, class Ends>
-void erase_ended(std::vector<Item>& list, Ids& numbers, Ends&& ends) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (ends(list[i])) continue;
-    if (kept != i) list[kept] = std::move(list[i]);
-    numbers[kept++] = numbers[i];
-  }
-  list.resize(kept);
-  numbers.resize(kept);
-}
-
 }  // namespace
 
 Breaks::Breaks(const Scene& scene, const Settings& settings)
@@ -265,12 +252,12 @@ void Breaks::end_elements(Cutout& of) {
   if (scene.bends.empty() && scene.twists.empty()) return;
   const RodTable rods(scene);
   const Ids before = of.bends;
-  erase_ended(scene.bends, of.bends,
-              [&](const Bend& bend) { return lacks_rod(scene, rods, particles_of(bend)); });
+  erase_numbered(scene.bends, of.bends,
+                 [&](const Bend& bend) { return lacks_rod(scene, rods, particles_of(bend)); });
   std::set_difference(before.begin(), before.end(), of.bends.begin(), of.bends.end(),
                       std::back_inserter(ended_));
-  erase_ended(scene.twists, of.twists,
-              [&](const Twist& twist) { return lacks_rod(scene, rods, twist.particles); });
+  erase_numbered(scene.twists, of.twists,
+                 [&](const Twist& twist) { return lacks_rod(scene, rods, twist.particles); });
 }
 
 /// Returns the islands of a cutout that are parts of a larger one, which nothing holds together, or that are

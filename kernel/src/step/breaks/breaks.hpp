@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact/edits/part_edits.hpp"
 #include "plumb/layouts/islands.hpp"
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
@@ -24,8 +25,12 @@ struct Fallen {
   /// Lists particles, rods and twists that leave the solvers that move them.
   std::vector<std::uint32_t> leaving, leaving_rods, leaving_twists;
   std::vector<std::uint32_t> touched;  ///< Places of these particles may change.
+  /// Lists the contact solver's islands that are made anew with them or by themselves, and how.
+  std::vector<std::uint32_t> parts{};
+  PartEdits part_edits{};
+  std::vector<std::uint32_t> of_linkages{};  ///< movable particles of those that have no home
 
-  bool any() const { return !leaving.empty() || !particles.empty(); }
+  bool any() const { return !leaving.empty() || !particles.empty() || !parts.empty(); }
 };
 
 /// Lists what is removed with an island.
@@ -51,6 +56,10 @@ class Breaks {
   /// Returns the rods that have a strength.
   std::span<const std::uint32_t> weak() const { return weak_; }
   bool is_out(std::uint32_t rod) const { return rod < out_.size() && out_[rod] != State::in; }
+  /// Lets the island of a movable particle stay as it is, whatever becomes of its rods: others move it.
+  void hold(std::uint32_t particle) {
+    if (whole_[particle] != none) wholes_[whole_[particle]].is_held = true;
+  }
   /// Lets is_out() say that a rod is out although it is still to be taken, or takes that back.
   void order(std::uint32_t rod, bool is_ordered) {
     if (out_[rod] != State::taken) out_[rod] = is_ordered ? State::ordered : State::in;
@@ -104,8 +113,9 @@ class Breaks {
     bool is_touched = false, is_forced = false;  ///< The latter is made anew by order.
     bool stays = false;                          ///< A twist or a reel keeps it as it is.
     std::uint32_t parts = 0;
+    bool is_held = false;  ///< It does for good.
 
-    bool leaves() const { return !stays && (is_forced || parts > 1); }
+    bool leaves() const { return !stays && !is_held && (is_forced || parts > 1); }
   };
   /// Holds islands as a scene, with their numbers in the whole one.
   struct Cutout {

@@ -15,12 +15,25 @@ void Step::require_editable(const char* what, std::uint32_t number, std::uint32_
   if (!has_archive())
     refuse(what, " ", number, ": method ", to_string(settings_.method),
            " edits no world; relax, direct and auto do");
-  const auto places = compiled_.places.of(particle);
-  if (!places.empty() && &solver(places.back()) == compiled_.contact)
-    refuse(what, " ", number,
-           ": its island has joints, springs, shapes, air on rods or sleepers, and stays one");
   if (const auto reel = breaks_.reel_at(particle))
     refuse(what, " ", number, ": reel ", *reel, " is of its island, which stays one");
+}
+
+/// Refuses an edit that is not known of islands with joints. Those of particles, rods and shapes alone are
+/// made anew with their shapes.
+void Step::require_no_joints(const char* what, std::uint32_t number, std::uint32_t particle) const {
+  const Place* const place = contact_place(particle);
+  if (place && !compiled_.contact->may_go_home(place->slot))
+    refuse(what, " ", number,
+           ": its island has joints, springs, air on rods, sleepers, or shapes and rods that give, and stays "
+           "one");
+}
+
+/// Refuses one that is not known of islands with shapes, either.
+void Step::require_no_contact(const char* what, std::uint32_t number, std::uint32_t particle) const {
+  if (contact_place(particle))
+    refuse(what, " ", number,
+           ": its island has joints, springs, shapes, air on rods or sleepers, and stays one");
 }
 
 void Step::cut(std::uint32_t rod) {
@@ -30,6 +43,10 @@ void Step::cut(std::uint32_t rod) {
   require_editable("rod", rod, rods_.end(rod));
   if (const auto twist = breaks_.twist_beside(rod))
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
+  const Place* const place = contact_place(rods_.end(rod));
+  if (place && compiled_.contact->may_go_home(place->slot) &&
+      rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0)
+    refuse("rod ", rod, ": has mass along it that joins its ends, in an island with shapes");
   edits_.cut.push_back(rod);
   breaks_.order(rod, true);
 }
@@ -53,6 +70,7 @@ void Step::require_joinable(const Rod& rod) const {
   for (const std::uint32_t end : {rod.a, rod.b}) {
     if (anchors_.is_fixed(end)) continue;  // if it is to be freed, fix() has looked at what hangs from it
     require_editable("particle", end, end);
+    require_no_contact("particle", end, end);
     if (const auto twist = breaks_.twist_at(end))
       refuse("particle ", end, ": twist ", *twist, " is of its island, which stays one");
   }
@@ -111,8 +129,13 @@ void Step::fix(std::uint32_t particle, bool is_fixed) {
   breaks_.begin();
   require_refixable(particle);
   require_editable("particle", particle, particle);
+  require_no_joints("particle", particle, particle);
   for (const std::uint32_t rod : breaks_.rods_at(particle)) {
     require_editable("particle", particle, rods_.end(rod));
+    if (is_fixed)
+      require_no_joints("particle", particle, rods_.end(rod));
+    else
+      require_no_contact("particle", particle, rods_.end(rod));
     if (const auto twist = breaks_.twist_at(rods_.end(rod)))
       refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays one");
   }

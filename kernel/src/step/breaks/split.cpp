@@ -31,7 +31,7 @@ void Step::split(StepReport&) {
     }
   std::swap(now.edits, edits_);
   if (now.rods.empty() && !now.edits.any()) return;
-  const Fallen fallen = breaks_.take_out(now.rods, now.edits);
+  const Fallen fallen = take_out(now);
   log_.keep(fallen.touched, now.edits);
   put_joined(now.edits);
   for (const std::uint32_t particle : fallen.particles) {
@@ -59,7 +59,7 @@ void Step::repeat(Split split_then) {
   if (!split_then.added.empty()) {
     put(split_then, compile_addition(scene_of(split_then.added.front())));
   } else {
-    Fallen fallen = breaks_.take_out(split_then.rods, split_then.edits);
+    Fallen fallen = take_out(split_then);
     log_.keep(fallen.touched, split_then.edits);
     put_joined(split_then.edits);
     split(std::move(fallen), split_then);
@@ -129,8 +129,11 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
     substeps.assign(substeps.size(), is_one ? longest : 0);
   }
   const std::vector<std::uint8_t> slept = were_asleep(fallen.particles);
+  const std::vector<std::uint8_t> linkages_slept = were_asleep(fallen.of_linkages);
   const std::vector<std::uint32_t> grabs = take_grabs(fallen.leaving);
   refix(now.edits);
+  std::vector<ContactSolver::Made> parts;
+  if (!fallen.parts.empty()) parts = compiled_.contact->make_anew(fallen.parts, fallen.part_edits);
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
   for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});
@@ -139,6 +142,11 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   compiled_.info.islands += made.info.islands - islands;
   seat(std::move(made.solvers), now.seats);
   put_places(fallen, made, now.seats);
+  if (!fallen.parts.empty()) put_parts(parts);
+  find_heads(fallen.of_linkages);
+  for (std::size_t k = 0; k < linkages_slept.size(); ++k)
+    if (linkages_slept[k] != 0 && events_.is_head(fallen.of_linkages[k]))
+      events_.set_head(fallen.of_linkages[k], true);
   for (std::size_t k = 0; k < fallen.particles.size(); ++k)
     if (slept[k] != 0 && events_.is_head(fallen.particles[k])) events_.set_head(fallen.particles[k], true);
   hand_over(fallen, now, substeps);
@@ -152,12 +160,16 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
                                                std::uint32_t& islands) {
   using IslandOfSolver = std::pair<std::uint32_t, std::uint32_t>;
   std::set<IslandOfSolver> gone;
+  std::uint32_t visitors = 0;  // which have a home, and count there
   const auto island_at = [&](const Place& place) {
     return IslandOfSolver{place.solver, solver(place).island_of(place.slot)};
   };
   for (const std::uint32_t particle : leaving)
     for (const Place& place : compiled_.places.of(particle))
-      if (gone.insert(island_at(place)).second) solver(place).remove(place.slot);
+      if (gone.insert(island_at(place)).second) {
+        if (&solver(place) == compiled_.contact && compiled_.contact->may_go_home(place.slot)) ++visitors;
+        solver(place).remove(place.slot);
+      }
   std::vector<Place> left;
   for (const std::uint32_t particle : touched) {
     left.clear();
@@ -171,7 +183,7 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
   std::vector<std::uint32_t> solvers;
   for (const auto& [number, island] : gone)
     if (solvers.empty() || solvers.back() != number) solvers.push_back(number);
-  islands += static_cast<std::uint32_t>(gone.size());
+  islands += static_cast<std::uint32_t>(gone.size()) - visitors;
   return solvers;
 }
 

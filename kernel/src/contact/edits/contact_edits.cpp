@@ -1,0 +1,248 @@
+// This file makes islands of the contact solver anew that a program edits, and ends those that are removed.
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "contact/contact_solver.hpp"
+#include "contact/linkage/scene_parts.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Copies how elastics pull and are numbered, from one state to another.
+void copy_elastics(const LinkageState& from, std::size_t first_from, LinkageState& to, std::size_t first_to,
+                   std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    to.laws[first_to + i] = from.laws[first_from + i];
+    to.elastic_numbers[first_to + i] = from.elastic_numbers[first_from + i];
+  }
+}
+
+/// Lets the elastics of part `number` go on as they were: what programs changed of them, their turns, and
+/// what broke.
+void copy_laws(const LinkageState& from, const NamedPart& whole, const SceneParts& parts,
+               std::uint32_t number, LinkageState& to) {
+  const Linkage &before = *from.linkage, &now = *to.linkage;
+  const auto copy = [&](Linkage::ElasticRange old, Linkage::ElasticRange made) {
+    if (old.count == made.count) copy_elastics(from, old.first, to, made.first, made.count);
+  };
+  const auto for_own = [&](std::span<const SceneParts::Share> shares, auto&& f) {
+    for (std::uint32_t i = 0; i < shares.size(); ++i)
+      if (shares[i].part == number) f(i, shares[i].number);
+  };
+  for_own(parts.rods(), [&](std::uint32_t i, std::uint32_t own) {
+    const auto made = now.elastic_of_rod(own), old = before.elastic_of_rod(whole.rods_were[i]);
+    if (!made || !old || whole.scene.rods[i].law.stiffness == 0) return;
+    copy_elastics(from, *old, to, *made, 1);
+    if (!from.broken.empty() && !to.broken.empty()) to.broken[*made] = from.broken[*old];
+  });
+  for_own(parts.angles(), [&](std::uint32_t i, std::uint32_t own) {
+    copy(before.elastics_of_angle(i), now.elastics_of_angle(own));
+    to.angle_rules[own] = from.angle_rules[i];
+  });
+  for_own(parts.springs(), [&](std::uint32_t i, std::uint32_t own) {
+    copy(before.elastics_of_spring(i), now.elastics_of_spring(own));
+  });
+  for_own(parts.torsions(), [&](std::uint32_t i, std::uint32_t own) {
+    copy(before.elastics_of_torsion(i), now.elastics_of_torsion(own));
+  });
+  to.follow_elastics();
+}
+
+}  // namespace
+
+void LinkageState::end() {
+  motion() = {};
+  asleep = true;
+  linkage = nullptr;
+  particles.clear();
+  force.clear();
+  laws.clear();
+  gives.clear();
+  angle_rules.clear();
+  factors.clear();
+  wave_inertia_at.clear();
+  wave_inertia.clear();
+  factored = false;
+}
+
+/// Goes on as `from`, an island of which this one has the particles `of`. Factors, and the forces of contacts
+/// from which substeps start, are found anew.
+void LinkageState::go_on_from(const LinkageState& from, std::span<const std::uint32_t> of) {
+  const std::uint32_t were_movable = static_cast<std::uint32_t>(from.force.size());
+  for (std::uint32_t k = 0; k < of.size(); ++k) {
+    const bool is_movable = k < linkage->movable(), was_movable = of[k] < were_movable;
+    particles.push_back(from.particles[of[k]]);
+    x[k] = from.x[of[k]];
+    v[k] = is_movable || !was_movable ? from.v[of[k]] : Vec3{};
+    if (is_movable) {
+      force[k] = from.force[of[k]];
+      acceleration[k] = from.acceleration[of[k]];
+    } else if (!was_movable) {
+      anchors_went[k - linkage->movable()] = from.anchors_went[of[k] - were_movable];
+    }
+  }
+  gradient = from.gradient;
+  asleep = false;
+  frozen = from.frozen;
+  on_ground = from.on_ground;
+  relax_for = from.relax_for;
+  is_relaxed = from.is_relaxed;
+}
+
+/// Returns an island as its kind was made, with the scene's numbers of what it has.
+NamedPart ContactSolver::named_part(std::uint32_t island) const {
+  const std::size_t kind = kind_number(states_[island]);
+  NamedPart out;
+  out.scene = parts_[kind];
+  out.particles = states_[island].particles;
+  out.scene.gravity = linkages_[kind]->gravity();
+  const auto list = [&](const std::vector<Owner>& owners, std::vector<std::uint32_t>& to, std::size_t count) {
+    to.resize(count);
+    for (std::uint32_t i = 0; i < owners.size(); ++i)
+      if (owners[i].island == island) to[owners[i].number] = i;
+  };
+  list(rods_, out.rods, out.scene.rods.size());
+  out.rods_were.resize(out.rods.size());
+  std::iota(out.rods_were.begin(), out.rods_were.end(), 0u);
+  list(pins_, out.pins, out.scene.pins.size());
+  list(angles_, out.angles, out.scene.angles.size());
+  list(springs_, out.springs, out.scene.springs.size());
+  list(torsions_, out.torsions, out.scene.torsions.size());
+  std::vector<std::uint32_t> shapes;
+  list(shapes_, shapes, out.scene.capsules.size() + out.scene.hulls.size());
+  const auto hulls = shapes.begin() + static_cast<std::ptrdiff_t>(out.scene.capsules.size());
+  out.capsules.assign(shapes.begin(), hulls);
+  out.hulls.assign(hulls, shapes.end());
+  return out;
+}
+
+/// Lets nothing move an island any more, nor find it.
+void ContactSolver::retire(std::uint32_t island) {
+  if (states_[island].linkage == nullptr) return;
+  --uses_[kind_number(states_[island])];
+  clusters_.end(island);
+  states_[island].end();
+  visitors_[island] = {};
+  for (std::vector<Owner>* const owners : {&rods_, &pins_, &angles_, &springs_, &torsions_, &shapes_})
+    for (Owner& owner : *owners)
+      if (owner.island == island) owner.island = ended;
+  for (const auto& mover : movers_) mover->forget();
+}
+
+void ContactSolver::remove(Slot slot) {
+  retire(island_of_[slot]);
+}
+
+std::size_t ContactSolver::kind_number(const LinkageState& state) const {
+  std::size_t kind = 0;
+  while (linkages_[kind].get() != state.linkage) ++kind;
+  return kind;
+}
+
+auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits)
+    -> std::vector<Made> {
+  std::vector<Made> out;
+  for (const std::uint32_t island : islands) {
+    clusters_.wake(island);  // and what lies on it
+    NamedPart part = named_part(island);
+    edit(part, edits);
+    const bool plain = is_plain_[island] != 0, visits = plain && !visitors_[island].is_at_home();
+    const SceneParts parts(part.scene);
+    std::map<std::vector<double>, std::size_t> kinds;
+    std::vector<std::uint32_t> numbers(parts.count(), ended);
+    for (std::uint32_t p = 0; p < parts.count(); ++p) {
+      if (plain && parts.part(p).capsules.empty()) continue;
+      const auto [at, is_new] = kinds.try_emplace(likeness(parts.part(p)), 0);
+      if (is_new) at->second = add_kind(parts.part(p));
+      numbers[p] = append(at->second, parts.part(p), plain);
+      states_.back().go_on_from(states_[island], parts.particles(p));
+      copy_laws(states_[island], part, parts, p, states_.back());
+      out.push_back({numbers[p], visits});
+    }
+    clusters_.grow(states_);
+    retire(island);
+    rename(part, parts, numbers);
+  }
+  return out;
+}
+
+/// Does to an island what is listed of it.
+void ContactSolver::edit(NamedPart& part, const PartEdits& edits) {
+  const Scene before = part.scene;
+  for (const std::uint32_t rod : edits.cut) part.cut(rod);
+  const auto index = [&](std::uint32_t particle) {
+    return static_cast<std::size_t>(std::find(part.particles.begin(), part.particles.end(), particle) -
+                                    part.particles.begin());
+  };
+  for (const auto& [particle, mass] : edits.heavier)
+    if (const std::size_t k = index(particle); k < part.particles.size())
+      part.scene.particles[k].mass += mass;
+  for (const std::uint32_t particle : edits.fixed)
+    if (const std::size_t k = index(particle); k < part.particles.size())
+      part.scene.particles[k].fixed = true;
+  part.end_fixed();
+  part.end_torn_capsules(before);
+}
+
+std::size_t ContactSolver::add_kind(const Scene& part) {
+  // One that no island has any more, or a new one.
+  const auto kind = static_cast<std::size_t>(std::find(uses_.begin(), uses_.end(), 0u) - uses_.begin());
+  if (kind == uses_.size()) {
+    uses_.push_back(0);
+    linkages_.emplace_back();
+    parts_.emplace_back();
+  }
+  const auto use = relaxes_ ? Linkage::Use::relaxed : Linkage::Use::solved;
+  linkages_[kind] = std::make_unique<Linkage>(part, isa_, use);
+  parts_[kind] = part;
+  return kind;
+}
+
+/// Appends an island of a kind, and returns its number.
+std::uint32_t ContactSolver::append(std::size_t kind, const Scene& part, bool plain) {
+  const auto number = static_cast<std::uint32_t>(states_.size());
+  LinkageState& state = states_.emplace_back(*linkages_[kind], number, part);
+  ++uses_[kind];
+  if (counts_pulls_) state.pulls = state.linkage->make_pulls();
+  state.pulls.touched.counts = counts_touches_;
+  is_plain_.push_back(plain);
+  first_slot_.push_back(static_cast<Slot>(island_of_.size()));
+  island_of_.resize(island_of_.size() + part.particles.size(), number);
+  visitors_.emplace_back();
+  if (!histories_.empty()) histories_.emplace_back();
+  first_shape_.push_back(static_cast<std::uint32_t>(shape_ids_.size()));
+  shape_ids_.resize(shape_ids_.size() + state.linkage->shapes().size() + state.linkage->hulls().size());
+  return number;
+}
+
+/// Lets what has numbers in the scene be found in the islands `numbers` of an island's parts.
+void ContactSolver::rename(const NamedPart& part, const SceneParts& parts,
+                           std::span<const std::uint32_t> numbers) {
+  const auto put = [&](std::span<const SceneParts::Share> shares, std::span<const std::uint32_t> names,
+                       std::vector<Owner>& owners) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (shares[i].part < numbers.size() && numbers[shares[i].part] != ended)
+        owners[names[i]] = {numbers[shares[i].part], shares[i].number};
+      else
+        owners[names[i]].island = ended;
+  };
+  put(parts.rods(), part.rods, rods_);
+  put(parts.pins(), part.pins, pins_);
+  put(parts.angles(), part.angles, angles_);
+  put(parts.springs(), part.springs, springs_);
+  put(parts.torsions(), part.torsions, torsions_);
+  put(parts.capsules(), part.capsules, shapes_);
+  put(parts.hulls(), part.hulls, shapes_);
+  for (const std::uint32_t hull : part.hulls) {
+    Owner& owner = shapes_[hull];
+    owner.number = states_[owner.island].linkage->hulls()[owner.number].number;
+    shape_ids_[first_shape_[owner.island] + owner.number] = {ShapeKind::hull, hull - capsules_};
+  }
+  for (const std::uint32_t capsule : part.capsules)
+    shape_ids_[first_shape_[shapes_[capsule].island] + shapes_[capsule].number] = {ShapeKind::capsule,
+                                                                                   capsule};
+}
+
+}  // namespace plumb::detail

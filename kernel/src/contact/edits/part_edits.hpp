@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "plumb/scene.hpp"
+
+namespace plumb::detail {
+
+/// Erases the entries of a list that `ends` names, and their numbers.
+template <class Item, class Ends>
+void erase_numbered(std::vector<Item>& list, std::vector<std::uint32_t>& numbers, Ends&& ends) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (ends(list[i])) continue;
+    if (kept != i) list[kept] = std::move(list[i]);
+    numbers[kept++] = numbers[i];
+  }
+  list.resize(kept);
+  numbers.resize(kept);
+}
+
+/// Lists what is done to islands that the contact solver knows. All have the numbers of the whole scene.
+struct PartEdits {
+  std::vector<std::uint32_t> cut{};                         ///< rods
+  std::vector<std::pair<std::uint32_t, double>> heavier{};  ///< particles, and by how much, kg
+  std::vector<std::uint32_t> fixed{};                       ///< particles that stand from now on
+
+  bool any() const { return !cut.empty() || !heavier.empty() || !fixed.empty(); }
+};
+
+/// Holds one island as a scene, with the numbers that its parts have in the whole one.
+class NamedPart {
+ public:
+  Scene scene{};
+  std::vector<std::uint32_t> particles{}, rods{}, pins{}, angles{}, springs{}, torsions{}, capsules{},
+      hulls{};
+  std::vector<std::uint32_t> rods_were{};  ///< their numbers before any was taken out
+
+  /// Takes a rod out, and what lies along it: bends and capsules. One whose mass joins its ends goes on as
+  /// one that pulls nothing.
+  void cut(std::uint32_t rod);
+  /// Ends rods and capsules that no movable particle has.
+  void end_fixed();
+  /// Ends capsules between places that nothing else joins any more. `before` is the scene as it was.
+  void end_torn_capsules(const Scene& before);
+
+ private:
+  void erase_rod(std::size_t index);
+};
+
+}  // namespace plumb::detail

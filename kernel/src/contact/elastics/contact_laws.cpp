@@ -1,0 +1,66 @@
+// This file changes springs, torsions and angles of the contact solver's islands.
+
+#include "contact/contact_solver.hpp"
+#include "scene/refuse.hpp"
+
+namespace plumb::detail {
+namespace {
+
+[[noreturn]] void refuse_number(const char* what, std::uint32_t number) {
+  refuse(what, " ", number,
+         ": unknown: the scene does not have so many, or its method keeps them as they are");
+}
+
+}  // namespace
+
+void refuse_unknown(std::uint32_t number, const Spring&) {
+  refuse_number("spring", number);
+}
+void refuse_unknown(std::uint32_t number, const Torsion&) {
+  refuse_number("torsion", number);
+}
+void refuse_unknown(std::uint32_t number, const AngleControl&) {
+  refuse_number("angle", number);
+}
+
+void ContactSolver::wake_with_laws(LinkageState& state) {
+  state.energy.reset();
+  clusters_.wake(state.number);
+}
+
+void ContactSolver::set_law(std::uint32_t number, const Spring& spring) {
+  if (number >= springs_.size()) refuse_unknown(number, spring);
+  LinkageState& state = states_[springs_[number].island];
+  const auto [first, count] = state.linkage->elastics_of_spring(springs_[number].number);
+  if ((spring.length == 0) != (count > 1))
+    refuse("spring ", number, ": its length cannot become 0, nor anything else if it was 0");
+  set_laws(spring, std::span(state.laws).subspan(first, count));
+  wake_with_laws(state);
+}
+
+void ContactSolver::set_law(std::uint32_t number, const Torsion& torsion) {
+  if (number >= torsions_.size()) refuse_unknown(number, torsion);
+  LinkageState& state = states_[torsions_[number].island];
+  const auto [first, count] = state.linkage->elastics_of_torsion(torsions_[number].number);
+  set_laws(torsion, std::span(state.laws).subspan(first, count));
+  wake_with_laws(state);
+}
+
+void ContactSolver::set_law(std::uint32_t number, const AngleControl& angle) {
+  if (number >= angles_.size()) refuse_unknown(number, angle);
+  LinkageState& state = states_[angles_[number].island];
+  const auto [first, count] = state.linkage->elastics_of_angle(angles_[number].number);
+  if (count == 0 && (angle.stiffness != 0 || angle.damping != 0))
+    refuse("angle ", number, ": had neither stiffness nor damping in the scene, and cannot get them later");
+  set_laws(angle, std::span(state.laws).subspan(first, count));
+  state.angle_rules[angles_[number].number] = {angle.lower, angle.upper, angle.friction};
+  wake_with_laws(state);
+}
+
+double ContactSolver::torsion_angle(std::uint32_t number) const {
+  if (number >= torsions_.size()) refuse_unknown(number, Torsion{});
+  const LinkageState& state = states_[torsions_[number].island];
+  return state.elastic_numbers[state.linkage->elastics_of_torsion(torsions_[number].number).first];
+}
+
+}  // namespace plumb::detail

@@ -1,0 +1,98 @@
+// This file makes islands anew that the contact solver knows: those with joints or springs, and those with
+// shapes.
+
+#include <algorithm>
+
+#include "step/breaks/ids.hpp"
+#include "step/methods.hpp"
+#include "step/step.hpp"
+
+namespace plumb::detail {
+
+/// Returns where the contact solver has a particle, or null.
+const Place* Step::contact_place(std::uint32_t particle) const {
+  const auto places = compiled_.places.of(particle);
+  return !places.empty() && &solver(places.back()) == compiled_.contact ? &places.back() : nullptr;
+}
+
+/// Takes out what broke and what was cut, and does other edits, with the contact solver's islands.
+Fallen Step::take_out(const Split& now) {
+  Ids parts, linkages;
+  const auto touch = [&](std::uint32_t particle) {
+    if (anchors_.is_fixed(particle)) return;
+    const Place* const place = contact_place(particle);
+    if (!place) return;
+    const std::uint32_t part = compiled_.contact->island_of(place->slot);
+    parts.push_back(part);
+    if (compiled_.contact->may_go_home(place->slot)) return;
+    linkages.push_back(part);
+    breaks_.hold(particle);
+  };
+  PartEdits edits;
+  for (const std::uint32_t rod : now.edits.cut) {
+    touch(rods_.end(rod));
+    edits.cut.push_back(rod);
+  }
+  std::vector<std::pair<std::uint32_t, double>> last = now.edits.masses;  // of several the last holds
+  std::stable_sort(last.begin(), last.end(), [](auto& a, auto& b) { return a.first < b.first; });
+  for (std::size_t k = 0; k < last.size(); ++k) {
+    const auto [particle, mass] = last[k];
+    if (k + 1 < last.size() && last[k + 1].first == particle) continue;
+    touch(particle);
+    edits.heavier.emplace_back(particle, mass - breaks_.own_mass(particle));
+  }
+  for (const auto& [particle, is_fixed] : now.edits.fixed) {
+    if (!is_fixed || anchors_.is_fixed(particle)) continue;
+    touch(particle);
+    edits.fixed.push_back(particle);
+  }
+  sort_once(parts);
+  sort_once(linkages);
+  Fallen out = breaks_.take_out(now.rods, now.edits);
+  if (parts.empty()) return out;
+  for (const std::uint32_t part : parts) {
+    const auto particles = compiled_.contact->particles_of(part);
+    out.touched.insert(out.touched.end(), particles.begin(), particles.end());
+    if (!std::binary_search(linkages.begin(), linkages.end(), part)) continue;
+    const auto movable = particles.first(compiled_.contact->movable_of(part));
+    out.of_linkages.insert(out.of_linkages.end(), movable.begin(), movable.end());
+  }
+  sort_once(out.touched);
+  out.leaving.insert(out.leaving.end(), out.of_linkages.begin(), out.of_linkages.end());
+  out.parts = std::move(parts);
+  out.part_edits = std::move(edits);
+  return out;
+}
+
+/// Leads from particles to where the contact solver has their new islands, and from those to their homes.
+void Step::put_parts(std::span<const ContactSolver::Made> made) {
+  ContactSolver& contact = *compiled_.contact;
+  const auto number = static_cast<std::uint32_t>(
+      std::find_if(compiled_.solvers.begin(), compiled_.solvers.end(),
+                   [&](const auto& each) { return each.get() == compiled_.contact; }) -
+      compiled_.solvers.begin());
+  std::vector<Place> places;
+  for (const auto& [island, visits] : made) {
+    const auto particles = contact.particles_of(island);
+    const Slot first = contact.first_slot(island);
+    if (contact.may_go_home(first)) {
+      std::vector<Slot> at_home;
+      for (const std::uint32_t particle : particles.first(contact.movable_of(island)))
+        at_home.push_back(compiled_.places.of(particle).front().slot);
+      const std::uint32_t home = compiled_.places.of(particles.front()).front().solver;
+      contact.set_home(island, *compiled_.solvers[home], home, std::move(at_home));
+      if (visits) contact.stay_away(island);
+    } else {
+      ++compiled_.info.islands;
+    }
+    for (std::uint32_t k = 0; k < particles.size(); ++k) {
+      const auto others = compiled_.places.of(particles[k]);
+      places.assign(others.begin(), others.end());
+      places.push_back({number, first + k});
+      compiled_.places.replace(particles[k], places);
+    }
+  }
+  compiled_.places.find_runs(compiled_.solvers);
+}
+
+}  // namespace plumb::detail
