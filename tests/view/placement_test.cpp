@@ -1,5 +1,5 @@
 // Colours and lanes that the page shows are those that worlds report.
-#include "view/server/placement.hpp"
+#include "view/exhibit/placement.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "scenes/spec.hpp"
 #include "view/server/messages.hpp"
-#include "view/server/placement.hpp"
+#include "view/exhibit/placement.hpp"
 
 namespace plumb::view {
 namespace {

@@ -1,4 +1,4 @@
-#include "view/server/placement.hpp"
+#include "view/exhibit/placement.hpp"
 
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/coloring.hpp"
