@@ -11,8 +11,8 @@
 #include "scenes/basics/files.hpp"
 #include "scenes/runs/report.hpp"
 #include "support/refusals.hpp"
-#include "view/exhibit/request.hpp"
 #include "view/exhibits.hpp"
+#include "view/inputs/request.hpp"
 
 namespace plumb::view {
 namespace {

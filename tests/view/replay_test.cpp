@@ -1,5 +1,5 @@
 // Recorded inputs give the same bits again, in memory and through a file, with all settings that change bits.
-#include "view/exhibit/replay.hpp"
+#include "view/inputs/replay.hpp"
 
 #include <gtest/gtest.h>
 

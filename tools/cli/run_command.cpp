@@ -20,7 +20,7 @@
 #include "scenes/runs/report.hpp"
 #include "scenes/runs/saved_run.hpp"
 #include "scenes/spec.hpp"
-#include "view/exhibit/replay.hpp"
+#include "view/inputs/replay.hpp"
 
 namespace plumb::tools {
 namespace {

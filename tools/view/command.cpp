@@ -12,8 +12,8 @@
 #include "plumb/error.hpp"
 #include "scenes/basics/files.hpp"
 #include "scenes/spec.hpp"
-#include "view/exhibit/replay.hpp"
 #include "view/export/export.hpp"
+#include "view/inputs/replay.hpp"
 #include "view/server/server.hpp"
 
 namespace plumb::tools {

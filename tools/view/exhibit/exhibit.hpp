@@ -6,8 +6,8 @@
 
 #include "plumb/scene.hpp"
 #include "view/exhibit/choices.hpp"
-#include "view/exhibit/request.hpp"
 #include "view/exhibit/side.hpp"
+#include "view/inputs/request.hpp"
 
 /// Worlds that start alike and are compared, and how requests change them. Nothing here knows of threads,
 /// clocks or pages: the same start and the same inputs at the same frames give the same bits.

@@ -8,7 +8,7 @@
 #include "view/exhibit/exhibit.hpp"
 
 /// The messages that go to a page. tools/view/README.md has the table of their bytes, page/messages.js reads
-/// them, and view/exhibit/request.hpp has those that come back.
+/// them, and view/inputs/request.hpp has those that come back.
 namespace plumb::view {
 
 /// "PLV2" as a little-endian number: the first four bytes of a frame.

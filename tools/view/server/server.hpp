@@ -5,7 +5,7 @@
 #include <string>
 
 #include "view/exhibit/exhibit.hpp"
-#include "view/exhibit/replay.hpp"
+#include "view/inputs/replay.hpp"
 
 namespace plumb::view {
 

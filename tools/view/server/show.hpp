@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "view/exhibit/exhibit.hpp"
-#include "view/exhibit/replay.hpp"
+#include "view/inputs/replay.hpp"
 #include "view/server/messages.hpp"
 #include "view/server/pacing.hpp"
 

@@ -1,4 +1,4 @@
-#include "view/exhibit/replay.hpp"
+#include "view/inputs/replay.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "view/exhibit/request.hpp"
+#include "view/inputs/request.hpp"
 
 #include <array>
 #include <nlohmann/json.hpp>
