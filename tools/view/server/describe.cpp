@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "scenes/spec.hpp"
-#include "view/server/messages.hpp"
 #include "view/exhibit/placement.hpp"
+#include "view/server/messages.hpp"
 
 namespace plumb::view {
 namespace {
