@@ -261,7 +261,7 @@ TEST(Budgets, TakeWhatIsLeftOfALateStepAtOnce) {
       const bool is_swept =
           method == Method::relax && late < 10;  // by a solver that sweeps what it has equally
       EXPECT_EQ(report.capped_steps > 0, !is_swept);
-      if (method == Method::direct) EXPECT_LT(report.direct_substeps, 8u * 3);
+      EXPECT_TRUE(method != Method::direct || report.direct_substeps < 8u * 3);
       is_held_up = false;
       EXPECT_EQ(world.step(frame).capped_steps, 0u);
       for (std::uint32_t i = 0; i < world.particle_count(); ++i) EXPECT_TRUE(is_finite(world.position(i)));
