@@ -163,7 +163,7 @@ def check_figure(view):
     ActionChains(view.browser, duration=50).move_to_element_with_offset(canvas, int(x), int(y)).click_and_hold().perform()
     assert view.js("return window.plumb.painter.held") >= 0, "a limb is held"
     view.js("window.plumb.page.send(window.plumb.requests.play())")
-    ActionChains(view.browser, duration=50).move_by_offset(40, -40).move_by_offset(40, -40).perform()
+    ActionChains(view.browser, duration=50).move_by_offset(40, 30).move_by_offset(40, 30).perform()
     view.until("window.plumb.frame.sides[0].awake === 1", "the figure wakes")
     ActionChains(view.browser).release().perform()
     before = view.js("return window.plumb.frame.sides[0].positions.length")
@@ -280,7 +280,7 @@ def check_page(plumb, folder):
             assert len(view.js("return window.plumb.frame.sides")) == 2
             view.goes_on()
             view.click("reset")
-            view.until("window.plumb.frame.frame < 60", "it begins anew")
+            view.until("window.plumb.frame?.frame < 60", "it begins anew")
             assert not view.severe(), view.severe()
         with View(plumb, browser, "humanoid:body=medium") as view:
             check_figure(view)
@@ -300,7 +300,7 @@ def take_pictures(plumb, folder):
             try:
                 for scene in ["default", "humanoid", "pile"]:
                     with View(plumb, browser, *([] if scene == "default" else [scene])) as view:
-                        view.until("window.plumb.frame.frame > 40", "it has moved")
+                        view.until("window.plumb.frame?.frame > 40", "it has moved")
                         view.until("document.getElementById('clock').textContent", "numbers are shown")
                         over = view.js("return document.documentElement.scrollWidth > innerWidth")
                         assert not over, f"{scene} is wider than {width}"

@@ -62,6 +62,13 @@ void put(std::string& page, std::string_view place, const std::string& text) {
   page.replace(at, place.size(), text);
 }
 
+/// Takes out what asks a server for modules ahead of their turn.
+void take_out_preloads(std::string& page) {
+  constexpr std::string_view begin = "<link rel=\"modulepreload\"";
+  for (std::size_t at = page.find(begin); at != page.npos; at = page.find(begin))
+    page.erase(at, page.find('\n', at) - at + 1);
+}
+
 }  // namespace
 
 std::filesystem::path find_worker(const std::filesystem::path& program) {
@@ -79,6 +86,7 @@ std::filesystem::path find_worker(const std::filesystem::path& program) {
 std::string exported_page(const std::vector<PageFile>& files, std::string_view worker,
                           std::string_view start) {
   std::string page(text_of(files, "index.html"));
+  take_out_preloads(page);
   put(page, "<link rel=\"stylesheet\" href=\"style.css\">",
       "<style>\n" + std::string(text_of(files, "style.css")) + "</style>");
   // No text may end the element that it stands in.
