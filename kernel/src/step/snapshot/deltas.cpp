@@ -139,16 +139,6 @@ std::size_t size_of(const Comparison& compared, Bytes of) {
   return size;
 }
 
-void write_header(DeltaHeader header, std::span<std::byte> delta) {
-  const auto write = [&] {
-    Archive archive = Archive::save(delta);
-    archive(header);
-  };
-  write();
-  header.sum = detail::checksum(delta.subspan(detail::summed_from));
-  write();
-}
-
 DeltaHeader checked(Bytes delta) {
   if (delta.size() < sizeof(DeltaHeader))
     refuse("delta: has ", delta.size(), " bytes, and its header alone takes ", sizeof(DeltaHeader));
@@ -231,12 +221,12 @@ std::size_t save_delta(Bytes base, Bytes snapshot, std::span<std::byte> out) {
   });
   write(now.data() + compared.words() * word, now.size() % word);
   const auto size = static_cast<std::size_t>(to_write - out.data());
-  write_header({.size = size,
-                .base_sum = from.sum,
-                .base_size = old.size(),
-                .of_size = now.size(),
-                .split = compared.split()},
-               out.first(size));
+  detail::write_summed(DeltaHeader{.size = size,
+                                   .base_sum = from.sum,
+                                   .base_size = old.size(),
+                                   .of_size = now.size(),
+                                   .split = compared.split()},
+                       out.first(size));
   return size;
 }
 

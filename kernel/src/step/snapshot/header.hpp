@@ -33,4 +33,17 @@ inline void visit_members(Archive& archive, Header& of) {
   archive(begin, sum, format_of, library_of, size, fits_to.scene, fits_to.settings);
 }
 
+/// Writes the header of a snapshot or a delta at its beginning, with the sum over all bytes of `whole` that
+/// sums are over. What is behind the header stands there already.
+template <class Begin>
+void write_summed(Begin header, std::span<std::byte> whole) {
+  const auto write = [&] {
+    Archive archive = Archive::save(whole);
+    archive(header);
+  };
+  write();
+  header.sum = checksum(whole.subspan(summed_from));
+  write();
+}
+
 }  // namespace plumb::detail

@@ -77,15 +77,8 @@ std::size_t World::save(std::span<std::byte> out) const {
     refuse("snapshot: does not fit into ", out.size(), " bytes; snapshot_size() says how many it takes");
   Archive body = Archive::save(out.subspan(sizeof(Header)));
   impl_->archive(body);
-  Header header{.size = sizeof(Header) + body.size(), .fits_to = impl_->fingerprint};
-  const std::span<std::byte> written = out.first(header.size);
-  const auto write_header = [&] {
-    Archive archive = Archive::save(written);
-    archive(header);
-  };
-  write_header();
-  header.sum = detail::checksum(written.subspan(detail::summed_from));
-  write_header();
+  const Header header{.size = sizeof(Header) + body.size(), .fits_to = impl_->fingerprint};
+  detail::write_summed(header, out.first(header.size));
   return header.size;
 }
 
