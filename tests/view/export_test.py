@@ -2,9 +2,8 @@
 import os
 import shutil
 import subprocess
-import sys
 
-from browser_test import View, check_hands, check_replay, check_sliders, check_time, skip, start_browser
+from browser_test import View, check_hands, check_replay, check_sliders, check_time, read_arguments, skip, start_browser
 
 
 class ExportedView(View):
@@ -45,11 +44,7 @@ def check_alone(view):
 
 
 def main():
-    plumb, folder = sys.argv[1:]
-    for program in ["chromium", "chromedriver"]:
-        if not shutil.which(program):
-            skip(program + " is missing; tools/setup --browser installs it")
-    os.makedirs(folder, exist_ok=True)
+    plumb, folder = read_arguments()
     page = export(plumb, os.path.join(folder, "page"))
     browser = start_browser(False, 1280, 720)
     try:
