@@ -369,6 +369,42 @@ TEST(Queries, BrokenRodsAreGone) {
   EXPECT_TRUE(queries.cast_ray(middle));
 }
 
+TEST(Queries, CapsulesEndWithTheirRods) {
+  for (const Method method : {Method::direct, Method::relax}) {
+    Scene scene;
+    scene.gravity = {};
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      scene.particles.push_back({.position = {2, 1.0 * i, 0}, .mass = 1, .fixed = i == 0});
+      if (i == 0) continue;
+      scene.rods.push_back({.a = i - 1, .b = i});
+      scene.capsules.push_back({.a = point_at(i - 1), .b = point_at(i), .radius = 0.1});
+    }
+    Settings settings;
+    settings.method = method;
+    World world(scene, settings);
+    Queries queries(scene);
+    const Ray middle{.origin = {0, 1.5, 0}, .direction = along_x},
+        last{.origin = {0, 2.5, 0}, .direction = along_x};
+    const ShapeId cut{ShapeKind::capsule, 1}, whole{ShapeKind::capsule, 2};
+    EXPECT_EQ(queries.cast_ray(middle).target, (QueryTarget{Kind::shape, ShapeKind::capsule, 1}));
+    std::vector<std::byte> saved(world.snapshot_size());
+    world.save(saved);
+    world.cut(1);
+    world.step(test::frame);
+    queries.update(world);
+    EXPECT_FALSE(world.has_shape(cut));
+    EXPECT_TRUE(world.has_shape(whole));
+    EXPECT_FALSE(queries.cast_ray(middle));
+    EXPECT_EQ(queries.cast_ray(last).target, (QueryTarget{Kind::shape, ShapeKind::capsule, 2}));
+    world.restore(saved);
+    queries.update(world);
+    EXPECT_TRUE(world.has_shape(cut));
+    EXPECT_TRUE(queries.cast_ray(middle));
+    EXPECT_THROW(world.has_shape({ShapeKind::capsule, 3}), InputError);
+    EXPECT_THROW(world.has_shape({ShapeKind::plane, 0}), InputError);
+  }
+}
+
 // Numbers of what was removed go to what is added, which was not in the scene that queries know.
 TEST(Queries, DoNotFindWhatWasRemoved) {
   Scene scene;
@@ -411,9 +447,9 @@ TEST(Things, WhatHasNoFinitePlaceIsGone) {
   detail::Things things(scene, {});
   std::vector<Vec3> positions;
   for (const Particle& particle : scene.particles) positions.push_back(particle.position);
-  const std::vector<std::uint8_t> broken(scene.rods.size());
+  const std::vector<std::uint8_t> broken(scene.rods.size()), ended(scene.capsules.size());
   const auto forms = [&] {
-    things.update({positions, broken, {}});
+    things.update({positions, broken, ended, {}});
     return std::vector{things.list()[0].form, things.list()[1].form, things.list()[2].form};
   };
   EXPECT_EQ(forms(), (std::vector{Form::capsule, Form::capsule, Form::solid}));

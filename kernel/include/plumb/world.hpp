@@ -182,8 +182,7 @@ class PLUMB_API World {
   /// gradient mid it is what energy gains, to the second order in the step where a rate changes, to the first
   /// beside bends, and to rounding elsewhere. Throws InputError as tension() does.
   double power(std::uint32_t rod) const;
-  /// Returns whether a rod has pulled more than its strength, or was cut. Throws InputError on an unknown
-  /// rod.
+  /// Returns whether a rod pulled more than its strength, or was cut. Throws InputError on an unknown one.
   bool is_broken(std::uint32_t rod) const;
 
   /// Takes a rod out from the next step on, as one that broke: nothing jumps, and momentum stays. Bends and
@@ -305,6 +304,8 @@ class PLUMB_API World {
   /// before the first step. Throws InputError on a name that the scene does not have, or without
   /// Settings::tensions.
   Vec3 contact_force(ShapeId shape) const;
+  /// Returns whether edits have left a shape, as they do all ground. Throws InputError on an unknown name.
+  bool has_shape(ShapeId shape) const;
   /// Copies the contact forces (N) on all shapes into `out`. Throws InputError unless it has as many elements
   /// as the scene has shapes, or without Settings::tensions.
   void copy_contact_forces(std::span<Vec3> out) const;
@@ -342,8 +343,7 @@ class PLUMB_API World {
   void copy_velocities(std::span<Vec3> out) const;
   /// Returns the position of a particle, in m. Throws InputError on an unknown one.
   Vec3 position(std::uint32_t particle) const;
-  /// Returns the velocity of a particle, in m/s; zero for a fixed one, also while it moves. Throws InputError
-  /// on an unknown one.
+  /// Returns that velocity, in m/s; zero for a fixed one, also while it moves. Throws InputError likewise.
   Vec3 velocity(std::uint32_t particle) const;
 
   std::uint32_t body_count() const;  ///< Bodies of the scene.

@@ -53,8 +53,8 @@ class ContactSolver final : public Solver {
   }
   std::uint32_t movable_of(std::uint32_t island) const { return states_[island].linkage->movable(); }
   Slot first_slot(std::uint32_t island) const { return first_slot_[island]; }
-  /// Returns whether a capsule of the scene is still there.
-  bool has_capsule(std::uint32_t capsule) const { return shapes_[capsule].island != ended; }
+  /// Returns whether a shape of the scene is still there. Hulls follow capsules.
+  bool has_shape(std::uint32_t shape) const { return shapes_[shape].island != ended; }
   /// Names an island that was made anew. It visits until its home is set if the one that it was of did.
   struct Made {
     std::uint32_t island;

@@ -39,7 +39,7 @@ struct PLUMB_HIDDEN Queries::Impl {
   std::vector<Thing> ordered;  ///< as the hierarchy has them, so that neighbours lie side by side
   std::size_t particles;       ///< of the scene; a world may have more
   std::vector<Vec3> positions;
-  std::vector<std::uint8_t> gone;  ///< by rod
+  std::vector<std::uint8_t> gone, ended;  ///< by rod, and by capsule
   std::vector<Pose> platforms;
 };
 
@@ -89,9 +89,10 @@ Queries::Impl::Impl(const Scene& scene, const QuerySettings& settings)
     : things(scene, settings),
       particles(scene.particles.size()),
       gone(scene.rods.size()),
+      ended(scene.capsules.size()),
       platforms(scene.platforms) {
   for (const Particle& particle : scene.particles) positions.push_back(particle.position);
-  things.update({positions, gone, platforms});
+  things.update({positions, gone, ended, platforms});
   tree.build(things.bounds());
   fit();
 }
@@ -200,6 +201,8 @@ void Queries::update(const World& world) {
   // A world refuses what it does not have. Nothing of this has changed by then.
   std::vector<Pose>& platforms = of.platforms;
   for (std::uint32_t i = 0; i < platforms.size(); ++i) static_cast<void>(world.platform(i));
+  for (std::uint32_t i = 0; i < of.ended.size(); ++i)
+    static_cast<void>(world.has_shape({ShapeKind::capsule, i}));
   for (std::uint32_t i = 0; i < platforms.size(); ++i) platforms[i] = world.platform(i);
   of.positions.resize(world.particle_count());
   world.copy_positions(of.positions);
@@ -210,7 +213,8 @@ void Queries::update(const World& world) {
     if (world.particle_handle(i).generation != from_the_start) of.positions[i] = {nowhere, nowhere, nowhere};
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
     of.gone[i] = world.rod_handle(i).generation != from_the_start || world.is_broken(i);
-  of.things.update({of.positions, of.gone, platforms});
+  for (std::uint32_t i = 0; i < of.ended.size(); ++i) of.ended[i] = !world.has_shape({ShapeKind::capsule, i});
+  of.things.update({of.positions, of.gone, of.ended, platforms});
   of.fit();
 }
 

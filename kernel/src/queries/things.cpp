@@ -177,7 +177,10 @@ void Things::update(const Whereabouts& now) {
     bounds_[number] = around(thing);
     if (bounds_[number].is_empty()) thing.form = Thing::Form::gone;
   };
-  for (const Line& each : lines_) put(each.thing, each.a.of(now.positions), each.b.of(now.positions), true);
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    const auto& [thing, a, b] = lines_[i];
+    put(thing, a.of(now.positions), b.of(now.positions), now.ended[i] == 0);
+  }
   for (const Pair& each : rods_)
     put(each.thing, now.positions[each.a], now.positions[each.b], now.gone[each.rod] == 0);
   for (const Single& each : particles_)

@@ -34,10 +34,10 @@ struct PlaneNow {
   std::uint32_t number = 0;  ///< its place in the order of targets
 };
 
-/// Says where a world is. Rods that are out are bytes other than 0.
+/// Says where a world is. Rods that are out, and capsules that ended, are bytes other than 0.
 struct Whereabouts {
   std::span<const Vec3> positions;  ///< m, by particle
-  std::span<const std::uint8_t> gone;
+  std::span<const std::uint8_t> gone, ended;
   std::span<const Pose> platforms;
 };
 

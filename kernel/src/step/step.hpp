@@ -131,6 +131,9 @@ class Step {
 
   /// Returns what knows the forces of joints, springs and contacts. There must be one of these.
   const ContactSolver& contact() const { return *compiled_.contact; }
+  bool has_shape(std::uint32_t shape) const {
+    return !compiled_.contact || compiled_.contact->has_shape(shape);
+  }
   /// Returns the force (N) of the last step on ground that the scene has. Without shapes nothing touches it.
   Vec3 force_on_ground(ShapeId ground) const {
     return compiled_.contact ? compiled_.contact->force_on_ground(ground) : Vec3{};

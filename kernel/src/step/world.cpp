@@ -263,15 +263,13 @@ Vec3 World::contact_force(std::uint32_t shape) const {
   return impl_->contact(impl_->shapes, "shape", shape).contact_force(shape);
 }
 Vec3 World::contact_force(ShapeId shape) const {
-  const auto kind = static_cast<std::size_t>(shape.kind);
-  if (kind >= impl_->of_kind.size()) refuse("shape ", shape.number, ": its kind ", kind, " is unknown");
-  if (shape.number >= impl_->of_kind[kind])
-    refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the world has ", impl_->of_kind[kind],
-           " of them");
-  if (shape.kind == ShapeKind::capsule) return contact_force(shape.number);
-  if (shape.kind == ShapeKind::hull) return contact_force(impl_->of_kind[0] + shape.number);
+  if (const auto number = impl_->moving_shape(shape)) return contact_force(*number);
   impl_->require_tensions();
   return impl_->step->force_on_ground(shape);
+}
+bool World::has_shape(ShapeId shape) const {
+  const auto number = impl_->moving_shape(shape);
+  return !number || impl_->step->has_shape(*number);
 }
 std::span<const Contact> World::contacts() const {
   if (!impl_->contacts) refuse("contacts are not known: Settings::contacts asks for them");

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -70,6 +71,17 @@ struct PLUMB_HIDDEN World::Impl {
     if (body >= bodies.count())
       detail::refuse("body ", body, ": unknown, the world has ", bodies.count(),
                      bodies.count() == 1 ? " body" : " bodies");
+  }
+  /// Returns the number of a capsule or hull among the scene's shapes, or nothing of ground.
+  std::optional<std::uint32_t> moving_shape(ShapeId shape) const {
+    const auto kind = static_cast<std::size_t>(shape.kind);
+    if (kind >= of_kind.size()) detail::refuse("shape ", shape.number, ": its kind ", kind, " is unknown");
+    if (shape.number >= of_kind[kind])
+      detail::refuse(to_string(shape.kind), ' ', shape.number, ": unknown, the world has ", of_kind[kind],
+                     " of them");
+    if (shape.kind == ShapeKind::capsule) return shape.number;
+    if (shape.kind == ShapeKind::hull) return of_kind[0] + shape.number;
+    return {};
   }
   void require_twist(std::uint32_t twist) const { require_one_of(twists, "twist", twist); }
   /// Refuses a number that the world does not have. `what` is one of them, `all` how many it has.

@@ -149,7 +149,7 @@ bool Step::carries_shape(std::uint32_t anchor) const {
   };
   for (std::uint32_t i = 0; i < origin_->scene.capsules.size(); ++i) {
     const Capsule& capsule = origin_->scene.capsules[i];
-    if (compiled_.contact->has_capsule(i) && (is_at(capsule.a) || is_at(capsule.b))) return true;
+    if (compiled_.contact->has_shape(i) && (is_at(capsule.a) || is_at(capsule.b))) return true;
   }
   return false;
 }
