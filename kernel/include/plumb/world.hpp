@@ -343,7 +343,7 @@ class PLUMB_API World {
   void copy_velocities(std::span<Vec3> out) const;
   /// Returns the position of a particle, in m. Throws InputError on an unknown one.
   Vec3 position(std::uint32_t particle) const;
-  /// Returns that velocity, in m/s; zero for a fixed one, also while it moves. Throws InputError likewise.
+  /// Returns its velocity in m/s; zero for a fixed one, also while it moves. Throws InputError likewise.
   Vec3 velocity(std::uint32_t particle) const;
 
   std::uint32_t body_count() const;  ///< Bodies of the scene.
