@@ -346,13 +346,19 @@ TEST(Queries, GroundIsWhereItsPlatformIs) {
   EXPECT_EQ(queries.cast_ray(look).distance, 5);
 }
 
-TEST(Queries, BrokenRodsAreGone) {
+/// Makes three rods along y at x = 2 m, the lowest end of them fixed.
+Scene line_of_rods() {
   Scene scene;
   scene.gravity = {};
   for (std::uint32_t i = 0; i < 4; ++i) {
     scene.particles.push_back({.position = {2, 1.0 * i, 0}, .mass = 1, .fixed = i == 0});
     if (i > 0) scene.rods.push_back({.a = i - 1, .b = i});
   }
+  return scene;
+}
+
+TEST(Queries, BrokenRodsAreGone) {
+  const Scene scene = line_of_rods();
   World world(scene);
   Queries queries(scene, {.rod_radius = 0.1});
   const Ray middle{.origin = {0, 1.5, 0}, .direction = along_x};
@@ -371,14 +377,9 @@ TEST(Queries, BrokenRodsAreGone) {
 
 TEST(Queries, CapsulesEndWithTheirRods) {
   for (const Method method : {Method::direct, Method::relax}) {
-    Scene scene;
-    scene.gravity = {};
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      scene.particles.push_back({.position = {2, 1.0 * i, 0}, .mass = 1, .fixed = i == 0});
-      if (i == 0) continue;
-      scene.rods.push_back({.a = i - 1, .b = i});
-      scene.capsules.push_back({.a = point_at(i - 1), .b = point_at(i), .radius = 0.1});
-    }
+    Scene scene = line_of_rods();
+    for (const Rod& rod : scene.rods)
+      scene.capsules.push_back({.a = point_at(rod.a), .b = point_at(rod.b), .radius = 0.1});
     Settings settings;
     settings.method = method;
     World world(scene, settings);
@@ -402,6 +403,8 @@ TEST(Queries, CapsulesEndWithTheirRods) {
     EXPECT_TRUE(queries.cast_ray(middle));
     EXPECT_THROW(world.has_shape({ShapeKind::capsule, 3}), InputError);
     EXPECT_THROW(world.has_shape({ShapeKind::plane, 0}), InputError);
+    world.remove(1);
+    EXPECT_FALSE(world.has_shape(whole));
   }
 }
 

@@ -201,8 +201,8 @@ void Queries::update(const World& world) {
   // A world refuses what it does not have. Nothing of this has changed by then.
   std::vector<Pose>& platforms = of.platforms;
   for (std::uint32_t i = 0; i < platforms.size(); ++i) static_cast<void>(world.platform(i));
-  for (std::uint32_t i = 0; i < of.ended.size(); ++i)
-    static_cast<void>(world.has_shape({ShapeKind::capsule, i}));
+  if (const auto capsules = static_cast<std::uint32_t>(of.ended.size()); capsules > 0)
+    static_cast<void>(world.has_shape({ShapeKind::capsule, capsules - 1}));
   for (std::uint32_t i = 0; i < platforms.size(); ++i) platforms[i] = world.platform(i);
   of.positions.resize(world.particle_count());
   world.copy_positions(of.positions);
