@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plumb/joints.hpp"
+#include "queries/bare.hpp"
 #include "queries/casts.hpp"
 #include "queries/near_things.hpp"
 #include "queries/probe.hpp"
@@ -408,8 +409,9 @@ TEST(Queries, CapsulesEndWithTheirRods) {
   }
 }
 
-// Numbers of what was removed go to what is added, which was not in the scene that queries know.
-TEST(Queries, DoNotFindWhatWasRemoved) {
+// Numbers of what was removed go to what is added. Of what is there a ray finds the first, whichever came
+// when.
+TEST(Queries, FindWhatWasAddedAndNotWhatWasRemoved) {
   Scene scene;
   scene.gravity = {};
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -434,9 +436,38 @@ TEST(Queries, DoNotFindWhatWasRemoved) {
     if (i > 0) added.rods.push_back({.a = i - 1, .b = i});
   }
   world.add(added);
+  EXPECT_FALSE(queries.cast_ray(low)) << "not before update()";
   queries.update(world);
-  for (const Ray& ray : {low, end, origin}) EXPECT_FALSE(queries.cast_ray(ray));
-  EXPECT_TRUE(queries.cast_ray(high));
+  EXPECT_EQ(world.rod_count(), 6u);
+  // Of the two particles that ended, one number is free alone, so that the five new ones have those behind.
+  EXPECT_EQ(queries.cast_ray(low).target, (QueryTarget{Kind::particle, {}, 6}));
+  EXPECT_EQ(queries.cast_ray(end).target, (QueryTarget{Kind::particle, {}, 8}));
+  EXPECT_EQ(queries.cast_ray(high).target, (QueryTarget{Kind::rod, {}, 1}));
+  EXPECT_EQ(queries.cast_ray({.origin = {0, 0.375, 0}, .direction = along_x}).target.kind, Kind::rod);
+  std::vector<std::byte> saved(world.snapshot_size());
+  world.save(saved);
+  world.cut(world.rod_count() - 1);
+  world.step(1e-6);
+  queries.update(world);
+  EXPECT_FALSE(queries.cast_ray({.origin = {0, 0.6875, 0}, .direction = along_x}));
+  world.restore(saved);
+  queries.update(world);
+  EXPECT_TRUE(queries.cast_ray({.origin = {0, 0.6875, 0}, .direction = along_x}));
+}
+
+TEST(Queries, FindWhatIsJoined) {
+  Scene scene;
+  scene.gravity = {};
+  scene.particles = {{.position = {2, -1, 0}, .mass = 1}, {.position = {2, 1, 0}, .mass = 1}};
+  World world(scene);
+  Queries queries(scene, {.rod_radius = 0.1});
+  EXPECT_FALSE(queries.cast_ray(look));
+  world.join({.a = 0, .b = 1});
+  world.step(1e-3);
+  queries.update(world);
+  const Hit hit = queries.cast_ray(look);
+  EXPECT_EQ(hit.target, (QueryTarget{Kind::rod, {}, 0}));
+  EXPECT_NEAR(hit.distance, 1.9, rounding);
 }
 
 // Islands that lost their places are not found, and the others are.
@@ -450,9 +481,10 @@ TEST(Things, WhatHasNoFinitePlaceIsGone) {
   detail::Things things(scene, {});
   std::vector<Vec3> positions;
   for (const Particle& particle : scene.particles) positions.push_back(particle.position);
-  const std::vector<std::uint8_t> broken(scene.rods.size()), ended(scene.capsules.size());
+  const std::vector<std::uint8_t> broken(scene.rods.size()), ended(scene.capsules.size()),
+      replaced(scene.particles.size());
   const auto forms = [&] {
-    things.update({positions, broken, ended, {}});
+    things.update({positions, replaced, broken, ended, {}});
     return std::vector{things.list()[0].form, things.list()[1].form, things.list()[2].form};
   };
   EXPECT_EQ(forms(), (std::vector{Form::capsule, Form::capsule, Form::solid}));

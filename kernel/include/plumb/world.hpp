@@ -386,6 +386,7 @@ class PLUMB_API World {
 
  private:
   friend class Drawing;
+  friend class Queries;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

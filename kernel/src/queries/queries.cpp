@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "queries/bare.hpp"
 #include "queries/casts.hpp"
 #include "queries/near_things.hpp"
 #include "queries/query_tree.hpp"
 #include "queries/things.hpp"
 #include "scene/refuse.hpp"
+#include "step/world_impl.hpp"
 
 namespace plumb {
 
@@ -22,8 +23,8 @@ using detail::Thing;
 struct PLUMB_HIDDEN Queries::Impl {
   Impl(const Scene& scene, const QuerySettings& settings);
 
-  /// Lets the hierarchy follow what has moved.
-  void fit();
+  /// Lists bare rods and particles, and takes everything where it is.
+  void follow();
   Hit cast(const Probe& probe, const QueryFilter& filter) const;
   Hit hit(const Probe& probe, const detail::Nearest& nearest) const;
   Hit closest(Vec3 from, double within, const QueryFilter& filter) const;
@@ -35,11 +36,12 @@ struct PLUMB_HIDDEN Queries::Impl {
   }
 
   detail::Things things;
+  detail::Bare bare;
   detail::QueryTree tree;
-  std::vector<Thing> ordered;  ///< as the hierarchy has them, so that neighbours lie side by side
-  std::size_t particles;       ///< of the scene; a world may have more
+  std::vector<Thing> ordered;   ///< as the hierarchy has them, so that neighbours lie side by side
+  std::size_t particles, rods;  ///< of the scene; a world may have more
   std::vector<Vec3> positions;
-  std::vector<std::uint8_t> gone, ended;  ///< by rod, and by capsule
+  std::vector<std::uint8_t> replaced, gone, ended;  ///< by particle of the scene, by rod, and by capsule
   std::vector<Pose> platforms;
 };
 
@@ -87,19 +89,22 @@ detail::SolidBox solid_box(Vec3 center, const QueryBox& box) {
 
 Queries::Impl::Impl(const Scene& scene, const QuerySettings& settings)
     : things(scene, settings),
+      bare(scene, settings),
       particles(scene.particles.size()),
+      rods(scene.rods.size()),
+      replaced(scene.particles.size()),
       gone(scene.rods.size()),
       ended(scene.capsules.size()),
       platforms(scene.platforms) {
   for (const Particle& particle : scene.particles) positions.push_back(particle.position);
-  things.update({positions, gone, ended, platforms});
-  tree.build(things.bounds());
-  fit();
+  follow();
 }
 
-void Queries::Impl::fit() {
-  tree.fit(things.bounds());
-  if (tree.is_worn()) tree.build(things.bounds());
+void Queries::Impl::follow() {
+  const bool are_others = things.list_bare(bare.rods(), bare.particles()) || ordered.empty();
+  things.update({positions, replaced, gone, ended, platforms});
+  if (!are_others) tree.fit(things.bounds());
+  if (are_others || tree.is_worn()) tree.build(things.bounds());
   ordered.clear();
   for (const std::uint32_t i : tree.order()) ordered.push_back(things.list()[i]);
 }
@@ -197,7 +202,7 @@ void Queries::update(const World& world) {
     if (has < want) refuse("the world has ", has, " ", what, ", and the scene of these queries has ", want);
   };
   require(world.particle_count(), of.particles, "particles");
-  require(world.rod_count(), of.gone.size(), "rods");
+  require(world.rod_count(), of.rods, "rods");
   // A world refuses what it does not have. Nothing of this has changed by then.
   std::vector<Pose>& platforms = of.platforms;
   for (std::uint32_t i = 0; i < platforms.size(); ++i) static_cast<void>(world.platform(i));
@@ -206,16 +211,17 @@ void Queries::update(const World& world) {
   for (std::uint32_t i = 0; i < platforms.size(); ++i) platforms[i] = world.platform(i);
   of.positions.resize(world.particle_count());
   world.copy_positions(of.positions);
+  const detail::Step& step = *world.impl_->step;
+  const detail::Population& population = step.population();
+  of.bare.find(step.scene(), population);
   // Numbers of what was removed may be those of what was added since.
-  constexpr std::uint32_t from_the_start = 1;
-  constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
   for (std::uint32_t i = 0; i < of.particles; ++i)
-    if (world.particle_handle(i).generation != from_the_start) of.positions[i] = {nowhere, nowhere, nowhere};
+    of.replaced[i] = population.particles.generation(i) == 1 ? 0 : 1;
+  of.gone.resize(world.rod_count());
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
-    of.gone[i] = world.rod_handle(i).generation != from_the_start || world.is_broken(i);
+    of.gone[i] = !population.rods.has(i) || step.is_broken(i) ? 1 : 0;
   for (std::uint32_t i = 0; i < of.ended.size(); ++i) of.ended[i] = !world.has_shape({ShapeKind::capsule, i});
-  of.things.update({of.positions, of.gone, of.ended, platforms});
-  of.fit();
+  of.follow();
 }
 
 Hit Queries::cast_ray(const Ray& ray, const QueryFilter& filter) const {

@@ -1,8 +1,6 @@
 #include "queries/things.hpp"
 
 #include <algorithm>
-#include <set>
-#include <utility>
 
 #include "contact/ground/ground_shape.hpp"
 #include "scene/barycentric.hpp"
@@ -14,49 +12,20 @@ QueryTarget shape_of(ShapeKind list, std::size_t i) {
   return {QueryTarget::Kind::shape, list, static_cast<std::uint32_t>(i)};
 }
 
-std::pair<std::uint32_t, std::uint32_t> sorted(std::uint32_t a, std::uint32_t b) {
-  return std::minmax(a, b);
+/// Returns whether a place hangs on a particle that a byte marks.
+bool is_any(const Combination& place, std::span<const std::uint8_t> marks) {
+  return std::any_of(place.terms.begin(), place.terms.begin() + place.count,
+                     [&](const Combination::Term& term) { return marks[term.particle] != 0; });
 }
-
-/// Lists the particles of a capsule, ascending and each once.
-std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
-  std::set<std::uint32_t> out;
-  for (const Point* const point : {&capsule.a, &capsule.b})
-    for (std::size_t k = 0; k < 4; ++k)
-      if (point->weights[k] != 0) out.insert(point->particles[k]);
-  return {out.begin(), out.end()};
-}
-
-/// Knows which rods and particles no shape and no body shows.
-class Bare {
- public:
-  explicit Bare(const Scene& scene) : shown_(scene.particles.size()) {
-    for (const Capsule& capsule : scene.capsules) {
-      const std::vector<std::uint32_t> particles = particles_of(capsule);
-      for (const std::uint32_t particle : particles) shown_[particle] = 1;
-      if (particles.size() == 2) pairs_.emplace(particles[0], particles[1]);
-    }
-    for (const Body& body : scene.bodies)
-      for (const std::uint32_t a : body.particles) {
-        shown_[a] = 1;
-        for (const std::uint32_t b : body.particles) pairs_.insert(sorted(a, b));
-      }
-  }
-
-  bool is_bare(const Rod& rod) const { return !pairs_.contains(sorted(rod.a, rod.b)); }
-  bool is_bare(std::uint32_t particle) const { return shown_[particle] == 0; }
-
- private:
-  std::vector<std::uint8_t> shown_;  ///< by particle
-  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;
-};
 
 }  // namespace
 
-Things::Things(const Scene& scene, const QuerySettings& settings) : platforms_(scene) {
+Things::Things(const Scene& scene, const QuerySettings& settings)
+    : rod_radius_(settings.rod_radius), particle_radius_(settings.particle_radius), platforms_(scene) {
   add_shapes(scene);
   add_ground(scene);
-  add_bare(scene, settings);
+  first_bare_ = things_.size();
+  first_bare_number_ = targets_.size();
   poses_ = scene.platforms;
   bounds_.resize(things_.size());
   // What does not move is taken now.
@@ -153,23 +122,28 @@ void Things::add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, Mes
   add_thing(shape_of(list, i), mesh.filter, {.form = Thing::Form::mesh}, meshes_.size() - 1);
 }
 
-void Things::add_bare(const Scene& scene, const QuerySettings& settings) {
-  const Bare bare(scene);
+bool Things::list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles) {
+  if (std::equal(rods.begin(), rods.end(), rods_.begin(), rods_.end()) &&
+      std::equal(particles.begin(), particles.end(), particles_.begin(), particles_.end()))
+    return false;
+  rods_.assign(rods.begin(), rods.end());
+  particles_.assign(particles.begin(), particles.end());
+  things_.resize(first_bare_);
+  targets_.resize(first_bare_number_);
+  filters_.resize(first_bare_number_);
+  index_.resize(first_bare_number_);
   const auto add_line = [&](QueryTarget::Kind kind, std::uint32_t number, double radius) {
-    return add_thing({kind, ShapeKind::capsule, number}, {}, {.radius = radius, .form = Thing::Form::gone});
+    add_thing({kind, ShapeKind::capsule, number}, {}, {.radius = radius, .form = Thing::Form::gone});
   };
-  if (settings.rod_radius > 0)
-    for (std::uint32_t i = 0; i < scene.rods.size(); ++i)
-      if (const Rod& rod = scene.rods[i]; bare.is_bare(rod))
-        rods_.push_back({add_line(QueryTarget::Kind::rod, i, settings.rod_radius), i, rod.a, rod.b});
-  if (settings.particle_radius > 0)
-    for (std::uint32_t i = 0; i < scene.particles.size(); ++i)
-      if (bare.is_bare(i))
-        particles_.push_back({add_line(QueryTarget::Kind::particle, i, settings.particle_radius), i});
+  for (const BareRod& rod : rods_) add_line(QueryTarget::Kind::rod, rod.rod, rod_radius_);
+  for (const std::uint32_t particle : particles_)
+    add_line(QueryTarget::Kind::particle, particle, particle_radius_);
+  bounds_.resize(things_.size());
+  return true;
 }
 
 void Things::update(const Whereabouts& now) {
-  const auto put = [&](std::uint32_t number, Vec3 p, Vec3 q, bool is_there) {
+  const auto put = [&](std::size_t number, Vec3 p, Vec3 q, bool is_there) {
     Thing& thing = things_[number];
     thing.p = p;
     thing.q = q;
@@ -179,12 +153,14 @@ void Things::update(const Whereabouts& now) {
   };
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     const auto& [thing, a, b] = lines_[i];
-    put(thing, a.of(now.positions), b.of(now.positions), now.ended[i] == 0);
+    const bool is_there = now.ended[i] == 0 && !is_any(a, now.replaced) && !is_any(b, now.replaced);
+    put(thing, a.of(now.positions), b.of(now.positions), is_there);
   }
-  for (const Pair& each : rods_)
-    put(each.thing, now.positions[each.a], now.positions[each.b], now.gone[each.rod] == 0);
-  for (const Single& each : particles_)
-    put(each.thing, now.positions[each.particle], now.positions[each.particle], true);
+  std::size_t bare = first_bare_;
+  for (const BareRod& each : rods_)
+    put(bare++, now.positions[each.a], now.positions[each.b], now.gone[each.rod] == 0);
+  for (const std::uint32_t particle : particles_)
+    put(bare++, now.positions[particle], now.positions[particle], true);
   move_hulls(now.positions);
   move_platforms(now.platforms);
 }

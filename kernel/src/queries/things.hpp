@@ -34,18 +34,29 @@ struct PlaneNow {
   std::uint32_t number = 0;  ///< its place in the order of targets
 };
 
-/// Says where a world is. Rods that are out, and capsules that ended, are bytes other than 0.
+/// This is a rod that nothing else shows, between two particles.
+struct BareRod {
+  std::uint32_t rod, a, b;
+  friend bool operator==(const BareRod&, const BareRod&) = default;
+};
+
+/// Says where a world is. Particles that are no more those of the scene, rods that are out, and capsules that
+/// ended, are bytes other than 0.
 struct Whereabouts {
   std::span<const Vec3> positions;  ///< m, by particle
-  std::span<const std::uint8_t> gone, ended;
+  std::span<const std::uint8_t> replaced, gone, ended;
   std::span<const Pose> platforms;
 };
 
-/// Keeps what of a scene can be found by queries, and where it is now.
+/// Keeps what of a world can be found by queries, and where it is now.
 class Things {
  public:
+  /// Takes shapes and ground of a scene. Bare rods and particles are listed apart.
   Things(const Scene& scene, const QuerySettings& settings);
 
+  /// Lists the bare rods and particles that there are, ascending. Returns whether they are others than last
+  /// time; the list then has others, too.
+  bool list_bare(std::span<const BareRod> rods, std::span<const std::uint32_t> particles);
   /// Takes everything where it is.
   void update(const Whereabouts& now);
 
@@ -66,16 +77,10 @@ class Things {
   bool may_find(std::uint32_t number, const QueryFilter& filter) const;
 
  private:
-  /// A capsule goes where its places do, a rod where its ends do, and a particle alone.
+  /// A capsule goes where its places do.
   struct Line {
     std::uint32_t thing;
     Combination a, b;
-  };
-  struct Pair {
-    std::uint32_t thing, rod, a, b;
-  };
-  struct Single {
-    std::uint32_t thing, particle;
   };
   /// A hull goes where the particles of its body do.
   struct Carried {
@@ -92,7 +97,6 @@ class Things {
   void add_hull(const Scene& scene, std::size_t i);
   void add_ground(const Scene& scene);
   void add_mesh(ShapeKind list, std::size_t i, const GroundMesh& mesh, MeshSides sides);
-  void add_bare(const Scene& scene, const QuerySettings& settings);
   void move_platforms(std::span<const Pose> platforms);
   void move_hulls(std::span<const Vec3> positions);
   Bounds around(const Thing& thing) const;
@@ -103,8 +107,10 @@ class Things {
   std::vector<Thing> things_;
   std::vector<Bounds> bounds_;
   std::vector<Line> lines_;
-  std::vector<Pair> rods_;
-  std::vector<Single> particles_;
+  std::size_t first_bare_ = 0, first_bare_number_ = 0;  ///< in the list, and in the order of targets
+  double rod_radius_, particle_radius_;                 ///< m
+  std::vector<BareRod> rods_;
+  std::vector<std::uint32_t> particles_;
   std::vector<Carried> carried_;
   /// Of solids, which are hulls on bodies, boxes and hulls of the ground in this order: their shapes now, and
   /// the first box.

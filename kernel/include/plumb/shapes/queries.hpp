@@ -94,8 +94,8 @@ struct QuerySettings {
 ///
 /// Of equal distances the target that comes first in their order counts. Answers are the same to the bit on
 /// every machine and number of threads, and do not depend on how the hierarchy came to be. What has a place
-/// that is not finite is not found, and neither are broken rods, nor the cords of tackles. What was removed
-/// (World::remove()) is not found, nor what was added.
+/// that is not finite is not found, and neither are broken rods, nor the cords of tackles. Rods and particles
+/// that were added or joined since the scene are found as bare ones, and what was removed is not.
 class PLUMB_API Queries {
  public:
   /// Prepares a scene, with everything where it is there. Throws InputError if validate() refuses the scene,
@@ -107,8 +107,8 @@ class PLUMB_API Queries {
 
   /// Takes everything where it is in a world of the same scene. Throws InputError, and changes nothing, if
   /// the world has fewer particles or rods than the scene, or lacks a platform. Boxes of the hierarchy
-  /// follow; where they have grown far beyond what they were, it is built anew, which takes some fifteen
-  /// times as long.
+  /// follow. Where they have grown far beyond what they were, or bare rods and particles came or went, it is
+  /// built anew, which takes some fifteen times as long.
   void update(const World& world);
 
   /// Returns what a ray meets first. Throws InputError on a ray whose origin is not finite, whose direction

@@ -1,0 +1,61 @@
+#include "queries/bare.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace plumb::detail {
+namespace {
+
+constexpr std::uint32_t from_the_start = 1;  ///< the generation of what the scene had
+
+/// Lists the particles of a capsule, ascending and each once.
+std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
+  std::set<std::uint32_t> out;
+  for (const Point* const point : {&capsule.a, &capsule.b})
+    for (std::size_t k = 0; k < 4; ++k)
+      if (point->weights[k] != 0) out.insert(point->particles[k]);
+  return {out.begin(), out.end()};
+}
+
+bool is_shown(std::span<const std::uint8_t> shown, const Numbers& numbers, std::uint32_t number) {
+  return number < shown.size() && shown[number] != 0 && numbers.generation(number) == from_the_start;
+}
+
+}  // namespace
+
+Bare::Bare(const Scene& scene, const QuerySettings& settings)
+    : finds_rods_(settings.rod_radius > 0),
+      finds_particles_(settings.particle_radius > 0),
+      shown_rods_(scene.rods.size()),
+      shown_particles_(scene.particles.size()) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const Capsule& capsule : scene.capsules) {
+    const std::vector<std::uint32_t> particles = particles_of(capsule);
+    for (const std::uint32_t particle : particles) shown_particles_[particle] = 1;
+    if (particles.size() == 2) pairs.emplace(particles[0], particles[1]);
+  }
+  for (const Body& body : scene.bodies)
+    for (const std::uint32_t a : body.particles) {
+      shown_particles_[a] = 1;
+      for (const std::uint32_t b : body.particles) pairs.insert(std::minmax(a, b));
+    }
+  for (std::size_t i = 0; i < scene.rods.size(); ++i)
+    shown_rods_[i] = pairs.contains(std::minmax(scene.rods[i].a, scene.rods[i].b)) ? 1 : 0;
+  find(scene, {Numbers(scene.particles.size()), Numbers(scene.rods.size()), Numbers(0), Numbers(0)});
+}
+
+void Bare::find(const Scene& now, const Population& population) {
+  rods_.clear();
+  particles_.clear();
+  if (finds_rods_)
+    for (std::uint32_t i = 0; i < now.rods.size(); ++i)
+      if (population.rods.has(i) && !is_shown(shown_rods_, population.rods, i))
+        rods_.push_back({i, now.rods[i].a, now.rods[i].b});
+  if (finds_particles_)
+    for (std::uint32_t i = 0; i < now.particles.size(); ++i)
+      if (population.particles.has(i) && !is_shown(shown_particles_, population.particles, i))
+        particles_.push_back(i);
+}
+
+}  // namespace plumb::detail
