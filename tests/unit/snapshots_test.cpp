@@ -8,7 +8,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <random>
 #include <span>
@@ -174,6 +176,37 @@ TEST(ByteSum, IsTheSameInPartsAsOfAll) {
     Archive restore = Archive::restore(bytes);
     for (auto& part : now) restore(part);
     EXPECT_EQ(now, parts);
+  }
+}
+
+/// Returns the sum, word by word.
+std::uint64_t sum_by_words(std::span<const std::byte> bytes) {
+  constexpr std::size_t lanes = detail::ByteSum::lanes;
+  const auto word_at = [&](std::size_t at) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, &bytes[at], std::min<std::size_t>(8, bytes.size() - at));
+    return word;
+  };
+  std::array<std::uint64_t, lanes> sums;
+  std::iota(sums.begin(), sums.end(), std::uint64_t{1});
+  std::size_t at = 0;
+  for (bool swaps = false; at < bytes.size() / detail::ByteSum::block * detail::ByteSum::block;
+       swaps = !swaps)
+    for (std::uint64_t& each : sums) {
+      each += word_at(at);
+      each = swaps ? each << 32 | each >> 32 : each ^ each >> 3;
+      at += 8;
+    }
+  std::uint64_t out = bytes.size();
+  for (const std::uint64_t each : sums) out = detail::mixed(out, each);
+  for (; at < bytes.size(); at += 8) out = detail::mixed(out, word_at(at));
+  return out;
+}
+
+TEST(ByteSum, IsTheSameByVectorsAsByWords) {
+  for (const std::size_t size : {0u, 5u, 255u, 256u, 257u, 5000u}) {
+    const std::vector<std::byte> bytes = random_bytes(size);
+    EXPECT_EQ(sum_of(bytes, {}), sum_by_words(bytes)) << size;
   }
 }
 
