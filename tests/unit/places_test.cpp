@@ -4,10 +4,11 @@
 
 #include <cstdint>
 #include <numeric>
+#include <random>
 #include <span>
 #include <vector>
 
-#include "interface/place.hpp"
+#include "interface/read_rows.hpp"
 
 namespace plumb::detail {
 namespace {
@@ -78,6 +79,79 @@ TEST(Places, ComeInRunsAfterChanges) {
   });
   EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0u), 3u);
   EXPECT_EQ(slots, (std::vector<std::uint32_t>{0, 9, 2}));
+}
+
+/// Returns that of one of ropes side by side, with an anchor between each and the next.
+Run rope(std::uint32_t number) {
+  return Run{.first = 1 + 17 * number,
+             .every = 1,
+             .count = 16,
+             .solver = 3,
+             .slot = number,
+             .slot_stride = 8,
+             .address = number,
+             .address_stride = 24};
+}
+
+TEST(Runs, TakeEqualOnesEvenlyApartAsRows) {
+  detail::Run run = rope(0);
+  EXPECT_TRUE(run.takes(rope(1)));
+  EXPECT_TRUE(run.takes(rope(2)));
+  EXPECT_FALSE(run.takes(rope(4)));
+  for (std::uint32_t detail::Run::*const member :
+       {&detail::Run::first, &detail::Run::every, &detail::Run::count, &detail::Run::solver,
+        &detail::Run::slot, &detail::Run::slot_stride, &detail::Run::address, &detail::Run::address_stride,
+        &detail::Run::rows}) {
+    detail::Run other = rope(3);
+    ++(other.*member);
+    EXPECT_FALSE(run.takes(other));
+  }
+  EXPECT_TRUE(run.takes(rope(3)));
+  EXPECT_EQ(run.rows, 4u);
+  std::vector<std::uint32_t> slots(17 * 4, 99), expected = slots;
+  for (std::uint32_t row = 0; row < 4; ++row)
+    for (std::uint32_t i = 0; i < 16; ++i) expected[17 * row + 1 + i] = row + 8 * i;
+  run.read_slots(slots.data(), [](std::uint32_t slot) { return slot; });
+  EXPECT_EQ(slots, expected);
+}
+
+/// Reads runs of all forms by vectors, and one particle after the other.
+template <class T>
+void expect_rows_read_alike() {
+  std::mt19937 random(7);
+  const auto number = [&](std::uint32_t most) { return 1 + static_cast<std::uint32_t>(random()) % most; };
+  for (int round = 0; round < 300; ++round) {
+    const bool is_backwards = number(3) == 1;
+    const std::uint32_t lanes = 8 * number(2), count = number(9), rows = number(lanes), every = number(2);
+    const std::uint32_t stride = is_backwards ? 0u - 3 * lanes : 3 * lanes;
+    const Run run{.first = number(5),
+                  .every = every,
+                  .count = count,
+                  .solver = 0,
+                  .slot = 0,
+                  .slot_stride = 0,
+                  .address = is_backwards ? 3 * lanes * (count - 1) : 0,
+                  .address_stride = stride,
+                  .rows = rows,
+                  .row_first = every * count + number(4),
+                  .row_slot = 0,
+                  .row_address = 1};
+    std::vector<T> numbers(3 * std::size_t{lanes} * count);
+    for (T& each : numbers) each = static_cast<T>(random()) / 7;
+    std::vector<Vec3> out(run.first + std::size_t{rows} * run.row_first), expected = out;
+    run.read_addresses(expected.data(), [&](std::uint32_t at) {
+      return Vec3{numbers[at], numbers[at + lanes], numbers[at + 2 * lanes]};
+    });
+    read_rows(run,
+              RowsAt<T>{numbers.data() + run.address, lanes, static_cast<std::int32_t>(run.address_stride)},
+              out.data());
+    ASSERT_EQ(out, expected) << round;
+  }
+}
+
+TEST(Runs, AreReadByVectorsAsOneByOne) {
+  expect_rows_read_alike<double>();
+  expect_rows_read_alike<float>();
 }
 
 TEST(Places, MayBeOfNothing) {

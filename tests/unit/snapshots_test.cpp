@@ -4,16 +4,21 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <numeric>
 #include <optional>
+#include <random>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "interface/archive.hpp"
+#include "math/byte_sum.hpp"
 #include "scenes/spec.hpp"
 #include "step/snapshot/fingerprint.hpp"
 #include "step/world_impl.hpp"
@@ -25,6 +30,7 @@ namespace {
 
 using detail::Archive;
 using detail::fingerprint_of;
+using detail::sum_of;
 using testing::Test;
 
 enum class Shade : std::uint8_t { light, dark };
@@ -109,17 +115,106 @@ TEST(Archive, TellsWhichFlagsChange) {
   }
 }
 
-TEST(Checksum, ChangesWithEveryBit) {
-  for (const std::size_t size : {1u, 7u, 8u, 31u, 32u, 33u, 75u}) {
-    std::vector<std::byte> bytes(size, std::byte{0x5a});
-    const std::uint64_t sum = detail::checksum(bytes);
+std::vector<std::byte> random_bytes(std::size_t size) {
+  std::mt19937 random(3);
+  std::vector<std::byte> out(size);
+  for (std::byte& each : out) each = static_cast<std::byte>(random());
+  return out;
+}
+
+// Every bit counts, in whole blocks of the sum and behind them.
+TEST(ByteSum, ChangesWithEveryBit) {
+  for (const std::size_t size : {1u, 7u, 8u, 31u, 32u, 33u, 75u, 256u, 3u * 256 + 77}) {
+    std::vector<std::byte> bytes = random_bytes(size);
+    const std::uint64_t sum = sum_of(bytes, {});
     for (std::size_t i = 0; i < 8 * size; ++i) {
       bytes[i / 8] ^= std::byte(1 << i % 8);
-      EXPECT_NE(detail::checksum(bytes), sum) << size << ", " << i;
+      ASSERT_NE(sum_of(bytes, {}), sum) << size << ", " << i;
       bytes[i / 8] ^= std::byte(1 << i % 8);
     }
   }
-  EXPECT_NE(detail::checksum(std::vector<std::byte>(8)), detail::checksum(std::vector<std::byte>(16)));
+  EXPECT_NE(sum_of(std::vector<std::byte>(8), {}), sum_of(std::vector<std::byte>(16), {}));
+}
+
+// What two changes do hardly ever is the same. Signs are what a plain sum of words takes for nothing.
+TEST(ByteSum, ChangesWithTwoSignsAndWithWordsThatChangePlaces) {
+  std::vector<std::byte> bytes = random_bytes(8 * 200);
+  const std::uint64_t sum = sum_of(bytes, {});
+  const auto turn = [&](std::size_t word) { bytes[8 * word + 7] ^= std::byte{0x80}; };
+  const auto swap = [&](std::size_t a, std::size_t b) {
+    std::swap_ranges(&bytes[8 * a], &bytes[8 * a] + 8, &bytes[8 * b]);
+  };
+  for (std::size_t a = 0; a < 200; ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      turn(a), turn(b);
+      ASSERT_NE(sum_of(bytes, {}), sum) << a << ' ' << b;
+      turn(a), turn(b);
+      swap(a, b);
+      ASSERT_NE(sum_of(bytes, {}), sum) << a << ' ' << b;
+      swap(a, b);
+    }
+}
+
+// What is summed up as it is written has the sum of what was written, however it comes.
+TEST(ByteSum, IsTheSameInPartsAsOfAll) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<std::vector<std::uint8_t>> parts(1 + random() % 9);
+    for (auto& part : parts) {
+      part.resize(random() % (random() % 2 == 0 ? 30 : 3000));
+      for (std::uint8_t& each : part) each = static_cast<std::uint8_t>(random());
+    }
+    Archive measure = Archive::measure();
+    for (auto& part : parts) measure(part);
+    std::vector<std::byte> bytes(measure.size());
+    Archive save = Archive::save(bytes);
+    for (auto& part : parts) save(part);
+    const std::vector<std::byte> others = random_bytes(random() % 20);
+    EXPECT_EQ(save.sum_with(others), sum_of(bytes, others));
+    auto now = parts;
+    for (auto& part : now) std::fill(part.begin(), part.end(), std::uint8_t{0});
+    Archive restore = Archive::restore(bytes);
+    for (auto& part : now) restore(part);
+    EXPECT_EQ(now, parts);
+  }
+}
+
+/// Returns the sum, word by word.
+std::uint64_t sum_by_words(std::span<const std::byte> bytes) {
+  constexpr std::size_t lanes = detail::ByteSum::lanes;
+  const auto word_at = [&](std::size_t at) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, &bytes[at], std::min<std::size_t>(8, bytes.size() - at));
+    return word;
+  };
+  std::array<std::uint64_t, lanes> sums;
+  std::iota(sums.begin(), sums.end(), std::uint64_t{1});
+  std::size_t at = 0;
+  for (bool swaps = false; at < bytes.size() / detail::ByteSum::block * detail::ByteSum::block;
+       swaps = !swaps)
+    for (std::uint64_t& each : sums) {
+      each += word_at(at);
+      each = swaps ? each << 32 | each >> 32 : each ^ each >> 3;
+      at += 8;
+    }
+  std::uint64_t out = bytes.size();
+  for (const std::uint64_t each : sums) out = detail::mixed(out, each);
+  for (; at < bytes.size(); at += 8) out = detail::mixed(out, word_at(at));
+  return out;
+}
+
+TEST(ByteSum, IsTheSameByVectorsAsByWords) {
+  for (const std::size_t size : {0u, 5u, 255u, 256u, 257u, 5000u}) {
+    const std::vector<std::byte> bytes = random_bytes(size);
+    EXPECT_EQ(sum_of(bytes, {}), sum_by_words(bytes)) << size;
+  }
+}
+
+// Snapshots travel between processors, so that this must be the same on all of them.
+TEST(ByteSum, IsThatOfTheFormat) {
+  std::vector<std::byte> bytes(600);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * i);
+  EXPECT_EQ(sum_of(bytes, std::span(bytes).first(32)), 0x68f99c650b0d9153u);
 }
 
 TEST(Fingerprints, TellScenesAndSettingsApart) {

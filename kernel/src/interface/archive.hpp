@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/byte_sum.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/vec3.hpp"
 
@@ -48,10 +49,18 @@ class Archive {
 
   bool restores() const { return way_ == Way::restore; }
   std::size_t size() const { return done_; }  ///< Bytes so far.
+  /// Returns the sum over all that was saved, and after it `others`.
+  std::uint64_t sum_with(std::span<const std::byte> others) {
+    add_to_sum();
+    return sum_.with({to_ + summed_, done_ - summed_}, others);
+  }
 
   template <class... T>
   void operator()(T&... values) {
-    (one(values), ...);
+    if constexpr ((is_dense<T> && ...))
+      numbers(values...);
+    else
+      (one(values), ...);
   }
   /// Lists flags, and returns whether restoring has changed some.
   bool changes(std::vector<std::uint8_t>& flags) {
@@ -71,23 +80,32 @@ class Archive {
   Archive(Way way, std::byte* to, const std::byte* from, std::size_t room)
       : way_(way), to_(to), from_(from), room_(room) {}
 
-  void bytes(void* numbers, std::size_t count) {
-    if (way_ != Way::measure) {
-      if (count > room_ - done_) refuse_end();
-      if (count == 0) return;
-      if (way_ == Way::save)
-        std::memcpy(to_ + done_, numbers, count);
-      else
-        std::memcpy(numbers, from_ + done_, count);
-    }
-    done_ += count;
+  /// Lists some numbers at once, which takes no call.
+  template <class... T>
+  void numbers(T&... of) {
+    constexpr std::size_t count = (sizeof(T) + ...);
+    if (way_ != Way::measure && count > room_ - done_) refuse_end();
+    std::size_t at = done_;
+    const auto list = [this, &at](auto& number) {
+      if (way_ == Way::save) std::memcpy(to_ + at, &number, sizeof number);
+      if (way_ == Way::restore) std::memcpy(&number, from_ + at, sizeof number);
+      at += sizeof number;
+    };
+    (list(of), ...);
+    done_ = at;
   }
+  void bytes(void* of, std::size_t count);
   [[noreturn]] void refuse_end() const;
+
+  /// So many bytes at once are summed up as they are copied. Fewer are summed up with the next that are many.
+  static constexpr std::size_t many = 4 * ByteSum::block;
+  void save_many(const std::byte* from, std::size_t count);
+  void add_to_sum() { summed_ += sum_.add({to_ + summed_, done_ - summed_}); }
 
   template <class T>
   void one(T& value) {
     if constexpr (is_dense<T>)
-      bytes(&value, sizeof value);
+      numbers(value);
     else if constexpr (requires { value.archive(*this); })
       value.archive(*this);
     else
@@ -95,7 +113,7 @@ class Archive {
   }
   void one(bool& value) {
     std::uint8_t byte = value ? 1 : 0;
-    bytes(&byte, 1);
+    numbers(byte);
     value = byte != 0;
   }
   /// Counts never exceed the bytes that are left, so that nothing absurd is allocated.
@@ -107,10 +125,11 @@ class Archive {
   }
   template <class T>
   void elements(T* of, std::size_t size) {
-    if constexpr (is_dense<T>)
-      bytes(of, size * sizeof(T));
-    else
+    if constexpr (is_dense<T>) {
+      if (size > 0) bytes(of, size * sizeof(T));
+    } else {
       for (std::size_t i = 0; i < size; ++i) one(of[i]);
+    }
   }
   template <class T>
   void one(std::vector<T>& values) {
@@ -144,7 +163,8 @@ class Archive {
   Way way_;
   std::byte* to_;
   const std::byte* from_;
-  std::size_t room_, done_ = 0;
+  std::size_t room_, done_ = 0, summed_ = 0;
+  ByteSum sum_;
 };
 
 }  // namespace plumb::detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "interface/archive.hpp"
+#include "interface/read_rows.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/packing.hpp"
 #include "plumb/layouts/stores.hpp"
@@ -109,6 +110,15 @@ class Block {
     return [store = layouts::StoreView<const T>{field, packing_.component_stride}](std::uint32_t at) -> Vec3 {
       return {store.x(at), store.y(at), store.z(at)};
     };
+  }
+
+  /// Reads a field at the addresses of a run, whose rows may be in lanes side by side.
+  void read_run(const T* field, const Run& run, Vec3* out) const {
+    if (run.rows > 1 && run.row_address != 1) return run.read_addresses(out, reader(field));
+    read_rows(run,
+              RowsAt<T>{field + run.address, packing_.component_stride,
+                        static_cast<std::int32_t>(run.address_stride)},
+              out);
   }
 
   /// Lists which rods do not take part. Returns whether that has changed, so that set_weights() is due.

@@ -63,7 +63,7 @@ class RelaxSolver final : public Solver {
   void add_to_hash(Slot slot, StateHash& hash) const override;
   std::uint32_t address(Slot slot) const override { return block_.packing().slot_offset[slot]; }
   void read_positions(std::span<const Run> runs, Vec3* out) const override {
-    for (const Run& run : runs) run.read_addresses(out, block_.reader(block_.x()));
+    for (const Run& run : runs) block_.read_run(block_.x(), run, out);
   }
   void read_velocities(std::span<const Run> runs, Vec3* out) const override {
     if (!has_moved_) return Solver::read_velocities(runs, out);

@@ -7,6 +7,8 @@ namespace plumb::detail {
 
 Places::Places(std::uint32_t particles, std::span<const Entry> entries) : rows_(particles, entries) {
   count_uses(rows_.items(), 1);
+  for (std::uint32_t particle = 0; particle < particles; ++particle)
+    several_ += of(particle).size() > 1 ? 1 : 0;
 }
 
 void Places::count_uses(std::span<const Place> places, std::int32_t change) {
@@ -19,8 +21,18 @@ void Places::count_uses(std::span<const Place> places, std::int32_t change) {
 void Places::replace(std::uint32_t particle, std::span<const Place> by) {
   count_uses(of(particle), -1);
   count_uses(by, 1);
+  several_ -= of(particle).size() > 1 ? 1 : 0;
+  several_ += by.size() > 1 ? 1 : 0;
   rows_.replace(particle, by);
-  const std::uint32_t chunk = particle / chunk_size;
+  make_stale(particle / chunk_size);
+}
+
+void Places::grow(std::uint32_t particles) {
+  if (particles > count()) make_stale(count() / chunk_size);
+  rows_.grow(particles);
+}
+
+void Places::make_stale(std::uint32_t chunk) {
   if (chunk < runs_.count() && (stale_.empty() || stale_.back() != chunk)) stale_.push_back(chunk);
 }
 
@@ -38,9 +50,8 @@ namespace {
 
 /// Lists the first places of the particles of a chunk, with their addresses.
 struct Firsts {
-  static constexpr std::uint32_t nowhere = ~std::uint32_t{0};
   struct First {
-    std::uint32_t solver = nowhere, slot = 0, address = 0;
+    std::uint32_t solver = Run::nowhere, slot = 0, address = 0;
   };
   std::array<First, Places::chunk_size> all;
   std::uint32_t size;
@@ -71,6 +82,14 @@ struct Firsts {
 
 }  // namespace
 
+/// Adds a run to those found, or to the rows of one of the last: between those of ropes are their anchors.
+void Places::add_run(const Run& run) {
+  const std::size_t looked_at = std::min<std::size_t>(found_.size(), 2);
+  for (auto last = found_.rbegin(); last != found_.rbegin() + static_cast<std::ptrdiff_t>(looked_at); ++last)
+    if (last->takes(run)) return;
+  found_.push_back(run);
+}
+
 void Places::find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers) {
   const std::uint32_t base = chunk * chunk_size;
   Firsts firsts{{}, std::min(chunk_size, count() - base)};
@@ -82,17 +101,15 @@ void Places::find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<S
   found_.clear();
   for (std::uint32_t i = 0, next = 0; i < firsts.size; i = next) {
     const std::uint32_t in_turn = firsts.length(i, 1), by_two = in_turn < 4 ? firsts.length(i, 2) : 0;
-    if (firsts.all[i].solver == Firsts::nowhere) {
-      next = i + in_turn;
-    } else if (by_two >= 8) {
-      found_.push_back(firsts.run(base, i, 2, (by_two + 1) / 2));
-      found_.push_back(firsts.run(base, i + 1, 2, by_two / 2));
+    if (by_two >= 8) {
+      add_run(firsts.run(base, i, 2, (by_two + 1) / 2));
+      add_run(firsts.run(base, i + 1, 2, by_two / 2));
       next = i + by_two;
     } else {
       // The first of two may be an anchor, which lies elsewhere, and the second one of many.
       const bool is_apart = in_turn == 2 && firsts.length(i + 1, 1) > 2;
       next = i + (is_apart ? 1 : in_turn);
-      found_.push_back(firsts.run(base, i, 1, next - i));
+      add_run(firsts.run(base, i, 1, next - i));
     }
   }
   runs_.replace(chunk, found_);

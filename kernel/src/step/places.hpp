@@ -36,12 +36,14 @@ class Places {
   /// Gives a particle other places, in time that does not depend on how many particles there are.
   void replace(std::uint32_t particle, std::span<const Place> by);
   /// Adds particles without places, up to so many.
-  void grow(std::uint32_t particles) { rows_.grow(particles); }
+  void grow(std::uint32_t particles);
+  /// Returns whether some particle has several places.
+  bool any_several() const { return several_ > 0; }
 
-  /// Finds runs of the first places of all particles that have one, or after that, of what was replaced
-  /// since. Places of cords need none.
+  /// Finds runs of the first places of all particles, or after that, of what was replaced since. Places of
+  /// cords need none.
   void find_runs(std::span<const std::unique_ptr<Solver>> solvers);
-  /// Calls f(solver's number, runs) for these runs, by lists of one solver.
+  /// Calls f(solver's number, runs) for these runs, by lists of one solver, and of particles nowhere.
   template <class F>
   void for_reading(F&& f) const {
     for (std::uint32_t chunk = 0; chunk < runs_.count(); ++chunk) {
@@ -76,11 +78,14 @@ class Places {
   }
 
  private:
+  void add_run(const Run& run);
+  void make_stale(std::uint32_t chunk);
   void count_uses(std::span<const Place> places, std::int32_t change);
   void find_runs_of(std::uint32_t chunk, std::span<const std::unique_ptr<Solver>> solvers);
 
   Rows<Place> rows_;                  ///< by particle
   std::vector<std::uint32_t> uses_;   ///< by solver
+  std::uint32_t several_ = 0;         ///< so many particles have several places
   Rows<Run> runs_;                    ///< by chunk
   std::vector<std::uint32_t> stale_;  ///< chunks, of which some places were replaced
   std::vector<Run> found_;            ///< room for those of a chunk

@@ -117,6 +117,7 @@ class Step {
                 std::span<const Vec3> velocities);
   /// Returns whether a particle is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return anchors_.will_be_fixed(particle); }
+  std::span<const std::uint8_t> will_be_fixed() const { return anchors_.will_be_fixed(); }
   bool is_fixed(std::uint32_t particle) const { return anchors_.is_fixed(particle); }
 
   // --- What is added and removed at once (breaks/additions.cpp)
@@ -271,8 +272,8 @@ class Step {
   bool is_asleep(std::uint32_t particle) const;
   void find_heads(std::span<const std::uint32_t> particles);
   std::vector<std::uint8_t> were_asleep(std::span<const std::uint32_t> particles) const;
-  template <class Read, class One>
-  void read_all(std::span<Vec3> out, Read&& read, One&& one) const;
+  template <class Read, class Rest, class One>
+  void read_all(std::span<Vec3> out, Read&& read, Rest&& rest, One&& one) const;
   Solver& solver(const Place& place) const { return *compiled_.solvers[place.solver]; }
 
   Settings settings_;

@@ -114,12 +114,16 @@ void for_laws(Laws& laws, Other& other, F&& f) {
   visit(laws.ahead, 1, other.ahead);
 }
 
-/// Steps are made anew.
+/// Steps are made anew. Trees without numbers, which are many, list none.
 template <class Archive, class T>
 void visit_members(Archive& archive, TreeLaws<T>& of) {
   auto& [any, gives, cables, breaks, moves, pulls, law, half_kick, length, rate, jump, impulse, ahead, blow,
          step, factors, factor_numbers, steps_are_old] = of;
   archive(any, gives, cables, breaks, moves, pulls);
+  if (!any) {
+    if (archive.restores() && !factors.empty()) of = {};
+    return;
+  }
   for_laws(of, of, [&](auto& rods, auto& ties, std::uint32_t, auto&, auto&) { archive(rods, ties); });
   archive(blow.rods, blow.ties);
   std::size_t lanes = factors.size();

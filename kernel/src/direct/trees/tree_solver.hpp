@@ -78,13 +78,17 @@ class TreeSolver final : public Solver {
   Vec3 velocity(Slot slot) const override;
   void add_to_hash(Slot slot, StateHash& hash) const override;
   void read_positions(std::span<const Run> runs, Vec3* out) const override {
+    const std::uint32_t end = ties_begin_ + static_cast<std::uint32_t>(state_.tie_x.size() / 3);
     for (const Run& run : runs)
-      state_.read_run(state_.x, run, ties_begin_, out, [this](Slot slot) { return position(slot); });
+      if (!state_.read_run(state_.x, 0, ties_begin_, run, out) &&
+          !state_.read_run(state_.tie_x, ties_begin_, end, run, out))
+        run.read_slots(out, [this](Slot slot) { return position(slot); });
   }
   void read_velocities(std::span<const Run> runs, Vec3* out) const override {
     find_velocities();
     for (const Run& run : runs)
-      state_.read_run(velocity_, run, ties_begin_, out, [](Slot) { return Vec3{}; });
+      if (!state_.read_run(velocity_, 0, ties_begin_, run, out))
+        run.read_slots(out, [this](Slot slot) { return velocity(slot); });
   }
   double read(std::span<const Slot> slots, std::span<Vec3> out) const override;
   void set_force(Slot slot, Vec3 newton) override;

@@ -13,7 +13,7 @@
 #include "direct/grabs/tree_grabs.hpp"
 #include "direct/laws/tree_laws.hpp"
 #include "direct/twists/tree_twists.hpp"
-#include "interface/place.hpp"
+#include "interface/read_rows.hpp"
 #include "plumb/layouts/aligned_buffer.hpp"
 #include "plumb/layouts/trees.hpp"
 #include "plumb/scene.hpp"
@@ -69,25 +69,20 @@ struct TreeState {
     const auto number = [&](std::size_t c) { return static_cast<double>(from[(first + c) * lanes + lane]); };
     return {number(0), number(1), number(2)};
   }
-  /// Reads three numbers of each node of a run, whose slots are `lanes` times the node plus the lane. Slots
-  /// from `nodes_end` on are no nodes, and `others` reads them.
-  template <class Buffer, class Others>
-  void read_run(const Buffer& from, const Run& run, std::uint32_t nodes_end, Vec3* out,
-                Others&& others) const {
+  /// Reads three numbers of each particle of a run, whose slots from `begin` to `end` number `from` by
+  /// entries and lanes. Returns whether its rows are in lanes that these slots have.
+  template <class Number>
+  bool read_run(const layouts::AlignedBuffer<Number>& from, std::uint32_t begin, std::uint32_t end,
+                const Run& run, Vec3* out) const {
     const int shift = std::countr_zero(lanes);  // a division would take longer than all else
-    const auto first = [&](std::uint32_t slot) { return &from[at(3 * (slot >> shift), slot & (lanes - 1))]; };
-    const auto read_from = [&](const auto* number) -> Vec3 {
-      return {number[0], number[lanes], number[2 * std::size_t{lanes}]};
-    };
-    if (run.slot_stride % lanes == 0 && std::max(run.slot, run.last_slot()) < nodes_end) {  // in one lane
-      const auto* number = first(run.slot);
-      const auto pitch = 3 * std::ptrdiff_t{static_cast<std::int32_t>(run.slot_stride)};
-      Vec3* to = out + run.first;
-      for (std::uint32_t i = 0; i < run.count; ++i, number += pitch, to += run.every) *to = read_from(number);
-      return;
-    }
-    run.read_slots(
-        out, [&](std::uint32_t slot) { return slot < nodes_end ? read_from(first(slot)) : others(slot); });
+    const std::uint32_t slot = run.slot - begin, lane = slot & (lanes - 1);
+    const bool is_in_lanes = std::min(run.slot, run.last_slot()) >= begin &&
+                             std::max(run.slot, run.last_slot()) < end && run.slot_stride % lanes == 0 &&
+                             (run.rows == 1 || (run.row_slot == 1 && lane + run.rows <= lanes));
+    if (!is_in_lanes) return false;
+    const auto next = 3 * std::ptrdiff_t{static_cast<std::int32_t>(run.slot_stride)};
+    read_rows(run, RowsAt<Number>{&from[at(3 * (slot >> shift), lane)], lanes, next}, out);
+    return true;
   }
   Vec3 position(std::uint32_t node, std::uint32_t lane) const;
   void set_force(std::uint32_t node, std::uint32_t lane, Vec3 newton);

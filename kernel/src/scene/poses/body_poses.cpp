@@ -8,19 +8,8 @@
 namespace plumb::detail {
 namespace {
 
-/// Holds a number of each of `count` bodies, which are found side by side: all do the same arithmetic, so
-/// that compilers make vectors of it. One body alone is found by the same, to the same bits.
 template <std::size_t count>
-using Lanes = std::array<double, count>;
-/// Holds nine numbers of each, row by row.
-template <std::size_t count>
-using Matrices = std::array<Lanes<count>, 9>;
-/// Holds three numbers for each of the four particles of a body.
-template <std::size_t count>
-using Corners = std::array<Lanes<count>, 12>;
-
-template <std::size_t count>
-void put(std::array<Lanes<count>, 12>& of, std::size_t lane, std::size_t corner, Vec3 vector) {
+void put(Corners<count>& of, std::size_t lane, std::size_t corner, Vec3 vector) {
   of[3 * corner][lane] = vector.x;
   of[3 * corner + 1][lane] = vector.y;
   of[3 * corner + 2][lane] = vector.z;
@@ -29,12 +18,42 @@ void put(std::array<Lanes<count>, 12>& of, std::size_t lane, std::size_t corner,
 /// Returns the matrix that takes directions of the scene to the change of `vectors` along them.
 template <std::size_t count>
 Matrices<count> gradients_of(const Corners<count>& vectors, const Corners<count>& gradients) {
-  Matrices<count> out{};
-  for (std::size_t i = 0; i < 12; i += 3)
-    for (std::size_t row = 0; row < 3; ++row)
-      for (std::size_t column = 0; column < 3; ++column)
-        for (std::size_t k = 0; k < count; ++k)
-          out[3 * row + column][k] += vectors[i + row][k] * gradients[i + column][k];
+  Matrices<count> out;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto put_row = [&](std::size_t row) {
+      double x = 0, y = 0, z = 0;
+      for (std::size_t i = 0; i < 12; i += 3) {
+        x += vectors[i + row][k] * gradients[i][k];
+        y += vectors[i + row][k] * gradients[i + 1][k];
+        z += vectors[i + row][k] * gradients[i + 2][k];
+      }
+      out[3 * row][k] = x;
+      out[3 * row + 1][k] = y;
+      out[3 * row + 2][k] = z;
+    };
+    put_row(0);
+    put_row(1);
+    put_row(2);
+  }
+  return out;
+}
+
+/// Returns where the centres are, or how fast they move.
+template <std::size_t count>
+std::array<Lanes<count>, 3> centers_of(const Corners<count>& vectors,
+                                       const std::array<Lanes<count>, 4>& weights) {
+  std::array<Lanes<count>, 3> out;
+  for (std::size_t k = 0; k < count; ++k) {
+    double x = 0, y = 0, z = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      x += vectors[3 * i][k] * weights[i][k];
+      y += vectors[3 * i + 1][k] * weights[i][k];
+      z += vectors[3 * i + 2][k] * weights[i][k];
+    }
+    out[0][k] = x;
+    out[1][k] = y;
+    out[2][k] = z;
+  }
   return out;
 }
 
@@ -43,6 +62,8 @@ Matrices<count> gradients_of(const Corners<count>& vectors, const Corners<count>
 /// later, so that one step is enough but where sweeps left a strain.
 template <std::size_t count>
 void make_rotations(Matrices<count>& of) {
+  // No square has a root above 1e-8 that is not above this. So no root need be taken.
+  constexpr double least_change = 1e-8 * 1e-8;
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8] = of;
   Matrices<count> next;
   Lanes<count> changes, squares;
@@ -75,10 +96,10 @@ void make_rotations(Matrices<count>& of) {
     }
     bool is_done = true;
     for (std::size_t k = 0; k < count; ++k) {
-      if (!(changes[k] > 1e-8)) continue;
-      for (std::size_t i = 0; i < 9; ++i) of[i][k] = next[i][k];
-      changes[k] = std::sqrt(squares[k]);
-      is_done = is_done && !(changes[k] > 1e-8);
+      const bool goes_on = changes[k] > least_change;
+      for (std::size_t i = 0; i < 9; ++i) of[i][k] = goes_on ? next[i][k] : of[i][k];
+      changes[k] = goes_on ? squares[k] : changes[k];
+      is_done = is_done & !(changes[k] > least_change);
     }
     if (is_done) return;
   }
@@ -116,59 +137,80 @@ std::array<Lanes<count>, 4> quaternions_of(const Matrices<count>& r) {
 
 }  // namespace
 
-BodyPoses::BodyPoses(const Scene& scene) {
-  for (const Body& body : scene.bodies) {
+BodyPoses::BodyPoses(const Scene& scene) : count_(static_cast<std::uint32_t>(scene.bodies.size())) {
+  groups_.resize((count_ + side_by_side - 1) / side_by_side);
+  for (std::uint32_t body = 0; body < count_; ++body) {
+    const std::array<std::uint32_t, 4>& particles = scene.bodies[body].particles;
     std::array<Vec3, 4> at{};
-    for (std::size_t i = 0; i < 4; ++i) at[i] = scene.particles[body.particles[i]].position;
+    for (std::size_t i = 0; i < 4; ++i) at[i] = scene.particles[particles[i]].position;
     const Barycentric weights(at);
-    bodies_.push_back({body.particles, weights.weights(body.center), weights.gradients()});
+    const std::array<double, 4> center = weights.weights(scene.bodies[body].center);
+    const std::array<Vec3, 4> gradients = weights.gradients();
+    Group& group = groups_[body / side_by_side];
+    const std::size_t lane = body % side_by_side;
+    group.particles[lane] = particles;
+    for (std::size_t i = 0; i < 4; ++i) {
+      group.weights.center[i][lane] = center[i];
+      put<side_by_side>(group.weights.gradients, lane, i, gradients[i]);
+    }
+  }
+}
+
+/// Returns the weights of the bodies side by side with a body, or of it alone, which is put to `one`.
+template <std::size_t count>
+const BodyPoses::Weights<count>& BodyPoses::weights_from(std::uint32_t first, Weights<1>& one) const {
+  const Weights<side_by_side>& all = groups_[first / side_by_side].weights;
+  if constexpr (count == side_by_side) {
+    return all;
+  } else {
+    const std::size_t lane = first % side_by_side;
+    for (std::size_t i = 0; i < 4; ++i) one.center[i][0] = all.center[i][lane];
+    for (std::size_t i = 0; i < 12; ++i) one.gradients[i][0] = all.gradients[i][lane];
+    return one;
   }
 }
 
 template <std::size_t count, class At>
 void BodyPoses::find_poses(std::uint32_t first, At&& position, Pose* out) const {
-  Corners<count> places, gradients;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Reference& of = bodies_[first + k];
-    std::array<Vec3, 4> at;
-    for (std::size_t i = 0; i < 4; ++i) {
-      at[i] = position(of.particles[i]);
-      put<count>(places, k, i, at[i]);
-      put<count>(gradients, k, i, of.gradients[i]);
-    }
-    out[k].position = weighted(of.center, at);
-  }
-  Matrices<count> matrices = gradients_of<count>(places, gradients);
+  Weights<1> one;
+  const Weights<count>& weights = weights_from<count>(first, one);
+  Corners<count> places;
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t i = 0; i < 4; ++i)
+      put<count>(places, k, i, position(particles(first + static_cast<std::uint32_t>(k))[i]));
+  const std::array<Lanes<count>, 3> centers = centers_of<count>(places, weights.center);
+  Matrices<count> matrices = gradients_of<count>(places, weights.gradients);
   make_rotations<count>(matrices);
   const std::array<Lanes<count>, 4> quaternions = quaternions_of<count>(matrices);
-  for (std::size_t k = 0; k < count; ++k)
+  for (std::size_t k = 0; k < count; ++k) {
+    out[k].position = {centers[0][k], centers[1][k], centers[2][k]};
     for (std::size_t i = 0; i < 4; ++i) out[k].orientation[i] = quaternions[i][k];
+  }
 }
 
 /// The velocities of a turning body are G = W R, by directions of the scene, where W takes places to spin x
 /// place.
 template <std::size_t count, class At, class Speed>
 void BodyPoses::find_motions(std::uint32_t first, At&& position, Speed&& velocity, BodyMotion* out) const {
-  Corners<count> places, velocities, gradients;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Reference& of = bodies_[first + k];
-    std::array<Vec3, 4> v;
+  Weights<1> one;
+  const Weights<count>& weights = weights_from<count>(first, one);
+  Corners<count> places, velocities;
+  for (std::size_t k = 0; k < count; ++k)
     for (std::size_t i = 0; i < 4; ++i) {
-      v[i] = velocity(of.particles[i]);
-      put<count>(places, k, i, position(of.particles[i]));
-      put<count>(velocities, k, i, v[i]);
-      put<count>(gradients, k, i, of.gradients[i]);
+      const std::uint32_t particle = particles(first + static_cast<std::uint32_t>(k))[i];
+      put<count>(places, k, i, position(particle));
+      put<count>(velocities, k, i, velocity(particle));
     }
-    out[k].velocity = weighted(of.center, v);
-  }
-  Matrices<count> r = gradients_of<count>(places, gradients);
+  const std::array<Lanes<count>, 3> centers = centers_of<count>(velocities, weights.center);
+  Matrices<count> r = gradients_of<count>(places, weights.gradients);
   make_rotations<count>(r);
-  const Matrices<count> g = gradients_of<count>(velocities, gradients);
+  const Matrices<count> g = gradients_of<count>(velocities, weights.gradients);
   for (std::size_t k = 0; k < count; ++k) {
     const auto w = [&](std::size_t i, std::size_t j) {
       return g[3 * i][k] * r[3 * j][k] + g[3 * i + 1][k] * r[3 * j + 1][k] +
              g[3 * i + 2][k] * r[3 * j + 2][k];
     };
+    out[k].velocity = {centers[0][k], centers[1][k], centers[2][k]};
     out[k].spin = 0.5 * Vec3{w(2, 1) - w(1, 2), w(0, 2) - w(2, 0), w(1, 0) - w(0, 1)};
   }
 }

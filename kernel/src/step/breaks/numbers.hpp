@@ -22,6 +22,12 @@ class Numbers {
     return generations_.empty() ? 1 : generations_[number];
   }
   bool has(std::uint32_t number) const { return generation(number) % 2 == 1; }
+  /// Calls f(number) for those that nothing has.
+  template <class F>
+  void for_free(F&& f) const {
+    for (const auto& [first, size] : free_)
+      for (std::uint32_t number = first; number < first + size; ++number) f(number);
+  }
 
   /// Returns the first of so many numbers that nothing has, the lowest ones. The last may be new.
   std::uint32_t find(std::uint32_t size) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -17,19 +18,14 @@ class Anchors {
   Anchors(const Scene& scene, std::size_t solvers);
 
   bool is_fixed(std::uint32_t particle) const { return fixed_[particle] != 0; }
-  /// Calls f(particle) for each fixed one. Most are not, and are passed over as fast as bytes can be read.
+  /// Calls f(particle) for each fixed one.
   template <class F>
   void for_fixed(F&& f) const {
-    const std::uint8_t *const begin = fixed_.data(), *const end = begin + fixed_.size();
-    const auto next = [&](const std::uint8_t* from) {
-      return static_cast<const std::uint8_t*>(
-          from < end ? std::memchr(from, 1, static_cast<std::size_t>(end - from)) : nullptr);
-    };
-    for (const std::uint8_t* at = next(begin); at; at = next(at + 1))
-      f(static_cast<std::uint32_t>(at - begin));
+    for_any_of(f, fixed_, fixed_);
   }
   /// Returns whether it is fixed, or will be from the next step on.
   bool will_be_fixed(std::uint32_t particle) const { return will_be_fixed_[particle] != 0; }
+  const std::vector<std::uint8_t>& will_be_fixed() const { return will_be_fixed_; }
   void order(std::uint32_t particle, bool is_fixed) { will_be_fixed_[particle] = is_fixed ? 1 : 0; }
   /// Fixes a particle at `position` (m), from where it goes to a target that it may have by now. It came
   /// there at `velocity` (m/s), as an anchor that moved in a step of `dt` (s).
@@ -85,9 +81,8 @@ class Anchors {
     for (const std::uint32_t particle : moving) has_target[particle] = 0;
     archive(moving, concerned, settling, moved, dt, is_concerned);
     for (const std::uint32_t particle : moving) has_target[particle] = 1;
-    for (std::size_t particle = 0; particle < fixed.size(); ++particle)
-      if (fixed[particle] != 0 || will_be_fixed[particle] != 0)
-        archive(positions[particle], targets[particle]);
+    for_any_of([&, this](std::uint32_t particle) { archive(positions_[particle], targets_[particle]); },
+               fixed, will_be_fixed);
   }
   /// Tells solvers the paths of a step of dt (s). Once it is done, puts the anchors at their targets exactly,
   /// without the rounding of the way.
@@ -96,6 +91,30 @@ class Anchors {
 
  private:
   void concern(std::uint32_t solver);
+  /// Calls f(particle) for each that has a 1 in either of two lists. Most have none, and are passed over by
+  /// many at once.
+  template <class F>
+  static void for_any_of(F&& f, const std::vector<std::uint8_t>& one,
+                         const std::vector<std::uint8_t>& other) {
+    constexpr std::size_t many = 64;
+    const auto eight_of = [&](std::size_t first) {
+      std::uint64_t a = 0, b = 0;
+      std::memcpy(&a, &one[first], sizeof a);
+      std::memcpy(&b, &other[first], sizeof b);
+      return a | b;
+    };
+    std::size_t first = 0;
+    for (; first + many <= one.size(); first += many) {
+      std::uint64_t any = 0;
+      for (std::size_t i = 0; i < many; i += 8) any |= eight_of(first + i);
+      if (any == 0) continue;
+      for (std::size_t i = 0; i < many; i += 8)
+        for (std::uint64_t left = eight_of(first + i); left != 0; left &= left - 1)
+          f(static_cast<std::uint32_t>(first + i) + static_cast<std::uint32_t>(std::countr_zero(left)) / 8);
+    }
+    for (; first < one.size(); ++first)
+      if (one[first] != 0 || other[first] != 0) f(static_cast<std::uint32_t>(first));
+  }
 
   std::vector<std::uint8_t> fixed_, will_be_fixed_;  ///< by particle
   std::vector<Vec3> positions_, targets_;            ///< m, by particle; entries of movable ones are unused

@@ -21,11 +21,11 @@ namespace {
 using Bytes = std::span<const std::byte>;
 constexpr std::size_t word = 8;
 
-/// Every delta begins with this. The sum is over all bytes behind it.
+/// Every delta begins with this. The sum is over all bytes behind it, as that of a snapshot.
 struct DeltaHeader {
   std::array<char, 8> begin{'p', 'l', 'u', 'm', 'b', 'd', 'l', 't'};
   std::uint64_t sum = 0;
-  std::uint64_t format_of = 1;
+  std::uint64_t format_of = 2;
   std::uint64_t size = 0;  ///< of the whole delta, in bytes
   std::uint64_t base_sum = 0, base_size = 0;
   std::uint64_t of_size = 0;  ///< of the snapshot that it leads to, in bytes
@@ -152,7 +152,7 @@ DeltaHeader checked(Bytes delta) {
     refuse("delta: is cut off, or damaged: it says that it has ", header.size, " bytes, and ", delta.size(),
            " are here");
   const Bytes whole = delta.first(static_cast<std::size_t>(header.size));
-  if (header.sum != detail::checksum(whole.subspan(detail::summed_from)))
+  if (header.sum != detail::sum_over(header, whole))
     refuse("delta: is damaged: the sum over its bytes is not what it was");
   return header;
 }
@@ -221,12 +221,13 @@ std::size_t save_delta(Bytes base, Bytes snapshot, std::span<std::byte> out) {
   });
   write(now.data() + compared.words() * word, now.size() % word);
   const auto size = static_cast<std::size_t>(to_write - out.data());
-  detail::write_summed(DeltaHeader{.size = size,
-                                   .base_sum = from.sum,
-                                   .base_size = old.size(),
-                                   .of_size = now.size(),
-                                   .split = compared.split()},
-                       out.first(size));
+  const DeltaHeader header{.size = size,
+                           .base_sum = from.sum,
+                           .base_size = old.size(),
+                           .of_size = now.size(),
+                           .split = compared.split()};
+  const Bytes behind = out.first(size).subspan(sizeof header);
+  detail::write_header(header, out, [&](Bytes own) { return detail::sum_of(behind, own); });
   return size;
 }
 

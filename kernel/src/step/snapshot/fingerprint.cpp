@@ -1,23 +1,18 @@
 #include "step/snapshot/fingerprint.hpp"
 
-#include <array>
-#include <bit>
+#include <algorithm>
 #include <cstring>
 #include <optional>
 #include <vector>
 
 #include "interface/archive.hpp"
+#include "math/byte_sum.hpp"
 
 namespace plumb::detail {
 namespace {
 
-/// Numbers without a pattern that multiply or add, as xxHash has them.
-constexpr std::uint64_t prime = 0x9e3779b185ebca87, other_prime = 0xc2b2ae3d27d4eb4f;
-
-/// Takes in a word. For a given word different sums stay different, and for a given sum different words do.
-constexpr std::uint64_t mixed(std::uint64_t sum, std::uint64_t word) {
-  return std::rotl((sum ^ word) * prime, 31);
-}
+/// Every digest begins with a number without a pattern, as xxHash has it.
+constexpr std::uint64_t begin_of_digests = 0xc2b2ae3d27d4eb4f;
 
 std::uint64_t word_at(const std::byte* from, std::size_t count = 8) {
   std::uint64_t word = 0;
@@ -60,7 +55,7 @@ class Digest {
       sum_ = mixed(sum_, word_at(&bytes[i], std::min<std::size_t>(8, bytes.size() - i)));
   }
 
-  std::uint64_t sum_ = other_prime;
+  std::uint64_t sum_ = begin_of_digests;
 };
 
 // clang-format off
@@ -136,26 +131,6 @@ Fingerprint fingerprint_of(const Scene& scene, const Settings& settings) {
   of_scene(scene);
   of_settings(settings);
   return {of_scene.value(), of_settings.value()};
-}
-
-std::uint64_t checksum(std::span<const std::byte> bytes) {
-  // Eight sums side by side, since one product waits for the last. Each takes eight words at a time, which
-  // are turned and added up: processors do that to several words at once, and multiply one.
-  constexpr std::size_t lanes = 8, rows = 8, block = 8 * lanes * rows;
-  std::array<std::uint64_t, lanes> sums{1, 2, 3, 4, 5, 6, 7, 8};
-  std::size_t i = 0;
-  for (; bytes.size() - i >= block; i += block) {
-    std::array<std::uint64_t, lanes> added{};
-    for (std::size_t row = 0; row < rows; ++row)
-      for (std::size_t lane = 0; lane < lanes; ++lane)
-        added[lane] = std::rotl(added[lane], 23) + word_at(&bytes[i + 8 * (row * lanes + lane)]);
-    for (std::size_t lane = 0; lane < lanes; ++lane) sums[lane] = mixed(sums[lane], added[lane]);
-  }
-  std::uint64_t sum = bytes.size();
-  for (const std::uint64_t each : sums) sum = mixed(sum, each);
-  for (; i < bytes.size(); i += 8)
-    sum = mixed(sum, word_at(&bytes[i], std::min<std::size_t>(8, bytes.size() - i)));
-  return sum;
 }
 
 }  // namespace plumb::detail

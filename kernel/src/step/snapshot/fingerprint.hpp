@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "plumb/scene.hpp"
 #include "plumb/settings.hpp"
@@ -19,8 +17,5 @@ struct Fingerprint {
   friend bool operator==(const Fingerprint&, const Fingerprint&) = default;
 };
 Fingerprint fingerprint_of(const Scene& scene, const Settings& settings);
-
-/// Returns a sum over bytes. It changes with any byte, since every step of it can be undone.
-std::uint64_t checksum(std::span<const std::byte> bytes);
 
 }  // namespace plumb::detail

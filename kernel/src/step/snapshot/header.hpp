@@ -3,8 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "interface/archive.hpp"
+#include "math/byte_sum.hpp"
 #include "plumb/version.hpp"
 #include "step/snapshot/fingerprint.hpp"
 
@@ -12,11 +14,12 @@ namespace plumb::detail {
 
 inline constexpr std::array<char, 8> snapshot_magic{'p', 'l', 'u', 'm', 'b', 's', 'n', 'p'};
 /// Goes up with any change of what archives list, and of the sum.
-inline constexpr std::uint32_t snapshot_format = 10;
+inline constexpr std::uint32_t snapshot_format = 11;
 inline constexpr std::uint32_t library_version =
     PLUMB_VERSION_MAJOR << 16 | PLUMB_VERSION_MINOR << 8 | PLUMB_VERSION_PATCH;
 
-/// Every snapshot begins with this. The sum is over all bytes behind it.
+/// Every snapshot begins with this. The sum is over all bytes behind it: those of the state, and then those
+/// of the header.
 struct Header {
   std::array<char, 8> begin = snapshot_magic;
   std::uint64_t sum = 0;
@@ -25,7 +28,7 @@ struct Header {
   Fingerprint fits_to{};
 };
 static_assert(sizeof(Header) == 48);
-/// Sums of snapshots and of deltas are over all bytes from here on.
+/// Headers of snapshots and of deltas are summed up from here on.
 inline constexpr std::size_t summed_from = sizeof(snapshot_magic) + sizeof(std::uint64_t);
 
 inline void visit_members(Archive& archive, Header& of) {
@@ -33,16 +36,27 @@ inline void visit_members(Archive& archive, Header& of) {
   archive(begin, sum, format_of, library_of, size, fits_to.scene, fits_to.settings);
 }
 
-/// Writes the header of a snapshot or a delta at its beginning, with the sum over all bytes of `whole` that
-/// sums are over. What is behind the header stands there already.
+/// Returns the part of a header, of a snapshot or a delta, that is summed up with what is behind it.
 template <class Begin>
-void write_summed(Begin header, std::span<std::byte> whole) {
+std::span<const std::byte> summed_part(const Begin&, std::span<const std::byte> whole) {
+  return whole.first(sizeof(Begin)).subspan(summed_from);
+}
+/// Returns the sum over a whole snapshot or delta, which begins with this header.
+template <class Begin>
+std::uint64_t sum_over(const Begin& header, std::span<const std::byte> whole) {
+  return sum_of(whole.subspan(sizeof header), summed_part(header, whole));
+}
+
+/// Writes the header of a snapshot or a delta at its beginning. `sum` returns the sum over what is behind it,
+/// and then over some of its own bytes.
+template <class Begin, class Sum>
+void write_header(Begin header, std::span<std::byte> whole, Sum&& sum) {
   const auto write = [&] {
-    Archive archive = Archive::save(whole);
+    Archive archive = Archive::save(whole.first(sizeof header));
     archive(header);
   };
   write();
-  header.sum = checksum(whole.subspan(summed_from));
+  header.sum = sum(summed_part(header, whole));
   write();
 }
 

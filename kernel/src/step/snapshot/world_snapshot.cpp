@@ -28,7 +28,7 @@ Header checked(std::span<const std::byte> from, const detail::Fingerprint& world
   if (header.size < sizeof(Header) || header.size > from.size())
     refuse("snapshot: is cut off, or damaged: it says that it has ", header.size, " bytes, and ", from.size(),
            " are here");
-  if (header.sum != detail::checksum(from.first(header.size).subspan(detail::summed_from)))
+  if (header.sum != detail::sum_over(header, from.first(header.size)))
     refuse("snapshot: is damaged: the sum over its bytes is not what it was");
   if (header.library_of != detail::library_version)
     refuse("snapshot: was written by another version of plumb");
@@ -62,8 +62,9 @@ void World::Impl::archive(Archive& archive) {
   archive_own(archive, *this);
   step->archive(archive);
   fit_numbers();
-  for (std::uint32_t i = 0; i < fixed.size(); ++i)
-    fixed[i] = step->will_be_fixed(i) && step->population().particles.has(i) ? 1 : 0;
+  const std::span<const std::uint8_t> will_be = step->will_be_fixed();
+  std::copy_n(will_be.begin(), fixed.size(), fixed.begin());
+  step->population().particles.for_free([this](std::uint32_t particle) { fixed[particle] = 0; });
 }
 
 std::size_t World::snapshot_size() const {
@@ -78,7 +79,7 @@ std::size_t World::save(std::span<std::byte> out) const {
   Archive body = Archive::save(out.subspan(sizeof(Header)));
   impl_->archive(body);
   const Header header{.size = sizeof(Header) + body.size(), .fits_to = impl_->fingerprint};
-  detail::write_summed(header, out.first(header.size));
+  detail::write_header(header, out, [&](std::span<const std::byte> own) { return body.sum_with(own); });
   return header.size;
 }
 

@@ -31,13 +31,16 @@ Vec3 Step::velocity(std::uint32_t particle) const {
   return solver(*place).velocity(place->slot);
 }
 
-/// Calls read(solver, runs) for runs of particles, since a call for each would take several times as long.
-/// Then one(slot) reads those that the contact solver has.
-template <class Read, class One>
-void Step::read_all(std::span<Vec3> out, Read&& read, One&& one) const {
-  compiled_.places.for_reading(
-      [&](std::uint32_t number, std::span<const Run> runs) { read(*compiled_.solvers[number], runs); });
-  if (!compiled_.contact) return;
+/// Calls read(solver, runs) for runs of particles, since a call for each would take several times as long,
+/// and rest(particle) for those without a place. Then one(slot) reads those that the contact solver has.
+template <class Read, class Rest, class One>
+void Step::read_all(std::span<Vec3> out, Read&& read, Rest&& rest, One&& one) const {
+  compiled_.places.for_reading([&](std::uint32_t number, std::span<const Run> runs) {
+    if (number != Run::nowhere) return read(*compiled_.solvers[number], runs);
+    for (const Run& run : runs)
+      run.for_particles([&](std::uint32_t particle) { out[particle] = rest(particle); });
+  });
+  if (!compiled_.contact || !compiled_.places.any_several()) return;
   for (std::uint32_t particle = 0; particle < out.size(); ++particle)
     if (compiled_.places.of(particle).size() > 1)
       if (const Place& place = *place_of(particle); &solver(place) == compiled_.contact)
@@ -47,16 +50,14 @@ void Step::read_all(std::span<Vec3> out, Read&& read, One&& one) const {
 void Step::copy_positions(std::span<Vec3> out) const {
   read_all(
       out, [&](const Solver& of, std::span<const Run> runs) { of.read_positions(runs, out.data()); },
+      [&](std::uint32_t particle) { return anchors_.position(particle); },
       [&](Slot slot) { return compiled_.contact->position(slot); });
-  anchors_.for_fixed([&](std::uint32_t particle) {
-    if (compiled_.places.of(particle).empty()) out[particle] = anchors_.position(particle);
-  });
 }
 
 void Step::copy_velocities(std::span<Vec3> out) const {
   read_all(
       out, [&](const Solver& of, std::span<const Run> runs) { of.read_velocities(runs, out.data()); },
-      [&](Slot slot) { return compiled_.contact->velocity(slot); });
+      [](std::uint32_t) { return Vec3{}; }, [&](Slot slot) { return compiled_.contact->velocity(slot); });
   anchors_.for_fixed([&](std::uint32_t particle) { out[particle] = {}; });
 }
 
