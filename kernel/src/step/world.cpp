@@ -39,10 +39,7 @@ World::World(const Scene& scene, const Settings& settings) : impl_(std::make_uni
   impl_->step = std::make_unique<detail::Step>(scene, settings);
   impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
-  impl_->precision = settings.precision;
-  impl_->tensions = settings.tensions;
-  impl_->contacts = settings.contacts;
-  impl_->events = settings.events;
+  impl_->take(settings);
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
   impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());

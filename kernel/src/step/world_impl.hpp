@@ -37,6 +37,14 @@ struct PLUMB_HIDDEN World::Impl {
   double time = 0;
   detail::Fingerprint fingerprint{};  ///< What snapshots must fit to.
 
+  /// Takes note of settings, those that a scene was compiled with.
+  void take(const Settings& settings) {
+    fingerprint.settings = detail::fingerprint_of({}, settings).settings;
+    precision = settings.precision;
+    tensions = settings.tensions;
+    contacts = settings.contacts;
+    events = settings.events;
+  }
   /// Lists all of a snapshot but its header.
   void archive(detail::Archive& archive);
   /// Lists what steps and programs change of the world itself. `step` is listed by itself.
