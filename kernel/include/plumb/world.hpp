@@ -70,7 +70,6 @@ class PLUMB_API World {
   void set_stop_rule(const StopRule& rule);
   /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
-
   /// Takes so many equal substeps a step from the next one on (Settings::substeps); the fewest if an accuracy
   /// is set. Throws InputError on 0 and on more than a million.
   void set_substeps(std::uint32_t substeps);
@@ -85,14 +84,13 @@ class PLUMB_API World {
   /// islands that were less accurate than asked. Throws InputError on a time that is not positive and finite.
   void set_budget(std::optional<double> microseconds);
 
-  /// Takes other settings, from the next step on. Positions, velocities, forces, time, orders, handles, grabs
-  /// and sleep stay. Islands are made anew, but for changes of substeps, most_work, stop, weights, omega,
-  /// contact, sleep, sleep_time, isa, threads and executor alone. They then begin as in a new world: the next
-  /// step takes out, without a blow, how far solved rods are off their length. Pulls are NaN until then.
-  ///
-  /// Snapshots then fit to worlds made with these settings. Throws InputError, and changes nothing, on what a
-  /// constructor refuses, and from or to springs, multipliers and featherstone. So it does where islands are
-  /// made anew on twists, reels, grabs that are not taken, and relaxed rods that had changed their lengths.
+  /// Takes other settings from the next step on. Positions, velocities, forces, time, orders, handles, grabs
+  /// and sleep stay, and snapshots then fit to worlds made with these settings. Islands are made anew, but for
+  /// changes of substeps, most_work, stop, weights, omega, contact, sleep, sleep_time, isa, threads and
+  /// executor alone. They begin as in a new world: the next step takes out, without a blow, how far solved
+  /// rods are off their length, and pulls are NaN until then. Throws InputError, and changes nothing, on what
+  /// a constructor refuses, and from or to springs, multipliers and featherstone. So it does where islands
+  /// are made anew on twists, reels, grabs that are not taken, and relaxed rods that had changed their length.
   void set_settings(const Settings& settings);
   /// Returns the settings of now, with what was changed of them since.
   const Settings& settings() const;

@@ -164,9 +164,8 @@ void ContactSolver::sleep_as(const ContactSolver& from) {
   for (const LinkageState& state : states_) {
     if (state.linkage == nullptr || state.asleep) continue;
     const auto movable = state.particles.begin() + static_cast<std::ptrdiff_t>(state.linkage->movable());
-    if (std::all_of(state.particles.begin(), movable, [&](std::uint32_t particle) {
-          return from.states_[were[particle].first].asleep;
-        }))
+    if (std::all_of(state.particles.begin(), movable,
+                    [&](std::uint32_t particle) { return from.states_[were[particle].first].asleep; }))
       clusters_.fall_asleep(state.number);
   }
 }

@@ -69,7 +69,8 @@ void Step::carry_lengths(const Step& from) {
       if (!solver(place).sweeps())
         solver(place).set_length(place.slot, length, rate);
       else if (length != lengths_.length(cord))
-        refuse("settings: rod ", cord, ": has changed its length, and these would relax it; direct solves it");
+        refuse("settings: rod ", cord,
+               ": has changed its length, and these would relax it; direct solves it");
     }
   }
   lengths_ = from.lengths_;
@@ -132,7 +133,8 @@ void Step::carry_sleep(const Step& from) {
   for (std::uint32_t particle = 0; particle < population_.particles.count(); ++particle) {
     if (!population_.particles.has(particle) || anchors_.is_fixed(particle)) continue;
     const auto task = sleep_.task_of(compiled_.solvers, compiled_.places.of(particle).front());
-    const auto before = from.sleep_.task_of(from.compiled_.solvers, from.compiled_.places.of(particle).front());
+    const auto before =
+        from.sleep_.task_of(from.compiled_.solvers, from.compiled_.places.of(particle).front());
     if (!task || !before) continue;
     const Task& was = from.sleep_.tasks()[*before];
     still[*task] = std::min(still[*task], was.still_time);

@@ -39,8 +39,8 @@ std::unique_ptr<Step> Step::changed(const Settings& settings) const {
   require_takeable(has_archive(), settings_, "that of now");
   const bool are_same = are_alike(origin_->settings, settings);
   if (!are_same)
-    for (const auto& [what, count] : {std::pair("twist", origin_->scene.twists.size()),
-                                      std::pair("reel", origin_->scene.reels.size())})
+    for (const auto& [what, count] :
+         {std::pair("twist", origin_->scene.twists.size()), std::pair("reel", origin_->scene.reels.size())})
       if (count > 0)
         refuse("settings: ", what,
                " 0 has a past that islands keep for themselves: no more than substeps, most_work, stop, "
@@ -96,7 +96,8 @@ void Step::relive_anew(const Step& from) {
     if (const std::vector<std::uint32_t> broken = from.broken_now(); !broken.empty())
       redo({.rods = broken}, from);
   for (std::uint32_t particle = 0; particle < population_.particles.count(); ++particle) {
-    const bool has_place = !compiled_.places.of(particle).empty(), is_there = population_.particles.has(particle);
+    const bool has_place = !compiled_.places.of(particle).empty(),
+               is_there = population_.particles.has(particle);
     if (is_there ? !has_place && !anchors_.is_fixed(particle) : has_place)
       refuse("settings: particle ", particle, ": mass model ", to_string(mass_model_of(settings_)),
              " has it in another island than that which was removed");

@@ -65,8 +65,8 @@ class Anchors {
   void settle(std::uint32_t solver) { settling_.push_back(solver); }
   /// Forgets a solver that is no more.
   void forget(std::uint32_t solver);
-  /// Goes on as the same anchors of another world did. All solvers of this one, which are new, are to learn of
-  /// the next paths.
+  /// Goes on as the same anchors of another world did. All solvers of this one, which are new, are to learn
+  /// of the next paths.
   void go_on_from(const Anchors& from);
   /// Takes another number of solvers.
   void resize(std::size_t solvers) {
