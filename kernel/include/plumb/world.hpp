@@ -65,8 +65,7 @@ class PLUMB_API World {
   /// before. A linkage flies with a time order above 2.
   StepReport step(double dt);
 
-  /// Changes the rule from the next step on. Layout, precision, instruction set and threads stay. Throws
-  /// InputError on a rule that makes no sense, or that no island reads.
+  /// Changes the rule from the next step on. Throws InputError on one that no island reads or makes no sense.
   void set_stop_rule(const StopRule& rule);
   /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
@@ -85,12 +84,12 @@ class PLUMB_API World {
   void set_budget(std::optional<double> microseconds);
 
   /// Takes other settings from the next step on. Positions, velocities, forces, time, orders, handles, grabs
-  /// and sleep stay, and snapshots then fit to worlds made with these settings. Islands are made anew, but for
+  /// and sleep stay. Snapshots then fit to worlds made with these settings. Islands are made anew, but for
   /// changes of substeps, most_work, stop, weights, omega, contact, sleep, sleep_time, isa, threads and
   /// executor alone. They begin as in a new world: the next step takes out, without a blow, how far solved
-  /// rods are off their length, and pulls are NaN until then. Throws InputError, and changes nothing, on what
-  /// a constructor refuses, and from or to springs, multipliers and featherstone. So it does where islands
-  /// are made anew on twists, reels, grabs that are not taken, and relaxed rods that had changed their length.
+  /// rods are off their length. Pulls are NaN until then. Throws InputError, and changes nothing, on what a
+  /// constructor refuses, and from or to springs, multipliers and featherstone. So it does where islands are
+  /// made anew on twists, reels, grabs that none takes, and relaxed rods that had changed their length.
   void set_settings(const Settings& settings);
   /// Returns the settings of now, with what was changed of them since.
   const Settings& settings() const;
