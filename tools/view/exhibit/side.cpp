@@ -132,7 +132,7 @@ bool Side::set_in_place(const Settings& to, std::string_view setting) {
     } else if (setting == "accuracy" && now.accuracy) {
       world_->set_accuracy(*now.accuracy);
     } else {
-      return false;
+      world_->set_settings(now);
     }
   } catch (const InputError&) {
     return false;
