@@ -87,7 +87,9 @@ void change_settings(Twins& twins, Random& random) {
     settings.threads = world->settings().threads;
     world->set_settings(settings);
     EXPECT_EQ(test::positions_of(*world), positions);
-    EXPECT_EQ(test::velocities_of(*world), velocities);
+    // A velocity of gradient new is a displacement where that gradient stays, with its rounding.
+    for (std::uint32_t i = 0; i < velocities.size(); ++i)
+      EXPECT_LE(norm(test::velocities_of(*world)[i] - velocities[i]), 1e-15 * norm(velocities[i]));
   }
 }
 

@@ -90,6 +90,8 @@ void Step::put_parts(std::span<const ContactSolver::Made> made) {
       places.assign(others.begin(), others.end());
       places.push_back({number, first + k});
       compiled_.places.replace(particles[k], places);
+      // The contact solver does not follow what is at home.
+      if (anchors_.is_fixed(particles[k])) contact.place_anchor(first + k, anchors_.position(particles[k]));
     }
   }
   compiled_.places.find_runs(compiled_.solvers);
