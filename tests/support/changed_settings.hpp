@@ -69,10 +69,22 @@ inline Scene touching() {
 
 /// Settings of a method that moves all of these scenes.
 inline Settings settings_of(Method method) {
-  Settings settings{.method = method, .mass = MassModel::lumped, .substeps = 4, .threads = 1};
-  settings.mass.reset();
+  Settings settings{.method = method, .substeps = 4, .threads = 1};
   if (method == Method::relax) settings.stop.sweeps = 60;
   return settings;
+}
+
+inline constexpr Method methods[] = {Method::automatic, Method::direct, Method::relax};
+
+/// Calls f(settings before, settings after) for every change of method.
+template <class F>
+void for_changes(F&& f) {
+  for (const Method from : methods)
+    for (const Method to : methods) {
+      if (from == to) continue;
+      SCOPED_TRACE(std::string(to_string(from)) + " to " + std::string(to_string(to)));
+      f(settings_of(from), settings_of(to));
+    }
 }
 
 /// All particles' positions and velocities, bit for bit.

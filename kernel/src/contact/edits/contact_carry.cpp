@@ -23,8 +23,8 @@ void copy_listed(const T& from, T& to) {
 }
 
 /// Copies how elastics pull and are numbered, where as many are there.
-void copy_elastics(const LinkageState& from, Linkage::ElasticRange old, LinkageState& to,
-                   Linkage::ElasticRange made) {
+void copy_range(const LinkageState& from, Linkage::ElasticRange old, LinkageState& to,
+                Linkage::ElasticRange made) {
   if (old.count != made.count) return;
   for (std::uint32_t i = 0; i < old.count; ++i) {
     to.laws[made.first + i] = from.laws[old.first + i];
@@ -129,24 +129,24 @@ void ContactSolver::take_laws(const ContactSolver& from) {
              const auto range = [](std::size_t first) {
                return Linkage::ElasticRange{static_cast<std::uint32_t>(first), 1};
              };
-             copy_elastics(was, range(*had), state, range(*made));
+             copy_range(was, range(*had), state, range(*made));
              if (!was.broken.empty() && !state.broken.empty()) state.broken[*made] = was.broken[*had];
            });
   for_both(angles_, from.angles_,
            [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
-             copy_elastics(was, was.linkage->elastics_of_angle(old), state,
-                           state.linkage->elastics_of_angle(own));
+             copy_range(was, was.linkage->elastics_of_angle(old), state,
+                        state.linkage->elastics_of_angle(own));
              state.angle_rules[own] = was.angle_rules[old];
            });
   for_both(springs_, from.springs_,
            [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
-             copy_elastics(was, was.linkage->elastics_of_spring(old), state,
-                           state.linkage->elastics_of_spring(own));
+             copy_range(was, was.linkage->elastics_of_spring(old), state,
+                        state.linkage->elastics_of_spring(own));
            });
   for_both(torsions_, from.torsions_,
            [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
-             copy_elastics(was, was.linkage->elastics_of_torsion(old), state,
-                           state.linkage->elastics_of_torsion(own));
+             copy_range(was, was.linkage->elastics_of_torsion(old), state,
+                        state.linkage->elastics_of_torsion(own));
            });
   for (LinkageState& state : states_)
     if (state.linkage != nullptr) state.follow_elastics();

@@ -3,29 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plumb/executor.hpp"
 #include "step/world_impl.hpp"
 
 namespace plumb {
 
 using detail::refuse;
 
-namespace {
-
-void require_executor(const Settings& settings) {
-  if (settings.executor && settings.executor->concurrency() == 0)
-    refuse("the executor has a concurrency of 0: it must run at least one task at a time");
-}
-
-}  // namespace
-
 const Settings& World::settings() const {
   return impl_->step->settings();
 }
 
 void World::set_settings(const Settings& settings) {
-  validate(settings);
-  require_executor(settings);
+  Impl::require_sound(settings);
   const double most = farthest_coordinate(settings.precision);
   for (std::uint32_t i = 0; i < particle_count(); ++i) {
     const Vec3 at = impl_->step->position(i);
