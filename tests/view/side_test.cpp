@@ -90,9 +90,9 @@ TEST(ViewSide, TakesMethodsAndTheirSettingsInPlace) {
     SCOPED_TRACE(scene);
     Exhibit exhibit(start_of(scene, {{.method = Method::direct, .substeps = 4}}));
     run(exhibit, 30);
-    for (const Request& request :
-         {set("accuracy", "1e-3"), set("accuracy", "off"), set("gradient", "old"), set("gradient", "auto"),
-          set("method", "relax"), set("order", "jacobi"), set("method", "auto"), set("substeps", "6")})
+    for (const Request& request : {set("accuracy", "1e-3"), set("accuracy", "off"), set("gradient", "old"),
+                                   set("gradient", "auto"), set("method", "relax"), set("order", "jacobi"),
+                                   set("order", "gauss-seidel"), set("method", "auto"), set("substeps", "6")})
       expect_carried(exhibit, request, false);
   }
 }
