@@ -217,6 +217,7 @@ class Step {
   void exchange(const Fallen& fallen, Split& now, Compiled made);
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
+  void take_along(const Edits& edits);
   void put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
   std::vector<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
