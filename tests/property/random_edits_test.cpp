@@ -1,4 +1,5 @@
-// Random edits of random worlds whose ropes may touch. PLUMB_EDITS says how many are tried, 2,000 by default.
+// Random edits of random worlds whose ropes may touch, and other settings in between. PLUMB_EDITS says how
+// many are tried, 2,000 by default.
 
 #include <gtest/gtest.h>
 
@@ -66,9 +67,35 @@ struct Twins {
   }
 };
 
+Settings random_settings(Random& random) {
+  constexpr Method methods[] = {Method::automatic, Method::direct, Method::relax};
+  Settings out{.method = methods[below(random, 3)],
+               .substeps = 1 + below(random, 4),
+               .tensions = below(random, 2) == 0,
+               .contacts = below(random, 2) == 0};
+  constexpr Gradient gradients[] = {Gradient::new_, Gradient::old, Gradient::mid};
+  if (const std::uint32_t gradient = below(random, 6); gradient < 3) out.gradient = gradients[gradient];
+  if (out.method == Method::relax) out.stop.sweeps = 20;
+  return out;
+}
+
+/// Gives both other settings, each with its own threads. Nothing moves by that, and numbers stay.
+void change_settings(Twins& twins, Random& random) {
+  Settings settings = random_settings(random);
+  for (World* const world : {&twins.one, &twins.two}) {
+    const std::vector<Vec3> positions = test::positions_of(*world), velocities = test::velocities_of(*world);
+    settings.threads = world->settings().threads;
+    world->set_settings(settings);
+    EXPECT_EQ(test::positions_of(*world), positions);
+    // A velocity of gradient new is a displacement where that gradient stays, with its rounding.
+    for (std::uint32_t i = 0; i < velocities.size(); ++i)
+      EXPECT_LE(norm(test::velocities_of(*world)[i] - velocities[i]), 1e-15 * norm(velocities[i]));
+  }
+}
+
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 8), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 9), rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {
@@ -84,6 +111,10 @@ bool edit(Twins& twins, Random& random) {
     if (both([&](World& world) { world.set_mass(particle, mass); })) twins.masses[particle] = mass;
     return true;
   }
+  if (kind == 8) {
+    change_settings(twins, random);
+    return false;
+  }
   if (kind == 6) {
     both([&](World& world) { world.fix(particle); });
     return true;
@@ -97,10 +128,10 @@ bool edit(Twins& twins, Random& random) {
 }
 
 /// Saves one of the twins, and lets a third world go on from there.
-void expect_restored(const Scene& scene, const Settings& settings, Twins& twins) {
+void expect_restored(const Scene& scene, Twins& twins) {
   std::vector<std::byte> bytes(twins.one.snapshot_size());
   twins.one.save(bytes);
-  World third(scene, settings);
+  World third(scene, twins.one.settings());
   third.restore(bytes);
   EXPECT_EQ(third.state_hash(), twins.one.state_hash());
   twins.one.step(twins.frame);
@@ -144,7 +175,7 @@ void try_world(std::uint32_t seed, std::uint64_t& edits) {
     for (const Handle<Particle> handle : twins.gone)
       EXPECT_NE(test::refusal([&] { (void)twins.one.number(handle); }), "");
   }
-  expect_restored(scene, settings, twins);
+  expect_restored(scene, twins);
 }
 
 // Twins on one and on two threads stay alike, snapshots go on alike, cuts keep momentum, and what is gone is

@@ -158,5 +158,25 @@ TEST(RestoredLoads, EndWhereAWorldHasNone) {
   EXPECT_LE(norm(without.velocity(0) - velocity), 1e-12);
 }
 
+// The island stays whole where its rod breaks, and hangs from the rod's fixed end no more once that is freed.
+TEST(EditedMotion, FreesWhatABrokenRodHungFrom) {
+  Scene scene;
+  scene.particles = {{.position = {0, 0, 0}, .fixed = true},
+                     {.position = {0.1, 0, 0}, .mass = 1},
+                     {.position = {0.2, 0, 0}, .mass = 1},
+                     {.position = {0.29, 0, 0}, .mass = 1, .fixed = true}};
+  scene.rods = {{.a = 0, .b = 1, .length = 0.1},
+                {.a = 1, .b = 2, .length = 0.1},
+                {.a = 2, .b = 3, .length = 0.1, .law = {.strength = 0.5}}};
+  for (const Method method : {Method::direct, Method::relax}) {
+    World world(scene, {.method = method, .substeps = 4, .threads = 1});
+    for (int i = 0; i < 10; ++i) world.step(frame);
+    ASSERT_TRUE(world.is_broken(2));
+    world.free(3);
+    for (int i = 0; i < 30; ++i) world.step(frame);
+    EXPECT_NEAR(world.position(3).y, -0.5 * 9.81 * 0.25, 0.02) << to_string(method);
+  }
+}
+
 }  // namespace
 }  // namespace plumb

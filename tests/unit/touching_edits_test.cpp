@@ -117,6 +117,21 @@ TEST(TouchingEdits, KeepMomentumInACut) {
   });
 }
 
+// The rope flies freely until it is fixed, and touches the other one after that.
+TEST(TouchingEdits, FixWhatFliesWhereItIs) {
+  Scene scene = crossing();
+  for (std::uint32_t i = 13; i < flying; ++i) scene.particles[i].position.y += 0.15;
+  for_all([&](const Settings& settings) {
+    World world(scene, settings);
+    world.step(frame);
+    ASSERT_TRUE(world.contacts().empty());
+    const Vec3 place = world.position(23);
+    world.fix(23);
+    EXPECT_GT(steps_until_contact(world), 0);
+    EXPECT_LE(norm(world.position(23) - place), 1e-15);
+  });
+}
+
 // Both halves go on lying, and what is not touched keeps its bits.
 TEST(TouchingEdits, LeaveOthersTheirBits) {
   for_all([](const Settings& settings) {

@@ -81,8 +81,19 @@ TEST(ViewSide, GoesOnInANewWorld) {
     Exhibit exhibit(start_of(scene, {{.method = Method::direct, .substeps = 4}}));
     run(exhibit, 30);
     expect_carried(exhibit, set("drag", "0.5"), true);
-    expect_carried(exhibit, set("accuracy", "1e-3"), true);
     expect_carried(exhibit, set("drag", "0"), true);
+  }
+}
+
+TEST(ViewSide, TakesMethodsAndTheirSettingsInPlace) {
+  for (const char* scene : {"chain:links=12", "net:width=6,height=6", "humanoid", "rods5"}) {
+    SCOPED_TRACE(scene);
+    Exhibit exhibit(start_of(scene, {{.method = Method::direct, .substeps = 4}}));
+    run(exhibit, 30);
+    for (const Request& request : {set("accuracy", "1e-3"), set("accuracy", "off"), set("gradient", "old"),
+                                   set("gradient", "auto"), set("method", "relax"), set("order", "jacobi"),
+                                   set("order", "gauss-seidel"), set("method", "auto"), set("substeps", "6")})
+      expect_carried(exhibit, request, false);
   }
 }
 

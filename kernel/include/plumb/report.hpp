@@ -9,10 +9,11 @@
 
 #include "plumb/export.hpp"
 #include "plumb/settings.hpp"
+#include "plumb/vec3.hpp"
 
 /// @file
-/// This file holds what a world reports of itself: of a step, of how its scene was compiled, of problems, and
-/// of what is added.
+/// This file holds what a world reports of itself: of a step, of how its scene was compiled, of problems, of
+/// what is added, and of how bodies move.
 namespace plumb {
 
 /// Names a Particle or a Rod of a World for good, where numbers are given anew once what had them is removed.
@@ -26,6 +27,15 @@ struct Handle {
   explicit constexpr operator bool() const { return generation != 0; }
   /// Returns whether both name the same.
   friend constexpr bool operator==(const Handle&, const Handle&) = default;
+};
+
+/// Says how a body moves (World::motion()).
+struct BodyMotion {
+  Vec3 velocity{};  ///< Velocity of its centre of mass, in m/s.
+  Vec3 spin{};      ///< Angular velocity in the axes of space, in rad/s.
+
+  /// Returns whether all members are equal.
+  friend constexpr bool operator==(const BodyMotion&, const BodyMotion&) = default;
 };
 
 /// Says which numbers World::add() gave. Those of each kind follow each other in the order of what was added.

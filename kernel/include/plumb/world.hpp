@@ -17,15 +17,6 @@
 
 namespace plumb {
 
-/// Says how a body moves (World::motion()).
-struct BodyMotion {
-  Vec3 velocity{};  ///< Velocity of its centre of mass, in m/s.
-  Vec3 spin{};      ///< Angular velocity in the axes of space, in rad/s.
-
-  /// Returns whether all members are equal.
-  friend constexpr bool operator==(const BodyMotion&, const BodyMotion&) = default;
-};
-
 class World;
 
 /// Shows positions (m) or velocities (m/s) of a World in the scene's particle order, read in place.
@@ -74,12 +65,10 @@ class PLUMB_API World {
   /// before. A linkage flies with a time order above 2.
   StepReport step(double dt);
 
-  /// Changes the rule from the next step on. Layout, precision, instruction set and threads stay. Throws
-  /// InputError on a rule that makes no sense, or that no island reads.
+  /// Changes the rule from the next step on. Throws InputError on one that no island reads or makes no sense.
   void set_stop_rule(const StopRule& rule);
   /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
-
   /// Takes so many equal substeps a step from the next one on (Settings::substeps); the fewest if an accuracy
   /// is set. Throws InputError on 0 and on more than a million.
   void set_substeps(std::uint32_t substeps);
@@ -93,6 +82,17 @@ class PLUMB_API World {
   /// accuracy, tries end when what is left suffices for substeps by number. StepReport::capped_steps counts
   /// islands that were less accurate than asked. Throws InputError on a time that is not positive and finite.
   void set_budget(std::optional<double> microseconds);
+
+  /// Takes other settings from the next step on. Positions, velocities, forces, time, orders, handles, grabs
+  /// and sleep stay. Snapshots then fit to worlds made with these settings. Islands are made anew, but for
+  /// changes of substeps, most_work, stop, weights, omega, contact, sleep, sleep_time, isa, threads and
+  /// executor alone. They begin as in a new world: the next step takes out, without a blow, how far solved
+  /// rods are off their length. Pulls are NaN until then. Throws InputError, and changes nothing, on what a
+  /// constructor refuses, and from or to springs, multipliers and featherstone. So it does where islands are
+  /// made anew on twists, reels, grabs that none takes, and relaxed rods that had changed their length.
+  void set_settings(const Settings& settings);
+  /// Returns the settings of now, with what was changed of them since.
+  const Settings& settings() const;
 
   /// Lets `zones` hear of every stage from the next step on; an empty one ends that. It must not throw.
   void set_zones(Zones zones);
@@ -381,7 +381,7 @@ class PLUMB_API World {
   void restore(std::span<const std::byte> from);
 
   /// Says how the scene was compiled, and what changed since. The reference stays valid while the world
-  /// lives, but for restore(), and is up to date when this is called.
+  /// lives, but for restore() and set_settings(), and is up to date when this is called.
   const WorldInfo& info() const;
 
  private:

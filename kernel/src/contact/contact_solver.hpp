@@ -67,6 +67,15 @@ class ContactSolver final : public Solver {
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;
 
+  // --- Other settings (contact/edits/contact_carry.cpp)
+
+  /// Goes on as a solver of the same scene did under other settings. Islands that visited visit. All wake.
+  void go_on_from(const ContactSolver& from);
+  /// Lets islands sleep that did so there.
+  void sleep_as(const ContactSolver& from);
+  void wake_all();
+  void fit(bool is_off) override;
+
   /// Returns whether this solver moves a particle now, rather than its home.
   bool has(Slot slot) const { return !visitors_[island_of_[slot]].is_at_home(); }
   /// Returns whether the island of a particle sleeps here.
@@ -240,6 +249,12 @@ class ContactSolver final : public Solver {
   struct Owner {
     std::uint32_t island, number;
   };
+  /// Says where a particle was that moves: an island, and its number there.
+  using Whereabouts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+  Whereabouts whereabouts() const;
+  void take_motion(LinkageState& state, const ContactSolver& from, const Whereabouts& were) const;
+  void take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was) const;
+  void take_laws(const ContactSolver& from);
   NamedPart named_part(std::uint32_t island) const;
   static void edit(NamedPart& part, const PartEdits& edits);
   void retire(std::uint32_t island);

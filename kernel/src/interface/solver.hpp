@@ -172,6 +172,9 @@ class Solver {
   /// Says that the motion which was set is that after a substep of `h` (s). A velocity of gradient new is the
   /// mean of the last one. It is called once all motion is set.
   virtual void go_on(Slot, double /*h*/) {}
+  /// Lets motion that was set fit rods as at a start, without a blow, if the solver does so. `is_off` says
+  /// whether some rod is off its length.
+  virtual void fit(bool /*is_off*/) {}
   /// Takes the island of a particle out for good, since another solver has it now.
   virtual void remove(Slot slot) { set_away(slot, true); }
   /// Leaves the island of a particle out of steps while another solver moves it, or takes it in again.

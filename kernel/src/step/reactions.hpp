@@ -53,6 +53,11 @@ class Reactions {
   }
 
   void set_gravity(Vec3 gravity) { gravity_ = gravity; }
+  /// Learns how fast anchors went in the last step.
+  template <class Anchors>
+  void go_on(const Anchors& anchors) {
+    for (Held& held : held_) held.anchor_velocity = anchors.last_velocity(held.anchor);
+  }
   /// Looks again at rods of which an end was fixed or freed.
   template <class Anchors>
   void refix(const Scene& scene, MassModel model, std::span<const std::uint32_t> rods,

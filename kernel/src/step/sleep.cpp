@@ -51,16 +51,21 @@ void Sleep::wake_all(std::span<const std::unique_ptr<Solver>> solvers) {
   for (Task& task : tasks_) wake(solvers, task);
 }
 
+void Sleep::put_to_rest(std::span<const std::unique_ptr<Solver>> solvers, std::size_t number) {
+  Task& task = tasks_[number];
+  task.asleep = true;
+  --awake_;
+  ++changes_;
+  solvers[task.solver]->rest(task.piece);
+}
+
 std::uint32_t Sleep::settle(std::span<const std::unique_ptr<Solver>> solvers, double dt) {
   std::uint32_t fell_asleep = 0;
   for (Task& task : tasks_) {
     if (task.asleep) continue;
     task.still_time = task.is_still ? task.still_time + dt : 0;
     if (task.still_time < sleep_time_) continue;
-    task.asleep = true;
-    --awake_;
-    ++changes_;
-    solvers[task.solver]->rest(task.piece);
+    put_to_rest(solvers, static_cast<std::size_t>(&task - tasks_.data()));
     fell_asleep += solvers[task.solver]->islands(task.piece);
   }
   return fell_asleep;

@@ -36,6 +36,9 @@ class Sleep {
   /// Goes on with other solvers. Those that took a place start awake.
   void exchange(std::span<const std::unique_ptr<Solver>> solvers, std::span<const Seat> seats);
 
+  /// Puts a task to rest whose particles stand still.
+  void put_to_rest(std::span<const std::unique_ptr<Solver>> solvers, std::size_t task);
+
   std::span<Task> tasks() { return tasks_; }
   std::span<const Task> tasks() const { return tasks_; }
   /// Returns the number of the task that has a place, if its solver's pieces do not change.

@@ -47,6 +47,10 @@ class Step {
   /// Throws what the executor threw in the last step. That step was done all the same.
   void rethrow_executor_failure() { workers_.team().rethrow_failure(); }
 
+  const Settings& settings() const { return settings_; }  ///< of now
+  /// Returns this world under other settings, which are valid, as it is now (change/changed.cpp). Throws
+  /// InputError if they cannot move it, or if some of its state has no place there.
+  std::unique_ptr<Step> changed(const Settings& settings) const;
   void set_stop_rule(const StopRule& rule);
   void set_weights(Weights weights);
   std::uint32_t substeps() const { return settings_.substeps; }  ///< those that are asked for
@@ -196,11 +200,25 @@ class Step {
   void describe();
   void archive_rules(Archive& archive);
   void begin_budget();
+  void relive(std::vector<Split> splits, Population& population, std::uint32_t seats);
+  void relive_anew(const Step& from);
+  void redo(const Split& split, const Step& from);
+  void copy_state(const Step& from);
+  void carry(const Step& from);
+  void carry_inputs(const Step& from);
+  void carry_lengths(const Step& from);
+  void carry_motion(const Step& from);
+  void carry_anchors();
+  void carry_grabs(const Step& from);
+  void carry_sleep(const Step& from);
+  void fit();
+  std::vector<std::uint32_t> broken_now() const;
   void split(Fallen fallen, Split& now);
   void repeat(Split split_then);
   void exchange(const Fallen& fallen, Split& now, Compiled made);
   const Place* contact_place(std::uint32_t particle) const;
   Fallen take_out(const Split& now);
+  void take_along(const Edits& edits);
   void put_parts(std::span<const ContactSolver::Made> made);
   void put_places(const Fallen& fallen, const Compiled& made, std::span<const std::uint32_t> numbers);
   std::vector<std::uint32_t> remove_places(std::span<const std::uint32_t> leaving,
@@ -300,6 +318,7 @@ class Step {
   Population population_;
   bool has_archive_ = true, is_described_ = true;
   bool has_broken_ = false;  ///< some rod did in the last step
+  bool is_to_fit_ = false;   ///< motion came from other settings, and is made to fit rods in the next step
   std::vector<Seat> seats_;  ///< by solver; free ones have none
   RodJudge rods_;
   Sleep sleep_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plumb/executor.hpp"
 #include "relax/plan.hpp"
 #include "scene/reels/reels.hpp"
 #include "scene/refuse.hpp"
@@ -32,17 +31,12 @@ void require_length(const char* what, std::uint32_t number, double target) {
 
 World::World(const Scene& scene, const Settings& settings) : impl_(std::make_unique<Impl>()) {
   validate(scene);
-  validate(settings);
-  if (settings.executor && settings.executor->concurrency() == 0)
-    refuse("the executor has a concurrency of 0: it must run at least one task at a time");
+  Impl::require_sound(settings);
   detail::require_addressable(scene.particles.size(), scene.rods.size());
   impl_->step = std::make_unique<detail::Step>(scene, settings);
   impl_->fingerprint = detail::fingerprint_of(scene, settings);
   for (const Particle& particle : scene.particles) impl_->fixed.push_back(particle.fixed);
-  impl_->precision = settings.precision;
-  impl_->tensions = settings.tensions;
-  impl_->contacts = settings.contacts;
-  impl_->events = settings.events;
+  impl_->take(settings);
   impl_->rods = static_cast<std::uint32_t>(scene.rods.size());
   impl_->tackles = static_cast<std::uint32_t>(scene.tackles.size());
   impl_->twists = static_cast<std::uint32_t>(scene.twists.size());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "interface/archive.hpp"
+#include "plumb/executor.hpp"
 #include "plumb/world.hpp"
 #include "scene/poses/body_poses.hpp"
 #include "scene/refuse.hpp"
@@ -37,6 +38,20 @@ struct PLUMB_HIDDEN World::Impl {
   double time = 0;
   detail::Fingerprint fingerprint{};  ///< What snapshots must fit to.
 
+  /// Refuses settings that no world takes.
+  static void require_sound(const Settings& settings) {
+    validate(settings);
+    if (settings.executor && settings.executor->concurrency() == 0)
+      detail::refuse("the executor has a concurrency of 0: it must run at least one task at a time");
+  }
+  /// Takes note of settings, those that a scene was compiled with.
+  void take(const Settings& settings) {
+    fingerprint.settings = detail::fingerprint_of({}, settings).settings;
+    precision = settings.precision;
+    tensions = settings.tensions;
+    contacts = settings.contacts;
+    events = settings.events;
+  }
   /// Lists all of a snapshot but its header.
   void archive(detail::Archive& archive);
   /// Lists what steps and programs change of the world itself. `step` is listed by itself.

@@ -119,10 +119,8 @@ void Side::require_rod(std::uint32_t rod) const {
                      std::to_string(scene_.rods.size()));
 }
 
-bool Side::set_in_place(const Settings& to, std::string_view setting) {
-  // What a running world refuses, a new one may take.
+bool Side::set_alone(const Settings& now, std::string_view setting) {
   try {
-    const Settings now = for_world(to);
     if (setting == "weights") {
       world_->set_weights(now.weights);
     } else if (setting == "substeps") {
@@ -140,11 +138,22 @@ bool Side::set_in_place(const Settings& to, std::string_view setting) {
   return true;
 }
 
+bool Side::set_in_place(const Settings& now, std::string_view setting) {
+  if (set_alone(now, setting)) return true;
+  // What a running world refuses, a new one may take.
+  try {
+    world_->set_settings(now);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
 void Side::set(std::string_view setting, std::string_view text) {
   Settings to = start_.settings;
   set_choice(to, setting, text);
   validate(for_world(to));
-  if (set_in_place(to, setting))
+  if (set_in_place(for_world(to), setting))
     start_.settings = to;
   else
     rebuild(scene_, to);

@@ -94,7 +94,9 @@ class Side {
   void rebuild(const Scene& scene, const Settings& settings);
   void require_particle(std::uint32_t particle) const;
   void require_rod(std::uint32_t rod) const;
-  bool set_in_place(const Settings& to, std::string_view setting);
+  /// Lets the world change one of its settings alone, or all of them. Returns whether it did.
+  bool set_alone(const Settings& now, std::string_view setting);
+  bool set_in_place(const Settings& now, std::string_view setting);
   void wind(const Reeling& reeling, double dt);
   void take_events();
   void grip(const Hand& hand);

@@ -130,7 +130,20 @@ void TreeSolver<T>::set_gravity(Vec3 gravity, Vec3) {
   }
 }
 
+template <class T>
+void TreeSolver<T>::fit(bool is_off) {
+  if (is_off) {
+    layouts::AlignedBuffer<T> velocities(state_.u.size());  // which would move what is projected
+    std::swap(velocities, state_.u);
+    if (line_) line_->segments.gather(state_, line_->whole);
+    project_positions();
+    std::swap(velocities, state_.u);
+  }
+  project_velocities();
+}
+
 #define PLUMB_INSTANTIATE(T)                                                              \
+  template void TreeSolver<T>::fit(bool);                                                 \
   template void TreeSolver<T>::set_gravity(Vec3, Vec3);                                   \
   template Slot TreeSolver<T>::rod_slot(std::uint32_t, std::uint32_t) const;              \
   template void TreeSolver<T>::make_laws();                                               \

@@ -90,6 +90,13 @@ class LoopSolver final : public Solver {
   void set_motion(Slot slot, Vec3 position, Vec3 velocity) override;
   double last_substep(Slot) const override { return state_.u_step; }
   void go_on(Slot slot, double h) override;
+  void fit(bool is_off) override {
+    if (is_off) {
+      lock({});  // what was straight where rods were their length is not where they are off it
+      project_positions();
+    }
+    project_velocities();
+  }
   void set_away(Slot, bool away) override { away_ = away; }
   bool is_away(std::uint32_t) const override { return away_; }
 

@@ -99,6 +99,7 @@ class TreeSolver final : public Solver {
     const Entry at = place_of(slot);
     if (kind_->rules.gradient == Gradient::new_ && h > 0) state_.displace(at.node, at.lane, h);
   }
+  void fit(bool is_off) override;
   void set_away(Slot slot, bool away) override;
   bool is_away(std::uint32_t) const override { return away_ || state_.trees == 0; }
 

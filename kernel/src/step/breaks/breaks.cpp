@@ -109,6 +109,8 @@ Fallen Breaks::take_out(std::span<const std::uint32_t> broken, const Edits& edit
   touched_.clear();
   freed_.clear();
   join(edits);
+  for (const std::uint32_t particle : along_) touch(whole_[particle], true);
+  along_.clear();
   for (const std::uint32_t rod : broken) touch_rod(rod, false);
   for (const std::uint32_t rod : edits.cut) touch_rod(rod, true);
   for (const std::uint32_t rod : broken) take_rod(rod);

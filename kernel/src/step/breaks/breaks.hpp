@@ -64,6 +64,8 @@ class Breaks {
   void order(std::uint32_t rod, bool is_ordered) {
     if (out_[rod] != State::taken) out_[rod] = is_ordered ? State::ordered : State::in;
   }
+  /// Lets the island of a movable particle be made anew by the next take_out(), too.
+  void take_along(std::uint32_t particle) { along_.push_back(particle); }
   std::span<const std::uint32_t> rods_at(std::uint32_t particle) const { return rods_at_.of(particle); }
   /// Returns the scene with what was added since. Of what was removed it has what was there last.
   const Scene& scene_now() const { return grown_ ? *grown_ : first_; }
@@ -154,6 +156,7 @@ class Breaks {
   std::vector<std::uint32_t> touched_;  ///< wholes
   std::vector<std::uint32_t> freed_;    ///< particles
   std::vector<std::uint32_t> joined_;   ///< rods
+  std::vector<std::uint32_t> along_;    ///< particles of islands that are made anew beside what is listed
   std::vector<std::uint32_t> spare_;    ///< numbers of wholes that nobody has
   std::vector<std::uint32_t> place_;    ///< by particle: that in a cutout which is made, else none
 };

@@ -19,16 +19,23 @@ std::vector<std::uint32_t> free_numbers(std::size_t count, std::span<const Seat>
 
 }  // namespace
 
+/// Returns the rods that broke in the last step, and whose islands are still as they were.
+std::vector<std::uint32_t> Step::broken_now() const {
+  std::vector<std::uint32_t> out;
+  for (const std::uint32_t rod : breaks_.weak()) {
+    if (breaks_.is_out(rod)) continue;
+    const auto places = compiled_.cords.of(rod);  // The contact solver's islands stay whole.
+    if (!places.empty() && solver(places.front()).is_broken(places.front().slot)) out.push_back(rod);
+  }
+  return out;
+}
+
 void Step::split(StepReport&) {
+  if (is_to_fit_) fit();
   if (!(next_gravity_ == gravity_)) change_gravity();
   if (!has_broken_ && !edits_.any()) return;
   Split now;
-  if (std::exchange(has_broken_, false))
-    for (const std::uint32_t rod : breaks_.weak()) {
-      if (breaks_.is_out(rod)) continue;
-      const auto places = compiled_.cords.of(rod);  // The contact solver's islands stay whole.
-      if (!places.empty() && solver(places.front()).is_broken(places.front().slot)) now.rods.push_back(rod);
-    }
+  if (std::exchange(has_broken_, false)) now.rods = broken_now();
   std::swap(now.edits, edits_);
   if (now.rods.empty() && !now.edits.any()) return;
   const Fallen fallen = take_out(now);

@@ -81,6 +81,17 @@ void Anchors::forget(std::uint32_t solver) {
   is_concerned_[solver] = 0;
 }
 
+void Anchors::go_on_from(const Anchors& from) {
+  const std::size_t solvers = is_concerned_.size();
+  *this = from;
+  is_concerned_.assign(solvers, 0);
+  concerned_.clear();
+  settling_.clear();
+  resize(solvers);
+  moving_.reserve(from.moving_.capacity());
+  moved_.reserve(from.moved_.capacity());
+}
+
 Vec3 Anchors::last_velocity(std::uint32_t particle) const {
   for (const auto& [moved, path] : moved_)
     if (moved == particle) return path.velocity();

@@ -17,6 +17,7 @@ class Anchors {
  public:
   Anchors(const Scene& scene, std::size_t solvers);
 
+  std::size_t count() const { return fixed_.size(); }
   bool is_fixed(std::uint32_t particle) const { return fixed_[particle] != 0; }
   /// Calls f(particle) for each fixed one.
   template <class F>
@@ -60,6 +61,9 @@ class Anchors {
   void settle(std::uint32_t solver) { settling_.push_back(solver); }
   /// Forgets a solver that is no more.
   void forget(std::uint32_t solver);
+  /// Goes on as the same anchors of another world did. All solvers of this one, which are new, are to learn
+  /// of the next paths.
+  void go_on_from(const Anchors& from);
   /// Takes another number of solvers.
   void resize(std::size_t solvers) {
     is_concerned_.resize(solvers, 0);

@@ -25,6 +25,8 @@ class Lengths {
   void set_target(std::uint32_t cord, double target);
   /// Returns the rods that change their length in the next step, or did so in the last.
   std::span<const std::uint32_t> moving() const { return moving_; }
+  /// Returns those that have ever changed their length, or will.
+  std::span<const std::uint32_t> changed() const { return changed_; }
 
   /// Takes at least so many rods, reels and tackles. New ones have no length before add().
   void grow(std::size_t rods, std::size_t lines);

@@ -20,20 +20,25 @@ std::unique_ptr<Step> Step::restored_past(Archive& archive) {
   archive(splits, population, seats);
   if (log_.is_of(splits) && population == population_ && seats == seats_.size()) return {};
   auto out = std::make_unique<Step>(origin_->scene, origin_->settings);
-  std::swap(out->population_, population);
-  if (!(out->population_ == population)) {
-    out->breaks_.begin();
-    out->grow_tables();
-  }
-  for (Split& each : splits) out->repeat(std::move(each));
-  out->seats_.resize(seats, Seat::free);
-  out->compiled_.solvers.resize(seats);
-  out->anchors_.resize(seats);
-  out->sleep_.exchange(out->compiled_.solvers, out->seats_);
+  out->relive(std::move(splits), population, seats);
   out->loads_.take_load(loads_);
   out->budget_ = budget_;
   out->zones_ = zones_;
   return out;
+}
+
+/// Does again all that a world of this scene and these settings did, with the seats of its solvers.
+void Step::relive(std::vector<Split> splits, Population& population, std::uint32_t seats) {
+  std::swap(population_, population);
+  if (!(population_ == population)) {
+    breaks_.begin();
+    grow_tables();
+  }
+  for (Split& each : splits) repeat(std::move(each));
+  seats_.resize(seats, Seat::free);
+  compiled_.solvers.resize(seats);
+  anchors_.resize(seats);
+  sleep_.exchange(compiled_.solvers, seats_);
 }
 
 /// Lists the rules that a program may change, and tells solvers if they are others than before.
@@ -59,8 +64,8 @@ void Step::archive_rules(Archive& archive) {
 void Step::archive(Archive& archive) {
   auto& [settings, thresholds, workers, compiled, anchors, lengths, reeled, twisted, loads, grabs, reactions,
          origin, breaks, edits, gravity, next_gravity, log, population, has_archive, is_described, has_broken,
-         seats, rods, sleep, events, size, rules, budget, zones, stages, dt, reports, visited, active,
-         last_dt] = *this;
+         is_to_fit, seats, rods, sleep, events, size, rules, budget, zones, stages, dt, reports, visited,
+         active, last_dt] = *this;
   archive_rules(archive);
   Vec3 pulls = gravity;
   archive(pulls, next_gravity);
@@ -68,7 +73,7 @@ void Step::archive(Archive& archive) {
   if (archive.restores()) order(edits, false);
   archive(edits);
   if (archive.restores()) order(edits, true);
-  archive(anchors, lengths, loads, reactions, has_broken, sleep, size, dt);
+  archive(anchors, lengths, loads, reactions, has_broken, is_to_fit, sleep, size, dt);
   relate_errors();
   grabs.archive(archive, compiled.places, compiled.solvers);
   if (settings.events) archive(events);

@@ -48,6 +48,13 @@ void Events::remove_head(std::uint32_t particle) {
   heads_.erase(std::lower_bound(heads_.begin(), heads_.end(), particle));
 }
 
+void Events::go_on_from(const Events& from) {
+  list_ = from.list_;
+  was_broken_ = from.was_broken_;
+  for (const std::uint32_t head : heads_) was_asleep_[head] = from.was_asleep_[head];
+  seen_.reset();
+}
+
 void Events::reserve(std::size_t weak_rods, std::size_t tasks) {
   const std::size_t most = heads_.size() + weak_rods + trouble_kinds.size() * tasks;
   if (most > list_.capacity()) list_.reserve(std::max(most, 2 * list_.capacity()));

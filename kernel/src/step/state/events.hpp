@@ -35,6 +35,8 @@ class Events {
   void reserve(std::size_t weak_rods, std::size_t tasks);
 
   void clear() { list_.clear(); }
+  /// Keeps the list of the same world before, and what it knows of islands and rods.
+  void go_on_from(const Events& from);
   /// Returns whether some island may sleep now and not before, or the other way round. `changes` counts how
   /// often one fell asleep or woke, if that is counted.
   bool may_list_sleep(std::optional<std::uint64_t> changes) {

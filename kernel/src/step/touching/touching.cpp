@@ -15,6 +15,28 @@ const Place* Step::contact_place(std::uint32_t particle) const {
   return !places.empty() && &solver(places.back()) == compiled_.contact ? &places.back() : nullptr;
 }
 
+/// An island that a broken rod has left whole still hangs from the rod's fixed end. It does not any more
+/// where that is freed.
+void Step::take_along(const Edits& edits) {
+  const auto hangs_from = [&](std::uint32_t particle, std::uint32_t anchor) {
+    const Place& home = compiled_.places.of(particle).front();
+    const auto places = compiled_.places.of(anchor);
+    return std::any_of(places.begin(), places.end(), [&](const Place& place) {
+      return place.solver == home.solver &&
+             solver(place).island_of(place.slot) == solver(home).island_of(home.slot);
+    });
+  };
+  for (const auto& [anchor, is_fixed] : edits.fixed) {
+    if (is_fixed || !anchors_.is_fixed(anchor)) continue;
+    for (const std::uint32_t rod : breaks_.rods_at(anchor)) {
+      const Rod& of = breaks_.scene_now().rods[rod];
+      const std::uint32_t other = of.a == anchor ? of.b : of.a;
+      if (!breaks_.joins_ends(rod) && !anchors_.is_fixed(other) && hangs_from(other, anchor))
+        breaks_.take_along(other);
+    }
+  }
+}
+
 /// Takes out what broke and what was cut, and does other edits, with the contact solver's islands.
 Fallen Step::take_out(const Split& now) {
   Ids parts, linkages;
@@ -48,6 +70,7 @@ Fallen Step::take_out(const Split& now) {
   }
   sort_once(parts);
   sort_once(linkages);
+  take_along(now.edits);
   Fallen out = breaks_.take_out(now.rods, now.edits);
   if (parts.empty()) return out;
   for (const std::uint32_t part : parts) {
@@ -90,6 +113,8 @@ void Step::put_parts(std::span<const ContactSolver::Made> made) {
       places.assign(others.begin(), others.end());
       places.push_back({number, first + k});
       compiled_.places.replace(particles[k], places);
+      // The contact solver does not follow what is at home.
+      if (anchors_.is_fixed(particles[k])) contact.place_anchor(first + k, anchors_.position(particles[k]));
     }
   }
   compiled_.places.find_runs(compiled_.solvers);

@@ -1,0 +1,184 @@
+// This file lets the contact solver go on as one of the same scene did under other settings.
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "contact/contact_solver.hpp"
+
+namespace plumb::detail {
+namespace {
+
+/// Copies what an archive lists of something.
+template <class T>
+void copy_listed(const T& from, T& to) {
+  auto& of = const_cast<T&>(from);  // which is read alone
+  Archive measured = Archive::measure();
+  measured(of);
+  std::vector<std::byte> bytes(measured.size());
+  Archive saved = Archive::save(bytes);
+  saved(of);
+  Archive restored = Archive::restore(bytes);
+  restored(to);
+}
+
+/// Copies how elastics pull and are numbered, where as many are there.
+void copy_range(const LinkageState& from, Linkage::ElasticRange old, LinkageState& to,
+                Linkage::ElasticRange made) {
+  if (old.count != made.count) return;
+  for (std::uint32_t i = 0; i < old.count; ++i) {
+    to.laws[made.first + i] = from.laws[old.first + i];
+    to.elastic_numbers[made.first + i] = from.elastic_numbers[old.first + i];
+  }
+}
+
+}  // namespace
+
+auto ContactSolver::whereabouts() const -> Whereabouts {
+  Whereabouts out;
+  for (const LinkageState& state : states_)
+    for (std::uint32_t k = 0; state.linkage != nullptr && k < state.linkage->movable(); ++k) {
+      const std::uint32_t particle = state.particles[k];
+      if (particle >= out.size()) out.resize(particle + std::size_t{1}, {no_island, 0});
+      out[particle] = {state.number, k};
+    }
+  return out;
+}
+
+void ContactSolver::go_on_from(const ContactSolver& from) {
+  copy_listed(from.surroundings_, surroundings_);
+  wake_all();
+  const Whereabouts were = from.whereabouts();
+  for (LinkageState& state : states_) {
+    if (state.linkage == nullptr) continue;
+    const std::uint32_t island = were[state.particles.front()].first;
+    take_motion(state, from, were);
+    if (visitors_[state.number].has_home() && !from.visitors_[island].is_at_home())
+      visitors_[state.number].stay();
+  }
+  take_laws(from);
+  const auto are_same = [](const LinkageState& one, const LinkageState& other) {
+    return one.particles == other.particles;
+  };
+  if (!std::equal(states_.begin(), states_.end(), from.states_.begin(), from.states_.end(), are_same)) return;
+  for (LinkageState& state : states_)
+    if (state.linkage != nullptr) take_step(state, from, from.states_[state.number]);
+  if (lists_contacts_ && from.lists_contacts_) contacts_ = from.contacts_;
+  if (counts_pulls_ == from.counts_pulls_) ground_pushes_ = from.ground_pushes_;
+}
+
+/// Takes how particles of an island move. Anchors are put where they are by others.
+void ContactSolver::take_motion(LinkageState& state, const ContactSolver& from,
+                                const Whereabouts& were) const {
+  const std::uint32_t movable = state.linkage->movable();
+  for (std::uint32_t k = 0; k < movable; ++k) {
+    const auto [island, number] = were[state.particles[k]];
+    const LinkageState& was = from.states_[island];
+    state.x[k] = was.x[number];
+    state.v[k] = is_finite(was.v[number]) ? was.v[number] : Vec3{};
+    if (!relaxes_ && !from.relaxes_ && state.gradient == was.gradient)
+      state.acceleration[k] = was.acceleration[number];
+  }
+  const LinkageState& was = from.states_[were[state.particles.front()].first];
+  const std::uint32_t were_movable = was.linkage->movable();
+  for (std::size_t k = movable; k < state.particles.size(); ++k)
+    for (std::size_t i = were_movable; i < was.particles.size(); ++i)
+      if (was.particles[i] == state.particles[k])
+        state.anchors_went[k - movable] = was.anchors_went[i - were_movable];
+  state.slow_time = was.slow_time;
+  state.factored = false;
+  state.energy.reset();
+}
+
+/// Takes what the last step left of an island whose number is what it was: from where the next one starts to
+/// look for forces, if these are alike, and what it was pushed with.
+void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was) const {
+  if (relaxes_ == from.relaxes_) {
+    state.kept = was.kept;
+    state.on_ground = was.on_ground;
+    state.relax_for = was.relax_for;
+    state.is_relaxed = was.is_relaxed;
+    if (state.stiffness.size() == was.stiffness.size()) {
+      state.stiffness = was.stiffness;
+      state.stiffness_before = was.stiffness_before;
+      state.knows_tautness = was.knows_tautness;
+    }
+  }
+  if (counts_touches_ && from.counts_touches_) state.pulls.touched = was.pulls.touched;
+  if (counts_pulls_ != from.counts_pulls_ || state.pulls.elastics.size() != was.pulls.elastics.size()) return;
+  const LinkagePulls& pulls = was.pulls;
+  const auto fits = [](const auto& one, const auto& other) { return one.size() == other.size(); };
+  if (fits(pulls.rods, state.pulls.rods) && fits(pulls.fixed, state.pulls.fixed)) {
+    const bool counts_touches = state.pulls.touched.counts;
+    state.pulls = pulls;
+    state.pulls.touched.counts = counts_touches;
+  }
+}
+
+/// Takes what programs changed of springs and their like, how often they turned, and what broke.
+void ContactSolver::take_laws(const ContactSolver& from) {
+  const auto for_both = [&](const std::vector<Owner>& of, const std::vector<Owner>& were, auto&& f) {
+    for (std::size_t i = 0; i < of.size(); ++i)
+      if (of[i].island < ended && were[i].island < ended)
+        f(from.states_[were[i].island], were[i].number, states_[of[i].island], of[i].number);
+  };
+  for_both(rods_, from.rods_,
+           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
+             const auto made = state.linkage->elastic_of_rod(own), had = was.linkage->elastic_of_rod(old);
+             if (!made || !had) return;
+             const auto range = [](std::size_t first) {
+               return Linkage::ElasticRange{static_cast<std::uint32_t>(first), 1};
+             };
+             copy_range(was, range(*had), state, range(*made));
+             if (!was.broken.empty() && !state.broken.empty()) state.broken[*made] = was.broken[*had];
+           });
+  for_both(angles_, from.angles_,
+           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
+             copy_range(was, was.linkage->elastics_of_angle(old), state,
+                        state.linkage->elastics_of_angle(own));
+             state.angle_rules[own] = was.angle_rules[old];
+           });
+  for_both(springs_, from.springs_,
+           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
+             copy_range(was, was.linkage->elastics_of_spring(old), state,
+                        state.linkage->elastics_of_spring(own));
+           });
+  for_both(torsions_, from.torsions_,
+           [](const LinkageState& was, std::uint32_t old, LinkageState& state, std::uint32_t own) {
+             copy_range(was, was.linkage->elastics_of_torsion(old), state,
+                        state.linkage->elastics_of_torsion(own));
+           });
+  for (LinkageState& state : states_)
+    if (state.linkage != nullptr) state.follow_elastics();
+}
+
+// --- Sleep
+
+void ContactSolver::wake_all() {
+  for (const LinkageState& state : states_) clusters_.wake(state.number);
+}
+
+/// Islands of which some part was awake are awake.
+void ContactSolver::sleep_as(const ContactSolver& from) {
+  const Whereabouts were = from.whereabouts();
+  for (const LinkageState& state : states_) {
+    if (state.linkage == nullptr || state.asleep) continue;
+    const auto movable = state.particles.begin() + static_cast<std::ptrdiff_t>(state.linkage->movable());
+    if (std::all_of(state.particles.begin(), movable,
+                    [&](std::uint32_t particle) { return from.states_[were[particle].first].asleep; }))
+      clusters_.fall_asleep(state.number);
+  }
+}
+
+/// Sweeps leave rods and joints a little off. Velocities are made to fit by what solves them.
+void ContactSolver::fit(bool) {
+  if (relaxes_) return;
+  for (LinkageState& state : states_) {
+    if (state.linkage == nullptr || visitors_[state.number].is_at_home()) continue;
+    work_.holds.clear();
+    project_positions(state, work_);
+    if (!state.asleep) project_velocities(state, work_);
+  }
+}
+
+}  // namespace plumb::detail
