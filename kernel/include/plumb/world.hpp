@@ -375,9 +375,8 @@ class PLUMB_API World {
   /// part of it: the world keeps its own, which is to be set before.
   ///
   /// The snapshot may be of another world, of the same scene and settings; isa, threads and executor may
-  /// differ. Throws InputError with a reason if it is not, or if bytes are cut off or changed; then the world
-  /// stays as it is. The check is against accidents, not against forgery. Allocates only if this world needs
-  /// more room than ever before, or if other rods have broken islands apart.
+  /// differ. Throws InputError with a reason if it is not, or if bytes are cut off or changed by accident, and
+  /// changes nothing then. Allocates where it needs more room than ever, or if other rods broke islands apart.
   void restore(std::span<const std::byte> from);
 
   /// Says how the scene was compiled, and what changed since. The reference stays valid while the world
