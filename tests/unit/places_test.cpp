@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "interface/place.hpp"
 #include "interface/read_rows.hpp"
 
 namespace plumb::detail {

@@ -375,8 +375,8 @@ class PLUMB_API World {
   /// part of it: the world keeps its own, which is to be set before.
   ///
   /// The snapshot may be of another world, of the same scene and settings; isa, threads and executor may
-  /// differ. Throws InputError with a reason if it is not, or if bytes are cut off or changed by accident, and
-  /// changes nothing then. Allocates where it needs more room than ever, or if other rods broke islands apart.
+  /// differ. Throws InputError with a reason if it is not, or if bytes are cut off or changed by accident;
+  /// nothing has changed then. Allocates where it needs more room than ever, or rods broke other islands up.
   void restore(std::span<const std::byte> from);
 
   /// Says how the scene was compiled, and what changed since. The reference stays valid while the world
