@@ -308,6 +308,27 @@ TEST(ConvexContacts, TurnedCubesHaveEight) {
   }
 }
 
+// A cube on one that is as wide touches at its own corners, whichever way rounding moves or turns it. As it
+// is pushed over an edge each corner that leaves becomes the place where it left.
+TEST(ConvexContacts, OfAlignedCubesStayTheSame) {
+  const ConvexHull bottom(box_points({0.5, 0.5, 0.5}));
+  test::Random random(5);
+  const auto keys_at = [&](double x, double noise) {
+    auto cube = box_points({0.5, 0.5, 0.5}, {x, 1.001, 0});
+    for (Vec3& v : cube) v += noise * test::random_vector(random);
+    const ConvexHull top(cube);
+    const ConvexContacts found = contacts_of(top.shape(0), bottom.shape(0), 0.1);
+    std::vector<std::uint64_t> keys;
+    for (const ConvexContact& each : found) keys.push_back(each.key);
+    std::sort(keys.begin(), keys.end());
+    return keys;
+  };
+  const std::vector<std::uint64_t> aligned = keys_at(0, 0);
+  EXPECT_EQ(aligned.size(), 4u);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(keys_at(0, 1e-9), aligned);
+  for (const double x : {-0.3, -1e-3, 1e-6, 0.01, 0.3}) EXPECT_EQ(keys_at(x, 0), aligned) << x;
+}
+
 // A capsule along a face is kept off at both ends of what it has in common with it.
 TEST(ConvexContacts, OfACapsuleAlongAFace) {
   const ConvexHull box(box_points({1, 1, 1}));

@@ -268,6 +268,25 @@ bool ClusterStepper::correct(Island& island, int correction, Progress& progress,
   return true;
 }
 
+namespace {
+
+/// Sees whether what is left of something becomes less.
+class Closing {
+ public:
+  /// Takes what is left after one more correction.
+  void see(double left) {
+    idle_ = left < much_better * least_ ? 0 : idle_ + 1;
+    least_ = std::min(least_, left);
+  }
+  bool goes_on() const { return idle_ < most_idle; }
+
+ private:
+  double least_ = INFINITY;
+  int idle_ = 0;  ///< corrections since it was much less
+};
+
+}  // namespace
+
 bool ClusterStepper::solve_positions(Tally& report) {
   bool any_ground = false;
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -282,8 +301,12 @@ bool ClusterStepper::solve_positions(Tally& report) {
   int sweeps = 0;
   const bool is_disturbed = any_ground || is_crowded();
   const int most = is_disturbed ? most_ground_corrections : most_corrections;
-  for (int correction = 0; correction < most; ++correction) {
+  Closing closing;
+  bool is_patient = false;
+  for (int correction = 0; correction < (is_patient ? most_patient_corrections : most); ++correction) {
     const double left = sweep(correction, sweeps);
+    closing.see(left);
+    is_patient = closing.goes_on() && last <= 10 * exact;
     found_crowd_ = correction == 0 && looks_for_crowd_ && presses_as_crowd();
     if (found_crowd_) return false;
     Progress now;
@@ -291,7 +314,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
       if (islands_[i].awake && !correct(islands_[i], correction, now, report)) return false;
     const bool is_finished = now.to_do <= 1 || now.to_do > 0.5 * last_to_do;
     if (now.violation <= exact && is_finished && !now.lacks &&
-        (left <= 10 * still_ || (correction + 1 >= most / 2 && left <= settings_.tolerance))) {
+        (left <= 10 * still_ || (correction + 1 >= most / 2 && !is_patient && left <= settings_.tolerance))) {
       report.block_sweeps += static_cast<std::uint64_t>(sweeps);
       return true;
     }

@@ -16,6 +16,9 @@ constexpr std::uint32_t most_corners = 48;
 constexpr double better = 1e-3;
 /// Places closer than this share of the size are one.
 constexpr double same_place = 1e-6;
+/// What is beyond a face by less than this share of its edge is still over it. Boxes that are stacked exactly
+/// would else touch in other places in every substep.
+constexpr double overhang = 5e-4;
 
 /// This is a convex polygon. Every corner has a key, by the corner or the edges that it comes from.
 struct Polygon {
@@ -76,8 +79,9 @@ Polygon polygon_of(const Convex& shape, Vec3 along) {
   return out;
 }
 
-/// Cuts off what is beyond a plane: dot(normal, x) > offset. New corners have a key of the cut edge and the
-/// plane's number.
+/// Cuts off what is beyond a plane: dot(normal, x) > offset. New corners have the keys of the first and the
+/// last one that is cut off, so that what slides over an edge stays the same contact. If that is one, the
+/// second has a key of the cut edge and the plane's number.
 Polygon cut(const Polygon& polygon, Vec3 normal, double offset, std::uint32_t number) {
   Polygon out;
   const std::uint32_t n = polygon.count;
@@ -86,7 +90,10 @@ Polygon cut(const Polygon& polygon, Vec3 normal, double offset, std::uint32_t nu
     const double here = dot(normal, polygon.at[i]) - offset, there = dot(normal, polygon.at[next]) - offset;
     if (here <= 0) out.add(polygon.at[i], polygon.keys[i]);
     if ((here <= 0) == (there <= 0) || (n == 2 && i == 1)) continue;
-    const std::uint64_t key = key_of_cut(polygon.keys[i], polygon.keys[next], number);
+    const Vec3 before = polygon.at[(i + n - 1) % n];
+    const bool is_second = here > 0 && n > 2 && dot(normal, before) <= offset;
+    const std::uint64_t key = is_second ? key_of_cut(polygon.keys[i], polygon.keys[next], number)
+                                        : polygon.keys[here > 0 ? i : next];
     out.add(between(polygon.at[i], polygon.at[next], here / (here - there)), key);
   }
   return out;
@@ -99,7 +106,7 @@ Polygon clip(Polygon polygon, const Convex& shape, std::uint32_t face) {
   for (std::uint32_t i = 0; i < count && polygon.count > 0; ++i) {
     const Vec3 p = shape.vertices[corners[i]], q = shape.vertices[corners[(i + 1) % count]];
     const Vec3 out = cross(q - p, shape.normals[face]);
-    polygon = cut(polygon, out, dot(out, p), corners[i]);
+    polygon = cut(polygon, out, dot(out, p) + overhang * dot(out, out), corners[i]);
   }
   return polygon;
 }
