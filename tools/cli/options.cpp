@@ -140,10 +140,12 @@ Option add_words(Command& command, const std::string& name, const std::vector<st
   return command.add_option(name, list, check, help);
 }
 
-Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help) {
-  const auto take = [&target](const std::string& text) {
+Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help,
+                 unsigned most) {
+  const auto take = [&target, most](const std::string& text) {
     const auto value = scenes::parse_number<unsigned>(text);
     if (!value) throw BadValue("'" + text + "' is not a whole number");
+    if (*value > most) throw BadValue(text + " is more than " + std::to_string(most));
     target = *value;
   };
   return command.add_option(name, "N", take, help);

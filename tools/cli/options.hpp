@@ -1,6 +1,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -54,7 +55,8 @@ Option add_choice_or_both(Command& command, const std::string& name, std::vector
 }
 
 /// Adds an option that takes a whole number.
-Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help);
+Option add_count(Command& command, const std::string& name, unsigned& target, const std::string& help,
+                 unsigned most = std::numeric_limits<unsigned>::max());
 
 /// Adds an option that takes a positive number of seconds, as a decimal or a fraction such as 1/60.
 Option add_seconds(Command& command, const std::string& name, double& target, const std::string& help);

@@ -62,7 +62,8 @@ void print_direct(const RunPlan& plan, const RunResult& result) {
           ", mass " + std::string(to_string(mass_model_of(s))) + ", " + std::string(to_string(s.precision)) +
           (s.accuracy ? ", accuracy " + short_number(*s.accuracy) : "") +
           (s.stop.tolerance ? ", nets' tolerance " + short_number(*s.stop.tolerance) : ""));
-  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s");
+  print_line("steps", plural(result.frames, "frame") + " of " + short_number(plan.dt) + " s" +
+                          (s.accuracy ? "" : ", " + plural(s.substeps, "substep") + " each"));
 }
 
 void print_relaxation(const RunPlan& plan, const RunResult& result) {
@@ -113,7 +114,7 @@ void print_errors(const RunResult& result) {
                             " (rod " + std::to_string(result.stretch.max_rod) + ")");
   const scenes::EnergyDrift& energy = result.energy;
   print_line("energy", short_number(energy.initial) + " J at first, " + short_number(energy.final) +
-                           " J at last, drift at most " +
+                           " J at last, change at most " +
                            (energy.range > 0 ? percent(energy.drift_max / energy.range) + " of the range"
                                              : short_number(energy.drift_max) + " J"));
   for (const scenes::PositionError& error : result.position_error) {
@@ -171,9 +172,11 @@ void print_run_summary(const std::string& scene, const RunPlan& plan, const RunR
   const bool family =
       s.method == Method::automatic || s.method == Method::relax || s.method == Method::direct;
   const bool solves_joints = info.linkages > 0 && s.method != Method::relax;
-  const bool relaxes = family && !solves_joints && (info.relaxed_rods > 0 || info.direct_rods == 0);
+  const bool solves_no_rods = info.relaxed_rods == 0 && result.total.direct_substeps > 0;
+  const bool solves = info.direct_rods > 0 || solves_joints || solves_no_rods;
+  const bool relaxes = family && !solves_joints && (info.relaxed_rods > 0 || !solves);
   if (!family) print_method(plan, result);
-  if (info.direct_rods > 0 || solves_joints) print_direct(plan, result);
+  if (solves) print_direct(plan, result);
   if (relaxes) print_relaxation(plan, result);
   print_budget(plan, result);
   print_counts(result.total);

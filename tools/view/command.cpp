@@ -98,7 +98,8 @@ void add_view_command(Command& plumb) {
       "Worlds that start alike and are shown together");
   add_solver_options(command, o.settings);
   add_layout_options(command, o.settings);
-  const Option port = add_count(command, "--port", o.port, "Port on 127.0.0.1; 0: one that is free [0]");
+  const Option port =
+      add_count(command, "--port", o.port, "Port on 127.0.0.1; 0: one that is free [0]", 65535);
   const Option open = command.add_flag("--open", o.opens, "Open the address in the default browser");
   const Option replay = command.add_option("--replay", "FILE", o.replay, "Repeat what a page saved");
   replay.excludes(scene);

@@ -40,6 +40,7 @@ RodLaw law_of(const Object& item) {
 }
 
 void read_rods(const Object& top, Scene& scene) {
+  if (!top.find("rods")) return;
   const Array list(top, "rods");
   scene.rods.reserve(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) {

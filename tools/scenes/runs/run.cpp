@@ -151,6 +151,18 @@ std::uint64_t count_frames(const RunPlan& plan) {
 
 namespace {
 
+/// Refuses rates at which a rod would be gone before the run ends.
+void require_lengths(const Scene& scene, const RunPlan& plan) {
+  for (const auto& [rod, rate] : plan.rates) {
+    if (rod >= scene.rods.size()) continue;  // the world says so
+    const double length = rod_length(scene, rod);
+    if (length + rate * plan.duration > 0) continue;
+    throw InputError("rod " + std::to_string(rod) + ": at " + short_number(rate) +
+                     " m/s nothing is left of its " + short_number(length) + " m after " +
+                     seconds(-length / rate) + ", and the run takes " + seconds(plan.duration));
+  }
+}
+
 /// A world on its way through a plan, with what is measured of it.
 class Run {
  public:
@@ -165,6 +177,7 @@ class Run {
         measured_(scene),
         now_(make_frame(scene, plan.settings)),
         result_{.info = world_.info()} {
+    require_lengths(scene, plan);
     world_.set_budget(plan.step_budget_us);
     if (plan.times_stages)
       world_.set_zones([this](std::string_view stage, bool begins) { time_stage(stage, begins); });
