@@ -96,15 +96,23 @@ bool ClusterStepper::any_touch() const {
          std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.kind == Kind::normal; });
 }
 
+namespace {
+
+bool has_loops(const Linkage& linkage) {
+  return linkage.rods() > linkage.particles();
+}
+
+}  // namespace
+
 /// Returns whether islands touch each other, or what has loops touches anything, in many places, or could not
 /// be solved of late.
 bool ClusterStepper::is_crowd(std::span<LinkageState* const> cluster) {
   std::size_t touching = 0;
   for (const LinkageState* const state : cluster) {
     if (state->relax_for > 0) return true;
-    const bool has_loops = state->linkage->rods() > state->linkage->particles();
+    const bool is_net = has_loops(*state->linkage);
     for (const KeptContact& each : state->kept)
-      touching += has_loops ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
+      touching += is_net ? kind_of(each.key) != KeyKind::angle : kind_of(each.key) == KeyKind::island;
   }
   return touching > few_touching;
 }
@@ -118,12 +126,19 @@ bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const S
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
 }
 
-/// Returns whether islands press each other in so many places that they are a crowd from now on. That is
-/// known from the first sweeps, so that a heap which falls together is not solved first.
+/// Returns whether islands press each other, or what has loops presses ground, in so many places that they are
+/// a crowd from now on. That is known from the first sweeps and from where nets would go without contact, so
+/// that what falls together is not solved first.
 bool ClusterStepper::presses_as_crowd() const {
-  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
-           return row.kind == Kind::normal && row.p > 0 && kind_of(row.key) == KeyKind::island;
-         })) > few_touching;
+  std::ptrdiff_t pressed = std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
+    return row.kind == Kind::normal && row.p > 0 && kind_of(row.key) == KeyKind::island;
+  });
+  for (std::uint32_t i = 0; i < count_; ++i)
+    if (const Island& island = islands_[i]; island.awake && has_loops(*island.state->linkage))
+      island.ground.for_all([&](const GroundContact& each) {
+        pressed += each.gap + dot(each.normal, each.at.of(island.d)) < 0;
+      });
+  return static_cast<std::size_t>(pressed) > few_touching;
 }
 
 /// Returns in how many substeps a step of dt (s) is relaxed: what is fast or thin takes more.
