@@ -126,9 +126,9 @@ bool ClusterStepper::relax_crowd(std::span<LinkageState* const> cluster, const S
   return relaxes && relax(cluster, surroundings, substeps, dt, report);
 }
 
-/// Returns whether islands press each other, or what has loops presses ground, in so many places that they are
-/// a crowd from now on. That is known from the first sweeps and from where nets would go without contact, so
-/// that what falls together is not solved first.
+/// Returns whether islands press each other, or what has loops presses ground, in so many places that they
+/// are a crowd from now on. That is known from the first sweeps and from where nets would go without contact,
+/// so that what falls together is not solved first.
 bool ClusterStepper::presses_as_crowd() const {
   std::ptrdiff_t pressed = std::count_if(rows_.begin(), rows_.end(), [](const Row& row) {
     return row.kind == Kind::normal && row.p > 0 && kind_of(row.key) == KeyKind::island;

@@ -251,11 +251,8 @@ class Compiler {
       // tolerance.
       if (contains(of_relaxation, row.id) && row.is_set(settings_) &&
           !(row.id == Reads::sweeps && settings_.stop.tolerance))
-        refuse("nothing reads ", row.name,
-               contact_
-                   ? ": method auto solves every island of this scene directly, or relaxes it as it sees "
-                     "fit where many touch; method relax reads it"
-                   : ": method auto solves every island of this scene directly; method relax reads it");
+        refuse("nothing reads ", row.name, ": method auto solves every island of this scene directly",
+               contact_ ? ", or relaxes what touches as it sees fit" : "", "; method relax reads it");
   }
 
   Compiled make_from(std::span<const Share> shares) {
