@@ -84,6 +84,18 @@ TEST(ChangedSettings, LeaveBitsAsTheyAreWhereTheySayOnlyWhoWorks) {
     }
 }
 
+TEST(ChangedSettings, MayBeThoseThatTheWorldShows) {
+  World world(test::swinging(), settings_of(Method::direct)),
+      twin(test::swinging(), settings_of(Method::direct));
+  test::run(world, frame, 5);
+  test::run(twin, frame, 5);
+  world.set_settings(world.settings());
+  test::run(world, frame, 5);
+  test::run(twin, frame, 5);
+  EXPECT_EQ(world.state_hash(), twin.state_hash());
+  EXPECT_EQ(snapshot_of(world), snapshot_of(twin));
+}
+
 TEST(ChangedSettings, DoWhatTheirOwnFunctionsDo) {
   const Scene scene = test::swinging();
   Settings settings = settings_of(Method::relax);

@@ -315,7 +315,8 @@ TEST(ConvexContacts, OfAlignedCubesStayTheSame) {
   test::Random random(5);
   const auto keys_at = [&](double x, double noise) {
     auto cube = box_points({0.5, 0.5, 0.5}, {x, 1.001, 0});
-    for (Vec3& v : cube) v += noise * test::random_vector(random);
+    const Vec3 aside = noise * test::random_vector(random);
+    for (Vec3& v : cube) v += aside;
     const ConvexHull top(cube);
     const ConvexContacts found = contacts_of(top.shape(0), bottom.shape(0), 0.1);
     std::vector<std::uint64_t> keys;
@@ -326,6 +327,10 @@ TEST(ConvexContacts, OfAlignedCubesStayTheSame) {
   const std::vector<std::uint64_t> aligned = keys_at(0, 0);
   EXPECT_EQ(aligned.size(), 4u);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(keys_at(0, 1e-9), aligned);
+  // What lies over the long edge of a thin wall is not over the wall.
+  const ConvexHull wall(box_points({2, 0.5, 0.005})), box(box_points({0.1, 0.1, 0.1}, {0, 0.601, 0.1}));
+  for (const ConvexContact& each : contacts_of(box.shape(0), wall.shape(0), 0.1))
+    EXPECT_LE(each.on_a.z, 0.005 + 1e-5);
   for (const double x : {-0.3, -1e-3, 1e-6, 0.01, 0.3}) EXPECT_EQ(keys_at(x, 0), aligned) << x;
 }
 

@@ -65,7 +65,7 @@ class PLUMB_API World {
   /// before. A linkage flies with a time order above 2.
   StepReport step(double dt);
 
-  /// Changes the rule from the next step on. Throws InputError on one that no island reads or makes no sense.
+  /// Changes the rule from the next step on. Throws InputError on an unsound one, or if no island reads it.
   void set_stop_rule(const StopRule& rule);
   /// Changes the weights of relaxation from the next step on. Throws InputError if no island is relaxed.
   void set_weights(Weights weights);
@@ -86,12 +86,12 @@ class PLUMB_API World {
   /// Takes other settings from the next step on. Positions, velocities, forces, time, orders, handles, grabs
   /// and sleep stay. Snapshots then fit to worlds made with these settings. Islands are made anew, but for
   /// changes of substeps, most_work, stop, weights, omega, contact, sleep, sleep_time, isa, threads and
-  /// executor alone. They begin as in a new world: the next step takes out, without a blow, how far solved
-  /// rods are off their length. Pulls are NaN until then. Throws InputError, and changes nothing, on what a
-  /// constructor refuses, and from or to springs, multipliers and featherstone. So it does where islands are
-  /// made anew on twists, reels, grabs that none takes, and relaxed rods that had changed their length.
+  /// executor alone, without set_accuracy(). The next step then takes out, without a blow, how far solved
+  /// rods are off their length, which wakes them. Pulls may be NaN until then. Throws InputError, and changes
+  /// nothing, on what a constructor refuses, and from or to springs, multipliers and featherstone. So it does
+  /// if twists, reels, cut rods with mass, relaxed rods of changed length or unfit grabs are made anew.
   void set_settings(const Settings& settings);
-  /// Returns the settings of now, with what was changed of them since.
+  /// Returns the settings of now, with what was changed since; valid until set_settings() or restore().
   const Settings& settings() const;
 
   /// Lets `zones` hear of every stage from the next step on; an empty one ends that. It must not throw.
@@ -311,7 +311,7 @@ class PLUMB_API World {
   void copy_contact_forces(std::span<Vec3> out) const;
 
   /// Returns the pairs of shapes, not their points, that touched in the last step, and those that did in the
-  /// step before alone, one entry each. They stay until the next step, and are in the order of their names.
+  /// step before alone. Each is one entry, in the order of their names. They stay until the next step().
   ///
   /// Their impulses, with gravity and forces, make the change of momentum. Pairs that sleep persist as they
   /// were in their last step awake; what sleeps does not end by that. Throws InputError without

@@ -16,7 +16,7 @@ struct RowsAt {
   std::ptrdiff_t component, next;
 };
 
-/// Reads three numbers of each particle of a run to its place in `out`, row after row: so memory is written
+/// Reads three numbers of each particle of a run to its place in `out`, row after row. Memory is then written
 /// in turn, while the lanes that rows share stay in the cache.
 template <class T>
 void read_rows(const Run& run, const RowsAt<T>& from, Vec3* out) {

@@ -15,7 +15,7 @@ struct Narrow {
   typedef std::uint64_t Words __attribute__((vector_size(16)));
   typedef std::uint32_t Halves __attribute__((vector_size(16)));
   static PLUMB_INLINE void swap_halves(Words& of) {
-    const auto halves = reinterpret_cast<const Halves&>(of);
+    const auto halves = reinterpret_cast<Halves>(of);
     of = reinterpret_cast<Words>(__builtin_shufflevector(halves, halves, 1, 0, 3, 2));
   }
 };
@@ -23,7 +23,7 @@ struct Wide {
   typedef std::uint64_t Words __attribute__((vector_size(32)));
   typedef std::uint32_t Halves __attribute__((vector_size(32)));
   static PLUMB_INLINE void swap_halves(Words& of) {
-    const auto halves = reinterpret_cast<const Halves&>(of);
+    const auto halves = reinterpret_cast<Halves>(of);
     of = reinterpret_cast<Words>(__builtin_shufflevector(halves, halves, 1, 0, 3, 2, 5, 4, 7, 6));
   }
 };

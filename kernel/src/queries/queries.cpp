@@ -219,7 +219,7 @@ void Queries::update(const World& world) {
     of.replaced[i] = population.particles.generation(i) == 1 ? 0 : 1;
   of.gone.resize(world.rod_count());
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
-    of.gone[i] = !population.rods.has(i) || step.is_broken(i) ? 1 : 0;
+    of.gone[i] = !population.rods.has(i) || step.waits(i) || step.is_broken(i) ? 1 : 0;
   for (std::uint32_t i = 0; i < of.ended.size(); ++i) of.ended[i] = !world.has_shape({ShapeKind::capsule, i});
   of.follow();
 }

@@ -26,7 +26,7 @@ enum class Seat : std::uint8_t { kept, taken, free };
 
 /// Decides which pieces stand still. A piece sleeps once its particles have moved by rounding only for
 /// Settings::sleep_time. Its velocities are then zero, and a step would lead back to where it is, so it is
-/// not computed. A force, an anchor that moves, or new settings wake it.
+/// not computed. A force, an anchor that moves, or a new rule wake it.
 ///
 /// Islands that may touch sleep by speed, as their solver decides (contact/clusters.hpp).
 class Sleep {

@@ -104,6 +104,7 @@ class Step {
   /// Returns the force (N) that held a fixed particle in the last step, or NaN where a pull is.
   Vec3 reaction(std::uint32_t particle) const;
   bool is_broken(std::uint32_t rod) const;
+  bool waits(std::uint32_t rod) const;
 
   // --- Edits, of which those that make islands anew wait for the next step (breaks/orders.cpp)
 
@@ -239,7 +240,7 @@ class Step {
   void drop_edits(const Removed& of);
   void order(const Edits& edits, bool is_ordered);
   void refix(const Edits& edits);
-  bool waits(std::uint32_t rod) const;
+  bool joins_by_mass(std::uint32_t rod) const;
   void take_back(std::span<const std::uint32_t> rods);
   void require_joinable(const Rod& rod) const;
   void put_joined(const Edits& edits);

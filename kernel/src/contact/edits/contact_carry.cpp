@@ -90,8 +90,8 @@ void ContactSolver::take_motion(LinkageState& state, const ContactSolver& from,
   state.energy.reset();
 }
 
-/// Takes what the last step left of an island whose number is what it was: from where the next one starts to
-/// look for forces, if these are alike, and what it was pushed with.
+/// Takes what the last step left of an island whose number is what it was. That is where the next one starts
+/// to look for forces, if these are alike, and what it was pushed with.
 void ContactSolver::take_step(LinkageState& state, const ContactSolver& from, const LinkageState& was) const {
   if (relaxes_ == from.relaxes_) {
     state.kept = was.kept;

@@ -75,10 +75,10 @@ inline constexpr double exact_if_mid = 1e-16;
 inline constexpr int most_switches = 8;
 /// A substep makes at most so many corrections of its constraints.
 inline constexpr int most_corrections = 16;
-/// It makes more, up to so many, where constraints are nearly solved and sweeps still come closer: by this
-/// share within so many corrections. In a tower of n boxes sweeps grow as n², and what they leave out lifts
-/// some of them.
+/// It makes more, up to so many, where constraints are nearly solved and sweeps still come closer. In a tower
+/// of n boxes sweeps grow as n², and what they leave out lifts some of them.
 inline constexpr int most_patient_corrections = 80;
+/// They do if within so many corrections no more than this share is left of what they would change.
 inline constexpr double much_better = 0.8;
 inline constexpr int most_idle = 8;
 /// The last sweep may always change a position by this much (m, times the length scale). It matters where

@@ -206,7 +206,9 @@ bool ClusterStepper::guard_energy(double before, bool touched, bool can_shorten,
   if (square >= 0.25 && square <= 1.5) {
     scale_loose_motion(std::sqrt(square));
   } else if (excess > (free ? let_be * moving : 0)) {
-    if (can_shorten && excess > moving + unnoticed * weight) return false;
+    const bool lifts = excess > moving + unnoticed * weight;
+    if (lifts && can_shorten) return false;
+    is_stopped_ = is_stopped_ || lifts;
     for (std::uint32_t i = 0; i < count_; ++i)
       std::fill(islands_[i].rigid.begin(), islands_[i].rigid.end(), Vec3{});
     scale_loose_motion(std::sqrt(std::max(0.0, 1 - excess / moving)));
@@ -248,12 +250,12 @@ void ClusterStepper::keep_contacts(double h) {
 /// that rest is a speed that friction near its bound takes long to stop, and pushes of the last substep need
 /// few sweeps there.
 void ClusterStepper::find_stillness(double h) {
-  const bool rests = std::all_of(islands_.begin(), islands_.begin() + count_, [&](const Island& each) {
+  rests_ = std::all_of(islands_.begin(), islands_.begin() + count_, [&](const Island& each) {
     return !each.awake || top_speed(*each.state) < settings_.sleep_speed;
   });
   still_ = least_still * settings_.length_scale;
   for (std::uint32_t i = 0; i < count_; ++i)
-    still_ = std::max(still_, (tight_ || rests ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
+    still_ = std::max(still_, (tight_ || rests_ ? tighter : 1) * settings_.sweep_tolerance * 0.5 * h * h *
                                   norm(islands_[i].state->linkage->gravity()));
 }
 

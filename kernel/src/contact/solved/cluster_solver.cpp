@@ -306,7 +306,7 @@ bool ClusterStepper::solve_positions(Tally& report) {
   for (int correction = 0; correction < (is_patient ? most_patient_corrections : most); ++correction) {
     const double left = sweep(correction, sweeps);
     closing.see(left);
-    is_patient = closing.goes_on() && last <= 10 * exact;
+    is_patient = closing.goes_on() && last <= 10 * exact && correction + 1 < most_patient_corrections;
     found_crowd_ = correction == 0 && looks_for_crowd_ && presses_as_crowd();
     if (found_crowd_) return false;
     Progress now;

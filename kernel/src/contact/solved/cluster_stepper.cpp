@@ -78,7 +78,7 @@ void ClusterStepper::step(std::span<LinkageState* const> cluster, const Surround
   shortest_ = dt / most_guards;
   shortest_if_missed_ = dt / most_missed_cuts;
   recovery_rate_ = settings_.recovery * substeps / dt;
-  tight_ = is_fitted_ = is_buckled_ = false;
+  tight_ = is_fitted_ = is_buckled_ = is_stopped_ = false;
   bool may_fly = rules.time_order > 2 && count_ == 1 && islands_[0].awake;
   const double start = cluster.front()->elapsed;
   for (LinkageState* const state : cluster) state->elapsed += dt;
@@ -271,7 +271,7 @@ bool ClusterStepper::substep(const Surroundings& surroundings, double h, Tally& 
   if (touched && surroundings.may_move()) before += work_of_ground(h);
   for (std::uint32_t i = 0; i < count_; ++i)
     if (islands_[i].awake) brake(islands_[i], h);
-  if (!guard_energy(before, touched, h > shortest_, report)) {
+  if (!guard_energy(before, touched, h > shortest_ && !(rests_ && is_stopped_), report)) {
     take_back();
     // What the sweeps left may have lifted something, so tighter sweeps are tried before a shorter substep.
     tries_again_ = touched && !tight_;

@@ -355,12 +355,16 @@ class ClusterStepper final : public ClusterMover, ClusterRows {
   int switches_ = 0;                              ///< how often that was changed in this substep
   Flight flight_;
   bool tight_ = false, tries_again_ = false;  ///< sweeps go on for longer; a substep is to be tried so
-  double now_ = 0;                            ///< s, since the beginning of the step
-  double shortest_ = 0;                       ///< s
-  double shortest_if_missed_ = 0;             ///< s, where something is in ground still
-  Team* team_ = nullptr;                      ///< that may help what is relaxed
-  double recovery_rate_ = 0;  ///< 1/s, the share that is taken back of overlaps and beyond limits
-  double still_ = 0;          ///< m, a change of a position that no longer matters
+  bool rests_ = false;  ///< nothing is faster than what may sleep, as the substep begins
+  /// Something was lifted in this step, and all motion stopped. What rests is lifted by what sweeps leave
+  /// then, however short a substep is.
+  bool is_stopped_ = false;
+  double now_ = 0;                 ///< s, since the beginning of the step
+  double shortest_ = 0;            ///< s
+  double shortest_if_missed_ = 0;  ///< s, where something is in ground still
+  Team* team_ = nullptr;           ///< that may help what is relaxed
+  double recovery_rate_ = 0;       ///< 1/s, the share that is taken back of overlaps and beyond limits
+  double still_ = 0;               ///< m, a change of a position that no longer matters
 };
 
 }  // namespace plumb::detail

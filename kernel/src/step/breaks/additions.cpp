@@ -52,6 +52,7 @@ void Step::grow_tables() {
   if (!reeled_.empty()) reeled_.resize(rods, 0);
   if (!twisted_.empty()) twisted_.resize(rods, 0);
   breaks_.grow(population_);
+  compiled_.places.find_runs(compiled_.solvers);
   compiled_.info.particles = particles;
   compiled_.info.rods = rods;
 }

@@ -43,12 +43,18 @@ void Step::cut(std::uint32_t rod) {
   require_editable("rod", rod, rods_.end(rod));
   if (const auto twist = breaks_.twist_beside(rod))
     refuse("rod ", rod, ": twist ", *twist, " is of its island, which stays one");
-  const Place* const place = contact_place(rods_.end(rod));
-  if (place && compiled_.contact->may_go_home(place->slot) &&
-      rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0)
+  if (joins_by_mass(rod))
     refuse("rod ", rod, ": has mass along it that joins its ends, in an island with shapes");
   edits_.cut.push_back(rod);
   breaks_.order(rod, true);
+}
+
+/// Returns whether the mass of a rod would join its ends after a cut, in an island that may go home from
+/// contact.
+bool Step::joins_by_mass(std::uint32_t rod) const {
+  const Place* const place = contact_place(rods_.end(rod));
+  return place && compiled_.contact->may_go_home(place->slot) &&
+         rod_mass(breaks_.scene_now(), rod, mass_model_of(settings_)).ab != 0;
 }
 
 /// Returns whether a rod is joined in the next step, and nowhere before.

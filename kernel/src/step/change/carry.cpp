@@ -11,12 +11,14 @@
 namespace plumb::detail {
 namespace {
 
-/// Rods that are off their length by less than this share are so by the rounding of their coordinates.
+/// Rods that are off their length by less than this share are so by what solving them leaves.
 constexpr double least_gap = 1e-9;
 
-bool is_off(const RodLaw& law, double now, double length) {
+/// Returns whether a cord is off its length by more than solving it leaves and the rounding (m) of its
+/// places.
+bool is_off(const RodLaw& law, double now, double length, double rounding) {
   if (law.is_elastic() || (law.one_sided && now < length)) return false;
-  return std::abs(now - length) > least_gap * length;
+  return std::abs(now - length) > least_gap * length + rounding;
 }
 
 /// Returns whether islands move by the same equations under both settings.
@@ -70,9 +72,10 @@ void Step::carry_lengths(const Step& from) {
   };
   for (const std::uint32_t cord : from.lengths_.changed()) {
     const double length = from.lengths_.length(cord);
-    if (!is_line(cord) && length != lengths_.length(cord) && is_relaxed(cord) && !is_broken(cord))
+    const bool is_made_so = length == lengths_.length(cord) && from.lengths_.target(cord) == length;
+    if (!is_line(cord) && !is_made_so && is_relaxed(cord) && !is_broken(cord))
       refuse("settings: rod ", cord,
-             ": has changed its length, and would be relaxed; direct and auto solve it");
+             ": has changed its length, or is to, and would be relaxed; direct and auto solve it");
     for (const Place& place : compiled_.cords.of(cord))
       if (!solver(place).sweeps()) solver(place).set_length(place.slot, length, from.lengths_.rate(cord));
   }
@@ -155,8 +158,11 @@ void Step::carry_sleep(const Step& from) {
 void Step::fit() {
   is_to_fit_ = false;
   std::vector<std::uint8_t> off(compiled_.solvers.size(), 0);
-  const auto look = [&](std::uint32_t cord, const RodLaw& law, double now) {
-    if (!is_off(law, now, lengths_.length(cord))) return;
+  // Four units in the last place of a coordinate.
+  const double of_place = settings_.precision == Precision::single ? 0x1p-22 : 0x1p-51;
+  const auto look = [&](std::uint32_t cord, const RodLaw& law, double now, Vec3 end) {
+    const double rounding = of_place * (norm(end) + now);
+    if (!is_off(law, now, lengths_.length(cord), rounding)) return;
     for (const Place& place : compiled_.cords.of(cord)) {
       if (solver(place).sweeps()) continue;
       off[place.solver] = 1;
@@ -167,13 +173,13 @@ void Step::fit() {
   const Scene& scene = breaks_.scene_now();
   for (std::uint32_t i = 0; i < scene.rods.size(); ++i)
     if (population_.rods.has(i) && !compiled_.cords.of(i).empty() && !is_broken(i))
-      look(i, scene.rods[i].law, distance(scene.rods[i].a, scene.rods[i].b));
+      look(i, scene.rods[i].law, distance(scene.rods[i].a, scene.rods[i].b), position(scene.rods[i].a));
   for (std::uint32_t i = 0; i < scene.tackles.size(); ++i) {
     if (!population_.tackles.has(i)) continue;
     const std::vector<std::uint32_t>& of = scene.tackles[i].particles;
     double now = 0;
     for (std::size_t k = 1; k < of.size(); ++k) now += distance(of[k - 1], of[k]);
-    look(tackle_cord(i), scene.tackles[i].law, now);
+    look(tackle_cord(i), scene.tackles[i].law, now, position(of.front()));
   }
   for (std::uint32_t number = 0; number < seats_.size(); ++number)
     if (seats_[number] != Seat::free) compiled_.solvers[number]->fit(off[number] != 0);

@@ -14,17 +14,18 @@ const Settings& World::settings() const {
 }
 
 void World::set_settings(const Settings& settings) {
-  Impl::require_sound(settings);
-  const double most = farthest_coordinate(settings.precision);
+  const Settings to = settings;  // which may be those that the world shows
+  Impl::require_sound(to);
+  const double most = farthest_coordinate(to.precision);
   for (std::uint32_t i = 0; i < particle_count(); ++i) {
     const Vec3 at = impl_->step->position(i);
     if (impl_->step->population().particles.has(i) &&
         std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) > most)
-      refuse("settings: particle ", i, ": is too far for ", to_string(settings.precision), ", at most ", most,
+      refuse("settings: particle ", i, ": is too far for ", to_string(to.precision), ", at most ", most,
              " m from the origin");
   }
-  impl_->step = impl_->step->changed(settings);
-  impl_->take(settings);
+  impl_->step = impl_->step->changed(to);
+  impl_->take(to);
 }
 
 }  // namespace plumb

@@ -11,7 +11,8 @@ namespace plumb::detail {
 struct Fingerprint {
   std::uint64_t scene = 0;
   /// Of all settings that storage or motion depends on. Instruction set, threads and executor do not count,
-  /// nor the stop rule and weights. Substeps and accuracy count as the world began with them.
+  /// nor the stop rule and weights. Substeps and accuracy count as the world began with them,
+  /// or as World::set_settings() gave them last.
   std::uint64_t settings = 0;
 
   friend bool operator==(const Fingerprint&, const Fingerprint&) = default;

@@ -16,9 +16,10 @@ constexpr std::uint32_t most_corners = 48;
 constexpr double better = 1e-3;
 /// Places closer than this share of the size are one.
 constexpr double same_place = 1e-6;
-/// What is beyond a face by less than this share of its edge is still over it. Boxes that are stacked exactly
-/// would else touch in other places in every substep.
-constexpr double overhang = 5e-4;
+/// What is beyond a face by less than this share of its shortest edge is still over it, if both faces are
+/// parallel to within this cosine. Boxes that are stacked exactly would else touch in other places in every
+/// substep. What is farther beyond is cut nearer to the face, by this share of how much farther.
+constexpr double overhang = 5e-4, parallel = 1 - 1e-5, fading = 0.1;
 
 /// This is a convex polygon. Every corner has a key, by the corner or the edges that it comes from.
 struct Polygon {
@@ -79,34 +80,44 @@ Polygon polygon_of(const Convex& shape, Vec3 along) {
   return out;
 }
 
-/// Cuts off what is beyond a plane: dot(normal, x) > offset. New corners have the keys of the first and the
-/// last one that is cut off, so that what slides over an edge stays the same contact. If that is one, the
-/// second has a key of the cut edge and the plane's number.
-Polygon cut(const Polygon& polygon, Vec3 normal, double offset, std::uint32_t number) {
+/// Cuts off what is beyond a plane, dot(normal, x) > offset, by more than the slack. What is so by a little
+/// more is cut at the slack, and the farther it is, the nearer to the plane, so that no place jumps.
+///
+/// New corners have the keys of the first and the last one that is cut off, so that what slides over an edge
+/// stays the same contact. Where one corner alone is cut off, the second new one has a key of the cut edge
+/// and the plane's number.
+Polygon cut(const Polygon& polygon, Vec3 normal, double offset, double slack, std::uint32_t number) {
   Polygon out;
   const std::uint32_t n = polygon.count;
+  const auto beyond = [&](std::uint32_t i) { return dot(normal, polygon.at[i % n]) - offset; };
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t next = (i + 1) % n;
-    const double here = dot(normal, polygon.at[i]) - offset, there = dot(normal, polygon.at[next]) - offset;
-    if (here <= 0) out.add(polygon.at[i], polygon.keys[i]);
-    if ((here <= 0) == (there <= 0) || (n == 2 && i == 1)) continue;
-    const Vec3 before = polygon.at[(i + n - 1) % n];
-    const bool is_second = here > 0 && n > 2 && dot(normal, before) <= offset;
+    const double here = beyond(i), there = beyond(next);
+    const bool leaves = there > slack, returns = here > slack;
+    if (!returns) out.add(polygon.at[i], polygon.keys[i]);
+    if (leaves == returns || (n == 2 && i == 1)) continue;
+    const bool is_second = returns && n > 2 && beyond(i + n - 1) <= slack;
     const std::uint64_t key = is_second ? key_of_cut(polygon.keys[i], polygon.keys[next], number)
-                                        : polygon.keys[here > 0 ? i : next];
-    out.add(between(polygon.at[i], polygon.at[next], here / (here - there)), key);
+                                        : polygon.keys[returns ? i : next];
+    const auto [inner, outer] = std::minmax(here, there);
+    const double where = std::max({0.0, inner, slack - fading * (outer - slack)});
+    out.add(between(polygon.at[i], polygon.at[next], (here - where) / (here - there)), key);
   }
   return out;
 }
 
-/// Takes what of a polygon is over a face.
-Polygon clip(Polygon polygon, const Convex& shape, std::uint32_t face) {
+/// Takes what of a polygon is over a face, or beyond its edges by no more than a share of the shortest.
+Polygon clip(Polygon polygon, const Convex& shape, std::uint32_t face, double share) {
   const auto corners = shape.parts->face(face);
   const auto count = static_cast<std::uint32_t>(corners.size());
+  double shortest = INFINITY;
+  for (std::uint32_t i = 0; i < count; ++i)
+    shortest =
+        std::min(shortest, norm(shape.vertices[corners[(i + 1) % count]] - shape.vertices[corners[i]]));
   for (std::uint32_t i = 0; i < count && polygon.count > 0; ++i) {
     const Vec3 p = shape.vertices[corners[i]], q = shape.vertices[corners[(i + 1) % count]];
     const Vec3 out = cross(q - p, shape.normals[face]);
-    polygon = cut(polygon, out, dot(out, p) + overhang * dot(out, out), corners[i]);
+    polygon = cut(polygon, out, dot(out, p), share * shortest * norm(out), corners[i]);
   }
   return polygon;
 }
@@ -153,7 +164,8 @@ ConvexContacts contacts_of(const Convex& a, const Convex& b, double reach) {
   double narrowest = INFINITY;
   if (const Facing face = over_b ? of_b : of_a; face.cosine >= flatly) {
     const Vec3 n = base.normals[face.face], from = base.vertices[base.parts->face(face.face)[0]];
-    const Polygon polygon = clip(polygon_of(other, -1.0 * n), base, face.face);
+    const bool is_parallel = facing(other, -1.0 * n).cosine > parallel;
+    const Polygon polygon = clip(polygon_of(other, -1.0 * n), base, face.face, is_parallel ? overhang : 0);
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
       const double distance = dot(n, polygon.at[i] - from);
       if (distance - radii > reach) continue;
