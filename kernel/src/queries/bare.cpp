@@ -7,8 +7,6 @@
 namespace plumb::detail {
 namespace {
 
-constexpr std::uint32_t from_the_start = 1;  ///< the generation of what the scene had
-
 /// Lists the particles of a capsule, ascending and each once.
 std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
   std::set<std::uint32_t> out;
@@ -19,7 +17,7 @@ std::vector<std::uint32_t> particles_of(const Capsule& capsule) {
 }
 
 bool is_shown(std::span<const std::uint8_t> shown, const Numbers& numbers, std::uint32_t number) {
-  return number < shown.size() && shown[number] != 0 && numbers.generation(number) == from_the_start;
+  return number < shown.size() && shown[number] != 0 && numbers.is_first(number);
 }
 
 }  // namespace

@@ -215,8 +215,7 @@ void Queries::update(const World& world) {
   const detail::Population& population = step.population();
   of.bare.find(step.scene(), population);
   // Numbers of what was removed may be those of what was added since.
-  for (std::uint32_t i = 0; i < of.particles; ++i)
-    of.replaced[i] = population.particles.generation(i) == 1 ? 0 : 1;
+  for (std::uint32_t i = 0; i < of.particles; ++i) of.replaced[i] = population.particles.is_first(i) ? 0 : 1;
   of.gone.resize(world.rod_count());
   for (std::uint32_t i = 0; i < of.gone.size(); ++i)
     of.gone[i] = !population.rods.has(i) || step.waits(i) || step.is_broken(i) ? 1 : 0;

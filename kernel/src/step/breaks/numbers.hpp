@@ -22,6 +22,8 @@ class Numbers {
     return generations_.empty() ? 1 : generations_[number];
   }
   bool has(std::uint32_t number) const { return generation(number) % 2 == 1; }
+  /// Returns whether the first that ever had a number has it still.
+  bool is_first(std::uint32_t number) const { return generation(number) == 1; }
   /// Calls f(number) for those that nothing has.
   template <class F>
   void for_free(F&& f) const {

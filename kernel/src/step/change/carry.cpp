@@ -58,8 +58,7 @@ void Step::carry_inputs(const Step& from) {
   anchors_.go_on_from(from.anchors_);
   carry_anchors();
   reactions_.go_on(anchors_);
-  loads_ = from.loads_;
-  loads_.for_forces([&](std::uint32_t particle, Vec3 force) {
+  from.loads_.for_forces([&](std::uint32_t particle, Vec3 force) {
     for (const Place& place : compiled_.places.of(particle)) solver(place).set_force(place.slot, force);
   });
 }
