@@ -20,6 +20,9 @@ using layouts::lane_width;
 
 /// Rods that start off their length by less than this share do so by the rounding of their coordinates.
 constexpr double least_gap = 1e-9;
+/// Float rounds what the heaviest pulls by up to 0.4 % of what the lightest weighs, if that is so much
+/// lighter.
+constexpr double widest_in_float = 0x1p16;
 
 /// Returns the elements of an island.
 LoopElements local_elements(const Scene& scene, const IslandSets& sets, std::uint32_t island) {
@@ -85,7 +88,9 @@ class Maker {
         rules_(rules),
         report_(report),
         bends_(scene),
-        reeled_(reeled_rods(scene)) {}
+        reeled_(reeled_rods(scene)) {
+    if (settings.precision == Precision::single) masses_ = lumped_masses(scene);
+  }
 
   std::vector<MadeSolver> make() {
     for (const std::vector<std::uint32_t>& alike : sets_.sets) {
@@ -113,13 +118,20 @@ class Maker {
  private:
   /// Rounding of float, in how far an elastic cable is stretched where it comes tight, gives it energy.
   bool needs_double(std::uint32_t island) const {
-    if (settings_.precision != Precision::single) return true;
+    if (settings_.precision != Precision::single || has_wide_masses(island)) return true;
     if (settings_.gradient == Gradient::old) return false;
-    const auto rods = sets_.islands.edges(island);
-    return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
-      const RodLaw& law = scene_.rods[i].law;
-      return law.one_sided && law.is_elastic();
-    });
+    for (const std::uint32_t i : sets_.islands.edges(island))
+      if (const RodLaw& law = scene_.rods[i].law; law.one_sided && law.is_elastic()) return true;
+    return false;
+  }
+  /// Says whether pulls of the heaviest, rounded to float, move the lightest as if they were a force.
+  bool has_wide_masses(std::uint32_t island) const {
+    double most = 0, most_inverse = 0;
+    for (const std::uint32_t i : sets_.islands.vertices(island)) {
+      if (!scene_.particles[i].fixed) most = std::max(most, masses_[i]);
+      most_inverse = std::max(most_inverse, 1 / masses_[i]);
+    }
+    return most * most_inverse > widest_in_float;
   }
   void add_trees(std::vector<std::uint32_t> equal, const layouts::Tree& tree) {
     const auto single = std::stable_partition(equal.begin(), equal.end(),
@@ -134,19 +146,16 @@ class Maker {
   Isa isa() const { return settings_.isa.value_or(best_isa()); }
 
   bool is_off_length(std::uint32_t island) const {
-    const auto tackles = sets_.elements.tackles_of(island);
-    if (std::any_of(tackles.begin(), tackles.end(),
-                    [&](std::uint32_t i) { return is_off(scene_.tackles[i]); }))
-      return true;
-    const auto reels = sets_.elements.reels_of(island);
-    if (std::any_of(reels.begin(), reels.end(), [&](std::uint32_t i) { return is_off(scene_.reels[i]); }))
-      return true;
-    const auto rods = sets_.islands.edges(island);
-    return std::any_of(rods.begin(), rods.end(), [&](std::uint32_t i) {
-      if (!reeled_.empty() && reeled_[i] != 0) return false;
+    for (const std::uint32_t i : sets_.elements.tackles_of(island))
+      if (is_off(scene_.tackles[i])) return true;
+    for (const std::uint32_t i : sets_.elements.reels_of(island))
+      if (is_off(scene_.reels[i])) return true;
+    for (const std::uint32_t i : sets_.islands.edges(island)) {
       const Rod& rod = scene_.rods[i];
-      return is_off(rod.law, distance(rod.a, rod.b), rod_length(scene_, i));
-    });
+      const bool is_reeled = !reeled_.empty() && reeled_[i] != 0;
+      if (!is_reeled && is_off(rod.law, distance(rod.a, rod.b), rod_length(scene_, i))) return true;
+    }
+    return false;
   }
 
   static bool is_off(const RodLaw& law, double now, double length) {
@@ -375,6 +384,7 @@ class Maker {
   StartReport& report_;
   const BendTable bends_;
   const std::vector<std::uint8_t> reeled_;
+  std::vector<double> masses_;  // if it is float that solves
   std::shared_ptr<LoopRules> loop_rules_;
   std::vector<MadeSolver> made_;
 };
