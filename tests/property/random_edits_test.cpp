@@ -95,7 +95,7 @@ void change_settings(Twins& twins, Random& random) {
 
 /// Does one edit to both. A refused one changes neither. Returns whether momentum may change by it.
 bool edit(Twins& twins, Random& random) {
-  const std::uint32_t kind = below(random, 9), rod = below(random, twins.one.rod_count()),
+  const std::uint32_t kind = below(random, 12), rod = below(random, twins.one.rod_count()),
                       particle = below(random, twins.one.particle_count());
   const double mass = between(random, 0.05, 0.3);
   const auto both = [&](auto&& change) {
@@ -118,6 +118,15 @@ bool edit(Twins& twins, Random& random) {
   if (kind == 6) {
     both([&](World& world) { world.fix(particle); });
     return true;
+  }
+  if (kind == 9) {
+    both([&](World& world) { world.free(particle); });
+    return true;
+  }
+  if (kind > 9) {
+    const std::uint32_t other = below(random, twins.one.particle_count());
+    both([&](World& world) { world.join({.a = particle, .b = other}); });
+    return false;
   }
   const Handle<Particle> handle = twins.one.particle_handle(particle);
   if (both([&](World& world) { world.remove(particle); })) {

@@ -173,6 +173,26 @@ TEST(TouchingEdits, EndTheCapsuleAlongACutRod) {
   });
 }
 
+// Ropes that share a solver of rods: what is removed while it touches others leaves those that fly moving.
+TEST(TouchingEdits, LetOthersFlyWhenWhatTouchesIsRemoved) {
+  for_all([](const Settings& settings) {
+    Scene scene = crossing();
+    add_rope(scene, {5, 0, 0}, {1, 0, 0}, 10, false, {0, 1, 0});
+    World world(scene, settings);
+    ASSERT_GT(steps_until_contact(world), 0);
+    world.cut(5);
+    world.step(frame / 4);
+    world.remove(23);
+    const double before = world.position(33).y;
+    test::run(world, frame, 6);
+    EXPECT_NEAR(world.position(33).y - before, 0.1, 1e-9);
+    EXPECT_GT(norm(world.velocity(0)), 1e-3);
+    const Vec3 place = world.position(0);
+    test::run(world, frame, 1);
+    EXPECT_NEAR(norm(world.position(0) - place), frame * norm(world.velocity(0)), 1e-4);
+  });
+}
+
 // What lay on a rope goes on without it, as in a world that has it no more, and the rope is known no more.
 TEST(TouchingEdits, RemoveWhatLies) {
   for_all([](const Settings& settings) {

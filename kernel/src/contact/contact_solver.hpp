@@ -63,6 +63,8 @@ class ContactSolver final : public Solver {
   /// Makes islands anew with what is listed of them, as the islands that they are then. They end themselves.
   /// Those of particles and rods are plain again, if they have shapes; without, a home alone moves them.
   std::vector<Made> make_anew(std::span<const std::uint32_t> islands, const PartEdits& edits);
+  /// Does so with plain islands that may have come together, or with others that have no shapes.
+  std::vector<Made> make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, MetIslands met);
   /// Lets an island with a home go on visiting.
   void stay_away(std::uint32_t island) { visitors_[island].stay(); }
   void remove(Slot slot) override;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "contact/contact_solver.hpp"
 #include "contact/linkage/scene_parts.hpp"
@@ -91,6 +92,15 @@ void LinkageState::go_on_from(const LinkageState& from, std::span<const std::uin
   is_relaxed = from.is_relaxed;
 }
 
+void LinkageState::begin_in(const Scene& scene, std::span<const std::uint32_t> of, const LinkageState& like) {
+  for (std::uint32_t k = 0; k < of.size(); ++k) {
+    x[k] = scene.particles[of[k]].position;
+    v[k] = k < linkage->movable() ? scene.particles[of[k]].velocity : Vec3{};
+  }
+  gradient = like.gradient;
+  asleep = false;
+}
+
 /// Returns an island as its kind was made, with the scene's numbers of what it has.
 NamedPart ContactSolver::named_part(std::uint32_t island) const {
   const std::size_t kind = kind_number(states_[island]);
@@ -124,7 +134,7 @@ void ContactSolver::retire(std::uint32_t island) {
   --uses_[kind_number(states_[island])];
   clusters_.end(island);
   states_[island].end();
-  visitors_[island] = {};
+  visitors_[island].end();
   for (std::vector<Owner>* const owners : {&rods_, &pins_, &angles_, &springs_, &torsions_, &shapes_})
     for (Owner& owner : *owners)
       if (owner.island == island) owner.island = ended;
@@ -165,6 +175,46 @@ auto ContactSolver::make_anew(std::span<const std::uint32_t> islands, const Part
     retire(island);
     rename(part, parts, numbers);
   }
+  return out;
+}
+
+auto ContactSolver::make_met(std::span<const std::uint32_t> islands, const PartEdits& edits, MetIslands met)
+    -> std::vector<Made> {
+  NamedPart whole;
+  whole.scene = std::move(met.scene);
+  whole.particles = std::move(met.particles);
+  whole.rods = std::move(met.rods);
+  std::set<std::uint32_t> visiting;
+  std::vector<NamedPart> before;
+  for (const std::uint32_t island : islands) {
+    clusters_.wake(island);  // and what lies on it
+    NamedPart& part = before.emplace_back(named_part(island));
+    if (!visitors_[island].is_at_home()) visiting.insert(part.particles.begin(), part.particles.end());
+    edit(part, edits);
+  }
+  whole.take_capsules(before);
+  const SceneParts parts(whole.scene);
+  std::map<std::vector<double>, std::size_t> kinds;
+  std::vector<std::uint32_t> numbers(parts.count(), ended);
+  std::vector<Made> out;
+  for (std::uint32_t p = 0; p < parts.count(); ++p) {
+    const Scene& part = parts.part(p);
+    if (part.capsules.empty()) continue;
+    const auto [at, is_new] = kinds.try_emplace(likeness(part), 0);
+    if (is_new) at->second = add_kind(part);
+    numbers[p] = append(at->second, part, true);
+    LinkageState& state = states_.back();
+    state.begin_in(whole.scene, parts.particles(p), states_[islands.front()]);
+    for (const std::uint32_t particle : parts.particles(p))
+      state.particles.push_back(whole.particles[particle]);
+    const auto movable = std::span(state.particles).first(state.linkage->movable());
+    out.push_back({numbers[p], std::any_of(movable.begin(), movable.end(), [&](std::uint32_t particle) {
+                     return visiting.contains(particle);
+                   })});
+  }
+  clusters_.grow(states_);
+  for (const std::uint32_t island : islands) retire(island);
+  rename(whole, parts, numbers);
   return out;
 }
 
@@ -222,6 +272,10 @@ void ContactSolver::rename(const NamedPart& part, const SceneParts& parts,
                            std::span<const std::uint32_t> numbers) {
   const auto put = [&](std::span<const SceneParts::Share> shares, std::span<const std::uint32_t> names,
                        std::vector<Owner>& owners) {
+    if (!names.empty())
+      owners.resize(
+          std::max<std::size_t>(owners.size(), *std::max_element(names.begin(), names.end()) + 1ull),
+          Owner{ended, 0});
     for (std::size_t i = 0; i < names.size(); ++i)
       if (shares[i].part < numbers.size() && numbers[shares[i].part] != ended)
         owners[names[i]] = {numbers[shares[i].part], shares[i].number};

@@ -1,6 +1,7 @@
 #include "contact/edits/part_edits.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "contact/linkage/scene_parts.hpp"
 #include "contact/platforms/anchored.hpp"
@@ -63,6 +64,23 @@ void NamedPart::cut(std::uint32_t number) {
   scene.particles[rod.a].mass += mass.aa;
   scene.particles[rod.b].mass += mass.bb;
   erase_rod(index);
+}
+
+void NamedPart::take_capsules(std::span<const NamedPart> from) {
+  std::map<std::uint32_t, std::uint32_t> here;
+  for (std::uint32_t k = 0; k < particles.size(); ++k) here[particles[k]] = k;
+  std::map<std::uint32_t, Capsule> taken;
+  for (const NamedPart& part : from)
+    for (std::size_t i = 0; i < part.capsules.size(); ++i) {
+      Capsule& capsule = taken[part.capsules[i]] = part.scene.capsules[i];
+      for (Point* const point : {&capsule.a, &capsule.b})
+        for (std::size_t k = 0; k < point->particles.size(); ++k)
+          if (point->weights[k] != 0) point->particles[k] = here.at(part.particles[point->particles[k]]);
+    }
+  for (const auto& [number, capsule] : taken) {
+    capsules.push_back(number);
+    scene.capsules.push_back(capsule);
+  }
 }
 
 void NamedPart::erase_rod(std::size_t index) {

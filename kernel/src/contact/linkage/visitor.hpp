@@ -47,6 +47,12 @@ class Visitor {
     home_->set_away(slots_.front(), true);
     is_visiting_ = true;
   }
+  /// Ends the island, here and at home, where it counts as moved elsewhere no more. Its home ends it after
+  /// that.
+  void end() {
+    if (has_home() && is_visiting_) home_->set_away(slots_.front(), false);
+    *this = {};
+  }
   /// Gives positions and velocities back.
   void leave(const LinkageState& state);
   /// The number of the home among the world's solvers, and a slot there: they tell the island's piece.

@@ -4,11 +4,23 @@
 #include <numeric>
 #include <utility>
 
+#include "contact/platforms/anchored.hpp"
 #include "scene/refuse.hpp"
 #include "step/breaks/ids.hpp"
 #include "step/step.hpp"
 
 namespace plumb::detail {
+namespace {
+
+/// Returns whether a capsule is at a particle.
+bool is_at(const Capsule& capsule, std::uint32_t particle) {
+  for (const Point* const point : {&capsule.a, &capsule.b})
+    for (std::size_t k = 0; k < point->particles.size(); ++k)
+      if (point->weights[k] != 0 && point->particles[k] == particle) return true;
+  return false;
+}
+
+}  // namespace
 
 Scene Step::scene_of(const Addition& of) const {
   return of.scene(gravity_, origin_->scene.drag);
@@ -143,16 +155,17 @@ Removed Step::take_away(std::uint32_t particle) {
 /// no place in an island. Everything else that a fixed particle may hold has one.
 bool Step::carries_shape(std::uint32_t anchor) const {
   if (!compiled_.contact || anchor >= origin_->scene.particles.size()) return false;
-  const auto is_at = [&](const Point& point) {
-    for (std::size_t k = 0; k < point.particles.size(); ++k)
-      if (point.weights[k] != 0 && point.particles[k] == anchor) return true;
-    return false;
-  };
-  for (std::uint32_t i = 0; i < origin_->scene.capsules.size(); ++i) {
-    const Capsule& capsule = origin_->scene.capsules[i];
-    if (compiled_.contact->has_shape(i) && (is_at(capsule.a) || is_at(capsule.b))) return true;
-  }
+  for (std::uint32_t i = 0; i < origin_->scene.capsules.size(); ++i)
+    if (compiled_.contact->has_shape(i) && is_at(origin_->scene.capsules[i], anchor)) return true;
   return false;
+}
+
+bool Step::holds_ground(std::uint32_t anchor) const {
+  if (!compiled_.contact || anchor >= origin_->scene.particles.size()) return false;
+  const std::vector<Capsule>& capsules = origin_->scene.capsules;
+  return std::any_of(capsules.begin(), capsules.end(), [&](const Capsule& each) {
+    return is_at(each, anchor) && is_anchored(origin_->scene, each);
+  });
 }
 
 /// Lets nobody know what is gone any more.

@@ -99,6 +99,16 @@ std::optional<std::uint32_t> Breaks::reel_at(std::uint32_t particle) const {
   return wholes_[whole].reels.front();
 }
 
+bool Breaks::is_plain_at(std::uint32_t particle) const {
+  if (whole_[particle] == none) return true;
+  const Whole& whole = wholes_[whole_[particle]];
+  if (!whole.bends.empty() || !whole.tackles.empty() || !whole.twists.empty() || !whole.reels.empty())
+    return false;
+  return std::all_of(whole.rods.begin(), whole.rods.end(), [&](std::uint32_t rod) {
+    return out_[rod] == State::in && is_plain(scene_now().rods[rod]);
+  });
+}
+
 // --- Changes
 
 bool Breaks::joins_ends(std::uint32_t rod) const {

@@ -28,6 +28,7 @@ struct Fallen {
   /// Lists the contact solver's islands that are made anew with them or by themselves, and how.
   std::vector<std::uint32_t> parts{};
   PartEdits part_edits{};
+  bool meets = false;  ///< Those of particles, rigid rods and shapes may have come together.
   std::vector<std::uint32_t> of_linkages{};  ///< movable particles of those that have no home
 
   bool any() const { return !leaving.empty() || !particles.empty() || !parts.empty(); }
@@ -103,6 +104,8 @@ class Breaks {
   }
   /// Returns the number of a reel of the island of a particle, which does so, too.
   std::optional<std::uint32_t> reel_at(std::uint32_t particle) const;
+  /// Returns whether nothing but rigid rods, which air does not slow, holds a particle's island together.
+  bool is_plain_at(std::uint32_t particle) const;
 
  private:
   static constexpr std::uint32_t none = 0xffffffff;

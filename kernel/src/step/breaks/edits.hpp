@@ -18,6 +18,12 @@ inline double misfit(double distance, double length, const RodLaw& law) {
   return law.one_sided ? std::max(0.0, distance - length) : std::abs(distance - length);
 }
 
+/// Returns whether a rod is one that islands with shapes may have and still be left to solvers of particles
+/// and rods.
+inline bool is_plain(const Rod& rod) {
+  return rod.law.is_rigid() && rod.linear_drag == 0 && rod.orthogonal_drag == 0;
+}
+
 /// Says what a rod is that a program joins to particles that are there, and which number it got.
 struct Joined {
   std::uint32_t number = 0;

@@ -29,11 +29,32 @@ void Step::require_no_joints(const char* what, std::uint32_t number, std::uint32
            "one");
 }
 
-/// Refuses one that is not known of islands with shapes, either.
-void Step::require_no_contact(const char* what, std::uint32_t number, std::uint32_t particle) const {
-  if (contact_place(particle))
-    refuse(what, " ", number,
-           ": its island has joints, springs, shapes, air on rods or sleepers, and stays one");
+/// Refuses to bring islands with shapes together with anything but particles, rigid rods and shapes, by a rod
+/// that is to be joined or by freeing what others hang from. What waits for the same step counts.
+void Step::require_plain_meeting(const char* what, std::uint32_t number, std::vector<std::uint32_t> particles,
+                                 bool is_plain_rod) const {
+  if (!compiled_.contact) return;
+  for (const Joined& each : edits_.joined) {
+    particles.insert(particles.end(), {each.rod.a, each.rod.b});
+    is_plain_rod = is_plain_rod && is_plain(each.rod);
+  }
+  for (const auto& [freed, is_fixed] : edits_.fixed)
+    if (!is_fixed) append_neighbours(freed, particles);
+  std::erase_if(particles, [&](std::uint32_t each) { return anchors_.is_fixed(each); });
+  if (std::none_of(particles.begin(), particles.end(),
+                   [&](std::uint32_t each) { return contact_place(each) != nullptr; }))
+    return;
+  if (!is_plain_rod || !std::all_of(particles.begin(), particles.end(),
+                                    [&](std::uint32_t each) { return breaks_.is_plain_at(each); }))
+    refuse(what, " ", number, ": islands with shapes would get bends, tackles or rods that give or break");
+}
+
+/// Appends the other ends of the rods at a particle.
+void Step::append_neighbours(std::uint32_t particle, std::vector<std::uint32_t>& to) const {
+  for (const std::uint32_t rod : breaks_.rods_at(particle)) {
+    const auto [a, b] = std::pair{breaks_.scene_now().rods[rod].a, breaks_.scene_now().rods[rod].b};
+    if (breaks_.joins_ends(rod)) to.push_back(a == particle ? b : a);
+  }
 }
 
 void Step::cut(std::uint32_t rod) {
@@ -76,10 +97,11 @@ void Step::require_joinable(const Rod& rod) const {
   for (const std::uint32_t end : {rod.a, rod.b}) {
     if (anchors_.is_fixed(end)) continue;  // if it is to be freed, fix() has looked at what hangs from it
     require_editable("particle", end, end);
-    require_no_contact("particle", end, end);
+    require_no_joints("particle", end, end);
     if (const auto twist = breaks_.twist_at(end))
       refuse("particle ", end, ": twist ", *twist, " is of its island, which stays one");
   }
+  require_plain_meeting("particle", rod.a, {rod.a, rod.b}, is_plain(rod));
   const auto require_other = [&](std::uint32_t number, const Rod& other) {
     if (std::minmax(other.a, other.b) == std::minmax(rod.a, rod.b))
       refuse("rod ", number, ": joins particles ", rod.a, " and ", rod.b, " already");
@@ -138,10 +160,7 @@ void Step::fix(std::uint32_t particle, bool is_fixed) {
   require_no_joints("particle", particle, particle);
   for (const std::uint32_t rod : breaks_.rods_at(particle)) {
     require_editable("particle", particle, rods_.end(rod));
-    if (is_fixed)
-      require_no_joints("particle", particle, rods_.end(rod));
-    else
-      require_no_contact("particle", particle, rods_.end(rod));
+    require_no_joints("particle", particle, rods_.end(rod));
     if (const auto twist = breaks_.twist_at(rods_.end(rod)))
       refuse("particle ", particle, ": twist ", *twist, " is of its island, which stays one");
   }
@@ -151,7 +170,14 @@ void Step::fix(std::uint32_t particle, bool is_fixed) {
   if (!is_fixed && !(mass > 0 && std::isfinite(mass)))
     refuse("particle ", particle, ": has no mass to be free with, but ", mass,
            " kg; set_mass() gives it one");
-  if (!is_fixed) require_fit_of_fixed(particle);
+  if (!is_fixed) {
+    if (holds_ground(particle))
+      refuse("particle ", particle, ": a capsule of the ground is at it, and it stays");
+    std::vector<std::uint32_t> hanging;
+    append_neighbours(particle, hanging);
+    require_plain_meeting("particle", particle, std::move(hanging), true);
+    require_fit_of_fixed(particle);
+  }
   edits_.fixed.emplace_back(particle, is_fixed);
   anchors_.order(particle, is_fixed);
 }

@@ -140,7 +140,7 @@ void Step::exchange(const Fallen& fallen, Split& now, Compiled made) {
   const std::vector<std::uint32_t> grabs = take_grabs(fallen.leaving);
   refix(now.edits);
   std::vector<ContactSolver::Made> parts;
-  if (!fallen.parts.empty()) parts = compiled_.contact->make_anew(fallen.parts, fallen.part_edits);
+  if (!fallen.parts.empty()) parts = make_parts(fallen);
   std::uint32_t islands = 0;
   const std::vector<std::uint32_t> solvers = remove_places(fallen.leaving, fallen.touched, islands);
   for (const std::uint32_t rod : fallen.leaving_rods) compiled_.cords.replace(rod, {});
@@ -171,12 +171,15 @@ std::vector<std::uint32_t> Step::remove_places(std::span<const std::uint32_t> le
   const auto island_at = [&](const Place& place) {
     return IslandOfSolver{place.solver, solver(place).island_of(place.slot)};
   };
-  for (const std::uint32_t particle : leaving)
-    for (const Place& place : compiled_.places.of(particle))
-      if (gone.insert(island_at(place)).second) {
-        if (&solver(place) == compiled_.contact && compiled_.contact->may_go_home(place.slot)) ++visitors;
-        solver(place).remove(place.slot);
-      }
+  for (const std::uint32_t particle : leaving) {
+    const auto places = compiled_.places.of(particle);
+    for (std::size_t k = places.size(); k-- > 0;) {  // from the contact solver first, then from its home
+      if (!gone.insert(island_at(places[k])).second) continue;
+      if (&solver(places[k]) == compiled_.contact && compiled_.contact->may_go_home(places[k].slot))
+        ++visitors;
+      solver(places[k]).remove(places[k].slot);
+    }
+  }
   std::vector<Place> left;
   for (const std::uint32_t particle : touched) {
     left.clear();

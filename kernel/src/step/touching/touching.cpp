@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "contact/linkage/scene_parts.hpp"
 #include "step/breaks/ids.hpp"
 #include "step/methods.hpp"
 #include "step/step.hpp"
@@ -51,6 +52,15 @@ Fallen Step::take_out(const Split& now) {
     breaks_.hold(particle);
   };
   PartEdits edits;
+  bool meets = false;
+  const auto bring = [&](std::uint32_t particle) {
+    touch(particle);
+    meets = meets || (!anchors_.is_fixed(particle) && contact_place(particle) != nullptr);
+  };
+  for (const Joined& each : now.edits.joined) {
+    bring(each.rod.a);
+    bring(each.rod.b);
+  }
   for (const std::uint32_t rod : now.edits.cut) {
     touch(rods_.end(rod));
     edits.cut.push_back(rod);
@@ -64,9 +74,15 @@ Fallen Step::take_out(const Split& now) {
     edits.heavier.emplace_back(particle, mass - breaks_.own_mass(particle));
   }
   for (const auto& [particle, is_fixed] : now.edits.fixed) {
-    if (!is_fixed || anchors_.is_fixed(particle)) continue;
-    touch(particle);
-    edits.fixed.push_back(particle);
+    if (anchors_.is_fixed(particle) == is_fixed) continue;
+    if (is_fixed) {
+      touch(particle);
+      edits.fixed.push_back(particle);
+      continue;
+    }
+    std::vector<std::uint32_t> hanging;
+    append_neighbours(particle, hanging);
+    std::for_each(hanging.begin(), hanging.end(), bring);
   }
   sort_once(parts);
   sort_once(linkages);
@@ -84,6 +100,31 @@ Fallen Step::take_out(const Split& now) {
   out.leaving.insert(out.leaving.end(), out.of_linkages.begin(), out.of_linkages.end());
   out.parts = std::move(parts);
   out.part_edits = std::move(edits);
+  out.meets = meets;
+  return out;
+}
+
+/// Returns what is made anew without what has a home alone, where it is now.
+MetIslands Step::met_islands(const Fallen& fallen) const {
+  MetIslands out{.particles = fallen.particles, .rods = fallen.rods};
+  out.scene.gravity = fallen.scene.gravity;
+  out.scene.drag = fallen.scene.drag;
+  out.scene.particles = fallen.scene.particles;
+  out.scene.rods = fallen.scene.rods;
+  if (mass_model_of(settings_) == MassModel::lumped) lump_masses(out.scene);
+  return out;
+}
+
+/// Makes the contact solver's islands anew. Those that may have come together are looked at as one scene.
+std::vector<ContactSolver::Made> Step::make_parts(const Fallen& fallen) const {
+  ContactSolver& contact = *compiled_.contact;
+  if (!fallen.meets) return contact.make_anew(fallen.parts, fallen.part_edits);
+  Ids met, others;
+  for (const std::uint32_t part : fallen.parts)
+    (contact.may_go_home(contact.first_slot(part)) ? met : others).push_back(part);
+  std::vector<ContactSolver::Made> out = contact.make_anew(others, fallen.part_edits);
+  const auto made = contact.make_met(met, fallen.part_edits, met_islands(fallen));
+  out.insert(out.end(), made.begin(), made.end());
   return out;
 }
 
